@@ -1,0 +1,161 @@
+//! The binary bounding volume hierarchy of the scalar engine.
+
+use std::time::Duration;
+
+use glam::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+use smallvec::SmallVec;
+
+use super::group::Groups;
+use super::slab::SlabRay;
+use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
+
+/// A binary tree of boxes over the primitives of a scene, built by obvhs.
+#[derive(Clone, Debug)]
+pub struct Bvh2 {
+    /// The root first; an inner node's children are neighbours.
+    nodes: Vec<Node>,
+    /// Primitives in the order of the leaves.
+    primitives: Vec<u32>,
+    bounds: Bounds,
+}
+
+/// 32 bytes, so that two children share a cache line.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    low: Vec3,
+    /// First child, or first place in `Bvh2::primitives`.
+    first: u32,
+    high: Vec3,
+    /// Number of primitives; 0 for an inner node.
+    count: u32,
+}
+
+/// Leaves hold at most 4 primitives and are worth splitting when that saves one box test.
+const BUILD: BvhBuildParams = BvhBuildParams {
+    pre_split: false,
+    max_prims_per_leaf: 4,
+    collapse_traversal_cost: 1.0,
+    ..BvhBuildParams::slow_build()
+};
+
+impl Bvh2 {
+    /// A tree whose boxes hold every primitive over all times of `shutter`.
+    pub fn new(geometry: &Geometry, shutter: (f32, f32)) -> Self {
+        let boxes: Vec<Bounds> = (0..geometry.len() as u32)
+            .map(|primitive| geometry.get(primitive).bounds(shutter.0, shutter.1))
+            .collect();
+        let bounds = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
+        if boxes.is_empty() {
+            return Self { nodes: Vec::new(), primitives: Vec::new(), bounds };
+        }
+        let groups = Groups::new(&boxes);
+        let group_box = |group: usize| {
+            let members = groups.members(group).iter();
+            let b = members.fold(Bounds::EMPTY, |union, &p| union.union(boxes[p as usize]));
+            Aabb { min: b.min.into(), max: b.max.into() }
+        };
+        let group_boxes: Vec<Aabb> = (0..groups.len()).map(group_box).collect();
+        let tree = build_bvh2(&group_boxes, BUILD, &mut Duration::default());
+        let mut primitives = Vec::with_capacity(boxes.len());
+        let nodes = tree.nodes.iter().map(|node| {
+            let (mut first, mut count) = (node.first_index, 0);
+            if node.prim_count > 0 {
+                let leaf = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+                first = primitives.len() as u32;
+                for &group in &tree.primitive_indices[leaf] {
+                    primitives.extend_from_slice(groups.members(group as usize));
+                }
+                count = primitives.len() as u32 - first;
+            }
+            Node { low: node.aabb().min.into(), first, high: node.aabb().max.into(), count }
+        });
+        let nodes = nodes.collect();
+        Self { nodes, primitives, bounds }
+    }
+
+    /// The closest hit in the open interval `(t_min, t_max)`; ties go to the lowest index.
+    pub fn closest(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
+        let prepared = PreparedRay::new(ray);
+        let mut best = None;
+        self.traverse(ray, t_min, t_max, |primitive, limit| {
+            // A hit at the very limit still counts where its index is lower.
+            let (limit_or_tie, best_primitive) = match best {
+                Some(Hit { t, primitive }) => (f32::next_up(t), primitive),
+                None => (limit, u32::MAX),
+            };
+            match geometry.get(primitive).intersect(&prepared, t_min, limit_or_tie) {
+                Some(t) if t < limit || primitive < best_primitive => {
+                    best = Some(Hit { t, primitive });
+                    t
+                }
+                _ => limit,
+            }
+        });
+        best
+    }
+
+    /// Whether anything is hit in the open interval `(t_min, t_max)`.
+    pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
+        let prepared = PreparedRay::new(ray);
+        let mut occluded = false;
+        self.traverse(ray, t_min, t_max, |primitive, limit| {
+            occluded |= geometry.get(primitive).intersect(&prepared, t_min, t_max).is_some();
+            // No box is entered before −∞: the traversal ends.
+            if occluded { f32::NEG_INFINITY } else { limit }
+        });
+        occluded
+    }
+
+    /// Calls `visit` with the primitives in boxes that the ray enters within the limit,
+    /// nearer boxes first. `visit` returns the new limit.
+    #[inline]
+    fn traverse(&self, ray: &Ray, t_min: f32, t_max: f32, mut visit: impl FnMut(u32, f32) -> f32) {
+        // NaN and infinite rays hit nothing; they must not visit every leaf to find out.
+        if self.nodes.is_empty() || !ray.origin.is_finite() || !ray.direction.is_finite() {
+            return;
+        }
+        let slab = SlabRay::new(ray, &self.bounds);
+        let enter = |node: &Node, limit| slab.enter(node.low, node.high, t_min, limit);
+        let mut limit = t_max;
+        let mut stack: SmallVec<[(u32, f32); 64]> = SmallVec::new();
+        let mut next = enter(&self.nodes[0], limit).map(|_| 0);
+        while let Some(index) = next {
+            let node = &self.nodes[index as usize];
+            next = None;
+            if node.count > 0 {
+                let first = node.first as usize;
+                for &primitive in &self.primitives[first..first + node.count as usize] {
+                    limit = visit(primitive, limit);
+                }
+            } else {
+                let children = (node.first, node.first + 1);
+                let left = enter(&self.nodes[children.0 as usize], limit);
+                let right = enter(&self.nodes[children.1 as usize], limit);
+                next = match (left, right) {
+                    (Some(l), Some(r)) if l <= r => {
+                        stack.push((children.1, r));
+                        Some(children.0)
+                    }
+                    (Some(l), Some(_)) => {
+                        stack.push((children.0, l));
+                        Some(children.1)
+                    }
+                    (Some(_), None) => Some(children.0),
+                    (None, Some(_)) => Some(children.1),
+                    (None, None) => None,
+                };
+            }
+            while next.is_none() {
+                match stack.pop() {
+                    // Pruned only when its entry is strictly beyond the limit.
+                    Some((index, entry)) if entry <= limit => next = Some(index),
+                    Some(_) => {}
+                    None => return,
+                }
+            }
+        }
+    }
+}

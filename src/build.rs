@@ -1,0 +1,38 @@
+//! Notes compiler, flags and commit for the records that name them.
+
+use std::env;
+use std::process::Command;
+
+fn main() {
+    let rustc = env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    note("PTFAST_RUSTC", output(&rustc, &["--version"]));
+    let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default().replace('\x1f', " ");
+    note("PTFAST_FLAGS", Some(flags));
+    note("PTFAST_COMMIT", commit());
+    for path in ["src", "scenes", "Cargo.toml", ".git/HEAD", ".git/logs/HEAD", ".git/index"] {
+        if std::path::Path::new(path).exists() {
+            println!("cargo::rerun-if-changed={path}");
+        }
+    }
+}
+
+/// The commit of this very package, `-dirty` where files differ from it.
+fn commit() -> Option<String> {
+    let here = env::current_dir().ok()?.canonicalize().ok()?;
+    let top = output("git", &["rev-parse", "--show-toplevel"])?;
+    if std::path::Path::new(&top).canonicalize().ok()? != here {
+        return None;
+    }
+    let commit = output("git", &["rev-parse", "--short=12", "HEAD"])?;
+    let changes = output("git", &["status", "--porcelain", "--untracked-files=no"])?;
+    Some(if changes.is_empty() { commit } else { commit + "-dirty" })
+}
+
+fn output(program: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(arguments).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn note(variable: &str, value: Option<String>) {
+    println!("cargo::rustc-env={variable}={}", value.unwrap_or_else(|| "unknown".into()));
+}

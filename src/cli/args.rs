@@ -1,0 +1,143 @@
+//! The arguments, parsed by clap.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::engine::Engine;
+use crate::image::Transfer;
+use crate::limits::{MAX_DEPTH, MAX_SIDE, MAX_SPP, MAX_THREADS};
+use crate::scene::Sampling;
+
+/// A CPU path tracer: same seed, same bits.
+#[derive(Debug, Parser)]
+#[command(name = "ptfast", version, about, max_term_width = 100)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a scene to an image file
+    Render(RenderArgs),
+    /// List, show or check scenes
+    Scenes(ScenesArgs),
+    /// Render the report's six figures and a page that shows them
+    Figures(FiguresArgs),
+    /// Tell how two images differ
+    Compare(CompareArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    /// Built-in scene (spheres, spacetime, checker, cornell) or path of a .ron, .json or .txt file
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(super) scene: String,
+    /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Width in pixels [default: the scene's, or in proportion to --height]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub(super) width: Option<u32>,
+    /// Height in pixels [default: the scene's, or in proportion to --width]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub(super) height: Option<u32>,
+    /// Samples a pixel [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    pub(super) spp: Option<u32>,
+    /// Largest number of segments of a path [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
+    pub(super) depth: Option<u32>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Worker threads; the image does not depend on them [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    pub(super) threads: Option<u32>,
+    /// Engine; the image does not depend on it
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) engine: Engine,
+    /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
+    #[arg(long, value_enum)]
+    pub(super) sampling: Option<Sampling>,
+    /// Whether paths of little weight end early at random, without bias
+    #[arg(long, value_enum, default_value_t = Switch::On)]
+    pub(super) roulette: Switch,
+    /// Transfer curve of 8-bit files
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) gamma: Transfer,
+    /// Side of the tiles that work is handed out in; the image does not depend on it
+    #[arg(long, value_name = "PIXELS", default_value_t = 32, hide = true,
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub(super) tile_size: u32,
+    /// Write a record of the render as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(super) json: Option<PathBuf>,
+    /// No progress and no notices
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Switch {
+    On,
+    Off,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ScenesArgs {
+    #[command(subcommand)]
+    pub(super) command: ScenesCommand,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum ScenesCommand {
+    /// The built-in scenes
+    List,
+    /// Print a scene as RON or JSON
+    Show {
+        /// Built-in scene or path
+        #[arg(value_name = "NAME|FILE")]
+        scene: String,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Check a scene file and count what is in it
+    Check {
+        /// Built-in scene or path
+        #[arg(value_name = "NAME|FILE")]
+        scene: String,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(super) struct FiguresArgs {
+    /// Folder for the six pictures and index.html; made if missing
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// A tenth of the report's samples
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Worker threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    pub(super) threads: Option<u32>,
+    /// No progress and no notices
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompareArgs {
+    /// Image
+    pub(super) a: PathBuf,
+    /// Image it is compared with, the reference of relative measures
+    pub(super) b: PathBuf,
+    /// Compare display values: clamped to [0, 1], then through this curve [default: linear]
+    #[arg(long, value_enum, value_name = "GAMMA")]
+    pub(super) display: Option<Transfer>,
+    /// Write a false-colour image of the differences
+    #[arg(long, value_name = "FILE")]
+    pub(super) heatmap: Option<PathBuf>,
+}

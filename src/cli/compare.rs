@@ -1,0 +1,42 @@
+//! `ptfast compare`.
+
+use super::args::CompareArgs;
+use super::say;
+use crate::error::Result;
+use crate::image::{Format, Image, Metadata, Transfer, compare};
+
+/// 0 where the images are identical, else 1.
+pub(super) fn run(args: &CompareArgs) -> Result<u8> {
+    if let Some(path) = &args.heatmap {
+        Format::of_path(path)?;
+    }
+    let (a, b) = (Image::read(&args.a)?, Image::read(&args.b)?);
+    if (a.width(), a.height()) != (b.width(), b.height()) {
+        say(format_args!(
+            "identical        no: {} x {} and {} x {} pixels",
+            a.width(),
+            a.height(),
+            b.width(),
+            b.height()
+        ))?;
+        return Ok(1);
+    }
+    let (c, heatmap) = compare(&a, &b, args.display)?;
+    if let Some(path) = &args.heatmap {
+        heatmap.write(path, Transfer::Srgb, &Metadata::default())?;
+    }
+    let scale = match args.display {
+        None => "linear",
+        Some(Transfer::Srgb) => "as displayed, sRGB",
+        Some(Transfer::Gamma2) => "as displayed, gamma 2",
+    };
+    let (x, y) = c.largest_at;
+    say(format_args!("identical        {}", if c.identical { "yes" } else { "no" }))?;
+    say(format_args!("values           {scale}"))?;
+    say(format_args!("mse              {:.6e}", c.mse))?;
+    say(format_args!("relative mse     {:.6e}", c.relative_mse))?;
+    say(format_args!("psnr             {:.2} dB", c.psnr))?;
+    say(format_args!("largest          {:.6e} at pixel ({x}, {y})", c.largest))?;
+    say(format_args!("ratio of means   {:.6}", c.ratio_of_means))?;
+    Ok(u8::from(!c.identical))
+}

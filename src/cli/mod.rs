@@ -1,0 +1,95 @@
+//! The command line: parse, run, and say what went wrong in one line.
+
+mod args;
+mod compare;
+mod figures;
+mod progress;
+mod record;
+mod render;
+mod scenes;
+
+use std::fmt;
+use std::io::{self, Write};
+use std::panic;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use crate::error::{Error, Result};
+use args::{Cli, Command};
+
+/// Runs the program with the process's arguments.
+pub fn run() -> ExitCode {
+    report_panics_in_one_line();
+    let code = panic::catch_unwind(|| match Cli::try_parse() {
+        Ok(cli) => exit_code(dispatch(&cli.command)),
+        Err(error) => explain_usage(&error),
+    });
+    ExitCode::from(code.unwrap_or(INTERNAL_FAULT))
+}
+
+const INTERNAL_FAULT: u8 = 70;
+
+fn dispatch(command: &Command) -> Result<u8> {
+    match command {
+        Command::Render(args) => render::run(args).map(|()| 0),
+        Command::Scenes(args) => scenes::run(&args.command).map(|()| 0),
+        Command::Figures(args) => figures::run(args).map(|()| 0),
+        Command::Compare(args) => compare::run(args),
+    }
+}
+
+fn exit_code(result: Result<u8>) -> u8 {
+    result.unwrap_or_else(|error| {
+        notice(format_args!("{}", one_line(&error.to_string())));
+        error.exit_code()
+    })
+}
+
+/// Help and version go to standard output; a wrong usage becomes one line.
+fn explain_usage(error: &clap::Error) -> u8 {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return exit_code(say(format_args!("{}", error.to_string().trim_end())).map(|()| 0));
+    }
+    let text = error.to_string();
+    let what = text.split("\n\nUsage:").next().unwrap_or_default();
+    let what = what.split("\n\nFor more information").next().unwrap_or_default();
+    let what = what.strip_prefix("error: ").unwrap_or(what);
+    let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        "a command is missing: render, scenes, figures or compare".to_owned()
+    } else {
+        one_line(what)
+    };
+    notice(format_args!("{hint} (see `ptfast --help`)"));
+    2
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A line on standard output.
+fn say(line: fmt::Arguments<'_>) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{line}")
+        .and_then(|()| stdout.flush())
+        .map_err(Error::io(Path::new("standard output"), "write"))
+}
+
+/// A line on standard error.
+fn notice(line: fmt::Arguments<'_>) {
+    // There is nowhere to say that standard error is closed.
+    let _ = writeln!(io::stderr(), "ptfast: {line}");
+}
+
+fn report_panics_in_one_line() {
+    static REPORTED: AtomicBool = AtomicBool::new(false);
+    panic::set_hook(Box::new(|info| {
+        if !REPORTED.swap(true, Ordering::Relaxed) {
+            notice(format_args!("internal fault: {}", one_line(&info.to_string())));
+        }
+    }));
+}

@@ -1,0 +1,85 @@
+//! Progress on standard error: a bar on a terminal, else a plain line every few seconds.
+
+use std::io::{IsTerminal, stderr};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::notice;
+use crate::engine::{Observer, Progress, RenderSettings};
+
+/// Time between plain lines.
+const INTERVAL: Duration = Duration::from_secs(3);
+
+/// Shows how far one render is.
+pub(super) struct ProgressReport {
+    start: Instant,
+    pixels: u64,
+    samples: u64,
+    display: Display,
+}
+
+enum Display {
+    None,
+    Bar(ProgressBar),
+    Lines { title: String, last: Mutex<Instant> },
+}
+
+impl ProgressReport {
+    pub(super) fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let start = Instant::now();
+        let display = if quiet {
+            Display::None
+        } else if stderr().is_terminal() {
+            let bar = ProgressBar::new(pixels);
+            let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
+            bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
+            bar.set_prefix(title.to_owned());
+            Display::Bar(bar)
+        } else {
+            Display::Lines { title: title.to_owned(), last: Mutex::new(start) }
+        };
+        Self { start, pixels, samples: pixels * u64::from(settings.spp), display }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn rates(&self, progress: Progress) -> String {
+        let seconds = self.start.elapsed().as_secs_f64();
+        let share = progress.pixels as f64 / self.pixels as f64;
+        format!(
+            "{:.2} Msamples/s  {:.2} Mrays/s  ETA {:.0} s",
+            share * self.samples as f64 / seconds * 1e-6,
+            progress.rays as f64 / seconds * 1e-6,
+            seconds * (1.0 / share - 1.0),
+        )
+    }
+}
+
+impl Observer for ProgressReport {
+    fn tile_finished(&self, progress: Progress) {
+        match &self.display {
+            Display::None => {}
+            Display::Bar(bar) => {
+                // Tiles finish on several threads: an earlier report may come later.
+                bar.set_position(bar.position().max(progress.pixels));
+                bar.set_message(self.rates(progress));
+            }
+            Display::Lines { title, last } => {
+                let Ok(mut last) = last.lock() else { return };
+                if last.elapsed() >= INTERVAL {
+                    *last = Instant::now();
+                    let percent = progress.pixels * 100 / self.pixels;
+                    notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The record of a render, as scripts read it, and the text kept in image files.
+
+use serde::Serialize;
+use serde_json::json;
+
+use crate::engine::{Render, RenderSettings};
+use crate::image::Metadata;
+use crate::machine::{Machine, peak_rss_bytes};
+use crate::scene::Scene;
+
+/// Wall-clock seconds of the steps of a run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct StepSeconds {
+    pub(super) load: f64,
+    pub(super) build: f64,
+    pub(super) render: f64,
+    pub(super) write: f64,
+}
+
+/// `render --json`: field names are fixed, more may be added.
+pub(super) fn render_record(
+    scene: &Scene,
+    settings: &RenderSettings,
+    render: &Render,
+    hash: &str,
+    seconds: StepSeconds,
+) -> serde_json::Value {
+    let samples = render.rays.primary as f64;
+    json!({
+        "schema": 1,
+        "machine": Machine::this(),
+        "scene": scene.name(),
+        "scene_hash": scene.hash(),
+        "engine": settings.engine.name(),
+        "sampling": settings.sampling.name(),
+        "sampler": "independent",
+        "width": settings.width,
+        "height": settings.height,
+        "spp": settings.spp,
+        "depth": settings.depth,
+        "roulette": settings.roulette,
+        "seed": settings.seed,
+        "threads": render.threads,
+        "hash": hash,
+        "mean": render.image.mean(),
+        "seconds": seconds,
+        "rays": {
+            "primary": render.rays.primary,
+            "bounce": render.rays.bounce,
+            "shadow": render.rays.shadow,
+        },
+        "mrays_per_s": render.rays.total() as f64 / render.seconds.render * 1e-6,
+        "msamples_per_s": samples / render.seconds.render * 1e-6,
+        "peak_rss_bytes": peak_rss_bytes(),
+        "non_finite": render.non_finite.count,
+    })
+}
+
+/// What an image file says of itself: the same for equal renders, whatever engine, threads
+/// or machine made them.
+pub(super) fn metadata(scene: &Scene, settings: &RenderSettings, hash: &str) -> Metadata {
+    let decides = json!({
+        "width": settings.width,
+        "height": settings.height,
+        "spp": settings.spp,
+        "depth": settings.depth,
+        "sampling": settings.sampling.name(),
+        "sampler": "independent",
+        "roulette": settings.roulette,
+    });
+    Metadata::default()
+        .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
+        .with("ptfast:hash", hash)
+        .with("ptfast:scene", scene.hash())
+        .with("ptfast:seed", settings.seed)
+        .with("ptfast:settings", decides)
+}

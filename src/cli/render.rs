@@ -1,0 +1,146 @@
+//! `ptfast render`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::{RenderArgs, Switch};
+use super::progress::ProgressReport;
+use super::record::{StepSeconds, metadata, render_record};
+use super::{notice, say};
+use crate::engine::{Render, RenderSettings, Renderer};
+use crate::error::Result;
+use crate::image::{Format, check_writable, write_atomically};
+use crate::isa::{Isa, compiled_isa, detected_isa};
+use crate::scene::Scene;
+
+pub(super) fn run(args: &RenderArgs) -> Result<()> {
+    let start = Instant::now();
+    // Whatever can fail fails before the work is done.
+    args.output.as_deref().map(Format::of_path).transpose()?;
+    let scene = Scene::load(&args.scene)?;
+    let load = start.elapsed().as_secs_f64();
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
+    let settings = settings(args, &scene);
+    let renderer = Renderer::new(&scene, settings.clone())?;
+    for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {
+        check_writable(file)?;
+    }
+    if !args.quiet {
+        advise_on_build();
+    }
+
+    let progress = ProgressReport::new(scene.name(), &settings, args.quiet);
+    let render = renderer.render_observed(&progress);
+    progress.finish();
+    let render = render?;
+
+    let hash = render.image.hash();
+    let writing = Instant::now();
+    render.image.write(&output, args.gamma, &metadata(&scene, &settings, &hash))?;
+    let seconds = StepSeconds {
+        load,
+        build: render.seconds.build,
+        render: render.seconds.render,
+        write: writing.elapsed().as_secs_f64(),
+    };
+    if let Some(path) = &args.json {
+        let record = render_record(&scene, &settings, &render, &hash, seconds);
+        write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+    }
+    summarize(&scene, &settings, &render, &hash, seconds, &output)
+}
+
+/// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
+fn default_output(scene: &str) -> PathBuf {
+    let stem = Path::new(scene).file_stem().unwrap_or_default();
+    PathBuf::from(stem).with_added_extension("png")
+}
+
+fn settings(args: &RenderArgs, scene: &Scene) -> RenderSettings {
+    let defaults = RenderSettings::of(scene);
+    let (width, height) = size(args, &defaults);
+    RenderSettings {
+        width,
+        height,
+        spp: args.spp.unwrap_or(defaults.spp),
+        depth: args.depth.unwrap_or(defaults.depth),
+        seed: args.seed,
+        sampling: args.sampling.unwrap_or(defaults.sampling),
+        roulette: args.roulette == Switch::On,
+        engine: args.engine,
+        threads: args.threads.unwrap_or(0),
+        tile_size: args.tile_size,
+    }
+}
+
+/// One side given: the other follows in the scene's proportion.
+fn size(args: &RenderArgs, defaults: &RenderSettings) -> (u32, u32) {
+    let scale = |side: u32, by: u32, of: u32| {
+        let scaled = (u64::from(side) * u64::from(by) + u64::from(of) / 2) / u64::from(of);
+        u32::try_from(scaled.max(1)).unwrap_or(u32::MAX)
+    };
+    match (args.width, args.height) {
+        (Some(width), Some(height)) => (width, height),
+        (Some(width), None) => (width, scale(width, defaults.height, defaults.width)),
+        (None, Some(height)) => (scale(height, defaults.width, defaults.height), height),
+        (None, None) => (defaults.width, defaults.height),
+    }
+}
+
+/// One line where the build leaves most of the CPU unused.
+pub(super) fn advise_on_build() {
+    let (built, has) = (compiled_isa(), detected_isa());
+    if built == Isa::Sse2 && has > Isa::Sse2 {
+        notice(format_args!(
+            "built for {built} on a CPU with {has}: rebuild for speed with \
+             RUSTFLAGS=\"-C target-cpu=native\" cargo build --release"
+        ));
+    }
+}
+
+fn summarize(
+    scene: &Scene,
+    settings: &RenderSettings,
+    render: &Render,
+    hash: &str,
+    seconds: StepSeconds,
+    output: &Path,
+) -> Result<()> {
+    let RenderSettings { width, height, spp, depth, seed, .. } = settings;
+    let (sampling, engine) = (settings.sampling.name(), settings.engine.name());
+    let roulette = if settings.roulette { "on" } else { "off" };
+    let rays = &render.rays;
+    let million = |n: u64| n as f64 * 1e-6;
+    let total = seconds.load + seconds.build + seconds.render + seconds.write;
+    if render.non_finite.count > 0 {
+        let (x, y, sample) = render.non_finite.first.unwrap_or_default();
+        notice(format_args!(
+            "{} samples were not finite and count as black, the first is sample {sample} of pixel ({x}, {y})",
+            render.non_finite.count
+        ));
+    }
+    say(format_args!(
+        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, roulette {roulette}",
+        scene.name()
+    ))?;
+    say(format_args!(
+        "time    {total:.2} s = load {:.2} + build {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
+        seconds.load, seconds.build, seconds.render, seconds.write, render.threads
+    ))?;
+    say(format_args!(
+        "rays    {:.2} M = {:.2} M primary + {:.2} M bounce + {:.2} M shadow",
+        million(rays.total()),
+        million(rays.primary),
+        million(rays.bounce),
+        million(rays.shadow)
+    ))?;
+    say(format_args!(
+        "speed   {:.2} Mrays/s, {:.2} Msamples/s",
+        million(rays.total()) / seconds.render,
+        million(rays.primary) / seconds.render
+    ))?;
+    say(format_args!("hash    {hash}"))?;
+    say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
+    say(format_args!("file    {}", output.display()))
+}

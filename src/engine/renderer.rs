@@ -1,0 +1,204 @@
+//! From a scene and settings to an image: tiles on threads, whatever the engine.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::scalar::ScalarEngine;
+use super::settings::{Engine, RenderSettings};
+use crate::error::{Error, Result};
+use crate::film::{Tile, tiles};
+use crate::image::Image;
+use crate::scene::Scene;
+
+/// A scene with its acceleration structure, ready to be rendered.
+#[derive(Debug)]
+pub struct Renderer<'a> {
+    settings: RenderSettings,
+    engine: ScalarEngine<'a>,
+    build_seconds: f64,
+}
+
+/// A finished render.
+#[derive(Clone, Debug)]
+pub struct Render {
+    /// The linear image.
+    pub image: Image,
+    /// Rays traced.
+    pub rays: RayCounts,
+    /// Samples that were not finite, and counted as black.
+    pub non_finite: NonFinite,
+    /// Worker threads used.
+    pub threads: usize,
+    /// Time of each step.
+    pub seconds: Seconds,
+}
+
+/// Wall-clock seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// Building the acceleration structure.
+    pub build: f64,
+    /// Rendering.
+    pub render: f64,
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the camera.
+    pub primary: u64,
+    /// From a surface, for the closest hit.
+    pub bounce: u64,
+    /// From a surface to a light.
+    pub shadow: u64,
+}
+
+impl RayCounts {
+    /// All rays.
+    pub fn total(&self) -> u64 {
+        self.primary + self.bounce + self.shadow
+    }
+
+    fn add(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.bounce += other.bounce;
+        self.shadow += other.shadow;
+    }
+}
+
+/// Samples whose radiance was NaN or infinite.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NonFinite {
+    /// How many.
+    pub count: u64,
+    /// Pixel and sample of the first in the order of the image.
+    pub first: Option<(u32, u32, u32)>,
+}
+
+impl NonFinite {
+    /// Notes sample `sample` of pixel `(x, y)`.
+    pub(super) fn note(&mut self, x: u32, y: u32, sample: u32) {
+        self.merge(&Self { count: 1, first: Some((x, y, sample)) });
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        let order = |&(x, y, sample): &(u32, u32, u32)| (y, x, sample);
+        self.first = self.first.into_iter().chain(other.first).min_by_key(order);
+    }
+}
+
+/// What an engine returns for a tile: its pixels row by row.
+#[derive(Debug, Default)]
+pub(super) struct TileResult {
+    pub(super) pixels: Vec<[f32; 3]>,
+    pub(super) rays: RayCounts,
+    pub(super) non_finite: NonFinite,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Pixels finished.
+    pub pixels: u64,
+    /// Rays traced so far.
+    pub rays: u64,
+}
+
+/// Is told of every finished tile, from any thread.
+pub trait Observer: Sync {
+    /// `progress` is the state after the tile.
+    fn tile_finished(&self, progress: Progress);
+}
+
+/// Nobody watches.
+impl Observer for () {
+    fn tile_finished(&self, _: Progress) {}
+}
+
+impl<'a> Renderer<'a> {
+    /// Checks the settings and builds the acceleration structure.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a setting is out of its range.
+    pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
+        settings.check()?;
+        let start = Instant::now();
+        let engine = match settings.engine {
+            Engine::Scalar => ScalarEngine::new(scene, &settings),
+        };
+        Ok(Self { settings, engine, build_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Renders the image.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] where the threads cannot be started.
+    pub fn render(&self) -> Result<Render> {
+        self.render_observed(&())
+    }
+
+    /// Renders the image and tells `observer` how far it is.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_observed(&self, observer: &dyn Observer) -> Result<Render> {
+        let RenderSettings { width, height, threads, tile_size, .. } = self.settings;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads as usize)
+            .build()
+            .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
+        let start = Instant::now();
+        let film = Mutex::new(Film::new(width, height));
+        pool.install(|| {
+            tiles(width, height, tile_size).into_par_iter().for_each(|tile| {
+                let result = self.engine.render_tile(tile);
+                let progress = film
+                    .lock()
+                    .expect("no thread panics while it holds the film")
+                    .add(tile, &result);
+                observer.tile_finished(progress);
+            });
+        });
+        let film = film.into_inner().expect("no thread panicked while it held the film");
+        Ok(Render {
+            image: film.image,
+            rays: film.rays,
+            non_finite: film.non_finite,
+            threads: pool.current_num_threads(),
+            seconds: Seconds { build: self.build_seconds, render: start.elapsed().as_secs_f64() },
+        })
+    }
+}
+
+/// The image as far as its tiles are done.
+#[derive(Debug)]
+struct Film {
+    image: Image,
+    rays: RayCounts,
+    non_finite: NonFinite,
+    pixels_done: u64,
+}
+
+impl Film {
+    fn new(width: u32, height: u32) -> Self {
+        Self {
+            image: Image::new(width, height),
+            rays: RayCounts::default(),
+            non_finite: NonFinite::default(),
+            pixels_done: 0,
+        }
+    }
+
+    fn add(&mut self, tile: Tile, result: &TileResult) -> Progress {
+        for (y, row) in (tile.y..).zip(result.pixels.chunks_exact(tile.width as usize)) {
+            self.image.put_row(tile.x, y, row);
+        }
+        self.rays.add(result.rays);
+        self.non_finite.merge(&result.non_finite);
+        self.pixels_done += u64::from(tile.width) * u64::from(tile.height);
+        Progress { pixels: self.pixels_done, rays: self.rays.total() }
+    }
+}

@@ -1,0 +1,70 @@
+//! The scalar reference engine: one ray, one loop, written from the report and the papers.
+
+mod light;
+mod path;
+mod scatter;
+mod spherical_rectangle;
+
+use super::dimension::{Dimension, Randoms};
+use super::renderer::TileResult;
+use super::settings::RenderSettings;
+use crate::accel::Bvh2;
+use crate::film::{PixelSum, Tile};
+use crate::math::random::PixelKey;
+use crate::scene::{CameraFrame, CameraSample, Scene};
+use path::PathTracer;
+
+/// A scene on a binary tree, rendered sample by sample.
+#[derive(Debug)]
+pub(super) struct ScalarEngine<'a> {
+    scene: &'a Scene,
+    settings: RenderSettings,
+    camera: CameraFrame,
+    tree: Bvh2,
+}
+
+impl<'a> ScalarEngine<'a> {
+    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
+        Self {
+            scene,
+            settings: settings.clone(),
+            camera: scene.camera().frame(settings.width, settings.height),
+            tree: Bvh2::new(scene.geometry(), scene.camera().shutter()),
+        }
+    }
+
+    /// The mean radiance of every pixel of `tile`.
+    pub(super) fn render_tile(&self, tile: Tile) -> TileResult {
+        let mut result = TileResult::default();
+        let mut tracer = PathTracer::new(self.scene, &self.tree, &self.settings);
+        let mut sum = PixelSum::default();
+        for y in tile.y..tile.y + tile.height {
+            for x in tile.x..tile.x + tile.width {
+                let pixel = PixelKey::new(self.settings.seed, x, y);
+                for sample in 0..self.settings.spp {
+                    let key = pixel.sample(sample);
+                    let randoms = Randoms::new(key, 0);
+                    let ray = self.camera.ray(x, y, camera_sample(&randoms));
+                    let radiance = tracer.radiance(ray, key);
+                    if radiance.is_finite() {
+                        sum.add(radiance);
+                    } else {
+                        sum.add(glam::Vec3::ZERO);
+                        result.non_finite.note(x, y, sample);
+                    }
+                }
+                result.pixels.push(sum.take_mean().to_array());
+            }
+        }
+        result.rays = tracer.rays;
+        result
+    }
+}
+
+fn camera_sample(randoms: &Randoms) -> CameraSample {
+    CameraSample {
+        pixel: randoms.two(Dimension::PIXEL),
+        lens: randoms.two(Dimension::LENS),
+        time: randoms.one(Dimension::TIME),
+    }
+}

@@ -1,0 +1,177 @@
+//! The path tracing loop.
+
+use glam::Vec3;
+
+use super::light::{self, LightSample};
+use super::scatter::{self, Diffuse, Scatter};
+use crate::accel::Bvh2;
+use crate::engine::RayCounts;
+use crate::engine::dimension::{Dimension, Randoms};
+use crate::engine::settings::RenderSettings;
+use crate::geometry::Ray;
+use crate::math::random::PathKey;
+use crate::math::{dot, face_forward, max_element, min};
+use crate::scene::{Material, Sampling, Scene};
+
+/// First segment that a path reaches only by Russian roulette.
+const ROULETTE_FROM: u32 = 5;
+/// Largest chance of surviving it.
+const ROULETTE_MAX: f32 = 0.95;
+
+/// Estimates the radiance along camera rays, and counts the rays that this takes.
+pub(super) struct PathTracer<'a> {
+    scene: &'a Scene,
+    tree: &'a Bvh2,
+    settings: &'a RenderSettings,
+    pub(super) rays: RayCounts,
+}
+
+/// How the direction of a segment was chosen.
+#[derive(Clone, Copy)]
+enum Origin {
+    /// By the camera or a specular surface: no light sample could have found what it hits.
+    Specular,
+    /// By a diffuse surface, with this density.
+    Diffuse { pdf: f32 },
+}
+
+impl<'a> PathTracer<'a> {
+    pub(super) fn new(scene: &'a Scene, tree: &'a Bvh2, settings: &'a RenderSettings) -> Self {
+        Self { scene, tree, settings, rays: RayCounts::default() }
+    }
+
+    /// One estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
+    pub(super) fn radiance(&mut self, mut ray: Ray, key: PathKey) -> Vec3 {
+        let mut radiance = Vec3::ZERO;
+        let mut beta = Vec3::ONE; // throughput: what a unit of radiance here adds to the pixel
+        let mut origin = Origin::Specular;
+        self.rays.primary += 1;
+
+        for segment in 1..=self.settings.depth {
+            // Extend: the closest surface, or the background.
+            let Some(hit) = self.tree.closest(self.scene.geometry(), &ray, 0.0, f32::INFINITY)
+            else {
+                radiance += beta * self.scene.background().radiance(ray.direction);
+                break;
+            };
+            let primitive = self.scene.geometry().get(hit.primitive);
+            let surface = primitive.surface(&ray, hit.t);
+            let (normal, front) = face_forward(surface.normal, ray.direction);
+            let randoms = Randoms::new(key, segment);
+            let color = |texture: u32| {
+                let uv = || primitive.uv(&ray, &surface, hit.t);
+                self.scene.textures()[texture as usize].color(surface.point, uv)
+            };
+
+            // Shade: emit, or choose the next direction.
+            let scatter = match *self.scene.material(hit.primitive) {
+                Material::Light(emission) => {
+                    let weight = self.emission_weight(hit.primitive, &ray, hit.t, origin);
+                    radiance += beta * emission.radiance(front) * weight;
+                    None
+                }
+                Material::Diffuse { albedo } | Material::Lambertian { albedo } => {
+                    let cosine =
+                        matches!(self.scene.material(hit.primitive), Material::Lambertian { .. });
+                    let diffuse = Diffuse { normal, albedo: color(albedo), cosine };
+                    let from = surface.spawn(normal);
+                    // Connect: one light, one shadow ray, which is the path's next segment.
+                    if segment < self.settings.depth {
+                        radiance += beta * self.direct(&diffuse, from, ray.time, &randoms);
+                    }
+                    let (direction, pdf) = diffuse.sample(randoms.two(Dimension::SCATTER));
+                    origin = Origin::Diffuse { pdf };
+                    Some(Scatter { origin: from, direction, weight: diffuse.albedo })
+                }
+                Material::Metal { albedo, fuzz } => {
+                    origin = Origin::Specular;
+                    scatter::metal(&ray, &surface, normal, color(albedo), fuzz, &randoms)
+                }
+                Material::Dielectric { ior } => {
+                    origin = Origin::Specular;
+                    Some(scatter::dielectric(&ray, &surface, normal, front, ior, &randoms))
+                }
+            };
+            let Some(scatter) = scatter else { break };
+            beta *= scatter.weight;
+            ray = Ray { origin: scatter.origin, direction: scatter.direction, time: ray.time };
+
+            // Paths that can add nothing end; those that can add little mostly do.
+            let mut survival = max_element(beta);
+            if survival <= 0.0 {
+                break;
+            }
+            if self.settings.roulette && segment + 1 >= ROULETTE_FROM {
+                survival = min(survival, ROULETTE_MAX);
+                if randoms.one(Dimension::ROULETTE) >= survival {
+                    break;
+                }
+                beta /= survival;
+            }
+            if segment < self.settings.depth {
+                self.rays.bounce += 1;
+            }
+        }
+        radiance
+    }
+
+    /// The share of a light's emission that counts where a path hits it: the rest is found
+    /// by [`Self::direct`].
+    fn emission_weight(&self, primitive: u32, ray: &Ray, t: f32, origin: Origin) -> f32 {
+        let (Origin::Diffuse { pdf }, Some(light)) = (origin, self.scene.light(primitive)) else {
+            return 1.0;
+        };
+        match self.settings.sampling {
+            Sampling::Bsdf => 1.0,
+            Sampling::Light => 0.0,
+            Sampling::Mis => {
+                let light_pdf = light::pdf(self.scene, light, ray, t) * self.light_choice_pdf();
+                power_heuristic(pdf, light_pdf)
+            }
+        }
+    }
+
+    /// Radiance that one light sends directly to `from` and on along the path, estimated
+    /// with one shadow ray.
+    fn direct(&mut self, diffuse: &Diffuse, from: Vec3, time: f32, randoms: &Randoms) -> Vec3 {
+        let lights = self.scene.lights();
+        if self.settings.sampling == Sampling::Bsdf || lights.is_empty() {
+            return Vec3::ZERO;
+        }
+        let choice = randoms.one(Dimension::LIGHT_CHOICE) * lights.len() as f32;
+        let light = &lights[(choice as usize).min(lights.len() - 1)];
+        let sample = light::sample(self.scene, light, from, time, randoms.two(Dimension::LIGHT));
+        let Some(LightSample { direction, distance, pdf, front }) = sample else {
+            return Vec3::ZERO;
+        };
+        let emitted = light.emission.radiance(front);
+        let (f_cos, bsdf_pdf) = diffuse.evaluate(dot(diffuse.normal, direction));
+        if f_cos <= 0.0 || emitted == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        self.rays.shadow += 1;
+        let shadow = Ray { origin: from, direction, time };
+        if self.tree.occluded(self.scene.geometry(), &shadow, 0.0, distance) {
+            return Vec3::ZERO;
+        }
+        let pdf = pdf * self.light_choice_pdf();
+        let weight = match self.settings.sampling {
+            Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
+            _ => 1.0,
+        };
+        diffuse.albedo * emitted * (f_cos * weight / pdf)
+    }
+
+    /// Lights are chosen uniformly.
+    fn light_choice_pdf(&self) -> f32 {
+        1.0 / self.scene.lights().len() as f32
+    }
+}
+
+/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too
+/// (Veach 1997, section 9.2.4, exponent 2), written so that no square overflows.
+#[inline]
+fn power_heuristic(of: f32, other: f32) -> f32 {
+    let ratio = other / of;
+    1.0 / (1.0 + ratio * ratio)
+}

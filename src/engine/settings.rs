@@ -1,0 +1,78 @@
+//! What a render is made of besides its scene.
+
+use crate::error::{Error, Result};
+use crate::limits;
+use crate::scene::{Sampling, Scene};
+
+/// The engines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Engine {
+    /// The reference: one ray, one loop.
+    #[default]
+    Scalar,
+}
+
+impl Engine {
+    /// The name on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+        }
+    }
+}
+
+/// Settings of a render. Only the first group decides the image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderSettings {
+    /// Image width in pixels, 1 to [`limits::MAX_SIDE`].
+    pub width: u32,
+    /// Image height in pixels, 1 to [`limits::MAX_SIDE`].
+    pub height: u32,
+    /// Samples a pixel, 1 to [`limits::MAX_SPP`].
+    pub spp: u32,
+    /// Largest number of segments of a path, 1 to [`limits::MAX_DEPTH`].
+    pub depth: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// How light is found.
+    pub sampling: Sampling,
+    /// Whether paths of little weight end by Russian roulette from segment 5 on.
+    pub roulette: bool,
+
+    /// The engine; the image does not depend on it.
+    pub engine: Engine,
+    /// Worker threads, 0 for as many as the process may use; the image does not depend on
+    /// them.
+    pub threads: u32,
+    /// Side of the tiles that work is handed out in; the image does not depend on it.
+    pub tile_size: u32,
+}
+
+impl RenderSettings {
+    /// The settings that `scene` asks for, seed 1, all threads.
+    pub fn of(scene: &Scene) -> Self {
+        let defaults = scene.defaults();
+        Self {
+            width: defaults.width,
+            height: defaults.height,
+            spp: defaults.spp,
+            depth: defaults.depth,
+            seed: 1,
+            sampling: scene.default_sampling(),
+            roulette: true,
+            engine: Engine::default(),
+            threads: 0,
+            tile_size: 32,
+        }
+    }
+
+    /// # Errors
+    /// [`Error::Usage`] that names the first setting out of range.
+    pub fn check(&self) -> Result<()> {
+        limits::check_image(self.width, self.height)
+            .and_then(|()| limits::check_sampling(self.spp, self.depth))
+            .and_then(|()| limits::check("tile_size", self.tile_size, limits::MAX_SIDE))
+            .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))
+            .map_err(Error::Usage)
+    }
+}

@@ -1,0 +1,110 @@
+//! The one error type: what went wrong, where, and the exit code that says so.
+
+use std::io;
+use std::path::Path;
+
+/// Result with ptfast's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can fail, as one line a user can act on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting outside its range, or settings that contradict each other.
+    #[error("{0}")]
+    Usage(String),
+
+    /// An input file whose content is wrong.
+    #[error("{file}{}: {message}", place_suffix(place))]
+    Input {
+        /// The file, or the name of the built-in scene.
+        file: String,
+        /// Line and column (`3:14`) or path of the element (`primitives[2]`); may be empty.
+        place: String,
+        /// What is wrong and what would be right.
+        message: String,
+    },
+
+    /// A file that cannot be read or written.
+    #[error("{path}: cannot {action}: {source}")]
+    Io {
+        /// The file or folder.
+        path: String,
+        /// `read`, `write`, ...
+        action: &'static str,
+        /// The operating system's answer.
+        source: io::Error,
+    },
+
+    /// A fault of the program or of the machine it runs on.
+    #[error("internal fault: {0}")]
+    Internal(String),
+}
+
+fn place_suffix(place: &str) -> String {
+    if place.is_empty() { String::new() } else { format!(":{place}") }
+}
+
+impl Error {
+    /// An [`Error::Input`].
+    pub fn input(
+        file: impl Into<String>,
+        place: impl Into<String>,
+        message: impl Into<String>,
+    ) -> Self {
+        Self::Input { file: file.into(), place: place.into(), message: message.into() }
+    }
+
+    /// An [`Error::Io`], ready for `map_err`.
+    pub fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
+        let path = path.display().to_string();
+        move |source| Self::Io { path, action, source }
+    }
+
+    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            Self::Input { .. } => 65,
+            Self::Internal(_) => 70,
+            Self::Io { .. } => 74,
+        }
+    }
+}
+
+/// `, did you mean ...?` for the known name nearest to `found`, or the list of all names
+/// where they are few, or nothing.
+pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    let nearest = known
+        .iter()
+        .map(|name| (strsim::damerau_levenshtein(found, name), name))
+        .min_by_key(|(distance, _)| *distance);
+    match nearest {
+        Some((distance, name)) if distance <= 1 + name.len() / 3 => {
+            format!(", did you mean `{name}`?")
+        }
+        Some(_) if known.len() <= 20 => format!(", known: `{}`", known.join("`, `")),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions_name_the_nearest_or_all() {
+        assert_eq!(suggestion("raduis", ["center", "radius"]), ", did you mean `radius`?");
+        assert_eq!(suggestion("xyz", ["center", "radius"]), ", known: `center`, `radius`");
+        assert_eq!(suggestion("xyz", []), "");
+    }
+
+    #[test]
+    fn errors_are_one_line_with_place() {
+        let error = Error::input("a.ron", "3:4", "bad");
+        assert_eq!(error.to_string(), "a.ron:3:4: bad");
+        assert_eq!(Error::input("a.ron", "", "bad").to_string(), "a.ron: bad");
+        assert_eq!(error.exit_code(), 65);
+    }
+}

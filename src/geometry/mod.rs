@@ -1,0 +1,147 @@
+//! Rays, primitives and their contract intersections.
+//!
+//! A primitive's `intersect` is the definition of a hit: over all primitives the closest
+//! hit has the least distance in the open interval, ties go to the lowest index. No
+//! acceleration structure enters the definition.
+
+mod bounds;
+mod quad;
+mod ray;
+mod sphere;
+mod triangle;
+
+pub use bounds::Bounds;
+pub use quad::Quad;
+pub use ray::{Hit, PreparedRay, Ray};
+pub use sphere::Sphere;
+pub use triangle::Triangle;
+
+use glam::Vec3;
+
+/// A point of a surface, as found by a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The point, moved onto the primitive where that is more exact than `o + t d`.
+    pub point: Vec3,
+    /// Unit geometric normal on the primitive's front: outward of a sphere, `u × v` of a
+    /// quad, counter-clockwise of a triangle.
+    pub normal: Vec3,
+    /// How far along the normal a ray must start to be surely off the surface.
+    pub offset: f32,
+}
+
+impl Surface {
+    /// Origin of a ray that leaves on the side of `side`, ±`normal`.
+    ///
+    /// The distance bounds the rounding errors of the point and of the primitive's own
+    /// test (Pharr et al., section 6.8), so that no ray meets the surface that it leaves.
+    #[inline]
+    pub fn spawn(&self, side: Vec3) -> Vec3 {
+        self.point + side * self.offset
+    }
+}
+
+/// All primitives of a scene. A primitive's index is its position in the order spheres,
+/// quads, triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Geometry {
+    /// Still and moving spheres.
+    pub spheres: Vec<Sphere>,
+    /// Parallelograms.
+    pub quads: Vec<Quad>,
+    /// Triangles.
+    pub triangles: Vec<Triangle>,
+}
+
+/// A reference to one primitive.
+#[derive(Clone, Copy, Debug)]
+pub enum Primitive<'a> {
+    /// A sphere.
+    Sphere(&'a Sphere),
+    /// A quad.
+    Quad(&'a Quad),
+    /// A triangle.
+    Triangle(&'a Triangle),
+}
+
+impl Geometry {
+    /// Number of primitives.
+    pub fn len(&self) -> usize {
+        self.spheres.len() + self.quads.len() + self.triangles.len()
+    }
+
+    /// Whether there is no primitive.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Primitive number `index`, which must be below [`Geometry::len`].
+    #[inline]
+    pub fn get(&self, index: u32) -> Primitive<'_> {
+        let index = index as usize;
+        if let Some(sphere) = self.spheres.get(index) {
+            return Primitive::Sphere(sphere);
+        }
+        let index = index - self.spheres.len();
+        match self.quads.get(index) {
+            Some(quad) => Primitive::Quad(quad),
+            None => Primitive::Triangle(&self.triangles[index - self.quads.len()]),
+        }
+    }
+
+    /// The closest hit by trying every primitive: the definition that every
+    /// acceleration structure is tested against.
+    pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
+        let ray = PreparedRay::new(ray);
+        let mut best: Option<Hit> = None;
+        for primitive in 0..self.len() as u32 {
+            let limit = best.map_or(t_max, |hit| hit.t);
+            if let Some(t) = self.get(primitive).intersect(&ray, t_min, limit) {
+                best = Some(Hit { t, primitive });
+            }
+        }
+        best
+    }
+}
+
+impl Primitive<'_> {
+    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the
+    /// length of the ray's direction.
+    #[inline]
+    pub fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+        match self {
+            Self::Sphere(sphere) => sphere.intersect(ray, t_min, t_max),
+            Self::Quad(quad) => quad.intersect(ray, t_min, t_max),
+            Self::Triangle(triangle) => triangle.intersect(ray, t_min, t_max),
+        }
+    }
+
+    /// The point at distance `t`, which `intersect` returned for `ray`.
+    #[inline]
+    pub fn surface(self, ray: &Ray, t: f32) -> Surface {
+        match self {
+            Self::Sphere(sphere) => sphere.surface(ray, t),
+            Self::Quad(quad) => quad.surface(ray, t),
+            Self::Triangle(triangle) => triangle.surface(ray),
+        }
+    }
+
+    /// Texture coordinates of that point, both in `[0, 1]` up to rounding.
+    #[inline]
+    pub fn uv(self, ray: &Ray, surface: &Surface, t: f32) -> (f32, f32) {
+        match self {
+            Self::Sphere(_) => sphere::uv(surface.normal),
+            Self::Quad(quad) => quad.uv(ray, t),
+            Self::Triangle(triangle) => triangle.uv(ray),
+        }
+    }
+
+    /// A box around the primitive over all times of `[open, close]`.
+    pub fn bounds(self, open: f32, close: f32) -> Bounds {
+        match self {
+            Self::Sphere(sphere) => sphere.bounds(open, close),
+            Self::Quad(quad) => quad.bounds(),
+            Self::Triangle(triangle) => triangle.bounds(),
+        }
+    }
+}

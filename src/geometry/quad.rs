@@ -1,0 +1,175 @@
+//! Quads: parallelograms `q + a u + b v` with a and b in [0, 1].
+
+use glam::{DVec3, Vec3};
+
+use super::{Bounds, PreparedRay, Ray, Surface};
+use crate::math::{UNIT_ROUNDOFF, dot, length, max_element};
+
+/// A two-sided parallelogram, with what its test needs precomputed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quad {
+    /// Corner.
+    pub q: Vec3,
+    /// Edge from the corner.
+    pub u: Vec3,
+    /// The other edge from the corner.
+    pub v: Vec3,
+    /// Unit normal, along `u × v`.
+    pub normal: Vec3,
+    /// Dual edges: `a = p·dual_u` and `b = p·dual_v` for `p = a u + b v`.
+    dual_u: Vec3,
+    dual_v: Vec3,
+    /// Spawn offset of every point of the quad.
+    offset: f32,
+}
+
+impl Quad {
+    /// The sine of the angle between the edges must exceed this.
+    pub const MIN_SINE: f64 = 1e-3;
+
+    /// The quad at corner `q` with edges `u` and `v`; `None` where its area is zero or all
+    /// but zero: an edge without length, or edges parallel to within [`Quad::MIN_SINE`].
+    pub fn new(q: Vec3, u: Vec3, v: Vec3) -> Option<Self> {
+        // In f64 and rounded once, so that the plane is as good as f32 can say.
+        let (du, dv) = (u.as_dvec3(), v.as_dvec3());
+        let n = du.cross(dv);
+        let n2 = n.dot(n);
+        let edges2 = du.dot(du) * dv.dot(dv);
+        if !(n2 > Self::MIN_SINE * Self::MIN_SINE * edges2 && n2 > 0.0 && n2.is_finite()) {
+            return None;
+        }
+        let round = |d: DVec3| d.as_vec3();
+        let extent = max_element(q.abs()) + max_element(u.abs()) + max_element(v.abs());
+        Some(Self {
+            q,
+            u,
+            v,
+            normal: round(n / n2.sqrt()),
+            dual_u: round(dv.cross(n) / n2),
+            dual_v: round(n.cross(du) / n2),
+            // The point is off by 3 roundings of its coordinates, the plane by one of the
+            // normal, and the sign of the distance by 4 of the products' sum.
+            offset: UNIT_ROUNDOFF * (8.0 * (length(u) + length(v)) + 4.0 * extent),
+        })
+    }
+
+    /// Distance of the quad's plane along the ray, NaN or infinite where they are parallel.
+    #[inline]
+    pub fn plane_distance(&self, ray: &Ray) -> f32 {
+        -dot(self.normal, ray.origin - self.q) / dot(self.normal, ray.direction)
+    }
+
+    #[inline]
+    pub(super) fn uv(&self, ray: &Ray, t: f32) -> (f32, f32) {
+        let p = (ray.origin - self.q) + ray.direction * t;
+        (dot(p, self.dual_u), dot(p, self.dual_v))
+    }
+
+    #[inline]
+    pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+        let t = self.plane_distance(&prepared.ray);
+        // NaN fails here, and with it every parallel ray.
+        if !(t > t_min && t < t_max) {
+            return None;
+        }
+        let (a, b) = self.uv(&prepared.ray, t);
+        ((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b)).then_some(t)
+    }
+
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Surface {
+        let (a, b) = self.uv(ray, t);
+        Surface {
+            point: self.q + (self.u * a + self.v * b),
+            normal: self.normal,
+            offset: self.offset,
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let Self { q, u, v, .. } = *self;
+        Bounds::of([q, q + u, q + v, q + u + v]).widened(4)
+    }
+
+    /// Area.
+    pub fn area(&self) -> f32 {
+        length(crate::math::cross(self.u, self.v))
+    }
+
+    /// Whether the edges are perpendicular to within f32 rounding.
+    pub fn is_rectangle(&self) -> bool {
+        dot(self.u, self.v).abs() <= 4.0 * UNIT_ROUNDOFF * length(self.u) * length(self.v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::normalize;
+    use crate::math::random::Stream;
+    use crate::math::warp::uniform_hemisphere;
+
+    fn hit(quad: &Quad, ray: &Ray) -> Option<f32> {
+        quad.intersect(&PreparedRay::new(ray), 0.0, f32::INFINITY)
+    }
+
+    fn ray(origin: Vec3, direction: Vec3) -> Ray {
+        Ray { origin, direction, time: 0.0 }
+    }
+
+    #[test]
+    fn hits_inside_only_and_from_both_sides() {
+        let quad = Quad::new(Vec3::Z, Vec3::X * 2.0, Vec3::Y).unwrap();
+        let at = |x, y| ray(Vec3::new(x, y, 0.0), Vec3::Z);
+        assert_eq!(hit(&quad, &at(1.9, 0.9)), Some(1.0));
+        assert_eq!(hit(&quad, &at(0.0, 0.0)), Some(1.0), "corners belong to it");
+        assert_eq!(hit(&quad, &at(2.1, 0.5)), None);
+        assert_eq!(hit(&quad, &at(1.0, -0.1)), None);
+        assert_eq!(hit(&quad, &ray(Vec3::new(1.0, 0.5, 3.0), Vec3::NEG_Z)), Some(2.0));
+        assert_eq!(hit(&quad, &ray(Vec3::ZERO, Vec3::X)), None, "parallel");
+        assert_eq!(hit(&quad, &ray(Vec3::Z, Vec3::X)), None, "within the plane");
+        assert_eq!(quad.uv(&at(1.0, 0.25), 1.0), (0.5, 0.25));
+        assert_eq!(quad.area(), 2.0);
+        assert!(quad.is_rectangle());
+        assert!(!Quad::new(Vec3::ZERO, Vec3::X, Vec3::ONE).unwrap().is_rectangle());
+    }
+
+    #[test]
+    fn quads_without_area_are_refused() {
+        assert!(Quad::new(Vec3::ZERO, Vec3::X, Vec3::X * 3.0).is_none());
+        assert!(Quad::new(Vec3::ZERO, Vec3::ZERO, Vec3::Y).is_none());
+        assert!(Quad::new(Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1e-6, 0.0)).is_none());
+        assert!(Quad::new(Vec3::ZERO, Vec3::X * 1e-6, Vec3::Y * 1e-6).is_some());
+    }
+
+    #[test]
+    fn no_ray_meets_the_quad_that_it_leaves() {
+        let mut random = Stream::new(6);
+        for quad in [
+            Quad::new(Vec3::new(343.0, 554.0, 332.0), Vec3::X * -130.0, Vec3::Z * -105.0),
+            Quad::new(
+                Vec3::new(1e4, 1.0, -3e4),
+                Vec3::new(1.0, 2.0, 3.0),
+                Vec3::new(3.0, 2.0, 1.0),
+            ),
+            Quad::new(Vec3::ONE, Vec3::new(1.0, 1e-2, 0.0), Vec3::new(1.0, 0.0, 1e-2)),
+            Quad::new(Vec3::new(0.1, 0.2, 0.3), Vec3::X * 1e-4, Vec3::new(1e-5, 300.0, 7.0)),
+        ] {
+            let quad = quad.unwrap();
+            for _ in 0..200_000 {
+                let target = quad.q + quad.u * random.uniform() + quad.v * random.uniform();
+                let out = uniform_hemisphere(quad.normal, random.uniform(), random.uniform()).0;
+                let start = target + out * 1000.0 * random.uniform();
+                let first = ray(start, normalize(target - start));
+                let Some(t) = hit(&quad, &first) else { continue };
+                let surface = quad.surface(&first, t);
+                let u = random.uniform();
+                for side in [surface.normal, -surface.normal] {
+                    let out = uniform_hemisphere(side, 1.0 - u * u * u, random.uniform()).0;
+                    let leaving = ray(surface.spawn(side), out);
+                    assert_eq!(hit(&quad, &leaving), None, "{quad:?} {leaving:?}");
+                }
+            }
+        }
+    }
+}

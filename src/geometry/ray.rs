@@ -1,0 +1,70 @@
+//! Rays and what is computed once a ray.
+
+use glam::Vec3;
+
+use crate::math::dot;
+
+/// A ray `origin + t direction` at one moment of the shutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes; of any length, distances are in its units.
+    pub direction: Vec3,
+    /// When, as the parameter of a moving sphere.
+    pub time: f32,
+}
+
+/// The closest primitive along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the direction's length.
+    pub t: f32,
+    /// Index of the primitive: spheres, then quads, then triangles.
+    pub primitive: u32,
+}
+
+/// A ray with the values that the primitive tests share.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedRay {
+    /// The ray itself.
+    pub ray: Ray,
+    /// Squared length of the direction.
+    pub(super) length2: f32,
+    /// Its reciprocal.
+    pub(super) inv_length2: f32,
+    /// Axes (x, y, z) permuted so that the direction is longest along the last.
+    pub(super) axes: [usize; 3],
+    /// Shear and scale that take the direction to (0, 0, 1) in those axes.
+    pub(super) shear: Vec3,
+}
+
+impl PreparedRay {
+    /// Prepares `ray` for any number of primitive tests.
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let length2 = dot(d, d);
+        // Longest axis last; the first two swapped where the direction points down it,
+        // so that the winding of triangles is kept (Woop et al. 2013).
+        let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let longest = if ax > ay {
+            if ax > az { 0 } else { 2 }
+        } else if ay > az {
+            1
+        } else {
+            2
+        };
+        let (mut first, mut second) = ((longest + 1) % 3, (longest + 2) % 3);
+        if d[longest] < 0.0 {
+            std::mem::swap(&mut first, &mut second);
+        }
+        let inv = 1.0 / d[longest];
+        Self {
+            ray: *ray,
+            length2,
+            inv_length2: 1.0 / length2,
+            axes: [first, second, longest],
+            shear: Vec3::new(d[first] * inv, d[second] * inv, inv),
+        }
+    }
+}

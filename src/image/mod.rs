@@ -1,0 +1,137 @@
+//! Linear images, their hash, and the files that hold them.
+
+mod compare;
+mod read;
+mod transfer;
+mod write;
+
+pub use compare::{Comparison, Heatmap, compare};
+pub use transfer::Transfer;
+pub use write::{Format, Metadata, check_writable, write_atomically};
+
+use std::path::Path;
+
+use crate::error::Result;
+
+/// A linear RGB image of 32-bit floats, row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Image {
+    /// A black image.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
+    }
+
+    /// An image of the given pixels, row by row from the top.
+    ///
+    /// # Panics
+    /// Where their number is not `width × height`.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
+        assert_eq!(pixels.len(), width as usize * height as usize, "{width} × {height}");
+        Self { width, height, pixels }
+    }
+
+    /// Reads PNG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
+    ///
+    /// 8- and 16-bit files are decoded by their transfer curve: the one that ptfast noted
+    /// in the file, or sRGB. Alpha is dropped.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is damaged, or is of another format.
+    pub fn read(path: &Path) -> Result<Self> {
+        read::read(path)
+    }
+
+    /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).
+    /// The file appears whole or not at all.
+    ///
+    /// # Errors
+    /// Where no writer knows the extension or the file cannot be written.
+    pub fn write(&self, path: &Path, transfer: Transfer, metadata: &Metadata) -> Result<()> {
+        write::write(self, path, transfer, metadata)
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.pixels
+    }
+
+    /// The rows from the top.
+    pub fn rows(&self) -> impl DoubleEndedIterator<Item = &[[f32; 3]]> {
+        self.pixels.chunks_exact(self.width.max(1) as usize)
+    }
+
+    /// Replaces the pixels from `(x, y)` rightwards by `row`.
+    pub fn put_row(&mut self, x: u32, y: u32, row: &[[f32; 3]]) {
+        let start = y as usize * self.width as usize + x as usize;
+        self.pixels[start..start + row.len()].copy_from_slice(row);
+    }
+
+    /// Mean of each channel, summed in f64.
+    pub fn mean(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for pixel in &self.pixels {
+            for (sum, &value) in sum.iter_mut().zip(pixel) {
+                *sum += f64::from(value);
+            }
+        }
+        sum.map(|s| s / self.pixels.len() as f64)
+    }
+
+    /// BLAKE3 over width and height (u32 little-endian) and the rows of f32 RGB
+    /// (little-endian, top row first), in hexadecimal: the identity of the image.
+    pub fn hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.width.to_le_bytes());
+        hasher.update(&self.height.to_le_bytes());
+        for row in self.rows() {
+            hasher.update(&row_bytes(row));
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+/// A row as little-endian f32 RGB.
+fn row_bytes(row: &[[f32; 3]]) -> Vec<u8> {
+    row.iter().flatten().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hash_is_blake3_of_size_and_rows() {
+        let image = Image::from_pixels(1, 2, vec![[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        let mut bytes = vec![1, 0, 0, 0, 2, 0, 0, 0];
+        for i in 0..6u8 {
+            bytes.extend(f32::from(i).to_le_bytes());
+        }
+        assert_eq!(image.hash(), blake3::hash(&bytes).to_hex().to_string());
+        assert_ne!(image.hash(), Image::new(1, 2).hash());
+        assert_ne!(Image::new(2, 1).hash(), Image::new(1, 2).hash());
+    }
+
+    #[test]
+    fn rows_and_mean() {
+        let mut image = Image::new(3, 2);
+        image.put_row(1, 1, &[[6.0, 0.0, 0.0], [0.0, 12.0, 0.0]]);
+        assert_eq!(image.mean(), [1.0, 2.0, 0.0]);
+        assert_eq!(image.rows().nth(1).unwrap()[1], [6.0, 0.0, 0.0]);
+    }
+}

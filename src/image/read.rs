@@ -1,0 +1,153 @@
+//! Readers into linear f32.
+
+use std::fs::File;
+use std::io::{BufReader, ErrorKind};
+use std::path::Path;
+
+use image::{DynamicImage, ImageError, ImageReader, Limits};
+
+use super::{Image, Transfer};
+use crate::error::{Error, Result};
+
+/// PNG text key under which ptfast notes the transfer curve.
+pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
+
+/// Largest width or height that is read.
+const MAX_SIDE: u32 = 65_536;
+/// Largest number of bytes that a decoder may allocate.
+const MAX_BYTES: u64 = 4 << 30;
+
+pub(super) fn read(path: &Path) -> Result<Image> {
+    if path.is_dir() {
+        return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
+    }
+    let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
+    let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
+    let bad = |message: String| Error::input(path.display().to_string(), "", message);
+    if is_pfm {
+        return read_pfm(&std::fs::read(path).map_err(Error::io(path, "read"))?).map_err(bad);
+    }
+    let mut reader =
+        ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    let transfer = png::Decoder::new(open()?)
+        .read_info()
+        .ok()
+        .and_then(|png| noted_transfer(png.info()))
+        .unwrap_or_default();
+    let decoded = reader.decode().map_err(|error| {
+        match error {
+        ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
+            Error::io(path, "read")(error)
+        }
+        ImageError::Unsupported(_) => bad(
+            "not an image of a lossless format that ptfast reads: PNG, EXR, HDR, PFM, BMP, TGA, PNM"
+                .into(),
+        ),
+        other => bad(format!("damaged image: {other}")),
+    }
+    })?;
+    Ok(to_linear(decoded, transfer))
+}
+
+fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {
+    let note = info.utf8_text.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
+    Transfer::from_name(&note.get_text().ok()?)
+}
+
+fn to_linear(decoded: DynamicImage, transfer: Transfer) -> Image {
+    let (width, height) = (decoded.width(), decoded.height());
+    let pixels = match decoded {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            decoded.into_rgb32f().pixels().map(|p| p.0).collect()
+        }
+        DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_)
+        | DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_) => {
+            let table: Vec<f32> = (0..=u16::MAX).map(|code| transfer.decode16(code)).collect();
+            decoded.into_rgb16().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+        }
+        _ => decoded.into_rgb8().pixels().map(|p| p.0.map(|c| transfer.decode(c))).collect(),
+    };
+    Image::from_pixels(width, height, pixels)
+}
+
+/// Portable float map: `PF` (colour) or `Pf` (grey), size, scale whose sign is the byte order.
+fn read_pfm(bytes: &[u8]) -> Result<Image, String> {
+    let mut rest = bytes;
+    let mut word = || {
+        let end = rest.iter().position(u8::is_ascii_whitespace).ok_or("damaged PFM header")?;
+        let word = std::str::from_utf8(&rest[..end]).map_err(|_| "damaged PFM header")?;
+        rest = &rest[end + 1..];
+        Ok::<&str, String>(word)
+    };
+    let channels = match word()? {
+        "PF" => 3,
+        "Pf" => 1,
+        _ => return Err("not a PFM file: it must begin with PF or Pf".into()),
+    };
+    let mut side = || {
+        let word = word()?;
+        match word.parse() {
+            Ok(side) if (1..=MAX_SIDE).contains(&side) => Ok(side),
+            _ => Err(format!("damaged PFM header: size `{word}` is not in 1 to {MAX_SIDE}")),
+        }
+    };
+    let (width, height) = (side()?, side()?);
+    let scale: f32 = word()?.parse().map_err(|_| "damaged PFM header: the scale is no number")?;
+    let expected = width as usize * height as usize * channels * 4;
+    if rest.len() != expected {
+        return Err(format!(
+            "damaged PFM: {width} × {height} need {expected} bytes of pixels, found {}",
+            rest.len()
+        ));
+    }
+    let value = |b: &[u8]| {
+        let b = [b[0], b[1], b[2], b[3]];
+        if scale < 0.0 { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
+    };
+    let row_bytes = width as usize * channels * 4;
+    let pixels = rest
+        .chunks_exact(row_bytes)
+        .rev()
+        .flat_map(|row| row.chunks_exact(channels * 4))
+        .map(|p| std::array::from_fn(|c| value(&p[4 * c.min(channels - 1)..])))
+        .collect();
+    Ok(Image::from_pixels(width, height, pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pfm_of_both_byte_orders_and_grey() {
+        let mut bytes = b"Pf\n1 2\n1.0\n".to_vec();
+        bytes.extend(1.0f32.to_be_bytes());
+        bytes.extend(2.0f32.to_be_bytes());
+        let image = read_pfm(&bytes).unwrap();
+        assert_eq!(image.pixels(), [[2.0; 3], [1.0; 3]], "the bottom row comes first");
+        bytes.pop();
+        assert!(read_pfm(&bytes).unwrap_err().contains("need 8 bytes"));
+        assert!(read_pfm(b"PF\n0 1\n-1\n").unwrap_err().contains("size `0`"));
+        assert!(read_pfm(b"P6 ").unwrap_err().contains("PF or Pf"));
+    }
+
+    #[test]
+    fn damaged_and_foreign_files_say_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("damaged image"));
+        std::fs::write(&path, b"no image at all").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("lossless format"));
+        let error = read(folder.path()).unwrap_err();
+        assert_eq!(error.exit_code(), 74);
+        assert_eq!(read(Path::new("nosuch.png")).unwrap_err().exit_code(), 74);
+    }
+}

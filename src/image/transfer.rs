@@ -1,0 +1,131 @@
+//! Transfer curves between linear values and 8-bit codes, exact on every platform.
+
+use std::sync::LazyLock;
+
+use clap::ValueEnum;
+
+use crate::math::precise::pow_12_5;
+
+/// How linear values become display values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Transfer {
+    /// IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// Square root, as the report displays its pictures.
+    #[value(name = "2")]
+    Gamma2,
+}
+
+/// What a code means, and from which linear value on it is chosen.
+struct Table {
+    /// Linear value of each code.
+    linear: [f32; 256],
+    /// Entry k: the linear value half-way, on the curve, between codes k and k + 1.
+    thresholds: [f32; 255],
+}
+
+impl Table {
+    fn new(to_linear: fn(f64) -> f64) -> Self {
+        Self {
+            linear: std::array::from_fn(|k| to_linear(k as f64 / 255.0) as f32),
+            thresholds: std::array::from_fn(|k| to_linear((k as f64 + 0.5) / 255.0) as f32),
+        }
+    }
+}
+
+static SRGB: LazyLock<Table> = LazyLock::new(|| Table::new(srgb_to_linear));
+static GAMMA2: LazyLock<Table> = LazyLock::new(|| Table::new(gamma2_to_linear));
+
+fn srgb_to_linear(v: f64) -> f64 {
+    if v <= 0.04045 { v / 12.92 } else { pow_12_5((v + 0.055) / 1.055) }
+}
+
+fn gamma2_to_linear(v: f64) -> f64 {
+    v * v
+}
+
+impl Transfer {
+    fn table(self) -> &'static Table {
+        match self {
+            Self::Srgb => &SRGB,
+            Self::Gamma2 => &GAMMA2,
+        }
+    }
+
+    /// The nearest of the 256 codes, clamped; NaN gives 0.
+    pub fn encode(self, linear: f32) -> u8 {
+        self.table().thresholds.partition_point(|&threshold| threshold <= linear) as u8
+    }
+
+    /// The linear value of a code.
+    pub fn decode(self, code: u8) -> f32 {
+        self.table().linear[usize::from(code)]
+    }
+
+    /// The display value in `[0, 1]` of a linear value, not rounded to a code; NaN stays.
+    #[allow(clippy::disallowed_methods)] // a measure of differences, not a rendered value
+    pub(super) fn display(self, linear: f32) -> f64 {
+        let x = f64::from(linear).clamp(0.0, 1.0);
+        match self {
+            Self::Gamma2 => x.sqrt(),
+            Self::Srgb if x <= 0.003_130_8 => x * 12.92,
+            Self::Srgb => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        }
+    }
+
+    /// The linear value of a 16-bit code.
+    pub(super) fn decode16(self, code: u16) -> f32 {
+        let v = f64::from(code) / 65535.0;
+        (match self {
+            Self::Srgb => srgb_to_linear(v),
+            Self::Gamma2 => gamma2_to_linear(v),
+        }) as f32
+    }
+
+    /// The curve's name in file metadata and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Srgb => "srgb",
+            Self::Gamma2 => "2",
+        }
+    }
+
+    /// The curve of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Srgb, Self::Gamma2].into_iter().find(|t| t.name() == name)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_round_trip() {
+        for transfer in [Transfer::Srgb, Transfer::Gamma2] {
+            for code in 0..=255 {
+                assert_eq!(transfer.encode(transfer.decode(code)), code);
+            }
+            assert_eq!(transfer.encode(f32::NAN), 0);
+            assert_eq!(transfer.encode(-1.0), 0);
+            assert_eq!(transfer.encode(f32::INFINITY), 255);
+            assert_eq!(Transfer::from_name(transfer.name()), Some(transfer));
+        }
+    }
+
+    #[test]
+    fn srgb_follows_the_standard() {
+        for i in 0..=10_000 {
+            let linear = f64::from(i) / 10_000.0;
+            let v = if linear <= 0.003_130_8 {
+                linear * 12.92
+            } else {
+                1.055 * linear.powf(1.0 / 2.4) - 0.055
+            };
+            let code = f64::from(Transfer::Srgb.encode(linear as f32));
+            assert!((code - v * 255.0).abs() < 0.5 + 1e-4, "{linear}: {code} {v}");
+        }
+    }
+}

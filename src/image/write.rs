@@ -1,0 +1,253 @@
+//! Writers by file extension. A file appears whole or not at all.
+
+use std::fs;
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use super::{Image, Transfer, row_bytes};
+use crate::error::{Error, Result};
+
+/// Text that goes into a file's header: the same for equal renders.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Metadata(pub Vec<(String, String)>);
+
+impl Metadata {
+    /// Adds one entry.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: impl ToString) -> Self {
+        self.0.push((key.to_owned(), value.to_string()));
+        self
+    }
+}
+
+/// The image formats that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit PNG.
+    Png,
+    /// 32-bit float OpenEXR, ZIP compressed.
+    Exr,
+    /// Radiance RGBE.
+    Hdr,
+    /// Portable float map: the linear values as they are.
+    Pfm,
+}
+
+impl Format {
+    const ALL: [(&'static str, Self); 4] =
+        [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
+
+    /// The format of a path's extension.
+    ///
+    /// # Errors
+    /// Where no writer knows the extension.
+    pub fn of_path(path: &Path) -> Result<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let format = Self::ALL.iter().find(|(name, _)| *name == extension);
+        format.map(|(_, format)| *format).ok_or_else(|| {
+            Error::Usage(format!(
+                "{}: no writer for the extension `{extension}`, use .png, .exr, .hdr or .pfm",
+                path.display()
+            ))
+        })
+    }
+}
+
+pub(super) fn write(
+    image: &Image,
+    path: &Path,
+    transfer: Transfer,
+    metadata: &Metadata,
+) -> Result<()> {
+    let format = Format::of_path(path)?;
+    write_atomically(path, |file| match format {
+        Format::Png => write_png(image, file, transfer, metadata),
+        Format::Exr => write_exr(image, file, metadata),
+        Format::Hdr => write_hdr(image, file),
+        Format::Pfm => write_pfm(image, file),
+    })
+}
+
+/// Calls `fill` with a temporary file beside `path`, which takes the place of `path` once
+/// it is complete. On failure `path` is what it was and the temporary file is gone.
+///
+/// # Errors
+/// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
+pub fn write_atomically(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+) -> Result<()> {
+    let failed = |source| Error::io(path, "write")(source);
+    let (target, file) = temporary_beside(path).map_err(failed)?;
+    let mut writer = BufWriter::new(file.as_file());
+    fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
+    drop(writer);
+    // Some file systems report a full disk only now.
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(&target).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// Finds out whether [`write_atomically`] could begin to write `path`, so that a long render
+/// need not end in vain. Leaves nothing behind.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn check_writable(path: &Path) -> Result<()> {
+    temporary_beside(path).map(drop).map_err(Error::io(path, "write"))
+}
+
+/// The file that `path` stands for, and an empty temporary file in its folder.
+fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile)> {
+    let target = resolve(path)?;
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ptfast-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // As any new file: 0666 less the umask, not the 0600 of private temporaries.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    // The crate's errors speak of the temporary file's name, which says nothing.
+    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+    Ok((target, file))
+}
+
+/// The file that `path` stands for: links are followed, folders and devices refused.
+fn resolve(path: &Path) -> io::Result<PathBuf> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() => fs::canonicalize(path),
+        Ok(found) if found.is_dir() => Err(io::Error::other("it is a folder")),
+        Ok(_) => Err(io::Error::other("it is a device or pipe, not a file")),
+        Err(_) => Ok(path.to_owned()),
+    }
+}
+
+fn write_png(
+    image: &Image,
+    file: impl Write,
+    transfer: Transfer,
+    metadata: &Metadata,
+) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(file, image.width(), image.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    match transfer {
+        Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
+        Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),
+    }
+    for (key, value) in &metadata.0 {
+        encoder.add_itxt_chunk(key.clone(), value.clone())?;
+    }
+    encoder.add_itxt_chunk(super::read::TRANSFER_KEY.into(), transfer.name().into())?;
+    let codes: Vec<u8> =
+        image.pixels().iter().flatten().map(|&value| transfer.encode(value)).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&codes)?;
+    writer.finish()?;
+    Ok(())
+}
+
+fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io::Result<()> {
+    use exr::prelude::{Encoding, Image as Exr, SpecificChannels, Text, Vec2, WritableImage};
+    use exr::prelude::{Layer, LayerAttributes};
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let channels = SpecificChannels::rgb(|p: Vec2<usize>| {
+        let [r, g, b] = image.pixels()[p.y() * width + p.x()];
+        (r, g, b)
+    });
+    // One attribute of several lines: the crate writes custom attributes in an order that
+    // changes from run to run.
+    let lines: Vec<String> =
+        metadata.0.iter().map(|(key, value)| format!("{key}: {value}")).collect();
+    let attributes = LayerAttributes {
+        comments: Text::new_or_none(lines.join("\n")),
+        ..LayerAttributes::default()
+    };
+    let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, channels);
+    Exr::from_layer(layer).write().non_parallel().to_buffered(file).map_err(|error| match error {
+        exr::error::Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    })
+}
+
+fn write_hdr(image: &Image, file: impl Write) -> io::Result<()> {
+    let pixels: Vec<image::Rgb<f32>> = image.pixels().iter().map(|&p| image::Rgb(p)).collect();
+    image::codecs::hdr::HdrEncoder::new(file)
+        .encode(&pixels, image.width() as usize, image.height() as usize)
+        .map_err(|error| match error {
+            image::ImageError::IoError(error) => error,
+            other => io::Error::other(other.to_string()),
+        })
+}
+
+/// Rows run from the bottom up; a negative scale says little-endian.
+fn write_pfm(image: &Image, mut file: impl Write) -> io::Result<()> {
+    write!(file, "PF\n{} {}\n-1.0\n", image.width(), image.height())?;
+    image.rows().rev().try_for_each(|row| file.write_all(&row_bytes(row)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Image {
+        let pixels = (0..20u8).map(|i| [f32::from(i) * 0.05, 0.5, 1e-3]).collect();
+        Image::from_pixels(5, 4, pixels)
+    }
+
+    #[test]
+    fn float_formats_keep_the_bits_and_equal_renders_give_equal_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let metadata = Metadata::default().with("hash", "abc").with("seed", 1).with("x", "y");
+        for name in ["a.pfm", "a.exr", "a.PNG", "a.hdr"] {
+            let path = folder.path().join(name);
+            sample().write(&path, Transfer::Srgb, &metadata).unwrap();
+            let first = fs::read(&path).unwrap();
+            sample().write(&path, Transfer::Srgb, &metadata).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), first, "{name}");
+            let back = Image::read(&path).unwrap();
+            let tolerance = match name {
+                "a.PNG" => 0.01,
+                "a.hdr" => 0.005,
+                _ => 0.0,
+            };
+            for (a, b) in sample().pixels().iter().flatten().zip(back.pixels().iter().flatten()) {
+                assert!((a - b).abs() <= tolerance, "{name}: {a} {b}");
+            }
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pfm");
+        fs::write(&path, "old").unwrap();
+        let error = write_atomically(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::Error::other("the disk is full"))
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("the disk is full"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn folders_and_unknown_extensions_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("folder.png");
+        fs::create_dir(&path).unwrap();
+        let error = sample().write(&path, Transfer::Srgb, &Metadata::default()).unwrap_err();
+        assert!(error.to_string().ends_with("cannot write: it is a folder"), "{error}");
+        assert_eq!(error.exit_code(), 74);
+        let error = Format::of_path(Path::new("a.jpeg")).unwrap_err();
+        assert!(error.to_string().contains("`jpeg`, use .png"), "{error}");
+        assert_eq!(error.exit_code(), 2);
+    }
+}

@@ -1,0 +1,264 @@
+//! The instruction set that the program was compiled for, and the one the CPU has.
+//!
+//! `wide` chooses its registers at compile time, so a build for one CPU can be slow on a
+//! better one and cannot run on a lesser one. `is_x86_feature_detected!` is no help: it is
+//! folded to `true` for features that are compiled in. CPUID is read directly instead.
+
+use std::fmt;
+
+/// Instruction sets by what they mean for ptfast, from narrow to wide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Isa {
+    /// Not x86-64: what the compiler makes of it.
+    Portable,
+    /// x86-64 without AVX2 and FMA: 4 lanes a register.
+    Sse2,
+    /// AVX2 and FMA (x86-64-v3): 8 lanes.
+    Avx2,
+    /// AVX-512 F, BW, CD, DQ, VL (x86-64-v4): 16 lanes.
+    Avx512,
+}
+
+impl Isa {
+    /// f32 lanes of the packets that the instruction set is given.
+    pub fn lanes(self) -> u32 {
+        if self == Self::Avx512 { 16 } else { 8 }
+    }
+
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => std::env::consts::ARCH,
+            Self::Sse2 => "sse2",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The instruction set that this build uses.
+///
+/// A crate that depends on ptfast gets SSE2 unless it is itself built with
+/// `-C target-cpu=native` or the like: assert here if that matters.
+pub const fn compiled_isa() -> Isa {
+    if cfg!(all(
+        target_feature = "avx512f",
+        target_feature = "avx512bw",
+        target_feature = "avx512cd",
+        target_feature = "avx512dq",
+        target_feature = "avx512vl"
+    )) {
+        Isa::Avx512
+    } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+        Isa::Avx2
+    } else if cfg!(target_arch = "x86_64") {
+        Isa::Sse2
+    } else {
+        Isa::Portable
+    }
+}
+
+/// The best instruction set that this CPU and operating system offer.
+pub fn detected_isa() -> Isa {
+    #[cfg(target_arch = "x86_64")]
+    {
+        x86::Cpu::read().isa()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        Isa::Portable
+    }
+}
+
+/// A feature that this build uses and the CPU lacks.
+///
+/// Must be called first thing in `main`: any later line may be an illegal instruction.
+#[inline(never)]
+pub fn missing_feature() -> Option<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        x86::Cpu::read().missing_feature()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        None
+    }
+}
+
+/// The CPU's own name.
+pub fn cpu_name() -> String {
+    #[cfg(target_arch = "x86_64")]
+    {
+        x86::brand()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        std::env::consts::ARCH.to_owned()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::{__cpuid, __cpuid_count};
+
+    use super::Isa;
+
+    /// The registers of CPUID that name features (Intel SDM vol. 2A, CPUID).
+    pub(super) struct Cpu {
+        ecx1: u32,
+        edx1: u32,
+        ebx7: u32,
+        ecx7: u32,
+        edx7: u32,
+        eax7_1: u32,
+        ecx_ext: u32,
+        /// Bytes that the operating system saves: 576 without AVX, 832 with it, 2688 or
+        /// more with AVX-512 (leaf 0xD; XGETBV would say it too, but needs `unsafe`).
+        saved_state: u32,
+    }
+
+    /// `Some(name)` for the first feature that is compiled in and whose bit is 0.
+    macro_rules! first_missing {
+        ($($feature:tt: $register:expr, $bit:literal;)*) => {
+            $(if cfg!(target_feature = $feature) && $register >> $bit & 1 == 0 {
+                return Some($feature);
+            })*
+        };
+    }
+
+    impl Cpu {
+        pub(super) fn read() -> Self {
+            let highest = __cpuid(0).eax;
+            let leaf1 = __cpuid(1);
+            let leaf7 = (highest >= 7).then(|| __cpuid_count(7, 0));
+            let leaf7_1 = leaf7.filter(|leaf| leaf.eax >= 1).map(|_| __cpuid_count(7, 1));
+            let extended = (__cpuid(0x8000_0000).eax >= 0x8000_0001).then(|| __cpuid(0x8000_0001));
+            // OSXSAVE: the operating system has enabled XSAVE.
+            let xsave = highest >= 0xD && leaf1.ecx >> 27 & 1 == 1;
+            Self {
+                ecx1: leaf1.ecx,
+                edx1: leaf1.edx,
+                ebx7: leaf7.map_or(0, |leaf| leaf.ebx),
+                ecx7: leaf7.map_or(0, |leaf| leaf.ecx),
+                edx7: leaf7.map_or(0, |leaf| leaf.edx),
+                eax7_1: leaf7_1.map_or(0, |leaf| leaf.eax),
+                ecx_ext: extended.map_or(0, |leaf| leaf.ecx),
+                saved_state: if xsave { __cpuid_count(0xD, 0).ebx } else { 0 },
+            }
+        }
+
+        pub(super) fn isa(&self) -> Isa {
+            let has = |register: u32, bits: &[u32]| bits.iter().all(|bit| register >> bit & 1 == 1);
+            if self.saved_state < 832 || !has(self.ebx7, &[5]) || !has(self.ecx1, &[12, 28]) {
+                Isa::Sse2
+            } else if self.saved_state < 2688 || !has(self.ebx7, &[16, 17, 28, 30, 31]) {
+                Isa::Avx2
+            } else {
+                Isa::Avx512
+            }
+        }
+
+        pub(super) fn missing_feature(&self) -> Option<&'static str> {
+            let Self { ecx1, edx1, ebx7, ecx7, edx7, eax7_1, ecx_ext, .. } = *self;
+            first_missing! {
+                "avx512f": ebx7, 16;
+                "avx512dq": ebx7, 17;
+                "avx512ifma": ebx7, 21;
+                "avx512cd": ebx7, 28;
+                "avx512bw": ebx7, 30;
+                "avx512vl": ebx7, 31;
+                "avx512vbmi": ecx7, 1;
+                "avx512vbmi2": ecx7, 6;
+                "avx512vnni": ecx7, 11;
+                "avx512bitalg": ecx7, 12;
+                "avx512vpopcntdq": ecx7, 14;
+                "avx512fp16": edx7, 23;
+                "avx512bf16": eax7_1, 5;
+                "avxvnni": eax7_1, 4;
+                "avx": ecx1, 28;
+                "avx2": ebx7, 5;
+                "fma": ecx1, 12;
+                "f16c": ecx1, 29;
+                "gfni": ecx7, 8;
+                "vaes": ecx7, 9;
+                "vpclmulqdq": ecx7, 10;
+                "bmi1": ebx7, 3;
+                "bmi2": ebx7, 8;
+                "adx": ebx7, 19;
+                "sha": ebx7, 29;
+                "lzcnt": ecx_ext, 5;
+                "sse3": ecx1, 0;
+                "pclmulqdq": ecx1, 1;
+                "ssse3": ecx1, 9;
+                "cmpxchg16b": ecx1, 13;
+                "sse4.1": ecx1, 19;
+                "sse4.2": ecx1, 20;
+                "movbe": ecx1, 22;
+                "popcnt": ecx1, 23;
+                "aes": ecx1, 25;
+                "sse2": edx1, 26;
+            }
+            if cfg!(target_feature = "avx512f") && self.saved_state < 2688 {
+                return Some("avx512f enabled by the operating system");
+            }
+            if cfg!(target_feature = "avx") && self.saved_state < 832 {
+                return Some("avx enabled by the operating system");
+            }
+            None
+        }
+    }
+
+    pub(super) fn brand() -> String {
+        if __cpuid(0x8000_0000).eax < 0x8000_0004 {
+            return "unknown x86-64".to_owned();
+        }
+        let bytes: Vec<u8> = (0x8000_0002..=0x8000_0004)
+            .map(__cpuid)
+            .flat_map(|leaf| [leaf.eax, leaf.ebx, leaf.ecx, leaf.edx])
+            .flat_map(u32::to_le_bytes)
+            .take_while(|&byte| byte != 0)
+            .collect();
+        String::from_utf8_lossy(&bytes).trim().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_that_runs_has_what_it_was_compiled_for() {
+        assert_eq!(missing_feature(), None);
+        assert!(detected_isa() >= compiled_isa(), "{} {}", detected_isa(), compiled_isa());
+        assert!(!cpu_name().is_empty());
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn detection_agrees_with_std() {
+        assert_eq!(
+            detected_isa() >= Isa::Avx2,
+            is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+        );
+        assert_eq!(
+            detected_isa() == Isa::Avx512,
+            ["avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"].len()
+                == [
+                    is_x86_feature_detected!("avx512f"),
+                    is_x86_feature_detected!("avx512bw"),
+                    is_x86_feature_detected!("avx512cd"),
+                    is_x86_feature_detected!("avx512dq"),
+                    is_x86_feature_detected!("avx512vl"),
+                ]
+                .into_iter()
+                .filter(|&has| has)
+                .count()
+        );
+    }
+}

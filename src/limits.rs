@@ -1,0 +1,53 @@
+//! What is refused as absurd before anything is allocated.
+
+/// Largest width or height of an image, in pixels.
+pub const MAX_SIDE: u32 = 65_536;
+/// Largest number of pixels of an image: 3 GiB of f32 RGB.
+pub const MAX_PIXELS: u64 = 1 << 28;
+/// Largest number of samples a pixel.
+pub const MAX_SPP: u32 = 1 << 24;
+/// Largest number of segments of a path.
+pub const MAX_DEPTH: u32 = 1 << 16;
+/// Largest number of threads.
+pub const MAX_THREADS: u32 = 4096;
+
+/// `Err` says which side is out of range.
+pub(crate) fn check_image(width: u32, height: u32) -> Result<(), String> {
+    check("width", width, MAX_SIDE)?;
+    check("height", height, MAX_SIDE)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(format!("width × height must be at most {MAX_PIXELS}, is {pixels}"));
+    }
+    Ok(())
+}
+
+/// `Err` says which number is out of range.
+pub(crate) fn check_sampling(spp: u32, depth: u32) -> Result<(), String> {
+    check("spp", spp, MAX_SPP)?;
+    check("depth", depth, MAX_DEPTH)
+}
+
+/// `Err` where `value` is not in 1 to `most`.
+pub(crate) fn check(name: &str, value: u32, most: u32) -> Result<(), String> {
+    if (1..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(format!("{name} must be in 1 to {most}, is {value}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_limited() {
+        assert!(check_image(1, 1).is_ok() && check_image(65_536, 4096).is_ok());
+        assert!(check_image(0, 9).unwrap_err().starts_with("width must be in 1 to 65536"));
+        assert!(check_image(9, 1_000_000_000).unwrap_err().starts_with("height"));
+        assert!(check_image(65_536, 4097).unwrap_err().starts_with("width × height"));
+        assert!(check_sampling(0, 1).unwrap_err().starts_with("spp"));
+        assert!(check_sampling(1, 0).unwrap_err().starts_with("depth"));
+    }
+}

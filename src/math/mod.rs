@@ -1,0 +1,49 @@
+//! Contract arithmetic: the only functions allowed where a value is decided.
+//!
+//! Everything here is IEEE-754 `+ - * / sqrt`, comparison, select and integer
+//! operations in one written order, so that each function returns the same bits
+//! on every instruction set and thread count. See ARCHITECTURE.md, "The contract".
+
+pub mod precise;
+pub mod random;
+pub mod trig;
+pub mod vector;
+pub mod warp;
+
+pub use vector::{cross, dot, face_forward, length, max_element, normalize, orthonormal_basis};
+
+/// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.
+#[inline]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// `if a > b { a } else { b }`: what `maxps` computes, NaN in either gives `b`.
+#[inline]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// `x` limited to `[lo, hi]`; NaN gives `lo`.
+#[inline]
+pub fn clamp(x: f32, lo: f32, hi: f32) -> f32 {
+    min(max(x, lo), hi)
+}
+
+/// Unit roundoff of f32, 2^-24: the relative error of one rounded operation.
+pub const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn min_and_max_take_the_second_argument_on_nan() {
+        assert_eq!(min(f32::NAN, 1.0), 1.0);
+        assert!(min(1.0, f32::NAN).is_nan());
+        assert_eq!(max(f32::NAN, 1.0), 1.0);
+        assert!(max(1.0, f32::NAN).is_nan());
+        assert_eq!(clamp(f32::NAN, 2.0, 3.0), 2.0);
+        assert_eq!(clamp(9.0, 2.0, 3.0), 3.0);
+    }
+}

@@ -1,0 +1,77 @@
+//! f64 functions for what is prepared once a scene and rounded once to f32: camera
+//! frame, box rotation, transfer curves. Only `+ - * /`, so every platform agrees.
+
+use std::f64::consts::PI;
+
+/// `(sin, cos)` of an angle in degrees, within 4 ulp of f64; exact at multiples of 90°.
+///
+/// |degrees| up to 1e9; the reduction to [-45°, 45°] is exact.
+pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+    let turn = degrees % 360.0; // exact, as fmod is
+    let quadrant = (turn / 90.0).round();
+    let x = (turn - 90.0 * quadrant) * (PI / 180.0);
+    let s = x * x;
+    // Taylor series: |x| < 0.79, so the first term left out is below 1e-18.
+    let mut sin = 1.0;
+    let mut cos = 1.0;
+    for k in (1..=9).rev() {
+        let k = f64::from(k);
+        sin = 1.0 - sin * s / ((2.0 * k) * (2.0 * k + 1.0));
+        cos = 1.0 - cos * s / ((2.0 * k - 1.0) * (2.0 * k));
+    }
+    sin *= x;
+    match quadrant as i64 & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+/// Tangent of an angle in degrees, `(-90, 90)`.
+pub fn tan_degrees(degrees: f64) -> f64 {
+    let (sin, cos) = sin_cos_degrees(degrees);
+    sin / cos
+}
+
+/// `x` to the power 12/5 for `x` in `[0, 2]`: the exponent 2.4 of sRGB without `pow`.
+pub fn pow_12_5(x: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    // Fifth root by Newton's method from above, which falls monotonically.
+    let mut root = 1.2f64;
+    for _ in 0..200 {
+        let square = root * root;
+        root = (4.0 * root + x / (square * square)) / 5.0;
+    }
+    x * x * (root * root)
+}
+
+#[cfg(test)]
+#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_agree_with_libm_and_are_exact_at_right_angles() {
+        for i in -72_000..=72_000 {
+            let degrees = f64::from(i) * 0.01;
+            let (sin, cos) = sin_cos_degrees(degrees);
+            assert!((sin - degrees.to_radians().sin()).abs() < 4e-15, "sin {degrees}");
+            assert!((cos - degrees.to_radians().cos()).abs() < 4e-15, "cos {degrees}");
+        }
+        assert_eq!(sin_cos_degrees(90.0), (1.0, 0.0));
+        assert_eq!(sin_cos_degrees(-180.0).1, -1.0);
+        assert!((tan_degrees(45.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn pow_12_5_agrees_with_libm() {
+        for i in 0..=1000 {
+            let x = f64::from(i) / 500.0;
+            let want = x.powf(2.4);
+            assert!((pow_12_5(x) - want).abs() <= 1e-14 * want, "{x}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Sine, cosine and their inverses as short polynomials in contract arithmetic.
+//!
+//! Libm's differ by platform and `wide`'s by instruction set; these give one answer.
+//! Coefficients are Chebyshev fits made in 40 digits and rounded to f32. Each function
+//! states its error bound against f64, and a test holds it.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`, within 1.1e-7.
+///
+/// The argument is reduced in turns, where the reduction is exact.
+#[inline]
+pub fn sin_cos_turns(u: f32) -> (f32, f32) {
+    let quadrant = nearest(4.0 * u);
+    let r = u - 0.25 * quadrant; // exact, in [-1/8, 1/8]
+    let s = r * r;
+    let sin =
+        r * (6.283_185_5 + s * (-41.341_7 + s * (81.605_2 + s * (-76.697_87 + s * 41.472_83))));
+    let cos = 1.0 + s * (-19.739_208 + s * (64.939_316 + s * (-85.442_85 + s * 59.220_17)));
+    match quadrant as i32 & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+/// `(sin x, cos x)` for `x` in radians, `[-4π, 4π]`, within 1.1e-7 + |x|·1.2e-7.
+#[inline]
+pub fn sin_cos(x: f32) -> (f32, f32) {
+    sin_cos_turns(x * (1.0 / (2.0 * PI)))
+}
+
+/// `asin x` for `x` in `[-1, 1]`, within 3.6e-7 relative; arguments outside are clamped.
+#[inline]
+pub fn asin(x: f32) -> f32 {
+    let a = super::min(x.abs(), 1.0);
+    // Beyond 1/2: asin a = π/2 − 2 asin √((1 − a)/2).
+    let steep = a > 0.5;
+    let s = if steep { 0.5 * (1.0 - a) } else { a * a };
+    let r = if steep { s.sqrt() } else { a };
+    let small = r + r
+        * s
+        * (0.166_666_66
+            + s * (0.075_000_94
+                + s * (0.044_599_403
+                    + s * (0.031_100_662 + s * (0.017_149_238 + s * 0.033_690_847)))));
+    (if steep { FRAC_PI_2 - 2.0 * small } else { small }).copysign(x)
+}
+
+/// `acos x` for `x` in `[-1, 1]`, within 4e-7; arguments outside are clamped.
+#[inline]
+pub fn acos(x: f32) -> f32 {
+    FRAC_PI_2 - asin(x)
+}
+
+/// Angle of the point (x, y) in `[-π, π]`, within 4e-7; 0 for the origin.
+#[inline]
+pub fn atan2(y: f32, x: f32) -> f32 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (lo, hi) = if ax < ay { (ax, ay) } else { (ay, ax) };
+    let t = if hi > 0.0 { lo / hi } else { 0.0 };
+    // Beyond tan π/8: atan t = π/4 + atan (t − 1)/(t + 1).
+    let steep = t > 0.414_213_57;
+    let r = if steep { (t - 1.0) / (t + 1.0) } else { t };
+    let s = r * r;
+    let small = r + r
+        * s
+        * (-0.333_333_3
+            + s * (0.199_995_4 + s * (-0.142_639_56 + s * (0.107_437_31 + s * -0.064_519_28))));
+    let octant = if steep { FRAC_PI_4 + small } else { small };
+    let quadrant = if ax < ay { FRAC_PI_2 - octant } else { octant };
+    (if x < 0.0 { PI - quadrant } else { quadrant }).copysign(y)
+}
+
+/// Nearest integer for |x| < 2^22, ties to even: what `roundps` and the addition of
+/// 1.5·2^23 both compute.
+#[inline]
+fn nearest(x: f32) -> f32 {
+    const MAGIC: f32 = 12_582_912.0;
+    (x + MAGIC) - MAGIC
+}
+
+#[cfg(test)]
+#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn sin_cos_turns_holds_its_bound_on_every_random_number() {
+        let mut worst = 0.0f64;
+        for i in 0..1u32 << 24 {
+            let u = i as f32 * (1.0 / 16_777_216.0);
+            let (sin, cos) = sin_cos_turns(u);
+            let (want_sin, want_cos) = (TAU * f64::from(u)).sin_cos();
+            worst = worst.max((f64::from(sin) - want_sin).abs());
+            worst = worst.max((f64::from(cos) - want_cos).abs());
+        }
+        assert!(worst < 1.1e-7, "worst error {worst:e}");
+    }
+
+    #[test]
+    fn sin_cos_holds_its_bound() {
+        for i in -400_000..=400_000 {
+            let x = i as f32 * (4.0 * PI / 400_000.0);
+            let bound = 1.1e-7 + 1.2e-7 * f64::from(x.abs());
+            let (sin, cos) = sin_cos(x);
+            assert!((f64::from(sin) - f64::from(x).sin()).abs() < bound, "sin {x}");
+            assert!((f64::from(cos) - f64::from(x).cos()).abs() < bound, "cos {x}");
+        }
+    }
+
+    #[test]
+    fn inverse_functions_hold_their_bounds() {
+        for i in -1_000_000..=1_000_000 {
+            let x = i as f32 * 1e-6;
+            let want = f64::from(x).asin();
+            assert!((f64::from(asin(x)) - want).abs() <= 3.6e-7 * want.abs(), "asin {x}");
+            assert!((f64::from(acos(x)) - f64::from(x).acos()).abs() < 4e-7, "acos {x}");
+            let (sin, cos) = (TAU * f64::from(i) / 2e6).sin_cos();
+            for radius in [1e-20, 1.0, 1e20] {
+                let (y, x) = ((radius * sin) as f32, (radius * cos) as f32);
+                let error = f64::from(atan2(y, x)) - f64::from(y).atan2(f64::from(x));
+                assert!(error.abs() < 4e-7, "atan2 {y} {x}: {error:e}");
+            }
+        }
+        assert_eq!(asin(1.5), FRAC_PI_2);
+        assert_eq!(acos(-7.0), PI);
+        assert_eq!(atan2(0.0, 0.0), 0.0);
+    }
+}

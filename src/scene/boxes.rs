@@ -1,0 +1,62 @@
+//! A box as six quads.
+
+/// Corner and edges of a quad.
+pub(super) type Face = ([f32; 3], [f32; 3], [f32; 3]);
+
+/// The six faces of the box from `min` to `max`, turned about its middle by the angles
+/// `rotation` in degrees: about x, then y, then z. Computed in f64 and rounded once.
+pub(super) fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 6] {
+    let (min, max) = (min.map(f64::from), max.map(f64::from));
+    let middle: [f64; 3] = std::array::from_fn(|i| (min[i] + max[i]) * 0.5);
+    let turns = rotation.map(|degrees| crate::math::precise::sin_cos_degrees(f64::from(degrees)));
+    let turn = |mut p: [f64; 3]| {
+        for (axis, (sin, cos)) in turns.into_iter().enumerate() {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            (p[i], p[j]) = (cos * p[i] - sin * p[j], sin * p[i] + cos * p[j]);
+        }
+        p
+    };
+    let place = |p: [f64; 3]| {
+        let turned = turn(std::array::from_fn(|i| p[i] - middle[i]));
+        std::array::from_fn(|i| (turned[i] + middle[i]) as f32)
+    };
+    let edge = |i: usize| {
+        let mut e = [0.0; 3];
+        e[i] = max[i] - min[i];
+        turn(e).map(|c| c as f32)
+    };
+    let (near, far): ([f32; 3], [f32; 3]) = (place(min), place(max));
+    let [x, y, z] = [edge(0), edge(1), edge(2)];
+    let negative = |e: [f32; 3]| e.map(|c| -c);
+    let mut faces = [(near, x, y); 6];
+    for (i, (a, b)) in [(x, y), (y, z), (x, z)].into_iter().enumerate() {
+        faces[2 * i] = (near, a, b);
+        faces[2 * i + 1] = (far, negative(a), negative(b));
+    }
+    faces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_turn_about_y_takes_z_to_x() {
+        let faces = faces([0.0; 3], [2.0, 4.0, 6.0], [0.0, 90.0, 0.0]);
+        // Middle (1, 2, 3); the lower corner goes to (1 − 3, 0, 3 + 1).
+        assert_eq!(faces[0].0, [-2.0, 0.0, 4.0]);
+        assert_eq!(faces[0].1, [0.0, 0.0, -2.0], "x goes to −z");
+        assert_eq!(faces[2].2, [6.0, 0.0, 0.0], "z goes to x");
+    }
+
+    #[test]
+    fn every_face_lies_on_the_surface() {
+        for (q, u, v) in faces([1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0; 3]) {
+            for i in 0..3 {
+                for corner in [q[i], q[i] + u[i], q[i] + v[i], q[i] + u[i] + v[i]] {
+                    assert!(corner == [1.0, 2.0, 3.0][i] || corner == [2.0, 4.0, 6.0][i]);
+                }
+            }
+        }
+    }
+}

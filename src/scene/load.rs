@@ -1,0 +1,125 @@
+//! Finding a scene by name or path and reading its text.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::builtin::{self, BUILTIN_NAMES};
+use super::description::SceneFile;
+use super::resolve::{self, Places};
+use super::{Scene, flat, parse};
+use crate::error::{Error, Result, suggestion};
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Compiled in.
+    Builtin(&'static str),
+    /// A file, by its form.
+    File(PathBuf, Form),
+}
+
+/// The forms of scene files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `.ron`
+    Ron,
+    /// `.json`, the same schema.
+    Json,
+    /// `.txt`, the flat form.
+    Flat,
+}
+
+/// What a source says, before its values are checked.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    name: String,
+    folder: PathBuf,
+    /// The scene as written.
+    pub file: SceneFile,
+    places: Places,
+}
+
+impl Source {
+    /// The source that `name_or_path` means: a built-in name first, else a path.
+    ///
+    /// # Errors
+    /// Where the path's extension tells no form, and it is no built-in name.
+    pub fn find(name_or_path: &str) -> Result<Self> {
+        if let Some(name) = BUILTIN_NAMES.into_iter().find(|name| *name == name_or_path) {
+            return Ok(Self::Builtin(name));
+        }
+        let path = Path::new(name_or_path);
+        let form = match path.extension().and_then(|e| e.to_str()) {
+            Some("ron") => Form::Ron,
+            Some("json") => Form::Json,
+            Some("txt") => Form::Flat,
+            _ if path.is_dir() => {
+                return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
+            }
+            _ => {
+                let near = suggestion(name_or_path, BUILTIN_NAMES);
+                return Err(Error::Usage(format!(
+                    "`{name_or_path}` is neither a built-in scene nor a .ron, .json or .txt file{near}"
+                )));
+            }
+        };
+        Ok(Self::File(path.to_owned(), form))
+    }
+
+    /// Reads the text and parses it.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or its text is no scene.
+    pub fn read(&self) -> Result<Parsed> {
+        let (name, folder, form, text) = match self {
+            Self::Builtin(name) => {
+                let text = builtin::text(name).expect("the names are those of the texts");
+                ((*name).to_owned(), PathBuf::new(), Form::Ron, text.to_owned())
+            }
+            Self::File(path, form) => {
+                let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+                (path.display().to_string(), folder, *form, read_text(path)?)
+            }
+        };
+        let (file, places) = match form {
+            Form::Ron => (parse::from_ron(&name, &text)?, Places::default()),
+            Form::Json => (parse::from_json(&name, &text)?, Places::default()),
+            Form::Flat => flat::from_flat(&name, &text)?,
+        };
+        Ok(Parsed { name, folder, file, places })
+    }
+}
+
+impl Parsed {
+    /// Checks every value and looks up every name.
+    ///
+    /// # Errors
+    /// Where a value is out of range or a name unknown.
+    pub fn resolve(&self) -> Result<Scene> {
+        resolve::resolve(&self.name, &self.folder, &self.file, &self.places)
+    }
+
+    /// The scene as RON.
+    pub fn to_ron(&self) -> String {
+        parse::to_ron(&self.file)
+    }
+
+    /// The scene as JSON of the same schema.
+    pub fn to_json(&self) -> String {
+        parse::to_json(&self.file)
+    }
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    // Told apart from other failures: reading a folder says so only on some systems.
+    if path.is_dir() {
+        return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
+    }
+    fs::read_to_string(path).map_err(|error| match error.kind() {
+        ErrorKind::InvalidData => {
+            Error::input(path.display().to_string(), "", "not UTF-8 text, a scene file is")
+        }
+        _ => Error::io(path, "read")(error),
+    })
+}

@@ -1,0 +1,140 @@
+//! Scenes: from a name or file to checked, index-based data.
+
+mod boxes;
+mod builtin;
+mod camera;
+mod description;
+mod flat;
+mod light;
+mod load;
+mod material;
+mod named;
+mod parse;
+mod resolve;
+mod texture;
+
+pub use builtin::BUILTIN_NAMES;
+pub use camera::{Camera, CameraFrame, CameraSample};
+pub use description::{
+    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, RenderDefaults, Sampling,
+    SceneFile, TextureFile,
+};
+pub use light::{Light, LightShape, Rectangle};
+pub use load::Source;
+pub use material::{Background, Emission, Material, Sides};
+pub use named::Named;
+pub use texture::{Checker, Texture};
+
+use std::path::Path;
+
+use crate::error::Result;
+use crate::geometry::Geometry;
+
+/// A scene that can be rendered: names are indices, every number is in its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    name: String,
+    hash: String,
+    camera: Camera,
+    background: Background,
+    defaults: RenderDefaults,
+    textures: Vec<Texture>,
+    materials: Vec<Material>,
+    geometry: Geometry,
+    material_of: Vec<u32>,
+    lights: Vec<Light>,
+    light_of: Vec<u32>,
+}
+
+impl Scene {
+    const NO_LIGHT: u32 = u32::MAX;
+
+    /// The built-in scene of that name, or the scene in the file at that path (`.ron`,
+    /// `.json`, or `.txt` in the flat form).
+    ///
+    /// # Errors
+    /// Where there is no such file or its content is wrong: one line that names the place.
+    pub fn load(name_or_path: &str) -> Result<Self> {
+        Source::find(name_or_path)?.read()?.resolve()
+    }
+
+    /// The scene in `text`, in RON; textures are relative to the current folder.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn from_ron(text: &str) -> Result<Self> {
+        parse::from_ron("scene", text).and_then(|file| Self::from_file(&file))
+    }
+
+    /// The scene that `file` describes; textures are relative to the current folder.
+    ///
+    /// # Errors
+    /// Where a number is out of range or a name unknown.
+    pub fn from_file(file: &SceneFile) -> Result<Self> {
+        resolve::resolve("scene", Path::new(""), file, &resolve::Places::default())
+    }
+
+    /// The built-in name, or the path as given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// BLAKE3 over the scene's canonical JSON and the pixels of its textures, in hexadecimal:
+    /// the same for every form that says the same.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// What rays that leave the scene see.
+    pub fn background(&self) -> &Background {
+        &self.background
+    }
+
+    /// Image size and sampling where the caller has no other wish.
+    pub fn defaults(&self) -> &RenderDefaults {
+        &self.defaults
+    }
+
+    /// All primitives.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// All materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// All textures.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// The material of a primitive.
+    #[inline]
+    pub fn material(&self, primitive: u32) -> &Material {
+        &self.materials[self.material_of[primitive as usize] as usize]
+    }
+
+    /// The lights that can be sampled.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The light that a primitive is, if it is one that can be sampled.
+    #[inline]
+    pub fn light(&self, primitive: u32) -> Option<&Light> {
+        self.lights.get(self.light_of[primitive as usize] as usize)
+    }
+
+    /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.
+    pub fn default_sampling(&self) -> Sampling {
+        let by_lights = if self.lights.is_empty() { Sampling::Bsdf } else { Sampling::Mis };
+        self.defaults.sampling.unwrap_or(by_lights)
+    }
+}

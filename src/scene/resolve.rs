@@ -1,0 +1,347 @@
+//! From what a file says to a scene that can be rendered: every number checked, every
+//! name looked up.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+
+use super::camera::Camera;
+use super::description::{
+    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, SceneFile, TextureFile,
+};
+use super::material::{Background, Emission, Material};
+use super::texture::{Checker, Texture};
+use super::{Scene, boxes, light};
+use crate::error::{Error, Result, suggestion};
+use crate::geometry::{Geometry, Quad, Sphere, Triangle};
+use crate::image::Image;
+
+/// Largest coordinate: beyond it the products of the primitive tests could overflow.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// Where the elements of a file are: lines, or paths such as `primitives[3]`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Places {
+    /// Line of each material, for files whose errors are told by line.
+    pub(super) materials: Vec<usize>,
+    /// Line of each primitive.
+    pub(super) primitives: Vec<usize>,
+    by_line: bool,
+}
+
+impl Places {
+    /// Places are lines, which the reader fills in.
+    pub(super) fn lines() -> Self {
+        Self { by_line: true, ..Self::default() }
+    }
+
+    fn material(&self, index: usize, name: &str) -> String {
+        if self.by_line { self.materials[index].to_string() } else { format!("materials.{name}") }
+    }
+
+    fn texture(&self, file: &SceneFile, name: &str) -> String {
+        // The flat form names a texture as the material that has it.
+        match file.materials.names().position(|material| material == name) {
+            Some(index) if self.by_line => self.material(index, name),
+            _ => format!("textures.{name}"),
+        }
+    }
+
+    fn primitive(&self, index: usize) -> String {
+        if self.by_line {
+            self.primitives[index].to_string()
+        } else {
+            format!("primitives[{index}]")
+        }
+    }
+}
+
+/// One element of a file while its values are checked.
+struct Element<'a> {
+    file: &'a str,
+    place: String,
+    kind: &'a str,
+}
+
+impl Element<'_> {
+    fn error(&self, message: impl std::fmt::Display) -> Error {
+        Error::input(self.file, self.place.clone(), format!("{}: {message}", self.kind))
+    }
+
+    fn check(&self, ok: bool, name: &str, range: &str, value: impl std::fmt::Debug) -> Result<()> {
+        if ok { Ok(()) } else { Err(self.error(format!("{name} must be {range}, is {value:?}"))) }
+    }
+
+    fn point(&self, name: &str, value: [f32; 3]) -> Result<Vec3> {
+        let ok = value.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        self.check(ok, name, "finite and within ±1e9", value)?;
+        Ok(Vec3::from_array(value))
+    }
+
+    fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {
+        let range = if most.is_finite() { "in [0, 1]" } else { "finite and not negative" };
+        let ok = value.iter().all(|&c| (0.0..=most).contains(&c) && c.is_finite());
+        self.check(ok, name, range, value)?;
+        Ok(Vec3::from_array(value))
+    }
+}
+
+/// The scene that `file` describes. `name` is what errors call it, `folder` is where its
+/// textures are.
+pub(super) fn resolve(
+    name: &str,
+    folder: &Path,
+    file: &SceneFile,
+    places: &Places,
+) -> Result<Scene> {
+    let resolver = Resolver { name, file, places };
+    let camera = resolver.camera(&file.camera)?;
+    let background = resolver.background()?;
+    resolver.render_defaults()?;
+    let mut textures = resolver.textures(folder)?;
+    let materials = resolver.materials(&mut textures)?;
+    let (geometry, material_of) = resolver.primitives()?;
+    let lights = light::collect(&geometry, &materials, &material_of);
+    let mut light_of = vec![Scene::NO_LIGHT; material_of.len()];
+    for (index, light) in lights.iter().enumerate() {
+        light_of[light.primitive as usize] = index as u32;
+    }
+    Ok(Scene {
+        name: name.to_owned(),
+        hash: hash(file, &textures),
+        camera,
+        background,
+        defaults: file.render.clone(),
+        textures,
+        materials,
+        geometry,
+        material_of,
+        lights,
+        light_of,
+    })
+}
+
+fn hash(file: &SceneFile, textures: &[Texture]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(super::parse::to_json(file).as_bytes());
+    for texture in textures {
+        if let Texture::Image(image) = texture {
+            hasher.update(image.hash().as_bytes());
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+struct Resolver<'a> {
+    name: &'a str,
+    file: &'a SceneFile,
+    places: &'a Places,
+}
+
+impl<'a> Resolver<'a> {
+    fn element(&self, place: String, kind: &'a str) -> Element<'a> {
+        Element { file: self.name, place, kind }
+    }
+
+    fn camera(&self, camera: &CameraFile) -> Result<Camera> {
+        let e = self.element(String::new(), "camera");
+        let from = e.point("look_from", camera.look_from)?.as_dvec3();
+        let at = e.point("look_at", camera.look_at)?.as_dvec3();
+        let up = e.point("up", camera.up)?.as_dvec3();
+        let (vfov, defocus) = (camera.vfov, camera.defocus_angle);
+        e.check(vfov > 0.0 && vfov < 180.0, "vfov", "in (0, 180) degrees", vfov)?;
+        let defocus_ok = (0.0..180.0).contains(&defocus);
+        e.check(defocus_ok, "defocus_angle", "in [0, 180) degrees", defocus)?;
+        let focus = camera.focus_distance;
+        let focus_ok = focus > 0.0 && focus <= MAX_COORDINATE;
+        e.check(focus_ok, "focus_distance", "above 0 and at most 1e9", focus)?;
+        let (open, close) = camera.shutter;
+        let shutter_ok = (0.0..=close).contains(&open) && close <= 1.0;
+        e.check(shutter_ok, "shutter", "two times with 0 <= open <= close <= 1", (open, close))?;
+        let unit = |v: DVec3| v / v.dot(v).sqrt();
+        let back = unit(from - at);
+        if !back.is_finite() {
+            return Err(e.error("look_from and look_at must differ, the camera looks at itself"));
+        }
+        let right = up.cross(back);
+        if !(right.dot(right) > 1e-12 * up.dot(up)) {
+            return Err(e.error("up must not be zero or parallel to the view direction"));
+        }
+        let right = unit(right);
+        Ok(Camera {
+            look_from: from,
+            frame: [right, back.cross(right), back],
+            vfov: f64::from(vfov),
+            defocus_angle: f64::from(defocus),
+            focus_distance: f64::from(focus),
+            shutter: camera.shutter,
+        })
+    }
+
+    fn background(&self) -> Result<Background> {
+        let e = self.element(String::new(), "background");
+        Ok(match self.file.background {
+            BackgroundFile::Constant { radiance } => {
+                Background::Constant(e.color("radiance", radiance, f32::INFINITY)?)
+            }
+            BackgroundFile::Gradient { bottom, top } => Background::Gradient {
+                bottom: e.color("bottom", bottom, f32::INFINITY)?,
+                top: e.color("top", top, f32::INFINITY)?,
+            },
+        })
+    }
+
+    fn render_defaults(&self) -> Result<()> {
+        let render = &self.file.render;
+        crate::limits::check_image(render.width, render.height)
+            .and_then(|()| crate::limits::check_sampling(render.spp, render.depth))
+            .map_err(|message| self.element(String::new(), "render").error(message))
+    }
+
+    fn textures(&self, folder: &Path) -> Result<Vec<Texture>> {
+        let resolve = |(name, texture): &(String, TextureFile)| {
+            let e = self.element(self.places.texture(self.file, name), "texture");
+            Ok(match texture {
+                TextureFile::Solid { color } => Texture::Solid(e.color("color", *color, 1.0)?),
+                TextureFile::Checker { odd, even, scale } => {
+                    let range = "above 0 and at most 1e6";
+                    e.check(*scale > 0.0 && *scale <= 1e6, "scale", range, scale)?;
+                    let (odd, even) = (e.color("odd", *odd, 1.0)?, e.color("even", *even, 1.0)?);
+                    Texture::Checker(Checker::new(odd, even, *scale))
+                }
+                TextureFile::Image { file } => {
+                    let image = Image::read(&folder.join(file)).map_err(|error| e.error(error))?;
+                    if let Some(bad) =
+                        image.pixels().iter().find(|p| p.iter().any(|c| !(0.0..=1.0).contains(c)))
+                    {
+                        return Err(e.error(format!(
+                            "{file}: an albedo must be in [0, 1], a pixel is {bad:?}"
+                        )));
+                    }
+                    Texture::Image(image)
+                }
+            })
+        };
+        self.file.textures.0.iter().map(resolve).collect()
+    }
+
+    /// Colours given in place of a texture are appended to `textures`.
+    fn materials(&self, textures: &mut Vec<Texture>) -> Result<Vec<Material>> {
+        let mut materials = Vec::new();
+        for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
+            let e = self.element(self.places.material(index, name), "material");
+            let mut texture = |albedo: &Albedo| match albedo {
+                Albedo::Color(color) => {
+                    textures.push(Texture::Solid(e.color("albedo", *color, 1.0)?));
+                    Ok(textures.len() as u32 - 1)
+                }
+                Albedo::Texture(wanted) => {
+                    let names = || self.file.textures.names();
+                    names().position(|name| name == wanted).map(|i| i as u32).ok_or_else(|| {
+                        e.error(format!(
+                            "unknown texture `{wanted}`{}",
+                            suggestion(wanted, names())
+                        ))
+                    })
+                }
+            };
+            materials.push(match material {
+                MaterialFile::Diffuse { albedo } => Material::Diffuse { albedo: texture(albedo)? },
+                MaterialFile::Lambertian { albedo } => {
+                    Material::Lambertian { albedo: texture(albedo)? }
+                }
+                MaterialFile::Metal { albedo, fuzz } => {
+                    e.check((0.0..=1.0).contains(fuzz), "fuzz", "in [0, 1]", fuzz)?;
+                    Material::Metal { albedo: texture(albedo)?, fuzz: *fuzz }
+                }
+                MaterialFile::Dielectric { ior } => {
+                    let ok = (0.01..=100.0).contains(ior);
+                    e.check(ok, "ior", "in [0.01, 100]", ior)?;
+                    Material::Dielectric { ior: *ior }
+                }
+                MaterialFile::Light { radiance, sides } => Material::Light(Emission {
+                    radiance: e.color("radiance", *radiance, f32::INFINITY)?,
+                    sides: *sides,
+                }),
+            });
+        }
+        Ok(materials)
+    }
+
+    /// The primitives, and the material of each in their order.
+    fn primitives(&self) -> Result<(Geometry, Vec<u32>)> {
+        let mut geometry = Geometry::default();
+        let mut materials = [const { Vec::new() }; 3];
+        let names: std::collections::HashMap<&str, u32> =
+            self.file.materials.names().zip(0..).collect();
+        for (index, primitive) in self.file.primitives.iter().enumerate() {
+            let (kind, material) = primitive.kind_and_material();
+            let e = self.element(self.places.primitive(index), kind);
+            let material = *names.get(material).ok_or_else(|| {
+                let known = self.file.materials.names();
+                e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
+            })?;
+            add(&e, primitive, &mut geometry)?;
+            let counts = [geometry.spheres.len(), geometry.quads.len(), geometry.triangles.len()];
+            for (list, count) in materials.iter_mut().zip(counts) {
+                list.resize(count, material);
+            }
+        }
+        Ok((geometry, materials.concat()))
+    }
+}
+
+/// Checks one primitive and appends what it stands for.
+fn add(e: &Element<'_>, primitive: &PrimitiveFile, geometry: &mut Geometry) -> Result<()> {
+    let radius_of = |radius: f32| {
+        let ok = radius > 0.0 && radius <= MAX_COORDINATE;
+        e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
+    };
+    let quad = |q, u, v| {
+        Quad::new(q, u, v).ok_or_else(|| {
+            e.error("the edges must span an area, they are zero or (all but) parallel")
+        })
+    };
+    match primitive {
+        PrimitiveFile::Sphere { center, radius, .. } => geometry.spheres.push(Sphere {
+            center: e.point("center", *center)?,
+            motion: Vec3::ZERO,
+            radius: radius_of(*radius)?,
+        }),
+        PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
+            let center = e.point("center", *center)?;
+            let motion = e.point("center1", *center1)? - center;
+            geometry.spheres.push(Sphere { center, motion, radius: radius_of(*radius)? });
+        }
+        PrimitiveFile::Quad { q, u, v, .. } => {
+            geometry.quads.push(quad(e.point("q", *q)?, e.point("u", *u)?, e.point("v", *v)?)?);
+        }
+        PrimitiveFile::Box { min, max, rotation, .. } => {
+            e.point("min", *min)?;
+            e.point("max", *max)?;
+            let ok = min.iter().zip(max).all(|(min, max)| min < max);
+            e.check(ok, "max", &format!("above min {min:?} on every axis"), max)?;
+            let ok = rotation.iter().all(|r| r.abs() <= 1e6);
+            e.check(ok, "rotation", "finite, within ±1e6 degrees", rotation)?;
+            for (q, u, v) in boxes::faces(*min, *max, *rotation) {
+                geometry.quads.push(quad(q.into(), u.into(), v.into())?);
+            }
+        }
+        PrimitiveFile::Triangles { vertices, indices, .. } => {
+            for (i, vertex) in vertices.iter().enumerate() {
+                e.point(&format!("vertices[{i}]"), *vertex)?;
+            }
+            for (i, corner) in indices.iter().enumerate() {
+                let vertex = |k: u32| vertices.get(k as usize).map(|v| Vec3::from_array(*v));
+                let [Some(a), Some(b), Some(c)] = corner.map(vertex) else {
+                    return Err(e.error(format!(
+                        "indices[{i}] must be below the number of vertices {}, is {corner:?}",
+                        vertices.len()
+                    )));
+                };
+                geometry.triangles.push(Triangle { vertices: [a, b, c] });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,246 @@
+//! Bad input gets one line that names the file, the place and what would be right, the exit
+//! code of its kind, and leaves no file behind.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{ptfast, stderr, stdout};
+
+/// A good scene, into which the faults below are put.
+const GOOD: &str = r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+    materials: {
+        "grey": lambertian(albedo: (0.5, 0.5, 0.5)),
+    },
+    primitives: [
+        sphere(center: (0, 0, 0), radius: 1, material: "grey"),
+        quad(q: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: "grey"),
+    ],
+)"#;
+
+const GOOD_JSON: &str = r#"{
+    "camera": {"look_from": [0, 0, 5], "look_at": [0, 0, 0], "vfov": 40},
+    "materials": {"grey": {"lambertian": {"albedo": [0.5, 0.5, 0.5]}}},
+    "primitives": [
+        {"sphere": {"center": [0, 0, 0], "radius": 1, "material": "grey"}}
+    ]
+}"#;
+
+const GOOD_FLAT: &str = "size 8 8
+camera 0 0 5 0 0 0 0 1 0 40 0 5 0 0
+mat lambert 0.5 0.5 0.5
+sphere 0 0 0 0 0 0 1 0
+";
+
+/// Runs `arguments` and checks exit code, the one line, and the folder.
+#[track_caller]
+fn fails(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
+    let files = || fs::read_dir(folder).map_or(0, Iterator::count);
+    let before = files();
+    let output = ptfast(folder, arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
+    assert!(message.starts_with("ptfast: "), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{arguments:?}: `{part}` is not in: {message}");
+    }
+    assert_eq!(stdout(&output), "", "{arguments:?}");
+    assert_eq!(files(), before, "{arguments:?} left a file behind");
+}
+
+/// Writes `text` with `from` replaced by `to` and checks that it is refused.
+#[track_caller]
+fn refused(name: &str, good: &str, from: &str, to: &str, place: &str, parts: &[&str]) {
+    assert!(good.contains(from), "{from}");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(name), good.replacen(from, to, 1)).unwrap();
+    let place = format!("ptfast: {name}{place}");
+    let parts: Vec<&str> = [place.as_str()].into_iter().chain(parts.iter().copied()).collect();
+    let render = ["render", "--scene", name, "-o", "out.png", "--spp", "1"];
+    fails(folder.path(), &render, 65, &parts);
+    fails(folder.path(), &["scenes", "check", name], 65, &parts);
+}
+
+#[test]
+fn the_good_scenes_are_good() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a.ron", GOOD), ("a.json", GOOD_JSON), ("a.txt", GOOD_FLAT)] {
+        fs::write(folder.path().join(name), text).unwrap();
+        let output = ptfast(folder.path(), &["scenes", "check", name]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn syntax_and_names_in_ron() {
+    let ron = |from, to, place, parts: &[&str]| refused("a.ron", GOOD, from, to, place, parts);
+    ron("vfov: 40),", "vfov: 40],", ":2:", &["RON syntax"]);
+    ron("vfov: 40", "vfov: forty", ":2:", &["RON syntax", "float"]);
+    ron("radius: 1", "raduis: 1", ":7:", &["unknown field `raduis`, did you mean `radius`?"]);
+    ron("sphere(", "shpere(", ":7:", &["unknown kind `shpere`, did you mean `sphere`?"]);
+    ron("radius: 1, ", "", ":7:", &["the field `radius` is missing"]);
+    ron("radius: 1, ", "radius: 1, radius: 2, ", ":7:", &["`radius` is given twice"]);
+    ron("albedo: (0.5, 0.5, 0.5)", "albedo: (0.5, 0.5)", ":4:", &["three numbers"]);
+    let twice = "\"grey\": dielectric(ior: 1.5), \"grey\": lambertian";
+    ron("\"grey\": lambertian", twice, ":4:", &["`grey` is used twice"]);
+    let grey = "material: \"grey\"";
+    let message = "unknown material `gray`, did you mean `grey`?";
+    ron(grey, "material: \"gray\"", ":primitives[0]", &["sphere: ", message]);
+    ron("(0.5, 0.5, 0.5)", "\"wood\"", ":materials.grey", &["unknown texture `wood`"]);
+}
+
+#[test]
+fn syntax_and_names_in_json() {
+    let json =
+        |from, to, place, parts: &[&str]| refused("a.json", GOOD_JSON, from, to, place, parts);
+    json("\"vfov\": 40}", "\"vfov\": 40]", ":2:", &["JSON syntax"]);
+    json("\"vfov\": 40", "\"vfov\": 1e999", ":2:", &["out of range"]);
+    json("\"radius\"", "\"raduis\"", ":5:", &["unknown field `raduis`, did you mean `radius`?"]);
+    json("\"sphere\"", "\"shpere\"", ":5:", &["unknown kind `shpere`, did you mean `sphere`?"]);
+    json("\"radius\": 1, ", "", ":5:", &["the field `radius` is missing"]);
+    json("\"vfov\": 40", "\"vfov\": true", ":2:", &["expected f32"]);
+}
+
+#[test]
+fn faults_in_the_flat_form() {
+    let flat = |from, to, line, parts: &[&str]| refused("a.txt", GOOD_FLAT, from, to, line, parts);
+    flat("sphere", "shpere", ":4", &["unknown record `shpere`, did you mean `sphere`?"]);
+    flat("lambert", "lambrt", ":3", &["unknown material `lambrt`, did you mean `lambert`?"]);
+    flat("0 0 0 1 0\n", "0 0 0 1 7\n", ":4", &["unknown material 7, the file defines 1"]);
+    flat("40 0 5 0 0", "40 0 5 0", ":2", &["the line ends where a number should follow"]);
+    flat("40 0 5 0 0", "40 0 5 0 0 9", ":2", &["`9` is one value too many"]);
+    flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a number"]);
+    flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
+    flat("size 8 8", "size 8 -8", ":1", &["`-8` is not a whole number"]);
+    flat("camera", "# camera", "", &["the record `camera` is missing"]);
+}
+
+#[test]
+fn values_out_of_range() {
+    let ron = |from, to, place, parts: &[&str]| refused("a.ron", GOOD, from, to, place, parts);
+    let ball = ":primitives[0]";
+    ron("radius: 1", "radius: -1", ball, &["sphere: radius must be above 0", "is -1.0"]);
+    ron("radius: 1", "radius: 0", ball, &["is 0.0"]);
+    ron("radius: 1", "radius: NaN", ball, &["is NaN"]);
+    ron("radius: 1", "radius: inf", ball, &["is inf"]);
+    ron("center: (0, 0, 0)", "center: (0, NaN, 0)", ball, &["center must be finite"]);
+    ron("center: (0, 0, 0)", "center: (0, 1e30, 0)", ball, &["within ±1e9"]);
+    ron("u: (1, 0, 0)", "u: (0, 2, 0)", ":primitives[1]", &["edges must span an area"]);
+    ron("u: (1, 0, 0)", "u: (0, 0, 0)", ":primitives[1]", &["edges must span an area"]);
+    ron("look_at: (0, 0, 0)", "look_at: (0, 0, 5)", "", &["look_from and look_at must differ"]);
+    ron("vfov: 40", "vfov: 40, up: (0, 0, 1)", "", &["camera: up must not be"]);
+    ron("vfov: 40", "vfov: 180", "", &["camera: vfov must be in (0, 180) degrees"]);
+    ron("vfov: 40", "vfov: 40, shutter: (1, 0)", "", &["camera: shutter must be"]);
+    ron("vfov: 40", "vfov: 40, focus_distance: 0", "", &["camera: focus_distance must be"]);
+    ron("(0.5, 0.5, 0.5)", "(0.5, 1.5, 0.5)", ":materials.grey", &["albedo must be in [0, 1]"]);
+    let metal = "metal(albedo: (1, 1, 1), fuzz: 2)";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", metal, ":materials.grey", &["fuzz must be in"]);
+    let glass = "dielectric(ior: 0)";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", glass, ":materials.grey", &["ior must be in"]);
+    let lamp = "light(radiance: (-1, 0, 0))";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", lamp, ":materials.grey", &["radiance must be"]);
+    ron("materials:", "render: (width: 0), materials:", "", &["render: width must be in 1 to"]);
+    let absurd = "render: (width: 1000000000, height: 1000000000), materials:";
+    ron("materials:", absurd, "", &["render: width must be in 1 to 65536"]);
+    let sky = "background: constant(radiance: (0, NaN, 0)), materials:";
+    ron("materials:", sky, "", &["background: radiance must be"]);
+    let picture = r#"textures: {"p": image(file: "nosuch.png")}, materials:"#;
+    ron("materials:", picture, ":textures.p", &["nosuch.png: cannot read"]);
+    let triangles =
+        r#"primitives: [triangles(vertices: [(0, 0, 0)], indices: [(0, 1, 2)], material: "grey"),"#;
+    ron("primitives: [", triangles, ball, &["indices[0] must be below the number of vertices 1"]);
+    let triangles =
+        r#"primitives: [triangles(vertices: [(0, inf, 0)], indices: [], material: "grey"),"#;
+    ron("primitives: [", triangles, ball, &["vertices[0] must be finite"]);
+    let flat_box = r#"primitives: [box(min: (0, 0, 0), max: (1, 0, 1), material: "grey"),"#;
+    ron("primitives: [", flat_box, ball, &["box: max must be above min"]);
+}
+
+#[test]
+fn files_that_are_not_there_or_not_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("folder.ron")).unwrap();
+    fs::write(here.join("binary.ron"), b"\xff\xfe\x00").unwrap();
+    fs::write(here.join("empty.json"), "").unwrap();
+    let render = |scene| ["render", "--spp", "1", "--scene", scene];
+    fails(here, &render("nosuch.ron"), 74, &["nosuch.ron: cannot read"]);
+    fails(here, &render("folder.ron"), 74, &["folder.ron: cannot read", "directory"]);
+    fails(here, &render("."), 74, &["cannot read", "directory"]);
+    fails(here, &render("binary.ron"), 65, &["binary.ron: not UTF-8"]);
+    fails(here, &render("empty.json"), 65, &["empty.json:1:0: JSON syntax"]);
+    fails(here, &render("spheers"), 2, &["`spheers`", "did you mean `spheres`?"]);
+    fails(here, &render("scene.obj"), 2, &["`scene.obj`", ".ron, .json or .txt"]);
+    fails(here, &["compare", "a.png", "b.png"], 74, &["a.png: cannot read"]);
+    fails(here, &["compare", "empty.json", "b.png"], 65, &["empty.json", "PNG"]);
+}
+
+#[test]
+fn wrong_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = |arguments: &[&str], parts: &[&str]| {
+        let all = [&["render", "--scene", "cornell"], arguments].concat();
+        fails(folder.path(), &all, 2, parts);
+    };
+    wrong(&["--width", "0"], &["--width", "0 is not in 1..=65536"]);
+    wrong(&["--spp", "0"], &["--spp"]);
+    wrong(&["--depth", "0"], &["--depth"]);
+    wrong(&["--threads", "0"], &["--threads"]);
+    wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
+    wrong(&["--width", "65536", "--height", "65536"], &["width × height must be at most"]);
+    wrong(&["--spp", "many"], &["invalid value 'many' for '--spp <N>'"]);
+    wrong(&["--sampling", "lihgt"], &["invalid value 'lihgt'", "bsdf, light, mis"]);
+    wrong(&["--wdith", "3"], &["unexpected argument '--wdith'", "'--width'"]);
+    wrong(&["-o", "out.jpeg"], &["out.jpeg: no writer for the extension `jpeg`, use .png"]);
+    wrong(&["-o", "out"], &["no writer for the extension ``"]);
+    fails(folder.path(), &["render"], 2, &["--scene"]);
+    fails(folder.path(), &["rendr"], 2, &["unrecognized subcommand 'rendr'", "render"]);
+    fails(folder.path(), &[], 2, &["a command is missing: render, scenes, figures or compare"]);
+}
+
+#[test]
+fn targets_that_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("folder.png")).unwrap();
+    fs::write(here.join("file"), "").unwrap();
+    // Refused before the first ray: with these sizes a render would take hours.
+    let render = |target| {
+        ["render", "--scene", "spheres", "--width", "9999", "--spp", "99999", "-o", target]
+    };
+    fails(here, &render("nosuch/out.png"), 74, &["nosuch/out.png: cannot write"]);
+    fails(here, &render("folder.png"), 74, &["folder.png: cannot write: it is a folder"]);
+    fails(here, &render("file/out.png"), 74, &["file/out.png: cannot write"]);
+    let json = ["render", "--scene", "spheres", "--spp", "99999", "--json", "nosuch/record.json"];
+    fails(here, &json, 74, &["nosuch/record.json: cannot write"]);
+    let figures = ["figures", "--out", "file"];
+    fails(here, &figures, 74, &["file: cannot make the folder"]);
+}
+
+/// A link to a device that is always full: the file behind a path is what counts.
+#[test]
+#[cfg(target_os = "linux")]
+fn devices_are_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.pfm")).unwrap();
+    let render = ["render", "--scene", "cornell", "--spp", "1", "-o", "full.pfm"];
+    fails(folder.path(), &render, 74, &["full.pfm: cannot write: it is a device or pipe"]);
+    assert!(!fs::metadata("/dev/full").unwrap().is_file());
+}
+
+/// Standard output that is full: one line, non-zero.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_standard_output_is_reported() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_ptfast"))
+        .args(["scenes", "list"])
+        .stdout(fs::File::options().write(true).open("/dev/full").unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(74));
+    assert!(stderr(&output).starts_with("ptfast: standard output: cannot write"));
+    assert_eq!(stderr(&output).lines().count(), 1);
+}

@@ -1,0 +1,173 @@
+//! The program as a user and a script see it.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{ptfast, stderr, stdout};
+use serde_json::Value;
+
+#[track_caller]
+fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = ptfast(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    stdout(&output)
+}
+
+const SMALL: [&str; 6] = ["render", "--scene", "cornell", "--spp", "3", "--width"];
+
+#[test]
+fn render_writes_image_record_and_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let arguments = [&SMALL[..], &["20", "--json", "record.json", "-o", "a.png", "--seed", "7"]];
+    let summary = succeeds(here, &arguments.concat());
+    let record: Value =
+        serde_json::from_str(&fs::read_to_string(here.join("record.json")).unwrap()).unwrap();
+    let hash = record["hash"].as_str().unwrap();
+    assert!(summary.contains(hash) && summary.contains("a.png"), "{summary}");
+    assert!(summary.contains("seed 7"), "{summary}");
+
+    // The fields that scripts rely on.
+    assert_eq!(record["schema"], 1);
+    for field in ["cpu", "cores", "isa", "lanes", "os", "rustc", "flags", "commit"] {
+        assert!(!record["machine"][field].is_null(), "machine.{field}");
+    }
+    let want = serde_json::json!({
+        "scene": "cornell", "engine": "scalar", "sampling": "mis", "sampler": "independent",
+        "width": 20, "height": 20, "spp": 3, "depth": 50, "seed": 7, "non_finite": 0,
+    });
+    for (field, value) in want.as_object().unwrap() {
+        assert_eq!(&record[field], value, "{field}");
+    }
+    for step in ["load", "build", "render", "write"] {
+        assert!(record["seconds"][step].as_f64().unwrap() >= 0.0, "seconds.{step}");
+    }
+    assert_eq!(record["rays"]["primary"], 20 * 20 * 3);
+    assert!(record["rays"]["bounce"].as_u64().unwrap() > 1000);
+    assert!(record["rays"]["shadow"].as_u64().unwrap() > 1000);
+    for rate in ["mrays_per_s", "msamples_per_s", "peak_rss_bytes", "threads"] {
+        assert!(record[rate].as_f64().unwrap() > 0.0, "{rate}");
+    }
+
+    // What the picture says of itself.
+    let decoder =
+        png::Decoder::new(std::io::BufReader::new(fs::File::open(here.join("a.png")).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    let text: Vec<(String, String)> = reader
+        .info()
+        .utf8_text
+        .iter()
+        .map(|chunk| (chunk.keyword.clone(), chunk.get_text().unwrap()))
+        .collect();
+    let get = |key: &str| &text.iter().find(|(k, _)| k == key).unwrap_or_else(|| panic!("{key}")).1;
+    assert_eq!(get("ptfast:hash"), hash);
+    assert_eq!(get("ptfast:seed"), "7");
+    assert!(get("ptfast:settings").contains("\"spp\":3"));
+    assert_eq!(get("Software"), concat!("ptfast ", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn equal_renders_give_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for extension in ["png", "exr", "hdr", "pfm"] {
+        let names = [format!("a.{extension}"), format!("b.{extension}")];
+        for (name, threads) in names.iter().zip(["1", "3"]) {
+            let arguments = [&SMALL[..], &["20", "-o", name, "--threads", threads]];
+            succeeds(here, &arguments.concat());
+        }
+        let bytes = |name: &String| fs::read(here.join(name)).unwrap();
+        assert_eq!(bytes(&names[0]), bytes(&names[1]), "{extension}");
+        let same = ptfast(here, &["compare", &names[0], &names[1]]);
+        assert_eq!(same.status.code(), Some(0));
+        assert!(stdout(&same).contains("identical        yes"));
+    }
+    let exr = fs::read(here.join("a.exr")).unwrap();
+    let text = String::from_utf8_lossy(&exr);
+    assert!(text.contains("ptfast:hash: ") && text.contains("ptfast:seed: 1"));
+}
+
+#[test]
+fn one_side_keeps_the_proportion() {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, length) in [("--width", "64"), ("--height", "36")] {
+        let arguments = ["render", "--scene", "spheres", "--spp", "1", side, length];
+        assert!(succeeds(folder.path(), &arguments).contains(" 64 x 36,"));
+    }
+    assert!(folder.path().join("spheres.png").exists(), "the default target");
+}
+
+#[test]
+fn compare_measures_and_paints() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for (name, seed) in [("a.pfm", "1"), ("b.pfm", "2")] {
+        succeeds(here, &[&SMALL[..], &["20", "-o", name, "--seed", seed]].concat());
+    }
+    let output =
+        ptfast(here, &["compare", "a.pfm", "b.pfm", "--heatmap", "h.png", "--display", "2"]);
+    assert_eq!(output.status.code(), Some(1), "different");
+    for row in ["mse", "relative mse", "psnr", "largest", "at pixel (", "ratio of means"] {
+        assert!(stdout(&output).contains(row), "{}", stdout(&output));
+    }
+    assert!(here.join("h.png").exists());
+    succeeds(here, &[&SMALL[..], &["30", "-o", "large.pfm"]].concat());
+    let sizes = ptfast(here, &["compare", "a.pfm", "large.pfm"]);
+    assert_eq!(sizes.status.code(), Some(1));
+    assert!(stdout(&sizes).contains("no: 20 x 20 and 30 x 30 pixels"));
+}
+
+#[test]
+fn a_failed_render_keeps_the_old_target() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("out.png"), "precious").unwrap();
+    fs::write(folder.path().join("bad.ron"), "(").unwrap();
+    let output = ptfast(folder.path(), &["render", "--scene", "bad.ron", "-o", "out.png"]);
+    assert_eq!(output.status.code(), Some(65));
+    assert_eq!(fs::read_to_string(folder.path().join("out.png")).unwrap(), "precious");
+}
+
+#[test]
+fn scenes_are_listed_shown_and_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = succeeds(folder.path(), &["scenes", "list"]);
+    assert_eq!(list.lines().count(), 4);
+    assert!(list.contains("cornell") && list.contains("18 quads"));
+    let ron = succeeds(folder.path(), &["scenes", "show", "cornell"]);
+    fs::write(folder.path().join("mine.ron"), ron).unwrap();
+    let json = succeeds(folder.path(), &["scenes", "show", "mine.ron", "--json"]);
+    fs::write(folder.path().join("mine.json"), json).unwrap();
+    let check = succeeds(folder.path(), &["scenes", "check", "mine.json"]);
+    assert!(check.contains("18 quads"), "{check}");
+}
+
+#[test]
+fn progress_is_quiet_when_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = ptfast(folder.path(), &[&SMALL[..], &["20", "--quiet"]].concat());
+    assert_eq!(stderr(&output), "");
+    let help = succeeds(folder.path(), &["render", "--help"]);
+    for flag in ["--scene", "--width", "--spp", "--sampling", "--roulette", "--gamma", "--json"] {
+        assert!(help.contains(flag), "{flag}");
+    }
+}
+
+/// Six pictures of the right size and a page that shows each with its caption and times.
+#[test]
+fn figures_make_six_pictures_and_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["figures", "--out", "out", "--quick", "--quiet"]);
+    let page = fs::read_to_string(folder.path().join("out/index.html")).unwrap();
+    for number in 1..=6 {
+        let file = format!("figure-{number}.png");
+        let image = ptfast::Image::read(&folder.path().join("out").join(&file)).unwrap();
+        let want = if number <= 3 { (1280, 720) } else { (400, 400) };
+        assert_eq!((image.width(), image.height()), want);
+        assert!(page.contains(&format!("src=\"{file}\"")));
+        assert!(page.contains(&format!("<b>Figure {number}.</b>")));
+    }
+    assert!(page.contains("about 3 minutes for 100 samples a pixel"), "{page}");
+    assert!(page.contains("clamped to [0, 1]"));
+}

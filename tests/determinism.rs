@@ -1,0 +1,53 @@
+//! Same seed, same bits: whatever the threads, the tiles and the build.
+
+mod common;
+
+use std::fmt::Write;
+
+use common::{SAMPLINGS, render};
+use ptfast::{RenderSettings, Scene};
+
+/// Small settings with a last chunk of samples that is not full.
+fn small(scene: &Scene) -> RenderSettings {
+    RenderSettings { width: 50, height: 31, spp: 19, ..RenderSettings::of(scene) }
+}
+
+#[test]
+fn threads_and_tiles_do_not_matter() {
+    for name in ptfast::scene::BUILTIN_NAMES {
+        let scene = Scene::load(name).unwrap();
+        let base = RenderSettings { threads: 1, ..small(&scene) };
+        let want = render(&scene, base.clone()).hash();
+        for threads in [2, 3, 7] {
+            let hash = render(&scene, RenderSettings { threads, ..base.clone() }).hash();
+            assert_eq!(hash, want, "{name}, {threads} threads");
+        }
+        for tile_size in [1, 5, 16, 64] {
+            let hash =
+                render(&scene, RenderSettings { tile_size, threads: 2, ..base.clone() }).hash();
+            assert_eq!(hash, want, "{name}, tiles of {tile_size}");
+        }
+        let other = render(&scene, RenderSettings { seed: 2, ..base });
+        assert_ne!(other.hash(), want, "{name}: the seed matters");
+    }
+}
+
+/// Hashes that every build and machine must give. A change of them is a change of the
+/// images: it needs a line in CHANGELOG.md.
+#[test]
+fn every_build_gives_the_pinned_hashes() {
+    let mut hashes = String::new();
+    for name in ptfast::scene::BUILTIN_NAMES {
+        let scene = Scene::load(name).unwrap();
+        for sampling in SAMPLINGS {
+            for roulette in [true, false] {
+                let settings = RenderSettings { sampling, roulette, ..small(&scene) };
+                let hash = render(&scene, settings).hash();
+                let roulette = if roulette { "on" } else { "off" };
+                writeln!(hashes, "{name} {} {roulette} {hash}", sampling.name()).unwrap();
+            }
+        }
+    }
+    let pinned = include_str!("data/hashes.txt");
+    assert_eq!(hashes, pinned, "write these to tests/data/hashes.txt if they are meant:\n{hashes}");
+}

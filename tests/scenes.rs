@@ -1,0 +1,164 @@
+//! Built-in scenes, forms of scene files, and the mean colours that other programs found.
+
+mod common;
+
+use std::fs;
+
+use common::{Estimate, render};
+use ptfast::scene::{BUILTIN_NAMES, Source};
+use ptfast::{RenderSettings, Sampling, Scene};
+
+/// The built-in scenes hold exactly the primitives, materials and camera of the flat files
+/// that other programs read.
+#[test]
+fn built_in_scenes_are_the_flat_ones() {
+    for name in BUILTIN_NAMES {
+        let built_in = Scene::load(name).unwrap();
+        let flat = Scene::load(&format!("tests/data/{name}.txt")).unwrap();
+        assert_eq!(built_in.geometry(), flat.geometry(), "{name}");
+        assert_eq!(built_in.camera(), flat.camera(), "{name}");
+        assert_eq!(built_in.background(), flat.background(), "{name}");
+        let size = |scene: &Scene| (scene.defaults().width, scene.defaults().height);
+        assert_eq!(size(&built_in), size(&flat), "{name}");
+        // Numbered differently: compare what each primitive looks like.
+        for primitive in 0..built_in.geometry().len() as u32 {
+            assert_eq!(look(&built_in, primitive), look(&flat, primitive), "{name} {primitive}");
+        }
+        // And the images.
+        let settings =
+            |scene| RenderSettings { width: 64, height: 36, spp: 2, ..RenderSettings::of(scene) };
+        let hash = |scene| render(scene, settings(scene)).hash();
+        assert_eq!(hash(&built_in), hash(&flat), "{name}");
+    }
+}
+
+/// A primitive's material with its texture in place of the texture's number.
+fn look(scene: &Scene, primitive: u32) -> String {
+    use ptfast::scene::Material;
+    let material = scene.material(primitive);
+    let texture = match *material {
+        Material::Diffuse { albedo } | Material::Lambertian { albedo } => Some((albedo, 0.0)),
+        Material::Metal { albedo, fuzz } => Some((albedo, fuzz)),
+        Material::Dielectric { .. } | Material::Light(_) => None,
+    };
+    match texture {
+        None => format!("{material:?}"),
+        Some((albedo, fuzz)) => {
+            format!(
+                "{:?} {:?} {fuzz}",
+                std::mem::discriminant(material),
+                scene.textures()[albedo as usize]
+            )
+        }
+    }
+}
+
+/// Every kind of everything that a scene file can say.
+const EVERYTHING: &str = r#"(
+    camera: (look_from: (1, 2, 3), look_at: (0, 0.5, 0), up: (0, 0, 1), vfov: 33.5,
+             defocus_angle: 1.5, focus_distance: 3.25, shutter: (0.25, 0.75)),
+    background: gradient(bottom: (1, 0.5, 0.25), top: (0.1, 0.2, 0.3)),
+    render: (width: 30, height: 20, spp: 3, depth: 7, sampling: light),
+    textures: {
+        "checks": checker(odd: (0.1, 0.2, 0.3), even: (1, 1, 1), scale: 4),
+        "grey": solid(color: (0.5, 0.5, 0.5)),
+        "picture": image(file: "picture.png"),
+    },
+    materials: {
+        "matt": lambertian(albedo: "checks"),
+        "ideal": diffuse(albedo: "grey"),
+        "map": lambertian(albedo: "picture"),
+        "metal": metal(albedo: (0.9, 0.8, 0.7), fuzz: 0.1),
+        "glass": dielectric(ior: 1.5),
+        "lamp": light(radiance: (3, 2, 1), sides: front),
+    },
+    primitives: [
+        sphere(center: (0, 0, 0), radius: 0.5, material: "map"),
+        moving_sphere(center: (1, 0, 0), center1: (1.1, 0, 0.2), radius: 0.25, material: "ideal"),
+        quad(q: (-2, -2, -0.5), u: (4, 0, 0), v: (0, 4, 0), material: "matt"),
+        quad(q: (-1, -1, 2), u: (0, 2, 0), v: (2, 0, 0), material: "lamp"),
+        box(min: (-1, -1, -0.4), max: (-0.5, -0.5, 0.3), rotation: (10, 20, 30), material: "metal"),
+        triangles(vertices: [(0, -1, 0), (0.5, -1, 0), (0, -1, 0.7), (0.1, -0.8, 0.1)],
+                  indices: [(0, 1, 2), (0, 1, 3)], material: "glass"),
+    ],
+)"#;
+
+#[test]
+fn scenes_round_trip_through_ron_and_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let picture: Vec<[f32; 3]> = (0..12u8).map(|i| [f32::from(i) / 12.0, 0.5, 1.0]).collect();
+    ptfast::Image::from_pixels(4, 3, picture)
+        .write(path("picture.png").as_ref(), ptfast::Transfer::Srgb, &ptfast::Metadata::default())
+        .unwrap();
+    fs::write(path("a.ron"), EVERYTHING).unwrap();
+    let parsed = Source::find(&path("a.ron")).unwrap().read().unwrap();
+    fs::write(path("b.ron"), parsed.to_ron()).unwrap();
+    fs::write(path("c.json"), parsed.to_json()).unwrap();
+    let original = Scene::load(&path("a.ron")).unwrap();
+    let settings = RenderSettings::of(&original);
+    assert_eq!((settings.width, settings.depth, settings.sampling), (30, 7, Sampling::Light));
+    assert_eq!(original.geometry().len(), 2 + 2 + 6 + 2);
+    let hash = render(&original, settings.clone()).hash();
+    for name in ["b.ron", "c.json"] {
+        let again = Source::find(&path(name)).unwrap().read().unwrap();
+        assert_eq!(again.file, parsed.file, "{name}");
+        let scene = Scene::load(&path(name)).unwrap();
+        assert_eq!(scene.hash(), original.hash(), "{name}");
+        assert_eq!(render(&scene, settings.clone()).hash(), hash, "{name}");
+    }
+    for name in BUILTIN_NAMES {
+        let parsed = Source::find(name).unwrap().read().unwrap();
+        fs::write(path("d.json"), parsed.to_json()).unwrap();
+        fs::write(path("d.ron"), parsed.to_ron()).unwrap();
+        for file in ["d.json", "d.ron"] {
+            assert_eq!(Source::find(&path(file)).unwrap().read().unwrap().file, parsed.file);
+        }
+    }
+}
+
+/// Mean linear RGB by two independent loops around Embree, last digit ±1, without direct
+/// light sampling.
+const MEANS: [(&str, [f64; 3]); 4] = [
+    ("spheres", [0.3277, 0.3530, 0.4454]),
+    ("spacetime", [0.3244, 0.3494, 0.4423]),
+    ("checker", [0.0973, 0.0920, 0.0960]),
+    ("cornell", [0.1805, 0.1610, 0.1464]),
+];
+
+/// All sampling modes give those means within 0.5% in every channel. 16 seeds give the mean
+/// and its standard error, which must be so small that chance alone (3.3 standard errors, 0.1%)
+/// stays well within that.
+#[test]
+fn means_are_those_of_other_programs() {
+    for (name, want) in MEANS {
+        let scene = Scene::load(name).unwrap();
+        let modes: &[Sampling] =
+            if scene.lights().is_empty() { &[Sampling::Bsdf] } else { &common::SAMPLINGS };
+        for &sampling in modes {
+            // As many paths as the noise asks for, on a coarser raster of the same picture.
+            let (width, height, spp) = match (name, sampling) {
+                ("cornell", Sampling::Bsdf) => (200, 200, 36),
+                ("cornell", _) => (200, 200, 8),
+                ("checker", Sampling::Bsdf) => (320, 180, 16),
+                _ => (320, 180, 8),
+            };
+            let means: Vec<[f64; 3]> = (0..16)
+                .map(|seed| {
+                    let base = RenderSettings::of(&scene);
+                    render(&scene, RenderSettings { width, height, spp, seed, sampling, ..base })
+                        .mean()
+                })
+                .collect();
+            for (channel, want) in want.into_iter().enumerate() {
+                let values: Vec<f64> = means.iter().map(|mean| mean[channel]).collect();
+                let Estimate { mean, error } = Estimate::of(&values);
+                let what = format!(
+                    "{name} {sampling:?} channel {channel}: {mean:.5} ± {error:.5}, want {want}"
+                );
+                assert!(3.3 * error < 0.0035 * want, "not precise enough: {what}");
+                assert!((mean - want).abs() < 0.005 * want, "{what}");
+            }
+        }
+    }
+}
