@@ -60,7 +60,7 @@ mod tests {
             max: Vec3::splat(middle + size),
         };
         let mut boxes = vec![about(1.0, 0.5), about(3.0, 0.5), about(3.0, 0.25)];
-        boxes.extend((0..9u8).map(|i| about(2.0, 1.0 / f32::from(1 << i.min(6)))));
+        boxes.extend((0..9u8).map(|i| about(2.0, 1.0 / f32::from(1u8 << i.min(6)))));
         let groups = Groups::new(&boxes);
         let mut sizes: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
         sizes.sort_unstable();
