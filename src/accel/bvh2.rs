@@ -2,14 +2,12 @@
 
 use std::time::Duration;
 
-use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
-use smallvec::SmallVec;
 
 use super::group::Groups;
-use super::slab::SlabRay;
+use super::slab::{Planes, SlabRay};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 
 /// A binary tree of boxes over the primitives of a scene, built by obvhs.
@@ -25,10 +23,9 @@ pub struct Bvh2 {
 /// 32 bytes, so that two children share a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    low: Vec3,
+    planes: Planes,
     /// First child, or first place in `Bvh2::primitives`.
     first: u32,
-    high: Vec3,
     /// Number of primitives; 0 for an inner node.
     count: u32,
 }
@@ -70,7 +67,8 @@ impl Bvh2 {
                 }
                 count = primitives.len() as u32 - first;
             }
-            Node { low: node.aabb().min.into(), first, high: node.aabb().max.into(), count }
+            let (low, high) = (node.aabb().min, node.aabb().max);
+            Node { planes: [low.x, low.y, low.z, high.x, high.y, high.z], first, count }
         });
         let nodes = nodes.collect();
         Self { nodes, primitives, bounds }
@@ -118,9 +116,10 @@ impl Bvh2 {
             return;
         }
         let slab = SlabRay::new(ray, &self.bounds);
-        let enter = |node: &Node, limit| slab.enter(node.low, node.high, t_min, limit);
+        let enter = |node: &Node, limit| slab.enter(&node.planes, t_min, limit);
         let mut limit = t_max;
-        let mut stack: SmallVec<[(u32, f32); 64]> = SmallVec::new();
+        let mut stack = [(0, 0.0); 64];
+        let mut top = 0;
         let mut next = enter(&self.nodes[0], limit).map(|_| 0);
         while let Some(index) = next {
             let node = &self.nodes[index as usize];
@@ -136,11 +135,13 @@ impl Bvh2 {
                 let right = enter(&self.nodes[children.1 as usize], limit);
                 next = match (left, right) {
                     (Some(l), Some(r)) if l <= r => {
-                        stack.push((children.1, r));
+                        stack[top] = (children.1, r);
+                        top += 1;
                         Some(children.0)
                     }
                     (Some(l), Some(_)) => {
-                        stack.push((children.0, l));
+                        stack[top] = (children.0, l);
+                        top += 1;
                         Some(children.1)
                     }
                     (Some(_), None) => Some(children.0),
@@ -149,11 +150,14 @@ impl Bvh2 {
                 };
             }
             while next.is_none() {
-                match stack.pop() {
-                    // Pruned only when its entry is strictly beyond the limit.
-                    Some((index, entry)) if entry <= limit => next = Some(index),
-                    Some(_) => {}
-                    None => return,
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                let (index, entry) = stack[top];
+                // Pruned only when its entry is strictly beyond the limit.
+                if entry <= limit {
+                    next = Some(index);
                 }
             }
         }

@@ -19,9 +19,13 @@ pub(super) struct SlabRay {
     near_origin: Vec3,
     far_origin: Vec3,
     inv_direction: Vec3,
-    /// Whether the direction's component is negative: the upper plane comes first.
-    negative: [bool; 3],
+    /// Which of a box's [`Planes`] the ray meets first on each axis, and which last.
+    near: [usize; 3],
+    far: [usize; 3],
 }
+
+/// The planes of a box: lower x, y, z, upper x, y, z.
+pub(super) type Planes = [f32; 6];
 
 /// Bound of all rounding errors between a box's entry and the distance of a primitive in
 /// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
@@ -37,11 +41,13 @@ impl SlabRay {
         // The sign bit, so that −0 goes with its reciprocal −∞.
         let negative = d.to_array().map(f32::is_sign_negative);
         let sign = Vec3::from_array(negative.map(|n| if n { -slack } else { slack }));
+        let low_or_high = |high: [bool; 3]| std::array::from_fn(|i| i + 3 * usize::from(high[i]));
         Self {
             near_origin: o + sign,
             far_origin: o - sign,
             inv_direction: Vec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z),
-            negative,
+            near: low_or_high(negative),
+            far: low_or_high(negative.map(|n| !n)),
         }
     }
 
@@ -50,11 +56,10 @@ impl SlabRay {
     /// A component 0 of the direction gives infinite distances, or NaN for an origin in the
     /// very plane, which the order of the comparisons ignores.
     #[inline]
-    pub(super) fn enter(&self, low: Vec3, high: Vec3, t_min: f32, t_max: f32) -> Option<f32> {
+    pub(super) fn enter(&self, planes: &Planes, t_min: f32, t_max: f32) -> Option<f32> {
         let (mut entry, mut exit) = (t_min, t_max);
         for axis in 0..3 {
-            let (near, far) =
-                if self.negative[axis] { (high[axis], low[axis]) } else { (low[axis], high[axis]) };
+            let (near, far) = (planes[self.near[axis]], planes[self.far[axis]]);
             entry = max((near - self.near_origin[axis]) * self.inv_direction[axis], entry);
             exit = min((far - self.far_origin[axis]) * self.inv_direction[axis], exit);
         }
@@ -69,7 +74,8 @@ mod tests {
     fn enter(origin: Vec3, direction: Vec3) -> Option<f32> {
         let bounds = Bounds { min: Vec3::ONE, max: Vec3::splat(2.0) };
         let ray = Ray { origin, direction, time: 0.0 };
-        SlabRay::new(&ray, &bounds).enter(bounds.min, bounds.max, 0.0, f32::INFINITY)
+        let planes = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
+        SlabRay::new(&ray, &bounds).enter(&planes, 0.0, f32::INFINITY)
     }
 
     #[test]
