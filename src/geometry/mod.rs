@@ -76,7 +76,7 @@ impl Geometry {
     }
 
     /// Primitive number `index`, which must be below [`Geometry::len`].
-    #[inline]
+    #[inline(always)]
     pub fn get(&self, index: u32) -> Primitive<'_> {
         let index = index as usize;
         if let Some(sphere) = self.spheres.get(index) {
@@ -107,7 +107,7 @@ impl Geometry {
 impl Primitive<'_> {
     /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the
     /// length of the ray's direction.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         match self {
             Self::Sphere(sphere) => sphere.intersect(ray, t_min, t_max),

@@ -31,7 +31,7 @@ impl Sphere {
     /// ray, the discriminant is r² − l·l: no cancellation for far or huge spheres (Haines
     /// et al. 2019, "Precision Improvements for Ray/Sphere Intersection"). The root whose
     /// terms would cancel is taken as the product of the roots over the other.
-    #[inline]
+    #[inline(always)]
     pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let ray = &prepared.ray;
         let f = ray.origin - self.center_at(ray.time);
