@@ -35,7 +35,7 @@ const BUILD: BvhBuildParams = BvhBuildParams {
     pre_split: false,
     max_prims_per_leaf: 4,
     collapse_traversal_cost: 1.0,
-    ..BvhBuildParams::slow_build()
+    ..BvhBuildParams::very_slow_build()
 };
 
 impl Bvh2 {
