@@ -12,7 +12,7 @@ fn vector(random: &mut Stream, size: f32) -> Vec3 {
 }
 
 /// Spheres (some moving), quads and meshes of triangles that share edges, in a box of side
-/// `2 scale` about `shift`; one in ten of the primitives is there twice.
+/// `2 scale` about `shift`; some of the primitives are there twice.
 fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
     let mut random = Stream::new(seed);
     let mut geometry = Geometry::default();
@@ -20,13 +20,16 @@ fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
         let center = shift + vector(&mut random, scale);
         let again = random.uniform() < 0.1;
         let kind = random.uniform();
-        for _ in 0..=usize::from(again) {
+        {
             if kind < 0.4 {
                 let motion = if kind < 0.1 { vector(&mut random, 0.2 * scale) } else { Vec3::ZERO };
                 let radius = scale * random.between(0.01, 0.2);
                 geometry.spheres.push(Sphere { center, motion, radius });
             } else if kind < 0.7 {
-                let (u, v) = (vector(&mut random, 0.3 * scale), vector(&mut random, 0.3 * scale));
+                let u = vector(&mut random, 0.3 * scale);
+                // Some thin to the limit of what is allowed.
+                let thin = if kind < 0.5 { 0.02 } else { 1.0 };
+                let v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
                 geometry.quads.extend(Quad::new(center, u, v));
             } else {
                 // A fan about `center`: neighbours share edges and all share a vertex.
@@ -38,10 +41,12 @@ fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
                 }
             }
         }
-        if again && kind < 0.4 {
+        if again {
             // Coincident to the bit: the tie goes to the lower index.
-            let copy = geometry.spheres[geometry.spheres.len() - 1];
-            geometry.spheres.push(copy);
+            let Geometry { spheres, quads, triangles } = &mut geometry;
+            spheres.extend_from_within(spheres.len().saturating_sub(1)..);
+            quads.extend_from_within(quads.len().saturating_sub(1)..);
+            triangles.extend_from_within(triangles.len().saturating_sub(3)..);
         }
     }
     geometry
@@ -101,6 +106,21 @@ fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) 
                 }
             }
             _ => {}
+        }
+        if i % 13 == 0 && !geometry.triangles.is_empty() {
+            // In the plane of a triangle, or along one of its edges.
+            let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
+            let [a, b, c] = triangle.vertices;
+            let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
+            origin = at(random.between(-2.0, 3.0), random.between(-2.0, 3.0));
+            direction = at(random.uniform(), random.uniform() * 0.5) - origin;
+        }
+        if i % 17 == 0 && !geometry.quads.is_empty() {
+            // Past a corner of a quad, from in front of it.
+            let quad = geometry.quads[i / 17 % geometry.quads.len()];
+            let corner = quad.q + (quad.u + quad.v) * random.between(0.999_999, 1.000_001);
+            origin = corner + quad.normal * scale + vector(&mut random, scale);
+            direction = corner - origin;
         }
         let ray = Ray { origin, direction, time: random.uniform() };
         let t_max = if i % 7 == 0 { random.uniform() } else { f32::INFINITY };
@@ -163,6 +183,55 @@ fn odd_geometry() {
     let tree = Bvh2::new(&same, (0.0, 0.0));
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
     assert_eq!((hit.primitive, hit.t), (0, 4.0), "of 100 000 equal spheres the first");
+}
+
+/// Small triangles seen from far away, where their coordinates hardly differ in f32.
+#[test]
+fn triangles_smaller_than_rounding() {
+    let mut random = Stream::new(12);
+    for (size, distance) in [(1e-3f32, 3e4f32), (2e-3, 1e3), (1.0, 1e6)] {
+        let triangles = (0..200).map(|_| {
+            let middle = vector(&mut random, 20.0 * size);
+            Triangle { vertices: [(); 3].map(|()| middle + vector(&mut random, size)) }
+        });
+        let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
+        let tree = Bvh2::new(&geometry, (0.0, 0.0));
+        for _ in 0..20_000 {
+            let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
+            let direction = vector(&mut random, 20.0 * size) - origin;
+            let ray = Ray { origin, direction, time: 0.0 };
+            let want = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
+            assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
+            // And no hit far beside the triangle.
+            if let Some(hit) = want {
+                let middle = geometry.triangles[hit.primitive as usize].vertices[0];
+                let miss = ray.origin + ray.direction * hit.t - middle;
+                assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
+            }
+        }
+    }
+}
+
+/// Rows and grids of equal primitives tie in every comparison of the builder; primitives in
+/// geometric progression make the deepest trees. Both in one test's patience.
+#[test]
+fn regular_and_deep_geometry() {
+    let sphere = |center, radius| Sphere { center, motion: Vec3::ZERO, radius };
+    let row = (0..100_000u32).map(|i| sphere(Vec3::X * i as f32, 0.4)).collect();
+    let grid =
+        (0..90_000u32).map(|i| sphere(Vec3::new((i % 300) as f32, (i / 300) as f32, 0.0), 0.4));
+    let powers = (-600..210i32).map(|k| {
+        let x = (0..k.abs()).fold(1.0, |x: f32, _| if k < 0 { x / 1.1 } else { x * 1.1 });
+        sphere(Vec3::X * x, 0.04 * x)
+    });
+    for (spheres, first) in [(row, 0), (grid.collect::<Vec<_>>(), 0), (powers.collect(), 0)] {
+        let geometry = Geometry { spheres, ..Geometry::default() };
+        let tree = Bvh2::new(&geometry, (0.0, 0.0));
+        let ray = Ray { origin: Vec3::X * -10.0, direction: Vec3::X, time: 0.0 };
+        let hit = tree.closest(&geometry, &ray, 0.0, f32::INFINITY).unwrap();
+        assert_eq!(hit.primitive, first);
+        assert!(!tree.occluded(&geometry, &ray, 0.0, 9.5));
+    }
 }
 
 #[test]

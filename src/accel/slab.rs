@@ -29,15 +29,17 @@ pub(super) type Planes = [f32; 6];
 
 /// Bound of all rounding errors between a box's entry and the distance of a primitive in
 /// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
-/// centre 2, projection 9, root 11; plane and triangle less), 6 for the slab's.
+/// centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
+/// [`Quad::condition`](crate::geometry::Quad::condition)), 6 for the slab's.
 const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 
 impl SlabRay {
-    /// `scene` is a box around all primitives.
+    /// `scene` is a box around all primitives, `condition` ≥ 1 the largest of its quads'.
     #[inline]
-    pub(super) fn new(ray: &Ray, scene: &Bounds) -> Self {
+    pub(super) fn new(ray: &Ray, scene: &Bounds, condition: f32) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        let slack = SLACK * scene.farthest_distance(o) + 4.0 * UNIT_ROUNDOFF * max_element(o.abs());
+        let slack = SLACK * condition * scene.farthest_distance(o)
+            + 4.0 * UNIT_ROUNDOFF * max_element(o.abs());
         // The sign bit, so that −0 goes with its reciprocal −∞.
         let negative = d.to_array().map(f32::is_sign_negative);
         let sign = Vec3::from_array(negative.map(|n| if n { -slack } else { slack }));
@@ -75,7 +77,7 @@ mod tests {
         let bounds = Bounds { min: Vec3::ONE, max: Vec3::splat(2.0) };
         let ray = Ray { origin, direction, time: 0.0 };
         let planes = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
-        SlabRay::new(&ray, &bounds).enter(&planes, 0.0, f32::INFINITY)
+        SlabRay::new(&ray, &bounds, 1.0).enter(&planes, 0.0, f32::INFINITY)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Bounds, PreparedRay, Ray, Surface};
-use crate::math::{UNIT_ROUNDOFF, dot, length, max_element};
+use crate::math::{UNIT_ROUNDOFF, dot, length};
 
 /// A two-sided parallelogram, with what its test needs precomputed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Quad {
 
 impl Quad {
     /// The sine of the angle between the edges must exceed this.
-    pub const MIN_SINE: f64 = 1e-3;
+    pub const MIN_SINE: f64 = 1e-2;
 
     /// The quad at corner `q` with edges `u` and `v`; `None` where its area is zero or all
     /// but zero: an edge without length, or edges parallel to within [`Quad::MIN_SINE`].
@@ -39,17 +39,17 @@ impl Quad {
             return None;
         }
         let round = |d: DVec3| d.as_vec3();
-        let extent = max_element(q.abs()) + max_element(u.abs()) + max_element(v.abs());
+        let normal = round(n / n2.sqrt());
         Some(Self {
             q,
             u,
             v,
-            normal: round(n / n2.sqrt()),
+            normal,
             dual_u: round(dv.cross(n) / n2),
             dual_v: round(n.cross(du) / n2),
-            // The point is off by 3 roundings of its coordinates, the plane by one of the
-            // normal, and the sign of the distance by 4 of the products' sum.
-            offset: UNIT_ROUNDOFF * (8.0 * (length(u) + length(v)) + 4.0 * extent),
+            // Along the normal, component by component: the point is off by 3 roundings of q
+            // and 4 of the edges, its ray's origin by 1, the plane's distance by 5.
+            offset: UNIT_ROUNDOFF * dot(normal.abs(), q.abs() * 6.0 + (u.abs() + v.abs()) * 10.0),
         })
     }
 
@@ -91,6 +91,11 @@ impl Quad {
         Bounds::of([q, q + u, q + v, q + u + v]).widened(4)
     }
 
+    /// 1/sin of the angle between the edges: by how much the errors of (a, b) are magnified.
+    pub fn condition(&self) -> f32 {
+        length(self.u) * length(self.v) / self.area()
+    }
+
     /// Area.
     pub fn area(&self) -> f32 {
         length(crate::math::cross(self.u, self.v))
@@ -98,7 +103,7 @@ impl Quad {
 
     /// Whether the edges are perpendicular to within f32 rounding.
     pub fn is_rectangle(&self) -> bool {
-        dot(self.u, self.v).abs() <= 4.0 * UNIT_ROUNDOFF * length(self.u) * length(self.v)
+        dot(self.u, self.v).abs() <= 16.0 * UNIT_ROUNDOFF * length(self.u) * length(self.v)
     }
 }
 
@@ -152,7 +157,7 @@ mod tests {
                 Vec3::new(1.0, 2.0, 3.0),
                 Vec3::new(3.0, 2.0, 1.0),
             ),
-            Quad::new(Vec3::ONE, Vec3::new(1.0, 1e-2, 0.0), Vec3::new(1.0, 0.0, 1e-2)),
+            Quad::new(Vec3::ONE, Vec3::new(1.0, 2e-2, 0.0), Vec3::new(1.0, 0.0, 2e-2)),
             Quad::new(Vec3::new(0.1, 0.2, 0.3), Vec3::X * 1e-4, Vec3::new(1e-5, 300.0, 7.0)),
         ] {
             let quad = quad.unwrap();

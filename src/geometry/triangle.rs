@@ -1,9 +1,9 @@
 //! Triangles, watertight at shared edges and vertices.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{Bounds, PreparedRay, Ray, Surface};
-use crate::math::{UNIT_ROUNDOFF, cross, length, max, max_element, normalize};
+use crate::math::{UNIT_ROUNDOFF, length, max, max_element};
 
 /// A two-sided triangle; its front is where the vertices run counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,22 +12,27 @@ pub struct Triangle {
     pub vertices: [Vec3; 3],
 }
 
-/// Scaled barycentric coordinates of the ray in the triangle, one a vertex, and the
-/// vertices' heights above the ray's origin.
-struct Sheared {
-    weights: Vec3,
-    heights: Vec3,
+/// Where a ray passes a triangle.
+struct Crossing {
+    /// Distances of the vertices along the ray.
+    heights: [f32; 3],
+    /// Scaled barycentric coordinates, one a vertex: twice the signed areas that the ray
+    /// spans with the opposite edges.
+    weights: [f64; 3],
 }
 
 impl Triangle {
     /// The ray becomes the z-axis by a shear that all triangles share, and an edge of two
-    /// triangles gives both the same edge function but for its sign. A rounded difference
-    /// of rounded products is never on the wrong side of 0, and 0 counts as inside, so no
-    /// ray slips between neighbours (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
-    /// Intersection"). The paper's second pass in f64 only thins out double hits, which
-    /// the rule for ties settles here.
+    /// triangles gives both the same edge function but for its sign, so no ray slips between
+    /// neighbours (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection").
+    ///
+    /// Departure from the paper: the edge functions are in f64 always, not only where f32
+    /// gives 0. Products of f32 are exact there, so the signs are exact: the hit is a true
+    /// point of the triangle whose vertices are the sheared ones, however far, thin or
+    /// edge-on it is. With f32 alone, triangles that are small as seen from the ray's origin
+    /// were hit by rays far beside them, and edge-on ones at distances that no box holds.
     #[inline]
-    fn shear(&self, prepared: &PreparedRay) -> Sheared {
+    fn crossing(&self, prepared: &PreparedRay) -> Crossing {
         let [x, y, z] = prepared.axes;
         let s = prepared.shear;
         let place = |vertex: Vec3| {
@@ -35,44 +40,53 @@ impl Triangle {
             (p[x] - s.x * p[z], p[y] - s.y * p[z], s.z * p[z])
         };
         let [a, b, c] = self.vertices.map(place);
-        let edge = |from: (f32, f32, f32), to: (f32, f32, f32)| from.0 * to.1 - from.1 * to.0;
-        Sheared {
-            weights: Vec3::new(edge(b, c), edge(c, a), edge(a, b)),
-            heights: Vec3::new(a.2, b.2, c.2),
-        }
+        let edge = |from: (f32, f32, f32), to: (f32, f32, f32)| {
+            f64::from(from.0) * f64::from(to.1) - f64::from(from.1) * f64::from(to.0)
+        };
+        Crossing { heights: [a.2, b.2, c.2], weights: [edge(b, c), edge(c, a), edge(a, b)] }
     }
 
     #[inline]
     pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        let Sheared { weights: w, heights: h } = self.shear(prepared);
-        let some_negative = w.x < 0.0 || w.y < 0.0 || w.z < 0.0;
-        let some_positive = w.x > 0.0 || w.y > 0.0 || w.z > 0.0;
+        let Crossing { heights, weights: [u, v, w] } = self.crossing(prepared);
+        let some_negative = u < 0.0 || v < 0.0 || w < 0.0;
+        let some_positive = u > 0.0 || v > 0.0 || w > 0.0;
         if some_negative && some_positive {
             return None;
         }
-        let sum = w.x + w.y + w.z;
-        let t = (w.x * h.x + w.y * h.y + w.z * h.z) / sum;
-        // A ray within the plane has sum 0 and t NaN.
+        let [a, b, c] = heights.map(f64::from);
+        // A ray that sees no area has weights 0 and t NaN.
+        let t = ((u * a + v * b + w * c) / (u + v + w)) as f32;
         (t > t_min && t < t_max).then_some(t)
     }
 
     #[inline]
     fn barycentric(&self, ray: &Ray) -> Vec3 {
-        let w = self.shear(&PreparedRay::new(ray)).weights;
-        w / (w.x + w.y + w.z)
+        let [u, v, w] = self.crossing(&PreparedRay::new(ray)).weights;
+        let sum = u + v + w;
+        Vec3::new((u / sum) as f32, (v / sum) as f32, (w / sum) as f32)
     }
 
     #[inline]
     pub(super) fn surface(&self, ray: &Ray) -> Surface {
         let [a, b, c] = self.vertices;
         let w = self.barycentric(ray);
-        let (e1, e2) = (b - a, c - a);
+        let normal = self.scaled_normal();
         let extent = self.vertices.iter().fold(0.0, |m, v| max(m, max_element(v.abs())));
         Surface {
             point: a * w.x + b * w.y + c * w.z,
-            normal: normalize(cross(e1, e2)),
-            offset: UNIT_ROUNDOFF * (16.0 * (length(e1) + length(e2)) + 12.0 * extent),
+            normal: (normal / normal.dot(normal).sqrt()).as_vec3(),
+            // The sheared vertices are off by up to 8 roundings of the edges' lengths, the
+            // point by 6 of its coordinates.
+            offset: UNIT_ROUNDOFF * (12.0 * (length(b - a) + length(c - a)) + 8.0 * extent),
         }
+    }
+
+    /// Twice the area times the unit normal, in f64: the cross product of slivers cancels.
+    #[inline]
+    fn scaled_normal(&self) -> DVec3 {
+        let [a, b, c] = self.vertices.map(|vertex| vertex.as_dvec3());
+        (b - a).cross(c - a)
     }
 
     #[inline]
@@ -85,19 +99,19 @@ impl Triangle {
         Bounds::of(self.vertices)
     }
 
-    /// Whether the vertices are on a line, so that no ray can hit it.
+    /// Whether the vertices are on a line, so that there is no normal. Such a triangle must
+    /// not be part of a scene.
     pub fn is_degenerate(&self) -> bool {
-        let [a, b, c] = self.vertices.map(|v| v.as_dvec3());
-        !((b - a).cross(c - a).length_squared() > 0.0)
+        !(self.scaled_normal().length_squared() > 0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::dot;
     use crate::math::random::Stream;
     use crate::math::warp::{uniform_hemisphere, uniform_sphere};
+    use crate::math::{dot, normalize};
 
     fn hit(triangle: &Triangle, ray: &Ray) -> Option<f32> {
         triangle.intersect(&PreparedRay::new(ray), 0.0, f32::INFINITY)
@@ -159,14 +173,6 @@ mod tests {
                 let triangle = Triangle { vertices: [point(), point(), point()] };
                 let (origin, middle) =
                     (point() * 5.0, triangle.vertices.iter().sum::<Vec3>() / 3.0);
-                let (e1, e2) = (
-                    triangle.vertices[1] - triangle.vertices[0],
-                    triangle.vertices[2] - triangle.vertices[0],
-                );
-                // Needles are a documented weakness of f32.
-                if length(cross(e1, e2)) < 0.05 * length(e1) * length(e2) {
-                    continue;
-                }
                 let first = ray(origin, normalize(middle - origin));
                 if hit(&triangle, &first).is_none() {
                     continue;

@@ -265,7 +265,8 @@ pub enum PrimitiveFile {
         /// A key of [`SceneFile::materials`].
         material: String,
     },
-    /// A list of triangles; their front is where they run counter-clockwise.
+    /// A list of triangles; their front is where they run counter-clockwise. Those without
+    /// area are left out.
     Triangles {
         /// Points.
         vertices: Vec<[f32; 3]>,

@@ -339,7 +339,11 @@ fn add(e: &Element<'_>, primitive: &PrimitiveFile, geometry: &mut Geometry) -> R
                         vertices.len()
                     )));
                 };
-                geometry.triangles.push(Triangle { vertices: [a, b, c] });
+                let triangle = Triangle { vertices: [a, b, c] };
+                // Meshes have some; they cannot be seen.
+                if !triangle.is_degenerate() {
+                    geometry.triangles.push(triangle);
+                }
             }
         }
     }
