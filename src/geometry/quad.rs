@@ -21,6 +21,7 @@ pub struct Quad {
     dual_v: Vec3,
     /// Spawn offset of every point of the quad.
     offset: f32,
+    area: f32,
 }
 
 impl Quad {
@@ -50,6 +51,7 @@ impl Quad {
             // Along the normal, component by component: the point is off by 3 roundings of q
             // and 4 of the edges, its ray's origin by 1, the plane's distance by 5.
             offset: UNIT_ROUNDOFF * dot(normal.abs(), q.abs() * 6.0 + (u.abs() + v.abs()) * 10.0),
+            area: n2.sqrt() as f32,
         })
     }
 
@@ -98,7 +100,7 @@ impl Quad {
 
     /// Area.
     pub fn area(&self) -> f32 {
-        length(crate::math::cross(self.u, self.v))
+        self.area
     }
 
     /// Whether the edges are perpendicular to within f32 rounding.

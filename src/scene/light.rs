@@ -24,10 +24,7 @@ pub enum LightShape {
     /// A rectangle: uniform in its solid angle.
     Rectangle(Rectangle),
     /// Any other parallelogram: uniform by area.
-    Parallelogram {
-        /// Area.
-        area: f32,
-    },
+    Parallelogram,
 }
 
 /// A rectangle in its own orthonormal frame.
@@ -39,8 +36,6 @@ pub struct Rectangle {
     pub axes: [Vec3; 3],
     /// Lengths of the edges.
     pub size: (f32, f32),
-    /// Area.
-    pub area: f32,
 }
 
 impl Rectangle {
@@ -51,7 +46,6 @@ impl Rectangle {
             corner: quad.q,
             axes: [(u / width).as_vec3(), (v / height).as_vec3(), quad.normal],
             size: (width as f32, height as f32),
-            area: (width * height) as f32,
         }
     }
 }
@@ -67,7 +61,7 @@ pub(super) fn collect(geometry: &Geometry, materials: &[Material], of: &[u32]) -
             Primitive::Quad(quad) if quad.is_rectangle() => {
                 LightShape::Rectangle(Rectangle::new(quad))
             }
-            Primitive::Quad(quad) => LightShape::Parallelogram { area: quad.area() },
+            Primitive::Quad(_) => LightShape::Parallelogram,
             Primitive::Triangle(_) => return None,
         };
         (emission.radiance != Vec3::ZERO).then_some(Light { primitive, emission, shape })

@@ -7,7 +7,7 @@ use super::spherical_rectangle::SphericalRectangle;
 use crate::geometry::{PreparedRay, Primitive, Quad, Ray, Sphere};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{dot, length, normalize};
-use crate::scene::{Light, LightShape, Scene};
+use crate::scene::{Light, Scene};
 
 /// A direction from a point to a light.
 pub(super) struct LightSample {
@@ -34,15 +34,17 @@ pub(super) fn sample(
 ) -> Option<LightSample> {
     match (scene.geometry().get(light.primitive), &light.shape) {
         (Primitive::Sphere(sphere), _) => Some(sample_sphere(sphere, from, time, u, v)),
-        (Primitive::Quad(quad), LightShape::Rectangle(rectangle)) => {
-            let target = match SphericalRectangle::new(rectangle, from) {
-                Some(spherical) => spherical.sample(u, v),
-                None => quad.q + quad.u * u + quad.v * v,
+        (Primitive::Quad(quad), shape) => {
+            let (target, pdf) = match SphericalRectangle::of(shape, from) {
+                Some(spherical) => (spherical.sample(u, v), Some(spherical.pdf())),
+                None => (quad.q + quad.u * u + quad.v * v, None),
             };
-            sample_quad(light, quad, from, time, target)
-        }
-        (Primitive::Quad(quad), _) => {
-            sample_quad(light, quad, from, time, quad.q + quad.u * u + quad.v * v)
+            let ray = Ray { origin: from, direction: normalize(target - from), time };
+            let distance = quad.plane_distance(&ray);
+            let pdf = pdf.unwrap_or_else(|| area_pdf(quad, &ray, distance));
+            let visible = distance > 0.0 && distance.is_finite() && pdf > 0.0 && pdf.is_finite();
+            let front = dot(quad.normal, ray.direction) < 0.0;
+            visible.then_some(LightSample { direction: ray.direction, distance, pdf, front })
         }
         (Primitive::Triangle(_), _) => None,
     }
@@ -53,7 +55,10 @@ pub(super) fn sample(
 pub(super) fn pdf(scene: &Scene, light: &Light, ray: &Ray, t: f32) -> f32 {
     match (scene.geometry().get(light.primitive), &light.shape) {
         (Primitive::Sphere(sphere), _) => Cone::new(sphere, ray.origin, ray.time).pdf(),
-        (Primitive::Quad(quad), shape) => quad_pdf(shape, quad, ray, t),
+        (Primitive::Quad(quad), shape) => match SphericalRectangle::of(shape, ray.origin) {
+            Some(spherical) => spherical.pdf(),
+            None => area_pdf(quad, ray, t),
+        },
         (Primitive::Triangle(_), _) => 0.0,
     }
 }
@@ -97,30 +102,7 @@ fn sample_sphere(sphere: &Sphere, from: Vec3, time: f32, u: f32, v: f32) -> Ligh
     LightSample { direction, distance, pdf: cone.pdf(), front: cone.one_minus_cos.is_some() }
 }
 
-fn sample_quad(
-    light: &Light,
-    quad: &Quad,
-    from: Vec3,
-    time: f32,
-    target: Vec3,
-) -> Option<LightSample> {
-    let direction = normalize(target - from);
-    let ray = Ray { origin: from, direction, time };
-    let distance = quad.plane_distance(&ray);
-    let pdf = quad_pdf(&light.shape, quad, &ray, distance);
-    let visible = distance > 0.0 && distance.is_finite() && pdf > 0.0 && pdf.is_finite();
-    let front = dot(quad.normal, direction) < 0.0;
-    visible.then_some(LightSample { direction, distance, pdf, front })
-}
-
-fn quad_pdf(shape: &LightShape, quad: &Quad, ray: &Ray, distance: f32) -> f32 {
-    let by_area = |area: f32| distance * distance / (area * dot(quad.normal, ray.direction).abs());
-    match shape {
-        LightShape::Rectangle(rectangle) => match SphericalRectangle::new(rectangle, ray.origin) {
-            Some(spherical) => spherical.pdf(),
-            None => by_area(rectangle.area),
-        },
-        LightShape::Parallelogram { area } => by_area(*area),
-        LightShape::Sphere => 0.0,
-    }
+/// Density per unit solid angle of points uniform on `quad`, at `distance` along `ray`.
+fn area_pdf(quad: &Quad, ray: &Ray, distance: f32) -> f32 {
+    distance * distance / (quad.area() * dot(quad.normal, ray.direction).abs())
 }
