@@ -9,7 +9,7 @@ fn main() {
     let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default().replace('\x1f', " ");
     note("PTFAST_FLAGS", Some(flags));
     note("PTFAST_COMMIT", commit());
-    for path in ["src", "scenes", "Cargo.toml", ".git/HEAD", ".git/logs/HEAD", ".git/index"] {
+    for path in ["src", "scenes", "Cargo.toml", ".git/HEAD", ".git/logs/HEAD"] {
         if std::path::Path::new(path).exists() {
             println!("cargo::rerun-if-changed={path}");
         }
@@ -24,7 +24,8 @@ fn commit() -> Option<String> {
         return None;
     }
     let commit = output("git", &["rev-parse", "--short=12", "HEAD"])?;
-    let changes = output("git", &["status", "--porcelain", "--untracked-files=no"])?;
+    let changes =
+        output("git", &["--no-optional-locks", "status", "--porcelain", "--untracked-files=no"])?;
     Some(if changes.is_empty() { commit } else { commit + "-dirty" })
 }
 

@@ -1,6 +1,5 @@
 //! A CPU path tracer that proves what it says: the linear image is a pure function of scene,
-//! settings and seed, to the last bit, whatever the engine, the number of threads or the
-//! instruction set.
+//! settings and seed, to the last bit, whatever the number of threads or the instruction set.
 //!
 //! # In ten lines
 //!

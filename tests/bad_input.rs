@@ -115,6 +115,14 @@ fn faults_in_the_flat_form() {
     flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a number"]);
     flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
     flat("size 8 8", "size 8 -8", ":1", &["`-8` is not a whole number"]);
+    flat("camera 0 0 5 0 0 0", "camera 0 0 5 0 0 5", ":2", &["camera: look_from and look_at"]);
+    flat("size 8 8", "size 8 0", ":1", &["render: height must be in 1 to"]);
+    flat(
+        "mat lambert",
+        "size 9 9\nmat lambert",
+        ":3",
+        &["a second `size`, the first is in line 1"],
+    );
     flat("camera", "# camera", "", &["the record `camera` is missing"]);
 }
 
@@ -167,6 +175,13 @@ fn files_that_are_not_there_or_not_files() {
     fs::write(here.join("binary.ron"), b"\xff\xfe\x00").unwrap();
     fs::write(here.join("empty.json"), "").unwrap();
     let render = |scene| ["render", "--spp", "1", "--scene", scene];
+    #[cfg(unix)]
+    {
+        fs::write(here.join("name\u{1b}[2J.json"), "{").unwrap();
+        fails(here, &render("name\u{1b}[2J.json"), 65, &["name\\u{1b}[2J.json:1:1: JSON syntax"]);
+        std::os::unix::fs::symlink("/dev/zero", here.join("zero.ron")).unwrap();
+        fails(here, &render("zero.ron"), 74, &["zero.ron: cannot read: it is a device or pipe"]);
+    }
     fails(here, &render("nosuch.ron"), 74, &["nosuch.ron: cannot read"]);
     fails(here, &render("folder.ron"), 74, &["folder.ron: cannot read", "directory"]);
     fails(here, &render("."), 74, &["cannot read", "directory"]);
@@ -196,6 +211,7 @@ fn wrong_usage() {
     wrong(&["--wdith", "3"], &["unexpected argument '--wdith'", "'--width'"]);
     wrong(&["-o", "out.jpeg"], &["out.jpeg: no writer for the extension `jpeg`, use .png"]);
     wrong(&["-o", "out"], &["no writer for the extension ``"]);
+    wrong(&["-o", "a.png", "--json", "a.png"], &["a.png: the image and the record need two"]);
     fails(folder.path(), &["render"], 2, &["--scene"]);
     fails(folder.path(), &["rendr"], 2, &["unrecognized subcommand 'rendr'", "render"]);
     fails(folder.path(), &[], 2, &["a command is missing: render, scenes, figures or compare"]);

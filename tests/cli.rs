@@ -132,7 +132,8 @@ fn a_failed_render_keeps_the_old_target() {
 #[test]
 fn scenes_are_listed_shown_and_checked() {
     let folder = tempfile::tempdir().unwrap();
-    let list = succeeds(folder.path(), &["scenes", "list"]);
+    let list = succeeds(folder.path(), &["scenes"]);
+    assert_eq!(list, succeeds(folder.path(), &["scenes", "list"]));
     assert_eq!(list.lines().count(), 4);
     assert!(list.contains("cornell") && list.contains("18 quads"));
     let ron = succeeds(folder.path(), &["scenes", "show", "cornell"]);

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::engine::Engine;
@@ -27,6 +28,17 @@ pub(super) enum Command {
     Figures(FiguresArgs),
     /// Tell how two images differ
     Compare(CompareArgs),
+}
+
+/// A parser of the names of `all`.
+fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.iter().map(|&value| name(value))).map(move |word| {
+        let value = all.iter().find(|&&value| name(value) == word);
+        *value.expect("only the names of values are possible")
+    })
 }
 
 #[derive(Debug, Args)]
@@ -56,16 +68,16 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     pub(super) threads: Option<u32>,
     /// Engine; the image does not depend on it
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "ENGINE", default_value = Engine::Scalar.name(), value_parser = named(&Engine::ALL, Engine::name))]
     pub(super) engine: Engine,
     /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     pub(super) sampling: Option<Sampling>,
     /// Whether paths of little weight end early at random, without bias
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub(super) roulette: Switch,
     /// Transfer curve of 8-bit files
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) gamma: Transfer,
     /// Side of the tiles that work is handed out in; the image does not depend on it
     #[arg(long, value_name = "PIXELS", default_value_t = 32, hide = true,
@@ -88,12 +100,12 @@ pub(super) enum Switch {
 #[derive(Debug, Args)]
 pub(super) struct ScenesArgs {
     #[command(subcommand)]
-    pub(super) command: ScenesCommand,
+    pub(super) command: Option<ScenesCommand>,
 }
 
 #[derive(Debug, Subcommand)]
 pub(super) enum ScenesCommand {
-    /// The built-in scenes
+    /// The built-in scenes [default]
     List,
     /// Print a scene as RON or JSON
     Show {
@@ -135,7 +147,7 @@ pub(super) struct CompareArgs {
     /// Image it is compared with, the reference of relative measures
     pub(super) b: PathBuf,
     /// Compare display values: clamped to [0, 1], then through this curve [default: linear]
-    #[arg(long, value_enum, value_name = "GAMMA")]
+    #[arg(long, value_name = "GAMMA", value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) display: Option<Transfer>,
     /// Write a false-colour image of the differences
     #[arg(long, value_name = "FILE")]

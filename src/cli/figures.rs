@@ -21,6 +21,7 @@ struct Figure {
     scene: &'static str,
     sampling: Sampling,
     spp: u32,
+    /// The report's.
     caption: &'static str,
     /// What the report says of its time, on 8 cores of an Apple M1.
     report_time: &'static str,
@@ -32,7 +33,7 @@ const FIGURES: [Figure; 6] = [
         scene: "spheres",
         sampling: Sampling::Bsdf,
         spp: 100,
-        caption: "Diffuse, metal and glass spheres",
+        caption: "Path traced scene with diffuse, metallic and glass spheres",
         report_time: "about 3 minutes",
     },
     Figure {
@@ -40,7 +41,7 @@ const FIGURES: [Figure; 6] = [
         scene: "spacetime",
         sampling: Sampling::Bsdf,
         spp: 100,
-        caption: "Diffuse spheres that move while the shutter is open, among still ones of metal and glass",
+        caption: "Space-Time path traced scene with bouncing diffuse and stationary metallic and glass spheres",
         report_time: "about 5 minutes",
     },
     Figure {
@@ -48,7 +49,7 @@ const FIGURES: [Figure; 6] = [
         scene: "checker",
         sampling: Sampling::Bsdf,
         spp: 100,
-        caption: "Spheres with a checker texture and a spherical light",
+        caption: "Path traced scene with checker textured diffuse spheres and a spherical light source",
         report_time: "about 1.5 minutes",
     },
     Figure {
@@ -56,7 +57,7 @@ const FIGURES: [Figure; 6] = [
         scene: "cornell",
         sampling: Sampling::Bsdf,
         spp: 200,
-        caption: "A room like the Cornell box, directions by the cosine alone",
+        caption: "Path traced scene similar to Cornell Box, Lambertian materials with Cosine Distribution",
         report_time: "not given",
     },
     Figure {
@@ -64,7 +65,7 @@ const FIGURES: [Figure; 6] = [
         scene: "cornell",
         sampling: Sampling::Light,
         spp: 10,
-        caption: "The room with the light sampled, few samples",
+        caption: "Path traced scene similar to Cornell Box, Importance sampling for the light source",
         report_time: "not given",
     },
     Figure {
@@ -72,7 +73,7 @@ const FIGURES: [Figure; 6] = [
         scene: "cornell",
         sampling: Sampling::Light,
         spp: 200,
-        caption: "The room with the light sampled, as many samples as in Figure 4",
+        caption: "Path traced scene similar to Cornell Box, Importance sampling for the light source",
         report_time: "not given",
     },
 ];
@@ -150,7 +151,7 @@ fn html(rendered: &[Rendered<'_>]) -> String {
             r#"<figure id="figure-{n}">
 <a href="{file}"><img src="{file}" width="{width}" height="{height}" alt="{caption}"></a>
 <figcaption>
-<b>Figure {n}.</b> {caption}.
+<b>Figure {n}.</b> {caption} ({spp} sample rays per pixel).
 <table>
 <tr><th>here<td>{seconds:.2} s, {msamples:.2} Msamples/s, {mrays:.2} Mrays/s
 <tr><th>report<td>{report}{report_note}

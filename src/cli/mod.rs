@@ -19,7 +19,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use crate::error::{Error, Result};
-use args::{Cli, Command};
+use args::{Cli, Command, ScenesCommand};
 
 /// Runs the program with the process's arguments.
 pub fn run() -> ExitCode {
@@ -36,7 +36,9 @@ const INTERNAL_FAULT: u8 = 70;
 fn dispatch(command: &Command) -> Result<u8> {
     match command {
         Command::Render(args) => render::run(args).map(|()| 0),
-        Command::Scenes(args) => scenes::run(&args.command).map(|()| 0),
+        Command::Scenes(args) => {
+            scenes::run(args.command.as_ref().unwrap_or(&ScenesCommand::List)).map(|()| 0)
+        }
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args),
     }
@@ -44,7 +46,7 @@ fn dispatch(command: &Command) -> Result<u8> {
 
 fn exit_code(result: Result<u8>) -> u8 {
     result.unwrap_or_else(|error| {
-        notice(format_args!("{}", one_line(&error.to_string())));
+        notice(format_args!("{}", printable(&error.to_string())));
         error.exit_code()
     })
 }
@@ -61,14 +63,21 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         "a command is missing: render, scenes, figures or compare".to_owned()
     } else {
-        one_line(what)
+        what.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     notice(format_args!("{hint} (see `ptfast --help`)"));
     2
 }
 
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+/// `text` on one line: what a file or its name says must not steer the terminal.
+fn printable(text: &str) -> String {
+    text.chars()
+        .flat_map(|c| {
+            let escaped = c.is_control().then(|| c.escape_default());
+            let plain = (!c.is_control()).then_some(c);
+            escaped.into_iter().flatten().chain(plain)
+        })
+        .collect()
 }
 
 /// A line on standard output.
@@ -89,7 +98,7 @@ fn report_panics_in_one_line() {
     static REPORTED: AtomicBool = AtomicBool::new(false);
     panic::set_hook(Box::new(|info| {
         if !REPORTED.swap(true, Ordering::Relaxed) {
-            notice(format_args!("internal fault: {}", one_line(&info.to_string())));
+            notice(format_args!("internal fault: {}", printable(&info.to_string())));
         }
     }));
 }

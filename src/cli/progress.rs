@@ -15,7 +15,6 @@ const INTERVAL: Duration = Duration::from_secs(3);
 /// Shows how far one render is.
 pub(super) struct ProgressReport {
     start: Instant,
-    pixels: u64,
     samples: u64,
     display: Display,
 }
@@ -28,12 +27,13 @@ enum Display {
 
 impl ProgressReport {
     pub(super) fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let samples =
+            u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp);
         let start = Instant::now();
         let display = if quiet {
             Display::None
         } else if stderr().is_terminal() {
-            let bar = ProgressBar::new(pixels);
+            let bar = ProgressBar::new(samples);
             let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
             bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
             bar.set_prefix(title.to_owned());
@@ -41,7 +41,7 @@ impl ProgressReport {
         } else {
             Display::Lines { title: title.to_owned(), last: Mutex::new(start) }
         };
-        Self { start, pixels, samples: pixels * u64::from(settings.spp), display }
+        Self { start, samples, display }
     }
 
     /// Removes the bar.
@@ -53,30 +53,30 @@ impl ProgressReport {
 
     fn rates(&self, progress: Progress) -> String {
         let seconds = self.start.elapsed().as_secs_f64();
-        let share = progress.pixels as f64 / self.pixels as f64;
+        let done = progress.samples as f64;
         format!(
             "{:.2} Msamples/s  {:.2} Mrays/s  ETA {:.0} s",
-            share * self.samples as f64 / seconds * 1e-6,
+            done / seconds * 1e-6,
             progress.rays as f64 / seconds * 1e-6,
-            seconds * (1.0 / share - 1.0),
+            seconds * (self.samples as f64 / done - 1.0),
         )
     }
 }
 
 impl Observer for ProgressReport {
-    fn tile_finished(&self, progress: Progress) {
+    fn progressed(&self, progress: Progress) {
         match &self.display {
             Display::None => {}
             Display::Bar(bar) => {
-                // Tiles finish on several threads: an earlier report may come later.
-                bar.set_position(bar.position().max(progress.pixels));
+                // Several threads report: an earlier report may come later.
+                bar.set_position(bar.position().max(progress.samples));
                 bar.set_message(self.rates(progress));
             }
             Display::Lines { title, last } => {
                 let Ok(mut last) = last.lock() else { return };
                 if last.elapsed() >= INTERVAL {
                     *last = Instant::now();
-                    let percent = progress.pixels * 100 / self.pixels;
+                    let percent = progress.samples * 100 / self.samples;
                     notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
                 }
             }

@@ -9,7 +9,7 @@ use super::progress::ProgressReport;
 use super::record::{StepSeconds, metadata, render_record};
 use super::{notice, say};
 use crate::engine::{Render, RenderSettings, Renderer};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::{Format, check_writable, write_atomically};
 use crate::isa::{Isa, compiled_isa, detected_isa};
 use crate::scene::Scene;
@@ -23,6 +23,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     let settings = settings(args, &scene);
     let renderer = Renderer::new(&scene, settings.clone())?;
+    if args.json.as_ref() == Some(&output) {
+        let message = format!("{}: the image and the record need two files", output.display());
+        return Err(Error::Usage(message));
+    }
     for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {
         check_writable(file)?;
     }

@@ -1,6 +1,7 @@
 //! From a scene and settings to an image: tiles on threads, whatever the engine.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -16,8 +17,15 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Renderer<'a> {
     settings: RenderSettings,
-    engine: ScalarEngine<'a>,
+    engine: Box<dyn TileEngine + 'a>,
     build_seconds: f64,
+}
+
+/// What an engine does: it renders tiles, on any thread.
+pub(super) trait TileEngine: Sync + std::fmt::Debug {
+    /// The mean radiance of every pixel of `tile`. Calls `report` now and then with the
+    /// samples finished and rays traced since the last call.
+    fn render_tile(&self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult;
 }
 
 /// A finished render.
@@ -101,21 +109,21 @@ pub(super) struct TileResult {
 /// How far a render is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Pixels finished.
-    pub pixels: u64,
-    /// Rays traced so far.
+    /// Samples finished.
+    pub samples: u64,
+    /// Rays traced.
     pub rays: u64,
 }
 
-/// Is told of every finished tile, from any thread.
+/// Is told how far a render is, from any thread, every few thousand samples.
 pub trait Observer: Sync {
-    /// `progress` is the state after the tile.
-    fn tile_finished(&self, progress: Progress);
+    /// `progress` is the state now; reports of several threads may arrive out of order.
+    fn progressed(&self, progress: Progress);
 }
 
 /// Nobody watches.
 impl Observer for () {
-    fn tile_finished(&self, _: Progress) {}
+    fn progressed(&self, _: Progress) {}
 }
 
 impl<'a> Renderer<'a> {
@@ -127,7 +135,7 @@ impl<'a> Renderer<'a> {
         settings.check()?;
         let start = Instant::now();
         let engine = match settings.engine {
-            Engine::Scalar => ScalarEngine::new(scene, &settings),
+            Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
         Ok(Self { settings, engine, build_seconds: start.elapsed().as_secs_f64() })
     }
@@ -135,7 +143,7 @@ impl<'a> Renderer<'a> {
     /// Renders the image.
     ///
     /// # Errors
-    /// [`Error::Internal`] where the threads cannot be started.
+    /// [`Error::Internal`] where the threads cannot be started or memory is short.
     pub fn render(&self) -> Result<Render> {
         self.render_observed(&())
     }
@@ -151,15 +159,18 @@ impl<'a> Renderer<'a> {
             .build()
             .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
         let start = Instant::now();
-        let film = Mutex::new(Film::new(width, height));
+        let film = Mutex::new(Film::new(Image::try_new(width, height)?));
+        let (samples, rays) = (AtomicU64::new(0), AtomicU64::new(0));
+        let report = |new_samples, new_rays| {
+            observer.progressed(Progress {
+                samples: samples.fetch_add(new_samples, Ordering::Relaxed) + new_samples,
+                rays: rays.fetch_add(new_rays, Ordering::Relaxed) + new_rays,
+            });
+        };
         pool.install(|| {
             tiles(width, height, tile_size).into_par_iter().for_each(|tile| {
-                let result = self.engine.render_tile(tile);
-                let progress = film
-                    .lock()
-                    .expect("no thread panics while it holds the film")
-                    .add(tile, &result);
-                observer.tile_finished(progress);
+                let result = self.engine.render_tile(tile, &report);
+                film.lock().expect("no thread panics while it holds the film").add(tile, &result);
             });
         });
         let film = film.into_inner().expect("no thread panicked while it held the film");
@@ -179,26 +190,18 @@ struct Film {
     image: Image,
     rays: RayCounts,
     non_finite: NonFinite,
-    pixels_done: u64,
 }
 
 impl Film {
-    fn new(width: u32, height: u32) -> Self {
-        Self {
-            image: Image::new(width, height),
-            rays: RayCounts::default(),
-            non_finite: NonFinite::default(),
-            pixels_done: 0,
-        }
+    fn new(image: Image) -> Self {
+        Self { image, rays: RayCounts::default(), non_finite: NonFinite::default() }
     }
 
-    fn add(&mut self, tile: Tile, result: &TileResult) -> Progress {
+    fn add(&mut self, tile: Tile, result: &TileResult) {
         for (y, row) in (tile.y..).zip(result.pixels.chunks_exact(tile.width as usize)) {
             self.image.put_row(tile.x, y, row);
         }
         self.rays.add(result.rays);
         self.non_finite.merge(&result.non_finite);
-        self.pixels_done += u64::from(tile.width) * u64::from(tile.height);
-        Progress { pixels: self.pixels_done, rays: self.rays.total() }
     }
 }

@@ -5,7 +5,7 @@ use crate::limits;
 use crate::scene::{Sampling, Scene};
 
 /// The engines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
     /// The reference: one ray, one loop.
     #[default]
@@ -13,6 +13,9 @@ pub enum Engine {
 }
 
 impl Engine {
+    /// All engines.
+    pub const ALL: [Self; 1] = [Self::Scalar];
+
     /// The name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {

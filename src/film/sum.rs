@@ -1,4 +1,4 @@
-//! The sum of a pixel's samples, in an order that any split into chunks repeats.
+//! The sum of a pixel's samples, in an order that a split into chunks can repeat.
 
 use glam::Vec3;
 

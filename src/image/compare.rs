@@ -23,15 +23,13 @@ pub struct Comparison {
     pub ratio_of_means: f64,
 }
 
-/// A false-colour image of the absolute differences.
-pub type Heatmap = Image;
-
 /// Compares `a` with the reference `b`, by linear values or, with `display`, by display
-/// values: clamped to `[0, 1]`, then through the curve, not rounded.
+/// values: clamped to `[0, 1]`, then through the curve, not rounded. The image returned
+/// shows the differences in false colours.
 ///
 /// # Errors
 /// [`Error::Usage`] where the sizes differ.
-pub fn compare(a: &Image, b: &Image, display: Option<Transfer>) -> Result<(Comparison, Heatmap)> {
+pub fn compare(a: &Image, b: &Image, display: Option<Transfer>) -> Result<(Comparison, Image)> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::Usage(format!(
             "images of different size: {} × {} and {} × {}",
@@ -49,13 +47,14 @@ pub fn compare(a: &Image, b: &Image, display: Option<Transfer>) -> Result<(Compa
         let mut worst = 0.0f64;
         for (&va, &vb) in pa.iter().zip(pb) {
             let (va, vb) = (value(va), value(vb));
-            let d2 = (va - vb) * (va - vb);
+            // Equal infinities do not differ.
+            let d = if va == vb { 0.0 } else { (va - vb).abs() };
+            let d2 = d * d;
             sums[0] += d2;
             sums[1] += d2 / (vb * vb + 0.01);
             sums[2] += va;
             sums[3] += vb;
             // NaN is the worst difference of all.
-            let d = (va - vb).abs();
             worst = if d <= worst { worst } else { d };
         }
         if !(worst <= largest.0) {

@@ -5,13 +5,13 @@ mod read;
 mod transfer;
 mod write;
 
-pub use compare::{Comparison, Heatmap, compare};
+pub use compare::{Comparison, compare};
 pub use transfer::Transfer;
 pub use write::{Format, Metadata, check_writable, write_atomically};
 
 use std::path::Path;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// A linear RGB image of 32-bit floats, row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,20 @@ impl Image {
     /// A black image.
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
+    }
+
+    /// A black image, or an error where there is no memory for it.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] that names the size.
+    pub fn try_new(width: u32, height: u32) -> Result<Self> {
+        let length = width as usize * height as usize;
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(length).map_err(|_| {
+            Error::Internal(format!("no memory for an image of {width} × {height} pixels"))
+        })?;
+        pixels.resize(length, [0.0; 3]);
+        Ok(Self { width, height, pixels })
     }
 
     /// An image of the given pixels, row by row from the top.

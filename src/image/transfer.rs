@@ -2,18 +2,15 @@
 
 use std::sync::LazyLock;
 
-use clap::ValueEnum;
-
 use crate::math::precise::pow_12_5;
 
 /// How linear values become display values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
     /// IEC 61966-2-1.
     #[default]
     Srgb,
     /// Square root, as the report displays its pictures.
-    #[value(name = "2")]
     Gamma2,
 }
 
@@ -46,6 +43,9 @@ fn gamma2_to_linear(v: f64) -> f64 {
 }
 
 impl Transfer {
+    /// All curves.
+    pub const ALL: [Self; 2] = [Self::Srgb, Self::Gamma2];
+
     fn table(self) -> &'static Table {
         match self {
             Self::Srgb => &SRGB,
@@ -83,7 +83,7 @@ impl Transfer {
         }) as f32
     }
 
-    /// The curve's name in file metadata and records.
+    /// The name on the command line and in file metadata.
     pub fn name(self) -> &'static str {
         match self {
             Self::Srgb => "srgb",
@@ -93,7 +93,7 @@ impl Transfer {
 
     /// The curve of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Srgb, Self::Gamma2].into_iter().find(|t| t.name() == name)
+        Self::ALL.into_iter().find(|t| t.name() == name)
     }
 }
 
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn codes_round_trip() {
-        for transfer in [Transfer::Srgb, Transfer::Gamma2] {
+        for transfer in Transfer::ALL {
             for code in 0..=255 {
                 assert_eq!(transfer.encode(transfer.decode(code)), code);
             }

@@ -114,7 +114,7 @@ impl Default for RenderDefaults {
 }
 
 /// How a path finds light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// By scattering alone: light counts where a path happens to hit it.
@@ -126,6 +126,9 @@ pub enum Sampling {
 }
 
 impl Sampling {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Bsdf, Self::Light, Self::Mis];
+
     /// The name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {

@@ -44,8 +44,12 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
         let mut record_words = Words { file, line: number + 1, words };
         let w = &mut record_words;
         match record {
-            "size" => (render.width, render.height) = (w.integer()?, w.integer()?),
+            "size" => {
+                w.only_once(record, &mut places.render)?;
+                (render.width, render.height) = (w.integer()?, w.integer()?);
+            }
             "camera" => {
+                w.only_once(record, &mut places.camera)?;
                 camera = Some(CameraFile {
                     look_from: w.vector()?,
                     look_at: w.vector()?,
@@ -56,7 +60,10 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
                     shutter: (w.number()?, w.number()?),
                 });
             }
-            "background" => background = BackgroundFile::Constant { radiance: w.vector()? },
+            "background" => {
+                w.only_once(record, &mut places.background)?;
+                background = BackgroundFile::Constant { radiance: w.vector()? };
+            }
             "mat" => {
                 let name = format!("m{}", materials.0.len());
                 let (material, texture) = w.material(&name)?;
@@ -109,6 +116,15 @@ struct Words<'a> {
 impl Words<'_> {
     fn error(&self, message: String) -> Error {
         Error::input(self.file, self.line.to_string(), message)
+    }
+
+    /// Notes the record's line, or refuses it where `line` says that there was one before.
+    fn only_once(&self, record: &str, line: &mut usize) -> Result<()> {
+        if *line != 0 {
+            return Err(self.error(format!("a second `{record}`, the first is in line {line}")));
+        }
+        *line = self.line;
+        Ok(())
     }
 
     fn word(&mut self, what: &str) -> Result<&str> {

@@ -1,7 +1,7 @@
 //! Finding a scene by name or path and reading its text.
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::builtin::{self, BUILTIN_NAMES};
@@ -50,7 +50,8 @@ impl Source {
             return Ok(Self::Builtin(name));
         }
         let path = Path::new(name_or_path);
-        let form = match path.extension().and_then(|e| e.to_str()) {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let form = match extension.as_deref() {
             Some("ron") => Form::Ron,
             Some("json") => Form::Json,
             Some("txt") => Form::Flat,
@@ -112,14 +113,22 @@ impl Parsed {
 }
 
 fn read_text(path: &Path) -> Result<String> {
-    // Told apart from other failures: reading a folder says so only on some systems.
-    if path.is_dir() {
+    // Reading a folder says so only on some systems, reading a pipe might never end.
+    let kind = fs::metadata(path).map_err(Error::io(path, "read"))?;
+    if kind.is_dir() {
         return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
     }
-    fs::read_to_string(path).map_err(|error| match error.kind() {
+    if !kind.is_file() {
+        return Err(Error::io(path, "read")(io::Error::other(
+            "it is a device or pipe, not a file",
+        )));
+    }
+    let text = fs::read_to_string(path).map_err(|error| match error.kind() {
         ErrorKind::InvalidData => {
             Error::input(path.display().to_string(), "", "not UTF-8 text, a scene file is")
         }
         _ => Error::io(path, "read")(error),
-    })
+    })?;
+    // Some editors begin UTF-8 with a byte order mark.
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }

@@ -5,6 +5,7 @@ mod builtin;
 mod camera;
 mod description;
 mod flat;
+mod hash;
 mod light;
 mod load;
 mod material;
@@ -20,7 +21,7 @@ pub use description::{
     SceneFile, TextureFile,
 };
 pub use light::{Light, LightShape, Rectangle};
-pub use load::Source;
+pub use load::{Form, Parsed, Source};
 pub use material::{Background, Emission, Material, Sides};
 pub use named::Named;
 pub use texture::{Checker, Texture};
@@ -34,7 +35,6 @@ use crate::geometry::Geometry;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     name: String,
-    hash: String,
     camera: Camera,
     background: Background,
     defaults: RenderDefaults,
@@ -79,10 +79,10 @@ impl Scene {
         &self.name
     }
 
-    /// BLAKE3 over the scene's canonical JSON and the pixels of its textures, in hexadecimal:
-    /// the same for every form that says the same.
-    pub fn hash(&self) -> &str {
-        &self.hash
+    /// BLAKE3 over all that decides the scene's images, in hexadecimal: the same for every
+    /// form and every naming that says the same.
+    pub fn hash(&self) -> String {
+        hash::hash(self)
     }
 
     /// The camera.

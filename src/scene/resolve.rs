@@ -19,6 +19,9 @@ use crate::image::Image;
 /// Largest coordinate: beyond it the products of the primitive tests could overflow.
 const MAX_COORDINATE: f32 = 1e9;
 
+/// Largest radiance: sums of 2^24 samples of it are finite.
+const MAX_RADIANCE: f32 = 1e30;
+
 /// Where the elements of a file are: lines, or paths such as `primitives[3]`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places {
@@ -26,6 +29,10 @@ pub(super) struct Places {
     pub(super) materials: Vec<usize>,
     /// Line of each primitive.
     pub(super) primitives: Vec<usize>,
+    /// Lines of the sections; 0 where there is none.
+    pub(super) camera: usize,
+    pub(super) background: usize,
+    pub(super) render: usize,
     by_line: bool,
 }
 
@@ -35,14 +42,19 @@ impl Places {
         Self { by_line: true, ..Self::default() }
     }
 
+    /// The place of a section at `line`, which names itself in files that have no lines.
+    fn section(line: usize) -> String {
+        if line == 0 { String::new() } else { line.to_string() }
+    }
+
     fn material(&self, index: usize, name: &str) -> String {
         if self.by_line { self.materials[index].to_string() } else { format!("materials.{name}") }
     }
 
-    fn texture(&self, file: &SceneFile, name: &str) -> String {
-        // The flat form names a texture as the material that has it.
-        match file.materials.names().position(|material| material == name) {
-            Some(index) if self.by_line => self.material(index, name),
+    /// The flat form names a texture after the material that has it, `m` and its number.
+    fn texture(&self, name: &str) -> String {
+        match name.get(1..).unwrap_or_default().parse() {
+            Ok(index) if self.by_line => self.material(index, name),
             _ => format!("textures.{name}"),
         }
     }
@@ -79,9 +91,9 @@ impl Element<'_> {
     }
 
     fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {
-        let range = if most.is_finite() { "in [0, 1]" } else { "finite and not negative" };
-        let ok = value.iter().all(|&c| (0.0..=most).contains(&c) && c.is_finite());
-        self.check(ok, name, range, value)?;
+        let range = format!("in [0, {most}]");
+        let ok = value.iter().all(|c| (0.0..=most).contains(c));
+        self.check(ok, name, &range, value)?;
         Ok(Vec3::from_array(value))
     }
 }
@@ -108,7 +120,6 @@ pub(super) fn resolve(
     }
     Ok(Scene {
         name: name.to_owned(),
-        hash: hash(file, &textures),
         camera,
         background,
         defaults: file.render.clone(),
@@ -119,17 +130,6 @@ pub(super) fn resolve(
         lights,
         light_of,
     })
-}
-
-fn hash(file: &SceneFile, textures: &[Texture]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(super::parse::to_json(file).as_bytes());
-    for texture in textures {
-        if let Texture::Image(image) = texture {
-            hasher.update(image.hash().as_bytes());
-        }
-    }
-    hasher.finalize().to_hex().to_string()
 }
 
 struct Resolver<'a> {
@@ -144,7 +144,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn camera(&self, camera: &CameraFile) -> Result<Camera> {
-        let e = self.element(String::new(), "camera");
+        let e = self.element(Places::section(self.places.camera), "camera");
         let from = e.point("look_from", camera.look_from)?.as_dvec3();
         let at = e.point("look_at", camera.look_at)?.as_dvec3();
         let up = e.point("up", camera.up)?.as_dvec3();
@@ -179,14 +179,14 @@ impl<'a> Resolver<'a> {
     }
 
     fn background(&self) -> Result<Background> {
-        let e = self.element(String::new(), "background");
+        let e = self.element(Places::section(self.places.background), "background");
         Ok(match self.file.background {
             BackgroundFile::Constant { radiance } => {
-                Background::Constant(e.color("radiance", radiance, f32::INFINITY)?)
+                Background::Constant(e.color("radiance", radiance, MAX_RADIANCE)?)
             }
             BackgroundFile::Gradient { bottom, top } => Background::Gradient {
-                bottom: e.color("bottom", bottom, f32::INFINITY)?,
-                top: e.color("top", top, f32::INFINITY)?,
+                bottom: e.color("bottom", bottom, MAX_RADIANCE)?,
+                top: e.color("top", top, MAX_RADIANCE)?,
             },
         })
     }
@@ -195,12 +195,14 @@ impl<'a> Resolver<'a> {
         let render = &self.file.render;
         crate::limits::check_image(render.width, render.height)
             .and_then(|()| crate::limits::check_sampling(render.spp, render.depth))
-            .map_err(|message| self.element(String::new(), "render").error(message))
+            .map_err(|message| {
+                self.element(Places::section(self.places.render), "render").error(message)
+            })
     }
 
     fn textures(&self, folder: &Path) -> Result<Vec<Texture>> {
         let resolve = |(name, texture): &(String, TextureFile)| {
-            let e = self.element(self.places.texture(self.file, name), "texture");
+            let e = self.element(self.places.texture(name), "texture");
             Ok(match texture {
                 TextureFile::Solid { color } => Texture::Solid(e.color("color", *color, 1.0)?),
                 TextureFile::Checker { odd, even, scale } => {
@@ -228,6 +230,8 @@ impl<'a> Resolver<'a> {
     /// Colours given in place of a texture are appended to `textures`.
     fn materials(&self, textures: &mut Vec<Texture>) -> Result<Vec<Material>> {
         let mut materials = Vec::new();
+        let names: std::collections::HashMap<&str, u32> =
+            self.file.textures.names().zip(0..).collect();
         for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
             let e = self.element(self.places.material(index, name), "material");
             let mut texture = |albedo: &Albedo| match albedo {
@@ -235,15 +239,10 @@ impl<'a> Resolver<'a> {
                     textures.push(Texture::Solid(e.color("albedo", *color, 1.0)?));
                     Ok(textures.len() as u32 - 1)
                 }
-                Albedo::Texture(wanted) => {
-                    let names = || self.file.textures.names();
-                    names().position(|name| name == wanted).map(|i| i as u32).ok_or_else(|| {
-                        e.error(format!(
-                            "unknown texture `{wanted}`{}",
-                            suggestion(wanted, names())
-                        ))
-                    })
-                }
+                Albedo::Texture(wanted) => names.get(wanted.as_str()).copied().ok_or_else(|| {
+                    let known = self.file.textures.names();
+                    e.error(format!("unknown texture `{wanted}`{}", suggestion(wanted, known)))
+                }),
             };
             materials.push(match material {
                 MaterialFile::Diffuse { albedo } => Material::Diffuse { albedo: texture(albedo)? },
@@ -260,7 +259,7 @@ impl<'a> Resolver<'a> {
                     Material::Dielectric { ior: *ior }
                 }
                 MaterialFile::Light { radiance, sides } => Material::Light(Emission {
-                    radiance: e.color("radiance", *radiance, f32::INFINITY)?,
+                    radiance: e.color("radiance", *radiance, MAX_RADIANCE)?,
                     sides: *sides,
                 }),
             });

@@ -6,7 +6,7 @@ mod scatter;
 mod spherical_rectangle;
 
 use super::dimension::{Dimension, Randoms};
-use super::renderer::TileResult;
+use super::renderer::{RayCounts, TileEngine, TileResult};
 use super::settings::RenderSettings;
 use crate::accel::Bvh2;
 use crate::film::{PixelSum, Tile};
@@ -32,12 +32,17 @@ impl<'a> ScalarEngine<'a> {
             tree: Bvh2::new(scene.geometry(), scene.camera().shutter()),
         }
     }
+}
 
-    /// The mean radiance of every pixel of `tile`.
-    pub(super) fn render_tile(&self, tile: Tile) -> TileResult {
+/// Samples between two reports of progress.
+const REPORT_EVERY: u64 = 4096;
+
+impl TileEngine for ScalarEngine<'_> {
+    fn render_tile(&self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
         let mut result = TileResult::default();
         let mut tracer = PathTracer::new(self.scene, &self.tree, &self.settings);
         let mut sum = PixelSum::default();
+        let mut reported = RayCounts::default();
         for y in tile.y..tile.y + tile.height {
             for x in tile.x..tile.x + tile.width {
                 let pixel = PixelKey::new(self.settings.seed, x, y);
@@ -52,10 +57,17 @@ impl<'a> ScalarEngine<'a> {
                         sum.add(glam::Vec3::ZERO);
                         result.non_finite.note(x, y, sample);
                     }
+                    let samples = tracer.rays.primary - reported.primary;
+                    if samples == REPORT_EVERY {
+                        report(samples, tracer.rays.total() - reported.total());
+                        reported = tracer.rays;
+                    }
                 }
                 result.pixels.push(sum.take_mean().to_array());
             }
         }
+        let rays = tracer.rays.total() - reported.total();
+        report(tracer.rays.primary - reported.primary, rays);
         result.rays = tracer.rays;
         result
     }
