@@ -73,7 +73,7 @@ impl Error {
 }
 
 /// `, did you mean ...?` for the known name nearest to `found`, or the list of all names
-/// where they are few, or nothing.
+/// where they are few.
 pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let known: Vec<&str> = known.into_iter().collect();
     let nearest = known
@@ -84,6 +84,7 @@ pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a st
         Some((distance, name)) if distance <= 1 + name.len() / 3 => {
             format!(", did you mean `{name}`?")
         }
+        None => ", none is defined".to_owned(),
         Some(_) if known.len() <= 20 => format!(", known: `{}`", known.join("`, `")),
         _ => String::new(),
     }
@@ -97,7 +98,7 @@ mod tests {
     fn suggestions_name_the_nearest_or_all() {
         assert_eq!(suggestion("raduis", ["center", "radius"]), ", did you mean `radius`?");
         assert_eq!(suggestion("xyz", ["center", "radius"]), ", known: `center`, `radius`");
-        assert_eq!(suggestion("xyz", []), "");
+        assert_eq!(suggestion("xyz", []), ", none is defined");
     }
 
     #[test]

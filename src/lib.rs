@@ -37,6 +37,11 @@
 //! Data flows one way: scene file → [`scene`] → [`accel`] → [`engine`] → [`film`] →
 //! [`image`](mod@image). ARCHITECTURE.md has the table of files.
 
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub mod accel;
 pub mod cli;
 pub mod engine;

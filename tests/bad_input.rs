@@ -89,7 +89,12 @@ fn syntax_and_names_in_ron() {
     let grey = "material: \"grey\"";
     let message = "unknown material `gray`, did you mean `grey`?";
     ron(grey, "material: \"gray\"", ":primitives[0]", &["sphere: ", message]);
-    ron("(0.5, 0.5, 0.5)", "\"wood\"", ":materials.grey", &["unknown texture `wood`"]);
+    ron(
+        "(0.5, 0.5, 0.5)",
+        "\"wood\"",
+        ":materials.grey",
+        &["unknown texture `wood`, none is defined"],
+    );
 }
 
 #[test]
@@ -227,7 +232,12 @@ fn targets_that_cannot_be_written() {
     let render = |target| {
         ["render", "--scene", "spheres", "--width", "9999", "--spp", "99999", "-o", target]
     };
-    fails(here, &render("nosuch/out.png"), 74, &["nosuch/out.png: cannot write"]);
+    fails(
+        here,
+        &render("nosuch/out.png"),
+        74,
+        &["nosuch/out.png: cannot write: No such file or directory"],
+    );
     fails(here, &render("folder.png"), 74, &["folder.png: cannot write: it is a folder"]);
     fails(here, &render("file/out.png"), 74, &["file/out.png: cannot write"]);
     let json = ["render", "--scene", "spheres", "--spp", "99999", "--json", "nosuch/record.json"];

@@ -113,6 +113,7 @@ fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     // The crate's errors speak of the temporary file's name, which says nothing.
+    fs::metadata(folder)?;
     let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
     Ok((target, file))
 }

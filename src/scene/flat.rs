@@ -22,7 +22,7 @@ use super::description::{
     Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, SceneFile, Sides, TextureFile,
 };
 use super::named::Named;
-use super::resolve::Places;
+use super::place::Places;
 use crate::error::{Error, Result, suggestion};
 
 const RECORDS: [&str; 6] = ["size", "camera", "background", "mat", "sphere", "quad"];

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
-use super::resolve::{self, Places};
-use super::{Scene, flat, parse};
+use super::place::Places;
+use super::{Scene, flat, parse, resolve};
 use crate::error::{Error, Result, suggestion};
 
 /// Where a scene comes from.

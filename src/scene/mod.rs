@@ -11,6 +11,7 @@ mod load;
 mod material;
 mod named;
 mod parse;
+mod place;
 mod resolve;
 mod texture;
 
@@ -71,7 +72,7 @@ impl Scene {
     /// # Errors
     /// Where a number is out of range or a name unknown.
     pub fn from_file(file: &SceneFile) -> Result<Self> {
-        resolve::resolve("scene", Path::new(""), file, &resolve::Places::default())
+        resolve::resolve("scene", Path::new(""), file, &place::Places::default())
     }
 
     /// The built-in name, or the path as given.

@@ -70,9 +70,8 @@ impl<'a> PathTracer<'a> {
                     radiance += beta * emission.radiance(front) * weight;
                     None
                 }
-                Material::Diffuse { albedo } | Material::Lambertian { albedo } => {
-                    let cosine =
-                        matches!(self.scene.material(hit.primitive), Material::Lambertian { .. });
+                material @ (Material::Diffuse { albedo } | Material::Lambertian { albedo }) => {
+                    let cosine = matches!(material, Material::Lambertian { .. });
                     let diffuse = Diffuse { normal, albedo: color(albedo), cosine };
                     let from = surface.spawn(normal);
                     // Connect: one light, one shadow ray, which is the path's next segment.

@@ -1,0 +1,93 @@
+//! Where the elements of a scene file are, and the checks of their values.
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+
+/// Largest coordinate: beyond it the products of the primitive tests could overflow.
+pub(super) const MAX_COORDINATE: f32 = 1e9;
+
+/// Largest radiance: sums of 2^24 samples of it are finite.
+pub(super) const MAX_RADIANCE: f32 = 1e30;
+
+/// Where the elements of a file are: lines, or paths such as `primitives[3]`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Places {
+    /// Line of each material, for files whose errors are told by line.
+    pub(super) materials: Vec<usize>,
+    /// Line of each primitive.
+    pub(super) primitives: Vec<usize>,
+    /// Lines of the sections; 0 where there is none.
+    pub(super) camera: usize,
+    pub(super) background: usize,
+    pub(super) render: usize,
+    by_line: bool,
+}
+
+impl Places {
+    /// Places are lines, which the reader fills in.
+    pub(super) fn lines() -> Self {
+        Self { by_line: true, ..Self::default() }
+    }
+
+    /// The place of a section at `line`, which names itself in files that have no lines.
+    pub(super) fn section(line: usize) -> String {
+        if line == 0 { String::new() } else { line.to_string() }
+    }
+
+    pub(super) fn material(&self, index: usize, name: &str) -> String {
+        if self.by_line { self.materials[index].to_string() } else { format!("materials.{name}") }
+    }
+
+    /// The flat form names a texture after the material that has it, `m` and its number.
+    pub(super) fn texture(&self, name: &str) -> String {
+        match name.get(1..).unwrap_or_default().parse() {
+            Ok(index) if self.by_line => self.material(index, name),
+            _ => format!("textures.{name}"),
+        }
+    }
+
+    pub(super) fn primitive(&self, index: usize) -> String {
+        if self.by_line {
+            self.primitives[index].to_string()
+        } else {
+            format!("primitives[{index}]")
+        }
+    }
+}
+
+/// One element of a file while its values are checked.
+pub(super) struct Element<'a> {
+    pub(super) file: &'a str,
+    pub(super) place: String,
+    pub(super) kind: &'a str,
+}
+
+impl Element<'_> {
+    pub(super) fn error(&self, message: impl std::fmt::Display) -> Error {
+        Error::input(self.file, self.place.clone(), format!("{}: {message}", self.kind))
+    }
+
+    pub(super) fn check(
+        &self,
+        ok: bool,
+        name: &str,
+        range: &str,
+        value: impl std::fmt::Debug,
+    ) -> Result<()> {
+        if ok { Ok(()) } else { Err(self.error(format!("{name} must be {range}, is {value:?}"))) }
+    }
+
+    pub(super) fn point(&self, name: &str, value: [f32; 3]) -> Result<Vec3> {
+        let ok = value.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        self.check(ok, name, "finite and within ±1e9", value)?;
+        Ok(Vec3::from_array(value))
+    }
+
+    pub(super) fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {
+        let range = format!("in [0, {most}]");
+        let ok = value.iter().all(|c| (0.0..=most).contains(c));
+        self.check(ok, name, &range, value)?;
+        Ok(Vec3::from_array(value))
+    }
+}
