@@ -12,6 +12,8 @@ use ptfast::{RenderSettings, Sampling, Scene};
 /// that other programs read.
 #[test]
 fn built_in_scenes_are_the_flat_ones() {
+    let hashes = BUILTIN_NAMES.map(|name| Scene::load(name).unwrap().hash());
+    assert_eq!(std::collections::BTreeSet::from(hashes).len(), 4, "four scenes, four hashes");
     for name in BUILTIN_NAMES {
         let built_in = Scene::load(name).unwrap();
         let flat = Scene::load(&format!("tests/data/{name}.txt")).unwrap();
