@@ -53,7 +53,10 @@ pub mod isa;
 pub mod limits;
 pub mod machine;
 pub mod math;
+pub mod output;
+pub mod rayset;
 pub mod scene;
+mod simd;
 
 pub use engine::{Engine, Render, RenderSettings, Renderer};
 pub use error::{Error, Result};

@@ -8,6 +8,8 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 pub const MAX_SPP: u32 = 1 << 24;
 /// Largest number of segments of a path.
 pub const MAX_DEPTH: u32 = 1 << 16;
+/// Largest number of primitives that a generated scene is asked for.
+pub const MAX_GENERATED: u32 = 1 << 24;
 /// Largest number of threads.
 pub const MAX_THREADS: u32 = 4096;
 

@@ -219,7 +219,12 @@ fn wrong_usage() {
     wrong(&["-o", "a.png", "--json", "a.png"], &["a.png: the image and the record need two"]);
     fails(folder.path(), &["render"], 2, &["--scene"]);
     fails(folder.path(), &["rendr"], 2, &["unrecognized subcommand 'rendr'", "render"]);
-    fails(folder.path(), &[], 2, &["a command is missing: render, scenes, figures or compare"]);
+    fails(
+        folder.path(),
+        &[],
+        2,
+        &["a command is missing: render, scenes, figures, compare, rays or trace"],
+    );
 }
 
 #[test]
@@ -244,6 +249,46 @@ fn targets_that_cannot_be_written() {
     fails(here, &json, 74, &["nosuch/record.json: cannot write"]);
     let figures = ["figures", "--out", "file"];
     fails(here, &figures, 74, &["file: cannot make the folder"]);
+}
+
+#[test]
+fn damaged_ray_sets_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let rays = ["rays", "--scene", "checker", "--out", "set", "--spp", "1", "--max-rays", "2048"];
+    assert!(common::ptfast(here, &rays).status.success());
+    let trace = ["trace", "set", "--reps", "1"];
+    fails(here, &["trace", "nosuch"], 74, &["nosuch/manifest.json: cannot read"]);
+    let damage = |file: &str, change: fn(&mut Vec<u8>), code: i32, words: &[&str]| {
+        let path = here.join("set").join(file);
+        let whole = fs::read(&path).unwrap();
+        let mut damaged = whole.clone();
+        change(&mut damaged);
+        fs::write(&path, damaged).unwrap();
+        fails(here, &trace, code, words);
+        fs::write(&path, whole).unwrap();
+    };
+    damage(
+        "primary.rays",
+        |b| b.truncate(99),
+        65,
+        &["primary.rays: 99 bytes, where manifest.json"],
+    );
+    damage("primary.hits", |b| b[5] = 7, 65, &["primary.hits:[0]: primitive", " of 3"]);
+    damage("spheres.f32", |b| b[12..16].fill(0), 65, &["spheres.f32:[0]: the radius"]);
+    damage("spheres.f32", |b| b[0..4].fill(255), 65, &["spheres.f32:[0]", "not finite"]);
+    damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
+    fs::remove_file(here.join("set/bounce.range")).unwrap();
+    fails(here, &trace, 74, &["bounce.range: cannot read"]);
+}
+
+#[test]
+fn sizes_of_generated_scenes_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["cloud:0", "mesh:-1", "cloud:", "mesh:99999999"] {
+        let words = ["the number of", "must be in 1 to 16777216", scene];
+        fails(folder.path(), &["scenes", "check", scene], 2, &words);
+    }
 }
 
 /// A link to a device that is always full: the file behind a path is what counts.

@@ -1,8 +1,10 @@
-//! The tree finds what trying every primitive finds: same primitive, same distance bits.
+//! Every kernel finds what trying every primitive finds: same primitive, same distance bits.
+//!
+//! With the feature `slow-tests` over ten million rays of each kind, else over a share.
 
 use glam::Vec3;
-use ptfast::accel::Bvh2;
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Hit, Quad, Ray, Sphere, Triangle};
 use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
 use ptfast::math::{cross, normalize};
@@ -23,8 +25,9 @@ fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
         {
             if kind < 0.4 {
                 let motion = if kind < 0.1 { vector(&mut random, 0.2 * scale) } else { Vec3::ZERO };
+                let center1 = center + motion;
                 let radius = scale * random.between(0.01, 0.2);
-                geometry.spheres.push(Sphere { center, motion, radius });
+                geometry.spheres.push(Sphere { center, center1, radius });
             } else if kind < 0.7 {
                 let u = vector(&mut random, 0.3 * scale);
                 // Some thin to the limit of what is allowed.
@@ -79,62 +82,109 @@ fn target(random: &mut Stream, geometry: &Geometry, origin: Vec3, scale: f32, sh
     }
 }
 
-fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
-    let tree = Bvh2::new(geometry, (0.0, 1.0));
-    let mut random = Stream::new(99);
-    let mut hits = 0;
-    for i in 0..rays {
-        let mut origin = match i % 3 {
-            0 => shift + uniform_sphere(random.uniform(), random.uniform()) * (scale * 4.0),
-            1 => shift + vector(&mut random, scale),
-            _ => target(&mut random, geometry, shift, scale, shift),
-        };
-        let mut direction = target(&mut random, geometry, origin, scale, shift) - origin;
-        match i % 11 {
-            0 => direction *= 1e-6,
-            1 => direction *= 1e6,
-            2 => direction[i % 3] = 0.0,
-            3 => direction[i % 3] = -0.0,
-            4 => {
-                let axis = i % 3;
-                direction = Vec3::ZERO;
-                direction[axis] = if i % 2 == 0 { 1.0 } else { -1.0 };
-                // In the very plane of some box face.
-                if let Some(sphere) = geometry.spheres.first() {
-                    let other = (axis + 1) % 3;
-                    origin[other] = sphere.center[other] + sphere.radius;
-                }
+/// Ray number `i`: aimed at what is hard to hit, from where it is hard, or in a hard direction.
+fn adversarial(
+    random: &mut Stream,
+    i: usize,
+    geometry: &Geometry,
+    scale: f32,
+    shift: Vec3,
+) -> (Ray, f32) {
+    let mut origin = match i % 3 {
+        0 => shift + uniform_sphere(random.uniform(), random.uniform()) * (scale * 4.0),
+        1 => shift + vector(random, scale),
+        _ => target(random, geometry, shift, scale, shift),
+    };
+    let mut direction = target(random, geometry, origin, scale, shift) - origin;
+    match i % 11 {
+        0 => direction *= 1e-6,
+        1 => direction *= 1e6,
+        2 => direction[i % 3] = 0.0,
+        3 => direction[i % 3] = -0.0,
+        4 => {
+            let axis = i % 3;
+            direction = Vec3::ZERO;
+            direction[axis] = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            // In the very plane of some box face.
+            if let Some(sphere) = geometry.spheres.first() {
+                let other = (axis + 1) % 3;
+                origin[other] = sphere.center[other] + sphere.radius;
             }
-            _ => {}
         }
-        if i % 13 == 0 && !geometry.triangles.is_empty() {
-            // In the plane of a triangle, or along one of its edges.
-            let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
-            let [a, b, c] = triangle.vertices;
-            let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
-            origin = at(random.between(-2.0, 3.0), random.between(-2.0, 3.0));
-            direction = at(random.uniform(), random.uniform() * 0.5) - origin;
-        }
-        if i % 17 == 0 && !geometry.quads.is_empty() {
-            // Past a corner of a quad, from in front of it.
-            let quad = geometry.quads[i / 17 % geometry.quads.len()];
-            let corner = quad.q + (quad.u + quad.v) * random.between(0.999_999, 1.000_001);
-            origin = corner + quad.normal * scale + vector(&mut random, scale);
-            direction = corner - origin;
-        }
-        let ray = Ray { origin, direction, time: random.uniform() };
-        let t_max = if i % 7 == 0 { random.uniform() } else { f32::INFINITY };
-        let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
-        let got = tree.closest(geometry, &ray, 0.0, t_max);
-        assert_eq!(
-            got.map(|hit| (hit.primitive, hit.t.to_bits())),
-            want.map(|hit| (hit.primitive, hit.t.to_bits())),
-            "{name}: {ray:?} {t_max}"
-        );
-        assert_eq!(tree.occluded(geometry, &ray, 0.0, t_max), want.is_some(), "{name}: {ray:?}");
-        hits += usize::from(want.is_some());
+        _ => {}
     }
-    assert!(hits > rays / 8, "{name}: only {hits} of {rays} rays hit anything");
+    if i.is_multiple_of(13) && !geometry.triangles.is_empty() {
+        // In the plane of a triangle, or along one of its edges.
+        let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
+        let [a, b, c] = triangle.vertices;
+        let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
+        origin = at(random.between(-2.0, 3.0), random.between(-2.0, 3.0));
+        direction = at(random.uniform(), random.uniform() * 0.5) - origin;
+    }
+    if i.is_multiple_of(17) && !geometry.quads.is_empty() {
+        // Past a corner of a quad, from in front of it.
+        let quad = geometry.quads[i / 17 % geometry.quads.len()];
+        let corner = quad.q + (quad.u + quad.v) * random.between(0.999_999, 1.000_001);
+        origin = corner + quad.normal * scale + vector(random, scale);
+        direction = corner - origin;
+    }
+    let t_max = if i.is_multiple_of(7) { random.uniform() } else { f32::INFINITY };
+    (Ray { origin, direction, time: random.uniform() }, t_max)
+}
+
+/// Rays of one test.
+const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 60_000 };
+/// Rays of one batch.
+const ROUND: usize = 20_000;
+
+fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
+    hit.map(|hit| (hit.primitive, hit.t.to_bits()))
+}
+
+/// Compares every kernel with `oracle`, over rays that `make` makes.
+fn check_kernels(
+    name: &str,
+    geometry: &Geometry,
+    rays: usize,
+    mut make: impl FnMut(usize) -> (Ray, f32),
+    oracle: impl Fn(&Ray, f32) -> Option<Hit>,
+) {
+    let accelerator = Accelerator::new(geometry, (0.0, 1.0));
+    let kernels: Vec<Kernel> = Kernel::ALL
+        .into_iter()
+        .filter(|kernel| *kernel != Kernel::Flat || geometry.len() <= 1000)
+        .collect();
+    let mut hit = 0;
+    for first in (0..rays).step_by(ROUND) {
+        let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
+        for i in first..rays.min(first + ROUND) {
+            let (ray, t_max) = make(i);
+            batch.push(&ray, 0.0, t_max);
+            want.push(oracle(&ray, t_max));
+        }
+        let each = 0..batch.len();
+        for &kernel in &kernels {
+            let (mut closest, mut any) =
+                (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
+            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
+            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
+            for i in each.clone() {
+                let told = || format!("{name}, {kernel:?}: {:?}", batch.get(i));
+                assert_eq!(bits(closest.get(i)), bits(want.get(i)), "{}", told());
+                let occluded = want.get(i).map(|_| Hit { t: 0.0, primitive: 0 });
+                assert_eq!(any.get(i), occluded, "{}", told());
+            }
+        }
+        hit += want.primitive.iter().filter(|p| **p != HitBatch::MISS).count();
+    }
+    assert!(hit > rays / 8, "{name}: only {hit} of {rays} rays hit anything");
+}
+
+fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
+    let mut random = Stream::new(99);
+    let make = |i| adversarial(&mut random, i, geometry, scale, shift);
+    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    check_kernels(name, geometry, rays, make, oracle);
 }
 
 #[test]
@@ -148,7 +198,7 @@ fn random_and_adversarial_rays() {
         (6, 300, 1.0, Vec3::new(1000.0, -3000.0, 200.0)),
     ] {
         let geometry = soup(seed, primitives, scale, shift);
-        check(&format!("soup {seed}"), &geometry, 60_000, scale, shift);
+        check(&format!("soup {seed}"), &geometry, RAYS, scale, shift);
     }
 }
 
@@ -160,7 +210,7 @@ fn built_in_scenes() {
             "cornell" => (300.0, Vec3::splat(278.0)),
             _ => (8.0, Vec3::Y),
         };
-        check(name, scene.geometry(), 60_000, scale, shift);
+        check(name, scene.geometry(), RAYS, scale, shift);
     }
 }
 
@@ -172,7 +222,7 @@ fn odd_geometry() {
     assert_eq!(tree.closest(&empty, &ray, 0.0, f32::INFINITY), None);
     assert!(!tree.occluded(&empty, &ray, 0.0, f32::INFINITY));
 
-    let sphere = Sphere { center: Vec3::Z * 5.0, motion: Vec3::ZERO, radius: 1.0 };
+    let sphere = Sphere::still(Vec3::Z * 5.0, 1.0);
     let line = Triangle { vertices: [Vec3::Z, Vec3::Z * 2.0, Vec3::Z * 3.0] };
     let point = Triangle { vertices: [Vec3::Z * 2.0; 3] };
     let same = Geometry {
@@ -216,7 +266,7 @@ fn triangles_smaller_than_rounding() {
 /// geometric progression make the deepest trees. Both in one test's patience.
 #[test]
 fn regular_and_deep_geometry() {
-    let sphere = |center, radius| Sphere { center, motion: Vec3::ZERO, radius };
+    let sphere = Sphere::still;
     let row = (0..100_000u32).map(|i| sphere(Vec3::X * i as f32, 0.4)).collect();
     let grid =
         (0..90_000u32).map(|i| sphere(Vec3::new((i % 300) as f32, (i / 300) as f32, 0.0), 0.4));
@@ -238,6 +288,8 @@ fn regular_and_deep_geometry() {
 fn rays_that_are_no_rays_end_quickly_as_misses() {
     let geometry = soup(7, 300, 1.0, Vec3::ZERO);
     let tree = Bvh2::new(&geometry, (0.0, 1.0));
+    let mut batch = RayBatch::default();
+    batch.push(&Ray { origin: Vec3::ONE, direction: Vec3::NEG_ONE, time: f32::NAN }, 0.0, 9.0);
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for (origin, direction) in [
             (Vec3::splat(bad), Vec3::Z),
@@ -245,6 +297,7 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
             (Vec3::new(0.0, bad, 0.0), Vec3::ONE),
         ] {
             let ray = Ray { origin, direction, time: 0.0 };
+            batch.push(&ray, 0.0, f32::INFINITY);
             assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), None, "{ray:?}");
             assert_eq!(geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY), None, "{ray:?}");
         }
@@ -252,4 +305,129 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
     let still = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, time: 0.0 };
     assert_eq!(tree.closest(&geometry, &still, 0.0, f32::INFINITY), None);
     assert_eq!(geometry.closest_by_brute_force(&still, 0.0, f32::INFINITY), None);
+    batch.push(&still, 0.0, f32::INFINITY);
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    for kernel in Kernel::ALL {
+        let mut hits = HitBatch::misses(batch.len());
+        accelerator.closest(kernel, &batch, 0..batch.len(), &mut hits);
+        assert_eq!(hits, HitBatch::misses(batch.len()), "{kernel:?}");
+    }
+}
+
+/// Scenes of which brute force takes too long: the oracle is the reference tree, which is
+/// itself compared with brute force on some rays of the same scene.
+#[test]
+fn generated_scenes() {
+    for (name, scale) in [("cloud:20000", 30.0), ("mesh:61440", 4.0)] {
+        let scene = ptfast::Scene::load(name).unwrap();
+        let geometry = scene.geometry();
+        let tree = Bvh2::new(geometry, (0.0, 1.0));
+        let mut random = Stream::new(17);
+        for i in 0..RAYS / 100 {
+            let (ray, t_max) = adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
+            let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
+            assert_eq!(bits(tree.closest(geometry, &ray, 0.0, t_max)), bits(want), "{ray:?}");
+        }
+        let make = |i| adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
+        let oracle = |ray: &Ray, t_max| tree.closest(geometry, ray, 0.0, t_max);
+        check_kernels(name, geometry, RAYS, make, oracle);
+    }
+}
+
+/// Rays from within a closed mesh, aimed at its vertices and edges as well.
+#[test]
+fn no_ray_escapes_a_closed_mesh() {
+    let scene = ptfast::Scene::load("mesh:1").unwrap();
+    // All but the floor: one icosphere.
+    let triangles = scene.geometry().triangles[..20_480].to_vec();
+    let geometry = Geometry { triangles, ..Geometry::default() };
+    let middle = geometry.triangles.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0])
+        / geometry.triangles.len() as f32;
+    let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
+    let mut random = Stream::new(31);
+    for _ in (0..RAYS).step_by(ROUND) {
+        let mut batch = RayBatch::default();
+        for i in 0..ROUND {
+            let origin = middle + vector(&mut random, 0.2);
+            let [a, b, c] = geometry.triangles[(random.bits() % 20_480) as usize].vertices;
+            let target = match i % 3 {
+                0 => a,
+                1 => b + (c - b) * random.uniform(),
+                _ => middle + vector(&mut random, 1.0),
+            };
+            batch.push(&Ray { origin, direction: target - origin, time: 0.0 }, 0.0, f32::INFINITY);
+        }
+        for kernel in [Kernel::Packet, Kernel::Beam, Kernel::Single, Kernel::Scalar] {
+            let mut hits = HitBatch::misses(ROUND);
+            accelerator.closest(kernel, &batch, 0..ROUND, &mut hits);
+            let escaped = (0..ROUND).find(|&i| hits.get(i).is_none());
+            assert_eq!(escaped, None, "{kernel:?}: {:?}", escaped.map(|i| batch.get(i)));
+        }
+    }
+}
+
+/// Rays that hit nothing, rays outside the range and the ends of batches leave hits as they are.
+#[test]
+fn only_hits_in_the_range_are_written() {
+    let geometry = soup(8, 100, 1.0, Vec3::ZERO);
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let mut random = Stream::new(3);
+    let mut batch = RayBatch::default();
+    for i in 0..100 {
+        let (ray, t_max) = adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO);
+        batch.push(&ray, 0.0, t_max);
+    }
+    let sentinel = HitBatch { t: vec![-7.0; 100], primitive: vec![12_345; 100] };
+    for range in [0..0, 0..1, 3..4, 5..40, 31..64, 99..100, 0..100] {
+        for kernel in Kernel::ALL {
+            let mut hits = sentinel.clone();
+            accelerator.closest(kernel, &batch, range.clone(), &mut hits);
+            for i in 0..100 {
+                let (ray, t_min, t_max) = batch.get(i);
+                let hit = geometry.closest_by_brute_force(&ray, t_min, t_max);
+                let want = hit.filter(|_| range.contains(&i)).or(sentinel.get(i));
+                assert_eq!(bits(hits.get(i)), bits(want), "{kernel:?}, {range:?}, ray {i}");
+            }
+        }
+    }
+}
+
+/// Directions and origins beyond what the vector box tests can do.
+#[test]
+fn wild_rays_hit_what_they_should() {
+    let geometry = soup(9, 200, 1.0, Vec3::ZERO);
+    let mut random = Stream::new(4);
+    let make = |i| {
+        let (mut ray, t_max) = adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO);
+        match i % 5 {
+            0 => ray.direction *= 1e-17,
+            1 => ray.direction *= 1e16,
+            2 => ray.direction[i / 5 % 3] *= 1e-30,
+            _ => {}
+        }
+        (ray, t_max)
+    };
+    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    check_kernels("wild", &geometry, RAYS / 10, make, oracle);
+}
+
+/// A million equal spheres, one primitive, none: no kernel hangs or fails.
+#[test]
+fn kernels_on_odd_geometry() {
+    let sphere = Sphere::still(Vec3::Z * 5.0, 1.0);
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
+    let mut batch = RayBatch::default();
+    batch.push(&ray, 0.0, f32::INFINITY);
+    batch.push(&Ray { direction: Vec3::NEG_Z, ..ray }, 0.0, f32::INFINITY);
+    batch.push(&Ray { direction: Vec3::ZERO, ..ray }, 0.0, f32::INFINITY);
+    for count in [0, 1, 1_000_000] {
+        let geometry = Geometry { spheres: vec![sphere; count], ..Geometry::default() };
+        let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
+        for kernel in Kernel::ALL {
+            let mut hits = HitBatch::misses(3);
+            accelerator.closest(kernel, &batch, 0..3, &mut hits);
+            let first = (count > 0).then_some(Hit { t: 4.0, primitive: 0 });
+            assert_eq!([hits.get(0), hits.get(1), hits.get(2)], [first, None, None], "{kernel:?}");
+        }
+    }
 }

@@ -1,16 +1,9 @@
-//! The binary bounding volume hierarchy of the scalar engine.
+//! The binary bounding volume hierarchy of the scalar engine: one ray, two boxes a step.
 
-use std::time::Duration;
-
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
-
-use super::group::Groups;
+use super::binary::{Below, BinaryTree};
 use super::slab::{Planes, SlabRay};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 use crate::math::max;
-use crate::math::random::Stream;
 
 /// A binary tree of boxes over the primitives of a scene, built by obvhs.
 #[derive(Clone, Debug)]
@@ -36,25 +29,12 @@ struct Node {
     count: u32,
 }
 
-/// Leaves hold at most 4 primitives and are worth splitting when that saves one box test.
-const BUILD: BvhBuildParams = BvhBuildParams {
-    pre_split: false,
-    max_prims_per_leaf: 4,
-    collapse_traversal_cost: 1.0,
-    ..BvhBuildParams::very_slow_build()
-};
-
-/// A box a little larger than `b`, by an amount that differs from primitive to primitive.
-///
-/// obvhs merges boxes that are each other's nearest (PLOC). Among boxes that are all equally
-/// near, as in a row of equal spheres, it finds few pairs a round, in quadratic time: rows of
-/// 4000, 8000 and 16 000 spheres took 0.2, 0.6 and 1.7 s.
-fn unequal(index: usize, b: Bounds) -> Aabb {
-    let random = Stream::new(index as u64).uniform();
-    let margin = (b.max - b.min) * (1e-4 * random);
-    let b = Bounds { min: b.min - margin, max: b.max + margin }.widened((random * 8.0) as u32);
-    Aabb { min: b.min.into(), max: b.max.into() }
+impl Node {
+    const UNKNOWN: Self = Self { planes: [0.0; 6], first: 0, count: 0 };
 }
+
+/// A leaf holds at most so many primitives.
+const LEAF: usize = 4;
 
 /// Largest number of inner nodes on a way from the root down.
 fn depth(nodes: &[Node]) -> usize {
@@ -79,42 +59,63 @@ impl Bvh2 {
         let boxes: Vec<Bounds> = (0..geometry.len() as u32)
             .map(|primitive| geometry.get(primitive).bounds(shutter.0, shutter.1))
             .collect();
-        let bounds = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
-        if boxes.is_empty() {
-            return Self {
-                nodes: Vec::new(),
-                primitives: Vec::new(),
-                bounds,
-                depth: 0,
-                condition: 1.0,
+        let each: Vec<u32> = (0..boxes.len() as u32).collect();
+        Self::of(geometry, &BinaryTree::new(&boxes, &each))
+    }
+
+    /// The layout of `tree`. A subtree becomes a leaf where testing its primitives is expected
+    /// to cost no more than visiting its nodes, a box being as costly as a primitive.
+    pub(super) fn of(geometry: &Geometry, tree: &BinaryTree) -> Self {
+        let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
+        let mut costs = vec![(0.0, 1); tree.nodes.len()];
+        let mut leaf = vec![true; tree.nodes.len()];
+        for (index, node) in tree.nodes.iter().enumerate().rev() {
+            let area = node.bounds.half_area();
+            costs[index] = match node.below {
+                Below::Primitive(_) => (area, 1),
+                Below::Children(first) => {
+                    let [left, right] = [first, first + 1].map(|child| costs[child as usize]);
+                    let count: usize = left.1 + right.1;
+                    let (as_node, as_leaf) = (area + left.0 + right.0, area * count as f32);
+                    leaf[index] = count <= LEAF && as_leaf <= as_node;
+                    (if leaf[index] { as_leaf } else { as_node }, count)
+                }
             };
         }
-        let groups = Groups::new(&boxes);
-        let group_box = |group: usize| {
-            let members = groups.members(group).iter();
-            let union = members.fold(Bounds::EMPTY, |union, &p| union.union(boxes[p as usize]));
-            unequal(group, union)
+        let mut layout = Self {
+            nodes: Vec::new(),
+            primitives: Vec::new(),
+            bounds,
+            depth: 0,
+            condition: geometry.quads.iter().fold(1.0, |most, quad| max(most, quad.condition())),
         };
-        let group_boxes: Vec<Aabb> = (0..groups.len()).map(group_box).collect();
-        let tree = build_bvh2(&group_boxes, BUILD, &mut Duration::default());
-        let mut primitives = Vec::with_capacity(boxes.len());
-        let nodes = tree.nodes.iter().map(|node| {
-            let (mut first, mut count) = (node.first_index, 0);
-            if node.prim_count > 0 {
-                let leaf = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-                first = primitives.len() as u32;
-                for &group in &tree.primitive_indices[leaf] {
-                    primitives.extend_from_slice(groups.members(group as usize));
+        if tree.nodes.is_empty() {
+            return layout;
+        }
+        layout.nodes.push(Node::UNKNOWN);
+        let mut open = vec![(0, 0)];
+        while let Some((place, index)) = open.pop() {
+            let node = &tree.nodes[index as usize];
+            let (first, count) = match node.below {
+                Below::Children(first) if !leaf[index as usize] => {
+                    let place = layout.nodes.len();
+                    layout.nodes.extend([Node::UNKNOWN; 2]);
+                    open.extend([(place + 1, first + 1), (place, first)]);
+                    (place as u32, 0)
                 }
-                count = primitives.len() as u32 - first;
-            }
-            let (low, high) = (node.aabb().min, node.aabb().max);
-            Node { planes: [low.x, low.y, low.z, high.x, high.y, high.z], first, count }
-        });
-        let nodes: Vec<Node> = nodes.collect();
-        let depth = depth(&nodes);
-        let condition = geometry.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()));
-        Self { nodes, primitives, bounds, depth, condition }
+                _ => {
+                    let members = tree.primitives(index);
+                    let first = layout.primitives.len() as u32;
+                    layout.primitives.extend_from_slice(&members);
+                    (first, members.len() as u32)
+                }
+            };
+            let (low, high) = (node.bounds.min, node.bounds.max);
+            let planes = [low.x, low.y, low.z, high.x, high.y, high.z];
+            layout.nodes[place] = Node { planes, first, count };
+        }
+        layout.depth = depth(&layout.nodes);
+        layout
     }
 
     /// The closest hit in the open interval `(t_min, t_max)`; ties go to the lowest index.
@@ -138,6 +139,11 @@ impl Bvh2 {
         best
     }
 
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.primitives)
+    }
+
     /// Whether anything is hit in the open interval `(t_min, t_max)`.
     pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
         let prepared = PreparedRay::new(ray);
@@ -155,7 +161,7 @@ impl Bvh2 {
     #[inline]
     fn traverse(&self, ray: &Ray, t_min: f32, t_max: f32, mut visit: impl FnMut(u32, f32) -> f32) {
         // NaN and infinite rays hit nothing; they must not visit every leaf to find out.
-        if self.nodes.is_empty() || !ray.origin.is_finite() || !ray.direction.is_finite() {
+        if self.nodes.is_empty() || !ray.is_finite() {
             return;
         }
         let slab = SlabRay::new(ray, &self.bounds, self.condition);

@@ -17,12 +17,12 @@ pub(super) struct Groups {
 const MOST_SEPARATE: usize = 8;
 
 impl Groups {
-    pub(super) fn new(boxes: &[Bounds]) -> Self {
+    pub(super) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         let middle = |primitive: u32| {
             let b = boxes[primitive as usize];
             (b.min + b.max).to_array().map(f32::to_bits)
         };
-        let mut primitives: Vec<u32> = (0..boxes.len() as u32).collect();
+        let mut primitives = primitives.to_vec();
         primitives.sort_by_cached_key(|&primitive| middle(primitive));
         let mut ranges = Vec::with_capacity(primitives.len());
         let mut start = 0;
@@ -61,7 +61,8 @@ mod tests {
         };
         let mut boxes = vec![about(1.0, 0.5), about(3.0, 0.5), about(3.0, 0.25)];
         boxes.extend((0..9u8).map(|i| about(2.0, 1.0 / f32::from(1u8 << i.min(6)))));
-        let groups = Groups::new(&boxes);
+        let each: Vec<u32> = (0..boxes.len() as u32).collect();
+        let groups = Groups::new(&boxes, &each);
         let mut sizes: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
         sizes.sort_unstable();
         assert_eq!(sizes, [1, 1, 1, 9]);

@@ -31,7 +31,7 @@ pub(super) type Planes = [f32; 6];
 /// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
 /// centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
 /// [`Quad::condition`](crate::geometry::Quad::condition)), 6 for the slab's.
-const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
+pub(super) const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 
 impl SlabRay {
     /// `scene` is a box around all primitives, `condition` ≥ 1 the largest of its quads'.

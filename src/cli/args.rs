@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::accel::Kernel;
 use crate::engine::Engine;
 use crate::image::Transfer;
 use crate::limits::{MAX_DEPTH, MAX_SIDE, MAX_SPP, MAX_THREADS};
@@ -28,6 +29,10 @@ pub(super) enum Command {
     Figures(FiguresArgs),
     /// Tell how two images differ
     Compare(CompareArgs),
+    /// Write the rays that a render of a scene traces, with their hits
+    Rays(RaysArgs),
+    /// Replay rays through each kernel, check every hit, and tell the speed
+    Trace(TraceArgs),
 }
 
 /// A parser of the names of `all`.
@@ -43,7 +48,8 @@ fn named<T: Copy + Send + Sync + 'static>(
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
-    /// Built-in scene (spheres, spacetime, checker, cornell) or path of a .ron, .json or .txt file
+    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N) or path of a .ron,
+    /// .json or .txt file
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) scene: String,
     /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
@@ -109,7 +115,7 @@ pub(super) enum ScenesCommand {
     List,
     /// Print a scene as RON or JSON
     Show {
-        /// Built-in scene or path
+        /// Built-in scene, cloud:N, mesh:N or path
         #[arg(value_name = "NAME|FILE")]
         scene: String,
         /// Print JSON
@@ -118,7 +124,7 @@ pub(super) enum ScenesCommand {
     },
     /// Check a scene file and count what is in it
     Check {
-        /// Built-in scene or path
+        /// Built-in scene, cloud:N, mesh:N or path
         #[arg(value_name = "NAME|FILE")]
         scene: String,
     },
@@ -152,4 +158,65 @@ pub(super) struct CompareArgs {
     /// Write a false-colour image of the differences
     #[arg(long, value_name = "FILE")]
     pub(super) heatmap: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RaysArgs {
+    /// Built-in scene, cloud:N, mesh:N, or path of a .ron, .json or .txt file
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(super) scene: String,
+    /// Folder for the ray set; made if missing
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Samples a pixel [default: as many as give --max-rays primary rays]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    pub(super) spp: Option<u32>,
+    /// Largest number of rays of each kind, kept in runs of 2048 spread over the render
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..))]
+    pub(super) max_rays: u64,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct TraceArgs {
+    /// Folder that `ptfast rays` wrote
+    #[arg(value_name = "DIR")]
+    pub(super) dir: PathBuf,
+    /// The kernel, or auto for the one that is fastest on the first rays of each set
+    /// [default: all that might be, and scalar]
+    #[arg(long, value_name = "KERNEL", value_parser = named(&KernelChoice::ALL, KernelChoice::name))]
+    pub(super) kernel: Option<KernelChoice>,
+    /// Repetitions, of which the median counts
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) reps: u32,
+    /// Write the table as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(super) json: Option<PathBuf>,
+}
+
+/// A kernel, or the fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum KernelChoice {
+    Auto,
+    Kernel(Kernel),
+}
+
+impl KernelChoice {
+    const ALL: [Self; 6] = [
+        Self::Auto,
+        Self::Kernel(Kernel::Packet),
+        Self::Kernel(Kernel::Beam),
+        Self::Kernel(Kernel::Single),
+        Self::Kernel(Kernel::Flat),
+        Self::Kernel(Kernel::Scalar),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Kernel(kernel) => kernel.name(),
+        }
+    }
 }

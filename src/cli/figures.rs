@@ -11,8 +11,9 @@ use super::render::advise_on_build;
 use super::say;
 use crate::engine::{RenderSettings, Renderer};
 use crate::error::{Error, Result};
-use crate::image::{Transfer, check_writable, write_atomically};
+use crate::image::Transfer;
 use crate::machine::Machine;
+use crate::output::{check_writable, write_atomically};
 use crate::scene::{Sampling, Scene};
 
 /// A figure of the report.

@@ -4,9 +4,11 @@ mod args;
 mod compare;
 mod figures;
 mod progress;
+mod rays;
 mod record;
 mod render;
 mod scenes;
+mod trace;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -41,6 +43,8 @@ fn dispatch(command: &Command) -> Result<u8> {
         }
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args),
+        Command::Rays(args) => rays::run(args).map(|()| 0),
+        Command::Trace(args) => trace::run(args),
     }
 }
 
@@ -61,7 +65,7 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let what = what.split("\n\nFor more information").next().unwrap_or_default();
     let what = what.strip_prefix("error: ").unwrap_or(what);
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        "a command is missing: render, scenes, figures or compare".to_owned()
+        "a command is missing: render, scenes, figures, compare, rays or trace".to_owned()
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")
     };

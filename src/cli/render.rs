@@ -10,8 +10,9 @@ use super::record::{StepSeconds, metadata, render_record};
 use super::{notice, say};
 use crate::engine::{Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
-use crate::image::{Format, check_writable, write_atomically};
+use crate::image::Format;
 use crate::isa::{Isa, compiled_isa, detected_isa};
+use crate::output::{check_writable, write_atomically};
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
@@ -57,8 +58,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
 fn default_output(scene: &str) -> PathBuf {
-    let stem = Path::new(scene).file_stem().unwrap_or_default();
-    PathBuf::from(stem).with_added_extension("png")
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
+    // `cloud:1000` is no name for a file everywhere.
+    PathBuf::from(stem.replace(':', "-")).with_added_extension("png")
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> RenderSettings {

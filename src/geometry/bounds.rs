@@ -38,6 +38,22 @@ impl Bounds {
         })
     }
 
+    /// The box with subnormal coordinates moved outward to normal ones: they cost CPUs over a
+    /// hundred cycles an operation, and a sphere that rests on y = 0 has one.
+    pub fn without_subnormals(self) -> Self {
+        let outward = |value: f32, by: f32| if value.is_subnormal() { by } else { value };
+        Self {
+            min: self.min.map(|low| outward(low, -f32::MIN_POSITIVE)),
+            max: self.max.map(|high| outward(high, f32::MIN_POSITIVE)),
+        }
+    }
+
+    /// Half the surface area; 0 of a box of no point.
+    pub fn half_area(self) -> f32 {
+        let d = componentwise(max, self.max - self.min, Vec3::ZERO);
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+
     /// An upper bound of the distance from `point` to the farthest point of the box.
     pub fn farthest_distance(self, point: Vec3) -> f32 {
         let reach = componentwise(max, (self.min - point).abs(), (self.max - point).abs());
@@ -62,6 +78,9 @@ mod tests {
         assert!(b.farthest_distance(Vec3::new(5.0, 0.0, 0.0)) >= length_to_far_corner());
         let wide = b.widened(2);
         assert!(wide.min.x < 0.0 && wide.max.z > 3.0);
+        let normal = wide.without_subnormals();
+        assert!(wide.min.x.is_subnormal() && normal.min.x == -f32::MIN_POSITIVE);
+        assert_eq!(normal.max, Vec3::new(wide.max.x, f32::MIN_POSITIVE, wide.max.z));
     }
 
     fn length_to_far_corner() -> f32 {

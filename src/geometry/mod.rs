@@ -5,6 +5,7 @@
 //! acceleration structure enters the definition.
 
 mod bounds;
+pub(crate) mod lanes;
 mod quad;
 mod ray;
 mod sphere;
@@ -92,6 +93,9 @@ impl Geometry {
     /// The closest hit by trying every primitive: the definition that every
     /// acceleration structure is tested against.
     pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
+        if !ray.is_finite() {
+            return None;
+        }
         let ray = PreparedRay::new(ray);
         let mut best: Option<Hit> = None;
         for primitive in 0..self.len() as u32 {

@@ -98,6 +98,11 @@ impl Quad {
         length(self.u) * length(self.v) / self.area()
     }
 
+    /// The vectors by which `p` is (a, b) = (p·dual_u, p·dual_v).
+    pub(crate) fn duals(&self) -> [Vec3; 2] {
+        [self.dual_u, self.dual_v]
+    }
+
     /// Area.
     pub fn area(&self) -> f32 {
         self.area

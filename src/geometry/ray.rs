@@ -15,6 +15,14 @@ pub struct Ray {
     pub time: f32,
 }
 
+impl Ray {
+    /// Whether all is finite. A ray that is not hits nothing.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.time.is_finite()
+    }
+}
+
 /// The closest primitive along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {

@@ -7,22 +7,33 @@ use super::{Bounds, PreparedRay, Ray, Surface};
 use crate::math::trig::{acos, atan2};
 use crate::math::{UNIT_ROUNDOFF, dot, max, max_element, normalize};
 
-/// A sphere whose centre is `center + time motion`.
+/// A sphere whose centre moves linearly from `center` at time 0 to `center1` at time 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre at time 0.
     pub center: Vec3,
-    /// Way of the centre from time 0 to time 1.
-    pub motion: Vec3,
+    /// Centre at time 1, the same for a still sphere.
+    pub center1: Vec3,
     /// Radius, above 0.
     pub radius: f32,
 }
 
 impl Sphere {
+    /// A sphere that does not move.
+    pub fn still(center: Vec3, radius: f32) -> Self {
+        Self { center, center1: center, radius }
+    }
+
+    /// Way of the centre from time 0 to time 1.
+    #[inline]
+    pub fn motion(&self) -> Vec3 {
+        self.center1 - self.center
+    }
+
     /// Centre at `time`.
     #[inline]
     pub fn center_at(&self, time: f32) -> Vec3 {
-        self.center + self.motion * time
+        self.center + self.motion() * time
     }
 
     /// First root in the open interval.
@@ -84,10 +95,6 @@ mod tests {
     use crate::math::random::Stream;
     use crate::math::warp::{uniform_hemisphere, uniform_sphere};
 
-    fn still(center: Vec3, radius: f32) -> Sphere {
-        Sphere { center, motion: Vec3::ZERO, radius }
-    }
-
     fn ray(origin: Vec3, direction: Vec3) -> Ray {
         Ray { origin, direction, time: 0.0 }
     }
@@ -98,7 +105,7 @@ mod tests {
 
     #[test]
     fn hits_from_outside_inside_and_behind() {
-        let s = still(Vec3::new(0.0, 0.0, 5.0), 1.0);
+        let s = Sphere::still(Vec3::new(0.0, 0.0, 5.0), 1.0);
         assert_eq!(hit(&s, &ray(Vec3::ZERO, Vec3::Z)), Some(4.0));
         assert_eq!(hit(&s, &ray(Vec3::ZERO, Vec3::Z * 2.0)), Some(2.0));
         assert_eq!(hit(&s, &ray(s.center, Vec3::Z)), Some(1.0));
@@ -113,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_moving_sphere_is_where_its_time_says() {
-        let s = Sphere { center: Vec3::Z * 5.0, motion: Vec3::Z * 2.0, radius: 1.0 };
+        let s = Sphere { center: Vec3::Z * 5.0, center1: Vec3::Z * 7.0, radius: 1.0 };
         let late = Ray { time: 0.5, ..ray(Vec3::ZERO, Vec3::Z) };
         assert_eq!(hit(&s, &late), Some(5.0));
         assert_eq!(
@@ -132,7 +139,7 @@ mod tests {
             (Vec3::new(1e-3, 2e-3, -1e-3), 1e-5),
             (Vec3::new(1e6, -1e5, 3e6), 4e5),
         ] {
-            let sphere = still(center, radius);
+            let sphere = Sphere::still(center, radius);
             for _ in 0..200_000 {
                 let far =
                     center + uniform_sphere(random.uniform(), random.uniform()) * (radius * 3.0);

@@ -12,13 +12,31 @@ pub struct Triangle {
     pub vertices: [Vec3; 3],
 }
 
-/// Where a ray passes a triangle.
-struct Crossing {
-    /// Distances of the vertices along the ray.
-    heights: [f32; 3],
-    /// Scaled barycentric coordinates, one a vertex: twice the signed areas that the ray
-    /// spans with the opposite edges.
-    weights: [f64; 3],
+/// A triangle's vertices as a ray sees them: offsets sideways, sideways and ahead.
+type Sheared = [[f32; 3]; 3];
+
+/// Scaled barycentric coordinates of the ray, one a vertex: twice the signed areas that it
+/// spans with the opposite edges.
+#[inline(always)]
+fn weights([a, b, c]: Sheared) -> [f64; 3] {
+    let edge = |from: [f32; 3], to: [f32; 3]| {
+        f64::from(from[0]) * f64::from(to[1]) - f64::from(from[1]) * f64::from(to[0])
+    };
+    [edge(b, c), edge(c, a), edge(a, b)]
+}
+
+/// Distance of the triangle along the ray, NaN where the ray passes it by.
+#[inline(always)]
+pub(super) fn distance(sheared: Sheared) -> f32 {
+    let [u, v, w] = weights(sheared);
+    let some_negative = u < 0.0 || v < 0.0 || w < 0.0;
+    let some_positive = u > 0.0 || v > 0.0 || w > 0.0;
+    if some_negative && some_positive {
+        return f32::NAN;
+    }
+    let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
+    // A ray that sees no area has weights 0 and t NaN.
+    ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 
 impl Triangle {
@@ -32,37 +50,24 @@ impl Triangle {
     /// edge-on it is. With f32 alone, triangles that are small as seen from the ray's origin
     /// were hit by rays far beside them, and edge-on ones at distances that no box holds.
     #[inline]
-    fn crossing(&self, prepared: &PreparedRay) -> Crossing {
+    fn sheared(&self, prepared: &PreparedRay) -> Sheared {
         let [x, y, z] = prepared.axes;
         let s = prepared.shear;
-        let place = |vertex: Vec3| {
+        self.vertices.map(|vertex| {
             let p = vertex - prepared.ray.origin;
-            (p[x] - s.x * p[z], p[y] - s.y * p[z], s.z * p[z])
-        };
-        let [a, b, c] = self.vertices.map(place);
-        let edge = |from: (f32, f32, f32), to: (f32, f32, f32)| {
-            f64::from(from.0) * f64::from(to.1) - f64::from(from.1) * f64::from(to.0)
-        };
-        Crossing { heights: [a.2, b.2, c.2], weights: [edge(b, c), edge(c, a), edge(a, b)] }
+            [p[x] - s.x * p[z], p[y] - s.y * p[z], s.z * p[z]]
+        })
     }
 
     #[inline]
     pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        let Crossing { heights, weights: [u, v, w] } = self.crossing(prepared);
-        let some_negative = u < 0.0 || v < 0.0 || w < 0.0;
-        let some_positive = u > 0.0 || v > 0.0 || w > 0.0;
-        if some_negative && some_positive {
-            return None;
-        }
-        let [a, b, c] = heights.map(f64::from);
-        // A ray that sees no area has weights 0 and t NaN.
-        let t = ((u * a + v * b + w * c) / (u + v + w)) as f32;
+        let t = distance(self.sheared(prepared));
         (t > t_min && t < t_max).then_some(t)
     }
 
     #[inline]
     fn barycentric(&self, ray: &Ray) -> Vec3 {
-        let [u, v, w] = self.crossing(&PreparedRay::new(ray)).weights;
+        let [u, v, w] = weights(self.sheared(&PreparedRay::new(ray)));
         let sum = u + v + w;
         Vec3::new((u / sum) as f32, (v / sum) as f32, (w / sum) as f32)
     }

@@ -7,7 +7,7 @@ mod write;
 
 pub use compare::{Comparison, compare};
 pub use transfer::Transfer;
-pub use write::{Format, Metadata, check_writable, write_atomically};
+pub use write::{Format, Metadata};
 
 use std::path::Path;
 

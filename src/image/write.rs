@@ -1,11 +1,11 @@
 //! Writers by file extension. A file appears whole or not at all.
 
-use std::fs;
-use std::io::{self, BufWriter, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Seek, Write};
+use std::path::Path;
 
 use super::{Image, Transfer, row_bytes};
 use crate::error::{Error, Result};
+use crate::output::write_atomically;
 
 /// Text that goes into a file's header: the same for equal renders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,66 +66,6 @@ pub(super) fn write(
         Format::Hdr => write_hdr(image, file),
         Format::Pfm => write_pfm(image, file),
     })
-}
-
-/// Calls `fill` with a temporary file beside `path`, which takes the place of `path` once
-/// it is complete. On failure `path` is what it was and the temporary file is gone.
-///
-/// # Errors
-/// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
-pub fn write_atomically(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
-) -> Result<()> {
-    let failed = |source| Error::io(path, "write")(source);
-    let (target, file) = temporary_beside(path).map_err(failed)?;
-    let mut writer = BufWriter::new(file.as_file());
-    fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
-    drop(writer);
-    // Some file systems report a full disk only now.
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(&target).map_err(|e| failed(e.error))?;
-    Ok(())
-}
-
-/// Finds out whether [`write_atomically`] could begin to write `path`, so that a long render
-/// need not end in vain. Leaves nothing behind.
-///
-/// # Errors
-/// As [`write_atomically`].
-pub fn check_writable(path: &Path) -> Result<()> {
-    temporary_beside(path).map(drop).map_err(Error::io(path, "write"))
-}
-
-/// The file that `path` stands for, and an empty temporary file in its folder.
-fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile)> {
-    let target = resolve(path)?;
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ptfast-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // As any new file: 0666 less the umask, not the 0600 of private temporaries.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    // The crate's errors speak of the temporary file's name, which says nothing.
-    fs::metadata(folder)?;
-    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
-    Ok((target, file))
-}
-
-/// The file that `path` stands for: links are followed, folders and devices refused.
-fn resolve(path: &Path) -> io::Result<PathBuf> {
-    match fs::metadata(path) {
-        Ok(found) if found.is_file() => fs::canonicalize(path),
-        Ok(found) if found.is_dir() => Err(io::Error::other("it is a folder")),
-        Ok(_) => Err(io::Error::other("it is a device or pipe, not a file")),
-        Err(_) => Ok(path.to_owned()),
-    }
 }
 
 fn write_png(
@@ -195,6 +135,7 @@ fn write_pfm(image: &Image, mut file: impl Write) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn sample() -> Image {
         let pixels = (0..20u8).map(|i| [f32::from(i) * 0.05, 0.5, 1e-3]).collect();
@@ -222,21 +163,6 @@ mod tests {
             }
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "no temporary file is left");
-    }
-
-    #[test]
-    fn a_failed_write_leaves_the_old_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pfm");
-        fs::write(&path, "old").unwrap();
-        let error = write_atomically(&path, |file| {
-            file.write_all(b"half")?;
-            Err(io::Error::other("the disk is full"))
-        })
-        .unwrap_err();
-        assert!(error.to_string().contains("the disk is full"), "{error}");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

@@ -48,6 +48,19 @@ pub fn pow_12_5(x: f64) -> f64 {
     x * x * (root * root)
 }
 
+/// Cube root of `x` ≥ 0, within 2 ulp of f64.
+pub fn cbrt(x: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    // Newton's method from above, which falls monotonically: 3/2 a step while far off.
+    let mut root = if x > 1.0 { x } else { 1.0 };
+    for _ in 0..2000 {
+        root = (2.0 * root + x / (root * root)) / 3.0;
+    }
+    root
+}
+
 #[cfg(test)]
 #[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
 mod tests {
@@ -64,6 +77,13 @@ mod tests {
         assert_eq!(sin_cos_degrees(90.0), (1.0, 0.0));
         assert_eq!(sin_cos_degrees(-180.0).1, -1.0);
         assert!((tan_degrees(45.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn cbrt_agrees_with_libm() {
+        for x in [0.0, 1e-300, 1e-6, 0.001, 0.5, 1.0, 8.0, 27.0, 1e6, 16.777216, 1e300] {
+            assert!((cbrt(x) - x.cbrt()).abs() <= 1e-15 * x.cbrt(), "{x}");
+        }
     }
 
     #[test]

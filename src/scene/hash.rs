@@ -16,7 +16,9 @@ pub(super) fn hash(scene: &Scene) -> String {
     }
     for primitive in 0..scene.geometry.len() as u32 {
         match scene.geometry.get(primitive) {
-            Primitive::Sphere(s) => hasher.vectors(2, &[s.center, s.motion, Vec3::splat(s.radius)]),
+            Primitive::Sphere(s) => {
+                hasher.vectors(2, &[s.center, s.motion(), Vec3::splat(s.radius)])
+            }
             Primitive::Quad(q) => hasher.vectors(3, &[q.q, q.u, q.v]),
             Primitive::Triangle(t) => hasher.vectors(4, &t.vertices),
         }

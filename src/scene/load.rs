@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
+use super::generate::Generated;
 use super::place::Places;
 use super::{Scene, flat, parse, resolve};
 use crate::error::{Error, Result, suggestion};
@@ -15,6 +16,8 @@ use crate::error::{Error, Result, suggestion};
 pub enum Source {
     /// Compiled in.
     Builtin(&'static str),
+    /// Made, by its name `cloud:N` or `mesh:N`.
+    Generated(String, Generated),
     /// A file, by its form.
     File(PathBuf, Form),
 }
@@ -49,6 +52,9 @@ impl Source {
         if let Some(name) = BUILTIN_NAMES.into_iter().find(|name| *name == name_or_path) {
             return Ok(Self::Builtin(name));
         }
+        if let Some(generated) = Generated::parse(name_or_path) {
+            return Ok(Self::Generated(name_or_path.to_owned(), generated?));
+        }
         let path = Path::new(name_or_path);
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let form = match extension.as_deref() {
@@ -61,7 +67,7 @@ impl Source {
             _ => {
                 let near = suggestion(name_or_path, BUILTIN_NAMES);
                 return Err(Error::Usage(format!(
-                    "`{name_or_path}` is neither a built-in scene nor a .ron, .json or .txt file{near}"
+                    "`{name_or_path}` is neither a built-in scene, cloud:N, mesh:N, nor a .ron, .json or .txt file{near}"
                 )));
             }
         };
@@ -74,6 +80,15 @@ impl Source {
     /// Where the file cannot be read or its text is no scene.
     pub fn read(&self) -> Result<Parsed> {
         let (name, folder, form, text) = match self {
+            Self::Generated(name, generated) => {
+                let (name, file) = (name.clone(), generated.scene());
+                return Ok(Parsed {
+                    name,
+                    folder: PathBuf::new(),
+                    file,
+                    places: Places::default(),
+                });
+            }
             Self::Builtin(name) => {
                 let text = builtin::text(name).expect("the names are those of the texts");
                 ((*name).to_owned(), PathBuf::new(), Form::Ron, text.to_owned())

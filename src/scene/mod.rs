@@ -5,6 +5,7 @@ mod builtin;
 mod camera;
 mod description;
 mod flat;
+mod generate;
 mod hash;
 mod light;
 mod load;
@@ -21,6 +22,7 @@ pub use description::{
     Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, RenderDefaults, Sampling,
     SceneFile, TextureFile,
 };
+pub use generate::Generated;
 pub use light::{Light, LightShape, Rectangle};
 pub use load::{Form, Parsed, Source};
 pub use material::{Background, Emission, Material, Sides};

@@ -221,15 +221,14 @@ fn add(e: &Element<'_>, primitive: &PrimitiveFile, geometry: &mut Geometry) -> R
         })
     };
     match primitive {
-        PrimitiveFile::Sphere { center, radius, .. } => geometry.spheres.push(Sphere {
-            center: e.point("center", *center)?,
-            motion: Vec3::ZERO,
-            radius: radius_of(*radius)?,
-        }),
+        PrimitiveFile::Sphere { center, radius, .. } => {
+            let center = e.point("center", *center)?;
+            geometry.spheres.push(Sphere::still(center, radius_of(*radius)?));
+        }
         PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
             let center = e.point("center", *center)?;
-            let motion = e.point("center1", *center1)? - center;
-            geometry.spheres.push(Sphere { center, motion, radius: radius_of(*radius)? });
+            let center1 = e.point("center1", *center1)?;
+            geometry.spheres.push(Sphere { center, center1, radius: radius_of(*radius)? });
         }
         PrimitiveFile::Quad { q, u, v, .. } => {
             geometry.quads.push(quad(e.point("q", *q)?, e.point("u", *u)?, e.point("v", *v)?)?);

@@ -1,5 +1,6 @@
 //! The scalar reference engine: one ray, one loop, written from the report and the papers.
 
+mod intersect;
 mod light;
 mod path;
 mod scatter;
@@ -10,9 +11,11 @@ use super::renderer::{RayCounts, TileEngine, TileResult};
 use super::settings::RenderSettings;
 use crate::accel::Bvh2;
 use crate::film::{PixelSum, Tile};
-use crate::math::random::PixelKey;
+use crate::geometry::Ray;
+use crate::math::random::{PathKey, PixelKey};
 use crate::scene::{CameraFrame, CameraSample, Scene};
-use path::PathTracer;
+pub(super) use intersect::{Intersect, Tree};
+pub(super) use path::PathTracer;
 
 /// A scene on a binary tree, rendered sample by sample.
 #[derive(Debug)]
@@ -32,6 +35,16 @@ impl<'a> ScalarEngine<'a> {
             tree: Bvh2::new(scene.geometry(), scene.camera().shutter()),
         }
     }
+
+    pub(super) fn tree(&self) -> Tree<'_> {
+        Tree { tree: &self.tree, geometry: self.scene.geometry() }
+    }
+
+    /// The first ray of sample `sample` of pixel `(x, y)`, and the path's random numbers.
+    pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
+        let key = PixelKey::new(self.settings.seed, x, y).sample(sample);
+        (self.camera.ray(x, y, camera_sample(&Randoms::new(key, 0))), key)
+    }
 }
 
 /// Samples between two reports of progress.
@@ -40,16 +53,13 @@ const REPORT_EVERY: u64 = 4096;
 impl TileEngine for ScalarEngine<'_> {
     fn render_tile(&self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
         let mut result = TileResult::default();
-        let mut tracer = PathTracer::new(self.scene, &self.tree, &self.settings);
+        let mut tracer = PathTracer::new(self.scene, self.tree(), &self.settings);
         let mut sum = PixelSum::default();
         let mut reported = RayCounts::default();
         for y in tile.y..tile.y + tile.height {
             for x in tile.x..tile.x + tile.width {
-                let pixel = PixelKey::new(self.settings.seed, x, y);
                 for sample in 0..self.settings.spp {
-                    let key = pixel.sample(sample);
-                    let randoms = Randoms::new(key, 0);
-                    let ray = self.camera.ray(x, y, camera_sample(&randoms));
+                    let (ray, key) = self.camera_ray(x, y, sample);
                     let radiance = tracer.radiance(ray, key);
                     if radiance.is_finite() {
                         sum.add(radiance);

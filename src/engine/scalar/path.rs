@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::intersect::Intersect;
 use super::light::{self, LightSample};
 use super::scatter::{self, Diffuse, Scatter};
-use crate::accel::Bvh2;
 use crate::engine::RayCounts;
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
@@ -19,11 +19,11 @@ const ROULETTE_FROM: u32 = 5;
 const ROULETTE_MAX: f32 = 0.95;
 
 /// Estimates the radiance along camera rays, and counts the rays that this takes.
-pub(super) struct PathTracer<'a> {
+pub(in crate::engine) struct PathTracer<'a, I> {
     scene: &'a Scene,
-    tree: &'a Bvh2,
+    pub(in crate::engine) intersect: I,
     settings: &'a RenderSettings,
-    pub(super) rays: RayCounts,
+    pub(in crate::engine) rays: RayCounts,
 }
 
 /// How the direction of a segment was chosen.
@@ -35,13 +35,17 @@ enum Origin {
     Diffuse { pdf: f32 },
 }
 
-impl<'a> PathTracer<'a> {
-    pub(super) fn new(scene: &'a Scene, tree: &'a Bvh2, settings: &'a RenderSettings) -> Self {
-        Self { scene, tree, settings, rays: RayCounts::default() }
+impl<'a, I: Intersect> PathTracer<'a, I> {
+    pub(in crate::engine) fn new(
+        scene: &'a Scene,
+        intersect: I,
+        settings: &'a RenderSettings,
+    ) -> Self {
+        Self { scene, intersect, settings, rays: RayCounts::default() }
     }
 
     /// One estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
-    pub(super) fn radiance(&mut self, mut ray: Ray, key: PathKey) -> Vec3 {
+    pub(in crate::engine) fn radiance(&mut self, mut ray: Ray, key: PathKey) -> Vec3 {
         let mut radiance = Vec3::ZERO;
         let mut beta = Vec3::ONE; // throughput: what a unit of radiance here adds to the pixel
         let mut origin = Origin::Specular;
@@ -49,8 +53,7 @@ impl<'a> PathTracer<'a> {
 
         for segment in 1..=self.settings.depth {
             // Extend: the closest surface, or the background.
-            let Some(hit) = self.tree.closest(self.scene.geometry(), &ray, 0.0, f32::INFINITY)
-            else {
+            let Some(hit) = self.intersect.closest(&ray, segment) else {
                 radiance += beta * self.scene.background().radiance(ray.direction);
                 break;
             };
@@ -76,7 +79,7 @@ impl<'a> PathTracer<'a> {
                     let from = surface.spawn(normal);
                     // Connect: one light, one shadow ray, which is the path's next segment.
                     if segment < self.settings.depth {
-                        radiance += beta * self.direct(&diffuse, from, ray.time, &randoms);
+                        radiance += beta * self.direct(&diffuse, from, ray.time, segment, &randoms);
                     }
                     let (direction, pdf) = diffuse.sample(randoms.two(Dimension::SCATTER));
                     origin = Origin::Diffuse { pdf };
@@ -132,7 +135,14 @@ impl<'a> PathTracer<'a> {
 
     /// Radiance that one light sends directly to `from` and on along the path, estimated
     /// with one shadow ray.
-    fn direct(&mut self, diffuse: &Diffuse, from: Vec3, time: f32, randoms: &Randoms) -> Vec3 {
+    fn direct(
+        &mut self,
+        diffuse: &Diffuse,
+        from: Vec3,
+        time: f32,
+        segment: u32,
+        randoms: &Randoms,
+    ) -> Vec3 {
         let lights = self.scene.lights();
         if self.settings.sampling == Sampling::Bsdf || lights.is_empty() {
             return Vec3::ZERO;
@@ -150,7 +160,7 @@ impl<'a> PathTracer<'a> {
         }
         self.rays.shadow += 1;
         let shadow = Ray { origin: from, direction, time };
-        if self.tree.occluded(self.scene.geometry(), &shadow, 0.0, distance) {
+        if self.intersect.occluded(&shadow, distance, segment) {
             return Vec3::ZERO;
         }
         let pdf = pdf * self.light_choice_pdf();

@@ -1,0 +1,281 @@
+//! A scene's geometry laid out for every kernel.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+use super::batch::{HitBatch, RayBatch};
+use super::beam;
+use super::binary::BinaryTree;
+use super::blocks::{BlockRef, Blocks};
+use super::bvh2::Bvh2;
+use super::counters::{Count, Counters};
+use super::kernel::Kernel;
+use super::packet;
+use super::pair::PairTree;
+use super::setup::Extent;
+use super::single;
+use super::wide::WideTree;
+use crate::geometry::{Bounds, Geometry};
+use crate::simd::LANES;
+
+/// The layouts of a scene's geometry, each made when it is first needed.
+#[derive(Debug)]
+pub struct Accelerator<'a> {
+    geometry: &'a Geometry,
+    shutter: (f32, f32),
+    /// The tree over all but the primitives that span the scene.
+    tree: BinaryTree,
+    /// The primitives that span the scene, which every ray would meet the boxes of.
+    spanning: (Blocks, Vec<BlockRef>),
+    extent: Extent,
+    scalar: Lazy<Bvh2>,
+    wide: Lazy<WideTree>,
+    pair: Lazy<PairTree>,
+    flat: Lazy<Flat>,
+}
+
+/// What a layout took.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    /// Size in memory.
+    pub bytes: usize,
+    /// Time that making it took, that of the tree that all but [`Kernel::Scalar`] share not
+    /// included.
+    pub seconds: f64,
+}
+
+/// A layout that is made when it is first asked for, and the time that took.
+#[derive(Debug)]
+struct Lazy<T>(OnceLock<(T, f64)>);
+
+impl<T> Default for Lazy<T> {
+    fn default() -> Self {
+        Self(OnceLock::new())
+    }
+}
+
+impl<T> Lazy<T> {
+    fn get(&self, make: impl FnOnce() -> T) -> &T {
+        let (layout, _) = self.0.get_or_init(|| {
+            let start = Instant::now();
+            (make(), start.elapsed().as_secs_f64())
+        });
+        layout
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.get().map_or(0.0, |(_, seconds)| *seconds)
+    }
+}
+
+/// All primitives, without boxes.
+#[derive(Debug)]
+struct Flat {
+    blocks: Blocks,
+    all: Vec<BlockRef>,
+    extent: Extent,
+}
+
+/// Rays that every kernel is tried on, and how often.
+const TRIAL_RAYS: usize = 8192;
+const TRIALS: usize = 3;
+
+/// Above this, single rays and beams were faster than packets on every set.
+const MOST_IN_PACKET_TREE: usize = 1 << 14;
+/// Above this, every tree was faster than none.
+const MOST_WITHOUT_TREE: usize = 64;
+
+/// A primitive spans the scene where its box has this share of the surface of the scene's.
+const SPANNING_SHARE: f32 = 0.25;
+
+impl<'a> Accelerator<'a> {
+    /// Builds the tree that the layouts are made from. Its boxes hold every primitive over all
+    /// times of `shutter`.
+    pub fn new(geometry: &'a Geometry, shutter: (f32, f32)) -> Self {
+        let boxes: Vec<Bounds> = (0..geometry.len() as u32)
+            .map(|primitive| geometry.get(primitive).bounds(shutter.0, shutter.1))
+            .collect();
+        let (spanning, others) = spanning(&boxes);
+        let tree = BinaryTree::new(&boxes, &others);
+        let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
+        let mut blocks = Blocks::default();
+        let references = blocks.push_all(geometry, &spanning);
+        Self {
+            geometry,
+            shutter,
+            tree,
+            spanning: (blocks, references),
+            extent: Extent::new(geometry, bounds),
+            scalar: Lazy::default(),
+            wide: Lazy::default(),
+            pair: Lazy::default(),
+            flat: Lazy::default(),
+        }
+    }
+
+    /// Makes the layout that `kernel` needs, if it is not there yet.
+    pub fn prepare(&self, kernel: Kernel) -> Layout {
+        let spanning = self.spanning.0.bytes();
+        let (bytes, seconds) = match kernel {
+            Kernel::Packet => (self.pair().bytes() + spanning, self.pair.seconds()),
+            Kernel::Beam | Kernel::Single => (self.wide().bytes() + spanning, self.wide.seconds()),
+            Kernel::Flat => (self.flat().blocks.bytes(), self.flat.seconds()),
+            Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
+        };
+        Layout { bytes, seconds }
+    }
+
+    /// The kernel that is fastest on the first rays of `rays`, found by trying.
+    pub fn choose(&self, any: bool, rays: &RayBatch) -> Kernel {
+        let range = 0..rays.len().min(TRIAL_RAYS);
+        let mut hits = HitBatch::misses(rays.len());
+        let mut fastest = (f64::INFINITY, Kernel::Single);
+        for kernel in Kernel::ALL.into_iter().filter(|kernel| self.may_win(*kernel)) {
+            self.prepare(kernel);
+            for _ in 0..TRIALS {
+                let start = Instant::now();
+                if any {
+                    self.occluded(kernel, rays, range.clone(), &mut hits);
+                } else {
+                    self.closest(kernel, rays, range.clone(), &mut hits);
+                }
+                let seconds = start.elapsed().as_secs_f64();
+                if seconds < fastest.0 {
+                    fastest = (seconds, kernel);
+                }
+            }
+        }
+        fastest.1
+    }
+
+    /// Whether `kernel` is worth trying on so many primitives.
+    pub fn may_win(&self, kernel: Kernel) -> bool {
+        match kernel {
+            Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
+            Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
+            Kernel::Beam | Kernel::Single => true,
+            Kernel::Scalar => false,
+        }
+    }
+
+    fn scalar(&self) -> &Bvh2 {
+        self.scalar.get(|| Bvh2::new(self.geometry, self.shutter))
+    }
+
+    fn pair(&self) -> &PairTree {
+        self.pair.get(|| PairTree::new(self.geometry, &self.tree))
+    }
+
+    fn flat(&self) -> &Flat {
+        self.flat.get(|| {
+            let mut blocks = Blocks::default();
+            let each: Vec<u32> = (0..self.geometry.len() as u32).collect();
+            let all = blocks.push_all(self.geometry, &each);
+            Flat { blocks, all, extent: Extent::new(self.geometry, Bounds::EMPTY) }
+        })
+    }
+
+    fn wide(&self) -> &WideTree {
+        self.wide.get(|| WideTree::new(self.geometry, &self.tree))
+    }
+
+    /// The closest hit of each ray of `range`; ties go to the lowest index. `hits` of rays
+    /// that hit nothing, and of other rays, are left as they are.
+    pub fn closest(
+        &self,
+        kernel: Kernel,
+        rays: &RayBatch,
+        range: Range<usize>,
+        hits: &mut HitBatch,
+    ) {
+        self.trace::<false, ()>(kernel, rays, range, hits, &mut ());
+    }
+
+    /// Whether each ray of `range` hits anything: distance 0 and primitive 0 where it does.
+    /// Other `hits` are left as they are.
+    pub fn occluded(
+        &self,
+        kernel: Kernel,
+        rays: &RayBatch,
+        range: Range<usize>,
+        hits: &mut HitBatch,
+    ) {
+        self.trace::<true, ()>(kernel, rays, range, hits, &mut ());
+    }
+
+    /// As [`Accelerator::closest`], or [`Accelerator::occluded`] where `any`, and the work done.
+    pub fn count(
+        &self,
+        kernel: Kernel,
+        any: bool,
+        rays: &RayBatch,
+        range: Range<usize>,
+        hits: &mut HitBatch,
+    ) -> Counters {
+        let mut counters = Counters::default();
+        if any {
+            self.trace::<true, _>(kernel, rays, range, hits, &mut counters);
+        } else {
+            self.trace::<false, _>(kernel, rays, range, hits, &mut counters);
+        }
+        counters
+    }
+
+    fn trace<const ANY: bool, C: Count>(
+        &self,
+        kernel: Kernel,
+        rays: &RayBatch,
+        range: Range<usize>,
+        hits: &mut HitBatch,
+        count: &mut C,
+    ) {
+        assert!(range.end <= rays.len() && range.end <= hits.len(), "{range:?} of {}", rays.len());
+        let spanning = (&self.spanning.0, &*self.spanning.1);
+        let (extent, ends) = (&self.extent, (range.start, range.end));
+        let wild = match kernel {
+            Kernel::Packet => {
+                let tree = Some(self.pair());
+                packet::trace::<ANY, C>(tree, spanning, extent, rays, ends, hits, count)
+            }
+            Kernel::Beam => {
+                beam::trace::<ANY, C>(self.wide(), spanning, extent, rays, ends, hits, count)
+            }
+            Kernel::Single => {
+                single::trace::<ANY, C>(self.wide(), spanning, extent, rays, ends, hits, count)
+            }
+            Kernel::Flat => {
+                let Flat { blocks, all, extent } = self.flat();
+                packet::trace::<ANY, C>(None, (blocks, all), extent, rays, ends, hits, count)
+            }
+            Kernel::Scalar => range.collect(),
+        };
+        for index in wild {
+            self.trace_scalar::<ANY>(rays, index, hits);
+        }
+    }
+
+    fn trace_scalar<const ANY: bool>(&self, rays: &RayBatch, index: usize, hits: &mut HitBatch) {
+        let (ray, t_min, t_max) = rays.get(index);
+        if ANY {
+            if self.scalar().occluded(self.geometry, &ray, t_min, t_max) {
+                (hits.t[index], hits.primitive[index]) = (0.0, 0);
+            }
+        } else if let Some(hit) = self.scalar().closest(self.geometry, &ray, t_min, t_max) {
+            (hits.t[index], hits.primitive[index]) = (hit.t, hit.primitive);
+        }
+    }
+}
+
+/// The primitives that span the scene, at most a block, and the others.
+fn spanning(boxes: &[Bounds]) -> (Vec<u32>, Vec<u32>) {
+    let scene = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b)).half_area();
+    let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
+    let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =
+        (0..boxes.len() as u32).partition(|p| share(p) >= SPANNING_SHARE);
+    if spanning.len() > LANES {
+        others.append(&mut spanning);
+        others.sort_unstable();
+    }
+    (spanning, others)
+}

@@ -1,0 +1,115 @@
+//! Rays and hits in structure-of-arrays form, as kernels read and write them.
+
+use glam::Vec3;
+
+use crate::geometry::{Hit, Ray};
+use crate::simd::LANES;
+
+/// Rays, each with the open interval in which hits count.
+///
+/// The arrays are longer than there are rays, so that a vector can be loaded from any place
+/// where a ray is; what is beyond the rays is NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RayBatch {
+    len: usize,
+    pub(super) origin: [Vec<f32>; 3],
+    pub(super) direction: [Vec<f32>; 3],
+    pub(super) time: Vec<f32>,
+    pub(super) t_min: Vec<f32>,
+    pub(super) t_max: Vec<f32>,
+}
+
+impl RayBatch {
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Adds a ray. `t_min` is 0 or more.
+    pub fn push(&mut self, ray: &Ray, t_min: f32, t_max: f32) {
+        let index = self.len;
+        self.len += 1;
+        if self.len + LANES > self.time.len() {
+            // Vec grows to twice its capacity where it must grow.
+            let padded = (self.len + LANES).next_multiple_of(LANES);
+            self.arrays().for_each(|array| array.resize(padded, f32::NAN));
+        }
+        for axis in 0..3 {
+            self.origin[axis][index] = ray.origin[axis];
+            self.direction[axis][index] = ray.direction[axis];
+        }
+        self.time[index] = ray.time;
+        self.t_min[index] = t_min;
+        self.t_max[index] = t_max;
+    }
+
+    fn arrays(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
+        let others = [&mut self.time, &mut self.t_min, &mut self.t_max];
+        self.origin.iter_mut().chain(&mut self.direction).chain(others)
+    }
+
+    /// Ray number `index` and its interval.
+    pub fn get(&self, index: usize) -> (Ray, f32, f32) {
+        assert!(index < self.len, "ray {index} of {}", self.len);
+        let vector = |arrays: &[Vec<f32>; 3]| {
+            Vec3::new(arrays[0][index], arrays[1][index], arrays[2][index])
+        };
+        let (origin, direction) = (vector(&self.origin), vector(&self.direction));
+        let ray = Ray { origin, direction, time: self.time[index] };
+        (ray, self.t_min[index], self.t_max[index])
+    }
+}
+
+/// What rays hit: a distance and a primitive each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HitBatch {
+    /// Distances; +∞ for a miss.
+    pub t: Vec<f32>,
+    /// Primitives; [`HitBatch::MISS`] for a miss.
+    pub primitive: Vec<u32>,
+}
+
+impl HitBatch {
+    /// The primitive of a ray that hits none.
+    pub const MISS: u32 = u32::MAX;
+
+    /// So many misses.
+    pub fn misses(count: usize) -> Self {
+        Self { t: vec![f32::INFINITY; count], primitive: vec![Self::MISS; count] }
+    }
+
+    /// Makes this `count` misses.
+    pub fn reset(&mut self, count: usize) {
+        self.t.clear();
+        self.t.resize(count, f32::INFINITY);
+        self.primitive.clear();
+        self.primitive.resize(count, Self::MISS);
+    }
+
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.primitive.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.primitive.is_empty()
+    }
+
+    /// Adds what one ray hit.
+    pub fn push(&mut self, hit: Option<Hit>) {
+        self.t.push(hit.map_or(f32::INFINITY, |hit| hit.t));
+        self.primitive.push(hit.map_or(Self::MISS, |hit| hit.primitive));
+    }
+
+    /// What ray number `index` hit.
+    pub fn get(&self, index: usize) -> Option<Hit> {
+        let (t, primitive) = (self.t[index], self.primitive[index]);
+        (primitive != Self::MISS).then_some(Hit { t, primitive })
+    }
+}

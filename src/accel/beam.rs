@@ -1,0 +1,196 @@
+//! Packets as beams: all rays of a packet at once against every box of a wide node.
+//!
+//! The rays' origins and directions lie in intervals; interval arithmetic bounds where any of
+//! them enters and leaves a box, for as many boxes at once as there are lanes (Boulos, Wald,
+//! Benthin 2008, "Adaptive Ray Packet Reordering", section 3, has packets culled so before
+//! their rays are tested one by one). What a beam cannot miss, its rays are tested against.
+//!
+//! Departures:
+//! 1. Distances are measured along the axis that the first ray goes along fastest. The
+//!    intervals of the other slopes are then those of the frustum around the rays.
+//! 2. Boxes of primitives are taken from the leaf blocks themselves, so that only primitives
+//!    whose own box the beam meets are tested.
+
+use super::batch::{HitBatch, RayBatch};
+use super::blocks::{BlockRef, Blocks, Kind};
+use super::counters::Count;
+use super::packet::{Octants, Packet, RAYS, Rays};
+use super::setup::Extent;
+use super::single::{push_sorted, trace_each};
+use super::wide::WideTree;
+use crate::simd::{Float, LANES, Lanes, axes};
+
+/// The intervals of a packet, each in every lane.
+struct Beam {
+    /// The planes of a node that the rays meet first on each axis, and last.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// Slopes of the distance over a plane's coordinate: least and largest.
+    slopes: [[Float; 2]; 3],
+    /// What is taken off for near planes with either slope, and for far planes.
+    near_offsets: [[Float; 2]; 3],
+    far_offsets: [[Float; 2]; 3],
+    /// Lower end of the rays' intervals.
+    t_min: Float,
+    /// By which the rays' distances are multiplied.
+    scales: [Float; 2],
+}
+
+impl Beam {
+    #[inline(always)]
+    fn new(packet: &Packet, octants: &Octants) -> Self {
+        let [a, b] = packet.vectors();
+        let longest = a.longest_axis_of_first();
+        let scales = [a.scale(longest), b.scale(longest)];
+        let least =
+            |x: Float, y: Float| a.only(x, Float::INFINITY).min(b.only(y, Float::INFINITY)).least();
+        let most = |x: Float, y: Float| {
+            let none = Float::splat(f32::NEG_INFINITY);
+            a.only(x, none).max(b.only(y, none)).most()
+        };
+        let mut beam = Self {
+            near: octants.near,
+            far: octants.far,
+            slopes: [[Float::ZERO; 2]; 3],
+            near_offsets: [[Float::ZERO; 2]; 3],
+            far_offsets: [[Float::ZERO; 2]; 3],
+            t_min: least(a.t_min() * scales[0], b.t_min() * scales[1]),
+            scales,
+        };
+        for axis in 0..3 {
+            let sign = Float::splat(if octants.negative[axis] { -1.0 } else { 1.0 });
+            let slope = |rays: &Rays, scale: Float| (rays.inverse(axis) * scale).abs();
+            let (x, y) = (slope(a, scales[0]), slope(b, scales[1]));
+            let (low, high) = (least(x, y), most(x, y));
+            let (a_near, a_far) = a.slab_origins(axis, sign);
+            let (b_near, b_far) = b.slab_origins(axis, sign);
+            let (near, far) = (most(a_near, b_near), least(a_far, b_far));
+            beam.slopes[axis] = [low * sign, high * sign];
+            beam.near_offsets[axis] = [near * low, near * high];
+            beam.far_offsets[axis] = [far * low, far * high];
+        }
+        beam
+    }
+
+    /// A bound of where any ray enters the boxes, and the bits of the boxes that the beam
+    /// cannot miss up to `limit`.
+    #[inline(always)]
+    fn enter(&self, near: [Float; 3], far: [Float; 3], limit: Float) -> (Float, u32) {
+        let (mut entry, mut exit) = (self.t_min, limit);
+        for axis in 0..3 {
+            let ([low, high], [a, b]) = (self.slopes[axis], self.near_offsets[axis]);
+            let near = near[axis].free_mul_sub(low, a).min(near[axis].free_mul_sub(high, b));
+            entry = near.max(entry);
+            let [a, b] = self.far_offsets[axis];
+            let far = far[axis].free_mul_sub(low, a).max(far[axis].free_mul_sub(high, b));
+            exit = far.min(exit);
+        }
+        (entry, entry.le(exit).bits())
+    }
+
+    /// The lanes of a block whose primitives' boxes the beam cannot miss.
+    #[inline(always)]
+    fn candidates(&self, blocks: &Blocks, block: BlockRef, limit: Float) -> u32 {
+        let (low, high) = match block.kind() {
+            Kind::Sphere => {
+                let block = &blocks.spheres[block.place()];
+                let radius = Float::new(block.radius);
+                let center = |axis: usize| Float::new(block.center[axis]);
+                (axes(|axis| center(axis) - radius), axes(|axis| center(axis) + radius))
+            }
+            Kind::Triangle => {
+                let block = &blocks.triangles[block.place()];
+                let vertex = |i: usize, axis: usize| Float::new(block.vertices[i][axis]);
+                (
+                    axes(|axis| vertex(0, axis).min(vertex(1, axis)).min(vertex(2, axis))),
+                    axes(|axis| vertex(0, axis).max(vertex(1, axis)).max(vertex(2, axis))),
+                )
+            }
+            Kind::MovingSphere | Kind::Quad => return block.valid(),
+        };
+        let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
+        let (_, entered) =
+            self.enter(axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])), limit);
+        entered & block.valid()
+    }
+}
+
+/// Traces rays `first..end` packet by packet: the blocks of `spanning`, then the tree, where
+/// packets whose rays differ in octant are taken ray by ray. Returns the rays that it leaves to
+/// others, which are too wild for its box test.
+pub(super) fn trace<const ANY: bool, C: Count>(
+    tree: &WideTree,
+    (blocks, spanning): (&Blocks, &[BlockRef]),
+    extent: &Extent,
+    rays: &RayBatch,
+    (first, end): (usize, usize),
+    hits: &mut HitBatch,
+    count: &mut C,
+) -> Vec<usize> {
+    let mut wild = Vec::new();
+    let mut stack = vec![(0, 0.0); tree.stack];
+    for first in (first..end).step_by(RAYS) {
+        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
+        for &block in spanning {
+            packet.test::<ANY>(blocks, block, block.valid(), count);
+        }
+        if !tree.nodes.is_empty() {
+            let octants = Octants::new(&packet);
+            if octants.mixed {
+                trace_each::<ANY>(tree, &mut packet, &mut stack, count);
+            } else {
+                let beam = Beam::new(&packet, &octants);
+                traverse::<ANY>(tree, &mut packet, &beam, &mut stack, count);
+            }
+        }
+        packet.store::<ANY>(first, end, hits);
+    }
+    wild
+}
+
+/// Visits the blocks in boxes that the beam cannot miss, nearer boxes first.
+#[inline(always)]
+fn traverse<const ANY: bool>(
+    tree: &WideTree,
+    packet: &mut Packet,
+    beam: &Beam,
+    stack: &mut [(u32, f32)],
+    count: &mut impl Count,
+) {
+    let mut limit = packet.farthest(&beam.scales);
+    let (mut top, mut next) = (0, 0);
+    loop {
+        if next & BlockRef::LEAF != 0 {
+            let block = BlockRef::from_bits(next);
+            let candidates = beam.candidates(&tree.blocks, block, limit);
+            if candidates != 0 {
+                packet.test::<ANY>(&tree.blocks, block, candidates, count);
+                limit = packet.farthest(&beam.scales);
+            }
+        } else {
+            let node = &tree.nodes[next as usize];
+            let plane = |index: usize| Float::new(node.planes[index]);
+            let (near, far) = (axes(|a| plane(beam.near[a])), axes(|a| plane(beam.far[a])));
+            let (entry, entered) = beam.enter(near, far, limit);
+            count.node(LANES as u32, entered.count_ones());
+            if entered != 0 {
+                let entry: Lanes = entry.to_array();
+                if let Some(only) = push_sorted(node, &entry, entered, stack, &mut top) {
+                    next = only;
+                    continue;
+                }
+            }
+        }
+        let limit = limit.first();
+        loop {
+            if top == 0 {
+                return;
+            }
+            top -= 1;
+            if stack[top].1 <= limit {
+                next = stack[top].0;
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Exact counts of the work that kernels do, free where nobody counts.
+
+use std::ops::AddAssign;
+
+/// Is told what a kernel does. `()` is nobody: its calls compile to nothing.
+pub(super) trait Count {
+    /// A node was visited for `active` of `issued` lanes: rays or children.
+    fn node(&mut self, issued: u32, active: u32);
+    /// Primitives were tested against rays in `issued` lanes, of which `active` mattered.
+    fn leaf(&mut self, issued: u32, active: u32);
+}
+
+impl Count for () {
+    #[inline(always)]
+    fn node(&mut self, _: u32, _: u32) {}
+    #[inline(always)]
+    fn leaf(&mut self, _: u32, _: u32) {}
+}
+
+/// How often what was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counters {
+    /// Nodes visited.
+    pub node_visits: u64,
+    /// Vector tests of primitives.
+    pub leaf_tests: u64,
+    /// Lanes of both.
+    pub lanes_issued: u64,
+    /// Lanes of both that held a ray that was looking, or a box or primitive to look at.
+    pub lanes_active: u64,
+}
+
+impl Count for Counters {
+    fn node(&mut self, issued: u32, active: u32) {
+        self.node_visits += 1;
+        self.lanes_issued += u64::from(issued);
+        self.lanes_active += u64::from(active);
+    }
+
+    fn leaf(&mut self, issued: u32, active: u32) {
+        self.leaf_tests += 1;
+        self.lanes_issued += u64::from(issued);
+        self.lanes_active += u64::from(active);
+    }
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.node_visits += other.node_visits;
+        self.leaf_tests += other.leaf_tests;
+        self.lanes_issued += other.lanes_issued;
+        self.lanes_active += other.lanes_active;
+    }
+}

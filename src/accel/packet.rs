@@ -1,0 +1,469 @@
+//! Packets: vectors of rays against one box, and against one primitive.
+
+use super::batch::{HitBatch, RayBatch};
+use super::blocks::{BlockRef, Blocks, Kind};
+use super::counters::Count;
+use super::pair::PairTree;
+use super::setup::{Extent, Setup};
+use super::shear_axes;
+use super::slab::Planes;
+use crate::geometry::lanes::{self, HitLanes};
+use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, Vec3x, axes, first_bits};
+
+/// Vectors of rays in a packet: with two, their latencies overlap.
+pub(super) const VECTORS: usize = 2;
+/// Rays in a packet.
+pub(super) const RAYS: usize = VECTORS * LANES;
+
+/// A vector of rays and their closest hits so far.
+#[derive(Clone, Copy)]
+pub(super) struct Rays {
+    pub(super) setup: Setup,
+    views: Views,
+    /// Distance of the closest hit, at first the end of the interval; −∞ for rays that look
+    /// for nothing (more).
+    pub(super) t: Float,
+    /// Its primitive; [`HitBatch::MISS`] before there is one.
+    pub(super) primitive: Int,
+}
+
+/// Rays that look along the same axis, as triangle tests see it.
+#[derive(Clone, Copy)]
+struct View {
+    axes: [usize; 3],
+    rays: u32,
+}
+
+/// The views of a vector's rays.
+#[derive(Clone, Copy)]
+struct Views {
+    views: [View; 6],
+    count: usize,
+}
+
+impl Views {
+    const NONE: Self = Self { views: [View { axes: [0; 3], rays: 0 }; 6], count: 0 };
+
+    #[inline(always)]
+    fn new(setup: &Setup) -> Self {
+        let mut views = Self::NONE;
+        let negative = setup.shear.negative.bits();
+        for longest in 0..3 {
+            let along = setup.shear.longest[longest].bits() & setup.active;
+            for (is_negative, rays) in [(false, along & !negative), (true, along & negative)] {
+                if rays != 0 {
+                    views.views[views.count] =
+                        View { axes: shear_axes(longest, is_negative), rays };
+                    views.count += 1;
+                }
+            }
+        }
+        views
+    }
+}
+
+/// A packet on its way.
+pub(super) struct Packet {
+    vectors: [Rays; VECTORS],
+}
+
+impl Packet {
+    /// Rays `first..`, up to a packet's and below `end`. Adds the rays that it leaves to
+    /// others to `wild`.
+    #[inline(always)]
+    pub(super) fn load(
+        rays: &RayBatch,
+        first: usize,
+        end: usize,
+        extent: &Extent,
+        wild: &mut Vec<usize>,
+    ) -> Self {
+        Self {
+            vectors: [
+                Rays::load(rays, first, end, extent, wild),
+                Rays::load(rays, end.min(first + LANES), end, extent, wild),
+            ],
+        }
+    }
+
+    /// Writes what was hit. Rays that hit nothing are left as they are.
+    #[inline(always)]
+    pub(super) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
+        for (vector, rays) in self.vectors.iter().enumerate() {
+            let first = end.min(first + vector * LANES);
+            let (old_t, old) = (&mut hits.t[first..end], &mut hits.primitive[first..end]);
+            let miss = rays.primitive.eq(Int::splat(HitBatch::MISS));
+            let (t, found) =
+                if ANY { (Float::ZERO, Int::splat(0)) } else { (rays.t, rays.primitive) };
+            if old.len() >= LANES {
+                Int::select(miss, Int::load(old), found).store(old);
+                miss.select(Float::load(old_t), t).store(old_t);
+            } else {
+                let (t, primitive) = (t.to_array(), found.to_array());
+                for lane in Bits(!miss.bits() & first_bits(old.len())) {
+                    old_t[lane] = t[lane];
+                    old[lane] = primitive[lane];
+                }
+            }
+        }
+    }
+
+    /// Tests the primitives in the lanes of a block whose bits are set, one after the other.
+    #[inline(always)]
+    pub(super) fn test<const ANY: bool>(
+        &mut self,
+        blocks: &Blocks,
+        block: BlockRef,
+        lanes: u32,
+        count: &mut impl Count,
+    ) {
+        for rays in &self.vectors {
+            let looking = rays.t.ge(Float::ZERO).bits().count_ones();
+            (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
+        }
+        match block.kind() {
+            Kind::Sphere => {
+                let block = &blocks.spheres[block.place()];
+                for lane in Bits(lanes) {
+                    let center = Vec3x::splat_lane(&block.center, lane);
+                    let radius = Float::splat(block.radius[lane]);
+                    for rays in &mut self.vectors {
+                        let hits = lanes::filtered_sphere(&rays.setup.ray, center, radius);
+                        rays.offer::<ANY>(hits, block.primitive[lane]);
+                    }
+                }
+            }
+            Kind::MovingSphere => {
+                let block = &blocks.moving_spheres[block.place()];
+                for lane in Bits(lanes) {
+                    let center = Vec3x::splat_lane(&block.still.center, lane);
+                    let motion = Vec3x::splat_lane(&block.motion, lane);
+                    let radius = Float::splat(block.still.radius[lane]);
+                    for rays in &mut self.vectors {
+                        let ray = &rays.setup.ray;
+                        let hits = lanes::filtered_sphere(ray, center + motion * ray.time, radius);
+                        rays.offer::<ANY>(hits, block.still.primitive[lane]);
+                    }
+                }
+            }
+            Kind::Quad => {
+                let block = &blocks.quads[block.place()];
+                for lane in Bits(lanes) {
+                    let quad = block.splat(lane);
+                    for rays in &mut self.vectors {
+                        let hits = lanes::quad(&rays.setup.ray, &quad, rays.t);
+                        rays.offer::<ANY>(hits, block.primitive[lane]);
+                    }
+                }
+            }
+            Kind::Triangle => {
+                let block = &blocks.triangles[block.place()];
+                for lane in Bits(lanes) {
+                    for rays in &mut self.vectors {
+                        rays.test_triangle::<ANY>(&block.vertices, lane, block.primitive[lane]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn vectors(&self) -> &[Rays; VECTORS] {
+        &self.vectors
+    }
+
+    #[inline(always)]
+    pub(super) fn vectors_mut(&mut self) -> &mut [Rays; VECTORS] {
+        &mut self.vectors
+    }
+
+    /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
+    #[inline(always)]
+    pub(super) fn farthest(&self, scales: &[Float; VECTORS]) -> Float {
+        let [a, b] = &self.vectors;
+        (a.t * scales[0]).max(b.t * scales[1]).most()
+    }
+}
+
+/// What a beam asks of its rays.
+impl Rays {
+    /// The axis on which the first ray that is there goes fastest.
+    #[inline(always)]
+    pub(super) fn longest_axis_of_first(&self) -> usize {
+        let lane = self.setup.active.trailing_zeros() as usize % LANES;
+        let speed = axes(|axis| self.setup.ray.direction[axis].to_array()[lane].abs());
+        let most = if speed[0] > speed[1] { 0 } else { 1 };
+        if speed[2] > speed[most] { 2 } else { most }
+    }
+
+    /// How fast the rays go along `axis`; 1 for those that are not there.
+    #[inline(always)]
+    pub(super) fn scale(&self, axis: usize) -> Float {
+        self.only(self.setup.ray.direction[axis].abs(), Float::splat(1.0))
+    }
+
+    /// `value` of the rays that are there, else `none`.
+    #[inline(always)]
+    pub(super) fn only(&self, value: Float, none: Float) -> Float {
+        Mask::from_bits(self.setup.active).select(value, none)
+    }
+
+    #[inline(always)]
+    pub(super) fn t_min(&self) -> Float {
+        self.setup.ray.t_min
+    }
+
+    #[inline(always)]
+    pub(super) fn inverse(&self, axis: usize) -> Float {
+        self.setup.slab.inverse[axis]
+    }
+
+    /// Origins on an axis of direction `sign`, ahead by the slack and back by it.
+    #[inline(always)]
+    pub(super) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
+        let origin = self.setup.ray.origin[axis] * sign;
+        let slack = self.setup.slab.slack;
+        (origin + slack, origin - slack)
+    }
+}
+
+impl Rays {
+    #[inline(always)]
+    fn load(
+        rays: &RayBatch,
+        first: usize,
+        end: usize,
+        extent: &Extent,
+        wild: &mut Vec<usize>,
+    ) -> Self {
+        let (setup, wild_lanes) = Setup::load(rays, first, end, extent);
+        wild.extend(Bits(wild_lanes).map(|lane| first + lane));
+        let active = Mask::from_bits(setup.active);
+        let t = active.select(setup.t_max, Float::splat(f32::NEG_INFINITY));
+        let views = if extent.triangles { Views::new(&setup) } else { Views::NONE };
+        Self { setup, views, t, primitive: Int::splat(HitBatch::MISS) }
+    }
+
+    /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.
+    #[inline(always)]
+    fn test_triangle<const ANY: bool>(
+        &mut self,
+        vertices: &[[Lanes; 3]; 3],
+        lane: usize,
+        primitive: u32,
+    ) {
+        let (mut t, mut hit) = ([0.0; LANES], 0);
+        for view in &self.views.views[..self.views.count] {
+            let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
+            let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
+            let sheared = lanes::shear_triangles(origin, self.setup.shear.shear, vertices);
+            let candidates = sheared.candidates(view.rays);
+            if candidates != 0 {
+                sheared.decide(candidates, |lane, distance| t[lane] = distance);
+                hit |= candidates;
+            }
+        }
+        if hit != 0 {
+            let t = Float::new(t);
+            let hit = Mask::from_bits(hit) & t.gt(self.setup.ray.t_min);
+            self.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+        }
+    }
+
+    /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
+    #[inline(always)]
+    fn offer<const ANY: bool>(&mut self, hits: Option<HitLanes>, primitive: u32) {
+        let Some(HitLanes { t, hit }) = hits else { return };
+        let closer = hit & t.lt(self.t);
+        if ANY {
+            if closer.any() {
+                self.t = closer.select(Float::splat(f32::NEG_INFINITY), self.t);
+                self.primitive = Int::select(closer, Int::splat(0), self.primitive);
+            }
+            return;
+        }
+        let ties = (hit & t.eq(self.t)).bits();
+        if ties != 0 {
+            let mut best = self.primitive.to_array();
+            for lane in Bits(ties) {
+                if best[lane] != HitBatch::MISS {
+                    best[lane] = best[lane].min(primitive);
+                }
+            }
+            self.primitive = Int::new(best);
+        }
+        self.t = closer.select(t, self.t);
+        self.primitive = Int::select(closer, Int::splat(primitive), self.primitive);
+    }
+}
+
+/// The signs of the rays' directions as box tests need them.
+pub(super) struct Octants {
+    /// Whether they differ from ray to ray on some axis.
+    pub(super) mixed: bool,
+    /// Where a ray (where they differ: the first) goes down an axis.
+    pub(super) negative: [bool; 3],
+    /// Which of a box's planes it meets first, and last.
+    pub(super) near: [usize; 3],
+    pub(super) far: [usize; 3],
+    /// Which rays go down each axis.
+    down: [[Mask; 3]; VECTORS],
+}
+
+impl Octants {
+    #[inline(always)]
+    pub(super) fn new(packet: &Packet) -> Self {
+        let down = |vector: usize| {
+            let inverse = packet.vectors[vector].setup.slab.inverse;
+            axes(|axis| inverse[axis].lt(Float::ZERO))
+        };
+        let down = [down(0), down(1)];
+        let active = [packet.vectors[0].setup.active, packet.vectors[1].setup.active];
+        let first = active[0].trailing_zeros() % 32;
+        let negative = axes(|axis| down[0][axis].bits() >> first & 1 == 1);
+        let differs = |axis: usize| {
+            let as_first = if negative[axis] { u32::MAX } else { 0 };
+            let other = |vector: usize| (down[vector][axis].bits() ^ as_first) & active[vector];
+            other(0) | other(1) != 0
+        };
+        Self {
+            mixed: differs(0) || differs(1) || differs(2),
+            negative,
+            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
+            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
+            down,
+        }
+    }
+}
+
+impl Rays {
+    /// Where the rays enter a box: +∞ for those that do not up to their closest hit.
+    #[inline(always)]
+    fn enter<const MIXED: bool>(
+        &self,
+        planes: &Planes,
+        octants: &Octants,
+        down: &[Mask; 3],
+    ) -> (Float, bool) {
+        let slab = &self.setup.slab;
+        let (mut entry, mut exit) = (self.setup.ray.t_min, self.t);
+        for axis in 0..3 {
+            let (near, far) = if MIXED {
+                let (low, high) = (Float::splat(planes[axis]), Float::splat(planes[axis + 3]));
+                (down[axis].select(high, low), down[axis].select(low, high))
+            } else {
+                let plane = |index: usize| Float::splat(planes[index % 6]);
+                (plane(octants.near[axis]), plane(octants.far[axis]))
+            };
+            let inverse = slab.inverse[axis];
+            entry = near.free_mul_sub(inverse, slab.near_offset[axis]).max(entry);
+            exit = far.free_mul_sub(inverse, slab.far_offset[axis]).min(exit);
+        }
+        let entered = entry.le(exit);
+        (entered.select(entry, Float::INFINITY), entered.any())
+    }
+}
+
+impl Packet {
+    #[inline(always)]
+    fn enter<const MIXED: bool>(
+        &self,
+        planes: &Planes,
+        octants: &Octants,
+    ) -> ([Float; VECTORS], bool) {
+        let [a, b] = &self.vectors;
+        let (first, some) = a.enter::<MIXED>(planes, octants, &octants.down[0]);
+        let (second, others) = b.enter::<MIXED>(planes, octants, &octants.down[1]);
+        ([first, second], some | others)
+    }
+
+    /// Visits the leaves in boxes that any ray enters, nearer boxes first.
+    #[inline(always)]
+    fn traverse<const ANY: bool, const MIXED: bool>(
+        &mut self,
+        tree: &PairTree,
+        root: u32,
+        octants: &Octants,
+        stack: &mut [(u32, [Float; VECTORS])],
+        count: &mut impl Count,
+    ) {
+        let (mut top, mut next) = (0, root);
+        loop {
+            if let Some(block) = PairTree::block(next) {
+                self.test::<ANY>(&tree.blocks, block, block.valid(), count);
+            } else {
+                let node = &tree.nodes[next as usize];
+                let (left, enter_left) = self.enter::<MIXED>(&node.planes[0], octants);
+                let (right, enter_right) = self.enter::<MIXED>(&node.planes[1], octants);
+                let entered = |entries: [Float; VECTORS]| {
+                    let lanes = |entry: Float| entry.lt(Float::INFINITY).bits().count_ones();
+                    lanes(entries[0]) + lanes(entries[1])
+                };
+                count.node(2 * RAYS as u32, entered(left) + entered(right));
+                match (enter_left, enter_right) {
+                    (true, true) => {
+                        let first = usize::from(octants.negative[node.axis as usize % 3]);
+                        let far = if first == 1 { left } else { right };
+                        stack[top] = (node.children[1 - first], far);
+                        top += 1;
+                        next = node.children[first];
+                        continue;
+                    }
+                    (true, false) => {
+                        next = node.children[0];
+                        continue;
+                    }
+                    (false, true) => {
+                        next = node.children[1];
+                        continue;
+                    }
+                    (false, false) => {}
+                }
+            }
+            loop {
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                let (reference, entries) = &stack[top];
+                // Pruned only when its entry is strictly beyond the best distance.
+                if (0..VECTORS).any(|v| entries[v].le(self.vectors[v].t).any()) {
+                    next = *reference;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// Traces rays `first..end` packet by packet: the blocks of `spanning`, then the tree, if there
+/// is one. Returns the rays that it leaves to others, which are too wild for its box test.
+pub(super) fn trace<const ANY: bool, C: Count>(
+    tree: Option<&PairTree>,
+    (blocks, spanning): (&Blocks, &[BlockRef]),
+    extent: &Extent,
+    rays: &RayBatch,
+    (first, end): (usize, usize),
+    hits: &mut HitBatch,
+    count: &mut C,
+) -> Vec<usize> {
+    let mut wild = Vec::new();
+    let depth = tree.map_or(0, |tree| tree.stack);
+    let mut stack = vec![(0, [Float::ZERO; VECTORS]); depth];
+    for first in (first..end).step_by(RAYS) {
+        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
+        for &block in spanning {
+            packet.test::<ANY>(blocks, block, block.valid(), count);
+        }
+        if let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) {
+            let octants = Octants::new(&packet);
+            if octants.mixed {
+                packet.traverse::<ANY, true>(tree, root, &octants, &mut stack, count);
+            } else {
+                packet.traverse::<ANY, false>(tree, root, &octants, &mut stack, count);
+            }
+        }
+        packet.store::<ANY>(first, end, hits);
+    }
+    wild
+}

@@ -1,0 +1,128 @@
+//! Pair nodes for packets: both children's boxes in one cache line.
+
+use super::binary::{Below, BinaryTree};
+use super::blocks::{BlockRef, Blocks, Kind};
+use super::slab::Planes;
+use crate::geometry::{Bounds, Geometry};
+use crate::simd::LANES;
+
+/// A node: the boxes of its two children, and what they are.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct PairNode {
+    pub(super) planes: [Planes; 2],
+    /// Places of nodes, or bits of [`BlockRef`]s.
+    pub(super) children: [u32; 2],
+    /// The axis on which the children's middles differ most, the first being lower.
+    pub(super) axis: u32,
+}
+
+impl PairNode {
+    const EMPTY: Self = Self { planes: [[0.0; 6]; 2], children: [0; 2], axis: 0 };
+}
+
+/// A tree of pair nodes over blocks.
+#[derive(Clone, Debug)]
+pub(super) struct PairTree {
+    pub(super) nodes: Vec<PairNode>,
+    pub(super) blocks: Blocks,
+    /// A node, a block, or nothing.
+    pub(super) root: Option<u32>,
+    /// What a traversal's stack must hold.
+    pub(super) stack: usize,
+}
+
+/// Cost of a node's visit over that of one primitive's test.
+const NODE_COST: f32 = 6.0;
+/// Most primitives in a leaf.
+const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
+
+impl PairTree {
+    /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
+    pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
+        let leaf = leaves(geometry, tree);
+        let mut layout =
+            Self { nodes: Vec::new(), blocks: Blocks::default(), root: None, stack: 1 };
+        if tree.nodes.is_empty() {
+            return layout;
+        }
+        // Each entry: the node and side that will hold the reference, the subtree, its depth.
+        let mut open = vec![(None, 0u32, 1)];
+        while let Some((parent, index, depth)) = open.pop() {
+            layout.stack = layout.stack.max(depth);
+            let reference = match tree.nodes[index as usize].below {
+                Below::Children(first) if !leaf[index as usize] => {
+                    let place = layout.nodes.len();
+                    let bounds = |child: u32| tree.nodes[child as usize].bounds;
+                    let (axis, swapped) = order(&bounds(first), &bounds(first + 1));
+                    let sides = if swapped { [first + 1, first] } else { [first, first + 1] };
+                    let mut node = PairNode { axis, ..PairNode::EMPTY };
+                    for side in [1, 0] {
+                        node.planes[side] = planes(&bounds(sides[side]));
+                        open.push((Some((place, side)), sides[side], depth + 1));
+                    }
+                    layout.nodes.push(node);
+                    place as u32
+                }
+                _ => layout.blocks.push(geometry, &mut tree.primitives(index)).bits(),
+            };
+            match parent {
+                Some((place, side)) => layout.nodes[place].children[side] = reference,
+                None => layout.root = Some(reference),
+            }
+        }
+        layout
+    }
+
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + self.blocks.bytes()
+    }
+
+    /// Whether `reference` is a block.
+    #[inline(always)]
+    pub(super) fn block(reference: u32) -> Option<BlockRef> {
+        (reference & BlockRef::LEAF != 0).then(|| BlockRef::from_bits(reference))
+    }
+}
+
+/// Whether each subtree is best one block.
+fn leaves(geometry: &Geometry, tree: &BinaryTree) -> Vec<bool> {
+    let mut leaf = vec![true; tree.nodes.len()];
+    // Cost, number of primitives, and their kind if it is but one.
+    let mut subtrees: Vec<(f32, u32, Option<Kind>)> = vec![(0.0, 0, None); tree.nodes.len()];
+    for (index, node) in tree.nodes.iter().enumerate().rev() {
+        let area = node.bounds.half_area();
+        subtrees[index] = match node.below {
+            Below::Primitive(primitive) => (area, 1, Some(Kind::of(geometry.get(primitive)))),
+            Below::Children(first) => {
+                let [left, right] = [first, first + 1].map(|child| subtrees[child as usize]);
+                let count = left.1 + right.1;
+                let kind = left.2.filter(|_| left.2 == right.2);
+                let (as_node, as_leaf) = (area * NODE_COST + left.0 + right.0, area * count as f32);
+                leaf[index] = kind.is_some() && count <= LEAF && as_leaf <= as_node;
+                (if leaf[index] { as_leaf } else { as_node }, count, kind)
+            }
+        };
+    }
+    leaf
+}
+
+fn planes(bounds: &Bounds) -> Planes {
+    let (low, high) = (bounds.min, bounds.max);
+    [low.x, low.y, low.z, high.x, high.y, high.z]
+}
+
+/// The axis on which the middles of two boxes differ most, and whether the second is lower.
+fn order(a: &Bounds, b: &Bounds) -> (u32, bool) {
+    let apart = (b.min + b.max) - (a.min + a.max);
+    let size = apart.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    (axis, apart[axis as usize] < 0.0)
+}

@@ -1,0 +1,331 @@
+//! One ray at a time: against N boxes of a node, against N primitives of a block.
+
+use super::batch::{HitBatch, RayBatch};
+use super::blocks::{BlockRef, Blocks, Kind};
+use super::counters::Count;
+use super::packet::{Packet, RAYS};
+use super::setup::{Extent, Setup};
+use super::shear_axes;
+use super::wide::{WideNode, WideTree};
+use crate::geometry::lanes::{self, HitLanes, RayLanes};
+use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, axes};
+
+/// Rays made ready, to be taken lane by lane.
+struct Table {
+    origin: [Lanes; 3],
+    direction: [Lanes; 3],
+    time: Lanes,
+    t_min: Lanes,
+    length2: Lanes,
+    inv_length2: Lanes,
+    inverse: [Lanes; 3],
+    near_offset: [Lanes; 3],
+    far_offset: [Lanes; 3],
+    shear: [Lanes; 3],
+    longest: [u32; 2],
+    negative: u32,
+}
+
+impl Table {
+    #[inline(always)]
+    fn new(setup: &Setup) -> Self {
+        let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
+        Self {
+            origin: lanes(setup.ray.origin),
+            direction: lanes(setup.ray.direction),
+            time: setup.ray.time.to_array(),
+            t_min: setup.ray.t_min.to_array(),
+            length2: setup.ray.length2.to_array(),
+            inv_length2: setup.ray.inv_length2.to_array(),
+            inverse: lanes(setup.slab.inverse),
+            near_offset: lanes(setup.slab.near_offset),
+            far_offset: lanes(setup.slab.far_offset),
+            shear: lanes(setup.shear.shear),
+            longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
+            negative: setup.shear.negative.bits(),
+        }
+    }
+}
+
+/// One ray, to be put into every lane where it is needed: a load from the table is as fast as
+/// a register, and vectors that must be kept in memory are not.
+struct OneRay<'a> {
+    table: &'a Table,
+    lane: usize,
+    /// The planes of a node that the ray meets first on each axis, and last.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// The order of axes in which triangles are seen.
+    axes: [usize; 3],
+}
+
+impl<'a> OneRay<'a> {
+    #[inline(always)]
+    fn new(table: &'a Table, lane: usize) -> Self {
+        let negative = axes(|axis| table.inverse[axis][lane] < 0.0);
+        let bit = |bits: u32| bits >> lane & 1 == 1;
+        let longest = if bit(table.longest[0]) {
+            0
+        } else if bit(table.longest[1]) {
+            1
+        } else {
+            2
+        };
+        Self {
+            table,
+            lane,
+            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
+            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
+            axes: shear_axes(longest, bit(table.negative)),
+        }
+    }
+
+    #[inline(always)]
+    fn splat(&self, lanes: &Lanes) -> Float {
+        Float::splat(lanes[self.lane])
+    }
+
+    #[inline(always)]
+    fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
+        Vec3x::splat_lane(lanes, self.lane)
+    }
+
+    #[inline(always)]
+    fn ray(&self) -> RayLanes {
+        RayLanes {
+            origin: self.vector(&self.table.origin),
+            direction: self.vector(&self.table.direction),
+            time: self.splat(&self.table.time),
+            length2: self.splat(&self.table.length2),
+            inv_length2: self.splat(&self.table.inv_length2),
+            t_min: self.splat(&self.table.t_min),
+        }
+    }
+
+    /// Where the ray enters the boxes of `node`, and the bits of those that it enters up to
+    /// `limit`.
+    #[inline(always)]
+    fn enter(&self, node: &WideNode, limit: f32) -> (Float, u32) {
+        let table = self.table;
+        let (mut entry, mut exit) = (self.splat(&table.t_min), Float::splat(limit));
+        for axis in 0..3 {
+            let near = Float::new(node.planes[self.near[axis]]);
+            let far = Float::new(node.planes[self.far[axis]]);
+            let inverse = self.splat(&table.inverse[axis]);
+            let (near_offset, far_offset) =
+                (self.splat(&table.near_offset[axis]), self.splat(&table.far_offset[axis]));
+            entry = near.free_mul_sub(inverse, near_offset).max(entry);
+            exit = far.free_mul_sub(inverse, far_offset).min(exit);
+        }
+        (entry, entry.le(exit).bits())
+    }
+}
+
+/// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
+/// found before, and has a lower index.
+#[derive(Clone, Copy)]
+struct Best {
+    t: f32,
+    /// [`HitBatch::MISS`] before there is one.
+    primitive: u32,
+}
+
+impl Best {
+    #[inline(always)]
+    fn found(&self) -> bool {
+        self.primitive != HitBatch::MISS
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, t: f32, primitive: u32) {
+        if t < self.t || (t == self.t && self.found() && primitive < self.primitive) {
+            *self = Self { t, primitive };
+        }
+    }
+
+    #[inline(always)]
+    fn offer_lanes(&mut self, hits: Option<HitLanes>, primitive: &Lanes<u32>) {
+        let Some(HitLanes { t, hit }) = hits else { return };
+        let closer = (hit & t.le(Float::splat(self.t))).bits();
+        if closer != 0 {
+            let t = t.to_array();
+            for lane in Bits(closer) {
+                self.offer(t[lane], primitive[lane]);
+            }
+        }
+    }
+}
+
+/// Tests the primitives of a block.
+#[inline(always)]
+fn test(
+    blocks: &Blocks,
+    block: BlockRef,
+    one: &OneRay<'_>,
+    best: &mut Best,
+    count: &mut impl Count,
+) {
+    count.leaf(LANES as u32, block.count());
+    match block.kind() {
+        Kind::Sphere => {
+            let block = &blocks.spheres[block.place()];
+            let radius = Float::new(block.radius);
+            let hits = lanes::sphere(&one.ray(), Vec3x::new(&block.center), radius);
+            best.offer_lanes(hits, &block.primitive);
+        }
+        Kind::MovingSphere => {
+            let block = &blocks.moving_spheres[block.place()];
+            let (ray, radius) = (one.ray(), Float::new(block.still.radius));
+            let hits = lanes::sphere(&ray, block.centers(ray.time), radius);
+            best.offer_lanes(hits, &block.still.primitive);
+        }
+        Kind::Quad => {
+            let block = &blocks.quads[block.place()];
+            let hits = lanes::quad(&one.ray(), &block.lanes(), Float::splat(best.t));
+            best.offer_lanes(hits, &block.primitive);
+        }
+        Kind::Triangle => {
+            let valid = block.valid();
+            let block = &blocks.triangles[block.place()];
+            let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));
+            let vertices = axes(|i| axes(|axis| Float::new(block.vertices[i][one.axes[axis]])));
+            let shear = one.vector(&one.table.shear);
+            let sheared = lanes::shear_triangles(origin, shear, vertices);
+            let candidates = sheared.candidates(valid);
+            if candidates != 0 {
+                let t_min = one.table.t_min[one.lane];
+                sheared.decide(candidates, |lane, t| {
+                    if t > t_min {
+                        best.offer(t, block.primitive[lane]);
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// Traces rays `first..end`: packet by packet against the blocks of `spanning`, then one by one
+/// through the tree. Returns the rays that it leaves to others, which are too wild for its box
+/// test.
+pub(super) fn trace<const ANY: bool, C: Count>(
+    tree: &WideTree,
+    (blocks, spanning): (&Blocks, &[BlockRef]),
+    extent: &Extent,
+    rays: &RayBatch,
+    (first, end): (usize, usize),
+    hits: &mut HitBatch,
+    count: &mut C,
+) -> Vec<usize> {
+    let mut wild = Vec::new();
+    let mut stack = vec![(0, 0.0); tree.stack];
+    for first in (first..end).step_by(RAYS) {
+        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
+        for &block in spanning {
+            packet.test::<ANY>(blocks, block, block.valid(), count);
+        }
+        trace_each::<ANY>(tree, &mut packet, &mut stack, count);
+        packet.store::<ANY>(first, end, hits);
+    }
+    wild
+}
+
+/// Takes the rays of `packet` through the tree one by one.
+#[inline(always)]
+pub(super) fn trace_each<const ANY: bool>(
+    tree: &WideTree,
+    packet: &mut Packet,
+    stack: &mut [(u32, f32)],
+    count: &mut impl Count,
+) {
+    if tree.nodes.is_empty() {
+        return;
+    }
+    for rays in packet.vectors_mut() {
+        let table = Table::new(&rays.setup);
+        let (mut t, mut primitive) = (rays.t.to_array(), rays.primitive.to_array());
+        for lane in Bits(rays.setup.active) {
+            let mut best = Best { t: t[lane], primitive: primitive[lane] };
+            if !(ANY && best.found()) {
+                let one = OneRay::new(&table, lane);
+                traverse::<ANY>(tree, &one, &mut best, stack, count);
+                (t[lane], primitive[lane]) = (best.t, best.primitive);
+            }
+        }
+        rays.t = Float::new(t);
+        rays.primitive = Int::new(primitive);
+    }
+}
+
+/// Visits the blocks in boxes that the ray enters, nearer boxes first.
+#[inline(always)]
+fn traverse<const ANY: bool>(
+    tree: &WideTree,
+    one: &OneRay<'_>,
+    best: &mut Best,
+    stack: &mut [(u32, f32)],
+    count: &mut impl Count,
+) {
+    let mut top = 0;
+    let mut next = 0;
+    loop {
+        if next & BlockRef::LEAF != 0 {
+            test(&tree.blocks, BlockRef::from_bits(next), one, best, count);
+            if ANY && best.found() {
+                return;
+            }
+        } else {
+            let node = &tree.nodes[next as usize];
+            let (entry, entered) = one.enter(node, best.t);
+            count.node(LANES as u32, entered.count_ones());
+            if entered != 0 {
+                let entry = entry.to_array();
+                if let Some(only) = push_sorted(node, &entry, entered, stack, &mut top) {
+                    next = only;
+                    continue;
+                }
+            }
+        }
+        loop {
+            if top == 0 {
+                return;
+            }
+            top -= 1;
+            // Pruned only when its entry is strictly beyond the best distance.
+            if stack[top].1 <= best.t {
+                next = stack[top].0;
+                break;
+            }
+        }
+    }
+}
+
+/// Puts the children of `node` whose bits are set in `entered` onto the stack, the nearest on
+/// top. If there is but one it is returned instead.
+#[inline(always)]
+pub(super) fn push_sorted(
+    node: &WideNode,
+    entry: &Lanes,
+    mut entered: u32,
+    stack: &mut [(u32, f32)],
+    top: &mut usize,
+) -> Option<u32> {
+    let lane = entered.trailing_zeros() as usize % LANES;
+    entered &= entered - 1;
+    if entered == 0 {
+        return Some(node.children[lane]);
+    }
+    let bottom = *top;
+    stack[bottom] = (node.children[lane], entry[lane]);
+    *top += 1;
+    for lane in Bits(entered) {
+        let child = (node.children[lane], entry[lane]);
+        let mut place = *top;
+        while place > bottom && stack[place - 1].1 < child.1 {
+            stack[place] = stack[place - 1];
+            place -= 1;
+        }
+        stack[place] = child;
+        *top += 1;
+    }
+    None
+}

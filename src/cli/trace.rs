@@ -1,0 +1,125 @@
+//! `ptfast trace`.
+
+use std::io::Write;
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::args::{KernelChoice, TraceArgs};
+use super::{notice, say};
+use crate::accel::{Accelerator, Kernel};
+use crate::error::Result;
+use crate::machine::Machine;
+use crate::output::{check_writable, write_atomically};
+use crate::rayset::{self, Query, RaySet, Replay};
+
+pub(super) fn run(args: &TraceArgs) -> Result<u8> {
+    if let Some(path) = &args.json {
+        check_writable(path)?;
+    }
+    let sets = rayset::read(&args.dir)?;
+    say(format_args!("scene   {}, {} primitives", sets.scene, sets.geometry.len()))?;
+    pin_to_one_core();
+    let start = Instant::now();
+    let accelerator = Accelerator::new(&sets.geometry, (0.0, 1.0));
+    let tree = start.elapsed().as_secs_f64();
+    let (mut rows, mut different, mut built) = (Vec::new(), 0, Vec::new());
+    for set in &sets.sets {
+        let kernels = kernels(args.kernel, &accelerator, set)?;
+        for &kernel in kernels.iter().filter(|kernel| !built.contains(*kernel)) {
+            say_build(&accelerator, kernel, tree, sets.geometry.len())?;
+        }
+        built.extend(&kernels);
+        for replay in rayset::replay(&accelerator, set, &kernels, args.reps) {
+            say_replay(set, &replay)?;
+            different += replay.different;
+            rows.push(json!({
+                "set": set.name,
+                "kernel": replay.kernel.name(),
+                "rays": set.rays.len(),
+                "mrays_per_s": replay.mrays_per_s,
+                "different": replay.different,
+                "counters": replay.counters,
+            }));
+        }
+    }
+    if let Some(path) = &args.json {
+        let machine = Machine::this();
+        let record = json!({
+            "schema": 1, "machine": machine, "scene": sets.scene, "kernels": rows
+        });
+        write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+    }
+    if different > 0 {
+        notice(format_args!("{}: {different} hits differ from the set's", args.dir.display()));
+        return Ok(1);
+    }
+    Ok(0)
+}
+
+/// Speed is told of one core: not of two in turn.
+fn pin_to_one_core() {
+    let core = core_affinity::get_core_ids().and_then(|cores| cores.into_iter().next());
+    if !core.is_some_and(core_affinity::set_for_current) {
+        notice(format_args!("cannot pin to one core, the speeds may vary more"));
+    }
+}
+
+/// The kernels that are asked for: by default all that may be fastest, and the reference.
+fn kernels(
+    choice: Option<KernelChoice>,
+    accelerator: &Accelerator<'_>,
+    set: &RaySet,
+) -> Result<Vec<Kernel>> {
+    Ok(match choice {
+        None => Kernel::ALL
+            .into_iter()
+            .filter(|&kernel| kernel == Kernel::Scalar || accelerator.may_win(kernel))
+            .collect(),
+        Some(KernelChoice::Kernel(kernel)) => vec![kernel],
+        Some(KernelChoice::Auto) => {
+            let kernel = accelerator.choose(set.query == Query::Occluded, &set.rays);
+            say(format_args!("choice  {:<8} {}", set.name, kernel.name()))?;
+            vec![kernel]
+        }
+    })
+}
+
+fn say_build(
+    accelerator: &Accelerator<'_>,
+    kernel: Kernel,
+    tree: f64,
+    primitives: usize,
+) -> Result<()> {
+    let (layout, name) = (accelerator.prepare(kernel), kernel.name());
+    let bytes = layout.bytes as f64 / primitives.max(1) as f64;
+    // The reference has a tree of its own, over all primitives.
+    let tree = if kernel == Kernel::Scalar { 0.0 } else { tree };
+    say(format_args!(
+        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {bytes:.1} bytes a primitive",
+        tree + layout.seconds,
+        layout.seconds,
+    ))
+}
+
+fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {
+    let (rays, counters) = (set.rays.len(), &replay.counters);
+    let a_ray = |count: u64| count as f64 / rays as f64;
+    let active = 100.0 * counters.lanes_active as f64 / counters.lanes_issued.max(1) as f64;
+    let work = if *counters == Default::default() {
+        String::new()
+    } else {
+        format!(
+            "  a ray: {:.2} nodes, {:.2} leaf tests, {active:.0}% of lanes active",
+            a_ray(counters.node_visits),
+            a_ray(counters.leaf_tests),
+        )
+    };
+    say(format_args!(
+        "{:<8}{:<8}{:>8.2} Mrays/s  {rays} rays  {} different{work}",
+        set.name,
+        replay.kernel.name(),
+        replay.mrays_per_s,
+        replay.different,
+    ))
+}

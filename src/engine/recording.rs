@@ -1,0 +1,81 @@
+//! The rays of paths, as the reference engine traces them.
+
+use super::scalar::{Intersect, PathTracer, ScalarEngine, Tree};
+use super::settings::RenderSettings;
+use crate::error::Result;
+use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
+
+/// What a ray is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// From the camera, for the closest hit.
+    Primary,
+    /// From a surface, for the closest hit.
+    Bounce,
+    /// From a surface to a light, for any hit.
+    Shadow,
+}
+
+/// A ray and what it hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracedRay {
+    /// What for.
+    pub kind: RayKind,
+    /// Segment of the path, from 1; of a shadow ray the one that it starts at the end of.
+    pub segment: u32,
+    /// The ray.
+    pub ray: Ray,
+    /// Upper end of the open interval of distances that starts at 0.
+    pub t_max: f32,
+    /// What it hits. A shadow ray's hit is primitive 0 at distance 0 where it is occluded.
+    pub hit: Option<Hit>,
+}
+
+/// Traces paths with the reference engine and tells their rays.
+#[derive(Debug)]
+pub struct PathRecorder<'a> {
+    scene: &'a Scene,
+    settings: RenderSettings,
+    engine: ScalarEngine<'a>,
+}
+
+impl<'a> PathRecorder<'a> {
+    /// # Errors
+    /// Where a setting is out of its range.
+    pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
+        settings.check()?;
+        Ok(Self { scene, engine: ScalarEngine::new(scene, &settings), settings })
+    }
+
+    /// The rays of sample `sample` of pixel `(x, y)`, in the order in which they are traced.
+    pub fn path(&self, x: u32, y: u32, sample: u32) -> Vec<TracedRay> {
+        let recording = Recording { tree: self.engine.tree(), rays: Vec::new() };
+        let mut tracer = PathTracer::new(self.scene, recording, &self.settings);
+        let (ray, key) = self.engine.camera_ray(x, y, sample);
+        tracer.radiance(ray, key);
+        tracer.intersect.rays
+    }
+}
+
+/// Keeps what it is asked and what it answers.
+struct Recording<'a> {
+    tree: Tree<'a>,
+    rays: Vec<TracedRay>,
+}
+
+impl Intersect for Recording<'_> {
+    fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit> {
+        let hit = self.tree.closest(ray, segment);
+        let kind = if segment == 1 { RayKind::Primary } else { RayKind::Bounce };
+        self.rays.push(TracedRay { kind, segment, ray: *ray, t_max: f32::INFINITY, hit });
+        hit
+    }
+
+    fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
+        let occluded = self.tree.occluded(ray, t_max, segment);
+        let hit = occluded.then_some(Hit { t: 0.0, primitive: 0 });
+        self.rays.push(TracedRay { kind: RayKind::Shadow, segment, ray: *ray, t_max, hit });
+        occluded
+    }
+}

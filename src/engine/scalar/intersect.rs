@@ -1,0 +1,33 @@
+//! What the path tracing loop asks of a scene's geometry.
+
+use crate::accel::Bvh2;
+use crate::geometry::{Geometry, Hit, Ray};
+
+/// Finds what rays hit, from distance 0 on.
+pub(in crate::engine) trait Intersect {
+    /// The closest hit along `ray`, segment `segment` of a path.
+    fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit>;
+
+    /// Whether anything lies before distance `t_max` of `ray`, a shadow ray from the end of
+    /// segment `segment`.
+    fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool;
+}
+
+/// The binary tree over a scene's primitives.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::engine) struct Tree<'a> {
+    pub(in crate::engine) tree: &'a Bvh2,
+    pub(in crate::engine) geometry: &'a Geometry,
+}
+
+impl Intersect for Tree<'_> {
+    #[inline]
+    fn closest(&mut self, ray: &Ray, _segment: u32) -> Option<Hit> {
+        self.tree.closest(self.geometry, ray, 0.0, f32::INFINITY)
+    }
+
+    #[inline]
+    fn occluded(&mut self, ray: &Ray, t_max: f32, _segment: u32) -> bool {
+        self.tree.occluded(self.geometry, ray, 0.0, t_max)
+    }
+}

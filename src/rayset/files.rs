@@ -1,0 +1,222 @@
+//! Ray sets as folders of raw arrays.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Query, RaySet, RaySets};
+use crate::accel::{HitBatch, RayBatch};
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use crate::output::write_atomically;
+
+/// The file that is written last, and so says that the folder is complete.
+const MANIFEST: &str = "manifest.json";
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Manifest {
+    scene: String,
+    seed: u64,
+    counts: Counts,
+    sets: Vec<SetEntry>,
+    image: [u32; 2],
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Counts {
+    spheres: usize,
+    quads: usize,
+    triangles: usize,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct SetEntry {
+    name: String,
+    kind: Query,
+    rays: usize,
+}
+
+/// Writes `sets` into `folder`, which is made if it is missing. Files of an older set are
+/// replaced; without `manifest.json`, the last to be written, a folder is no ray set.
+///
+/// # Errors
+/// Where the folder cannot be written.
+pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
+    let manifest = folder.join(MANIFEST);
+    match fs::remove_file(&manifest) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return Err(Error::io(&manifest, "replace")(error));
+        }
+        _ => {}
+    }
+    let Geometry { spheres, quads, triangles } = &sets.geometry;
+    let spheres_f32 = spheres.iter().flat_map(|s| {
+        let ([x, y, z], [x1, y1, z1]) = (s.center.to_array(), s.center1.to_array());
+        [x, y, z, s.radius, x1, y1, z1, 0.0]
+    });
+    write_floats(&folder.join("spheres.f32"), spheres_f32)?;
+    let quads_f32 = quads.iter().flat_map(|q| [q.q, q.u, q.v]).flat_map(|v| v.to_array());
+    write_floats(&folder.join("quads.f32"), quads_f32)?;
+    let triangles_f32 = triangles.iter().flat_map(|t| t.vertices).flat_map(|v| v.to_array());
+    write_floats(&folder.join("triangles.f32"), triangles_f32)?;
+    let moving = spheres.iter().any(|sphere| sphere.center != sphere.center1);
+    for set in &sets.sets {
+        let file = |extension: &str| folder.join(format!("{}.{extension}", set.name));
+        let rays = &set.rays;
+        let each = 0..rays.len();
+        write_floats(
+            &file("rays"),
+            each.clone().flat_map(|i| {
+                let (Ray { origin, direction, .. }, ..) = rays.get(i);
+                origin.to_array().into_iter().chain(direction.to_array())
+            }),
+        )?;
+        let range = |i: usize| {
+            let (_, t_min, t_max) = rays.get(i);
+            [t_min, t_max]
+        };
+        write_floats(&file("range"), each.clone().flat_map(range))?;
+        if moving {
+            write_floats(&file("time"), each.clone().map(|i| rays.get(i).0.time))?;
+        }
+        write_words(
+            &file("hits"),
+            each.flat_map(|i| [set.hits.t[i].to_bits(), set.hits.primitive[i]]),
+        )?;
+    }
+    let entry =
+        |set: &RaySet| SetEntry { name: set.name.clone(), kind: set.query, rays: set.rays.len() };
+    let content = Manifest {
+        scene: sets.scene.clone(),
+        seed: sets.seed,
+        counts: Counts { spheres: spheres.len(), quads: quads.len(), triangles: triangles.len() },
+        sets: sets.sets.iter().map(entry).collect(),
+        image: sets.image,
+    };
+    write_atomically(&manifest, |file| {
+        serde_json::to_writer(&mut *file, &content)?;
+        writeln!(file)
+    })
+}
+
+fn write_floats(path: &Path, values: impl Iterator<Item = f32>) -> Result<()> {
+    write_words(path, values.map(f32::to_bits))
+}
+
+fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> {
+    write_atomically(path, |file| words.try_for_each(|word| file.write_all(&word.to_le_bytes())))
+}
+
+/// Reads the ray sets in `folder`.
+///
+/// # Errors
+/// Where a file is missing, has not the length that the manifest says, or holds a primitive
+/// that cannot be.
+pub fn read(folder: &Path) -> Result<RaySets> {
+    let path = folder.join(MANIFEST);
+    let text = fs::read_to_string(&path).map_err(Error::io(&path, "read"))?;
+    let manifest: Manifest = serde_json::from_str(&text).map_err(|error| {
+        let place = format!("{}:{}", error.line(), error.column());
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        Error::input(path.display().to_string(), place, message)
+    })?;
+    let geometry = read_geometry(folder, &manifest.counts)?;
+    let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, geometry.len()));
+    let sets = sets.collect::<Result<Vec<RaySet>>>()?;
+    let Manifest { scene, seed, image, .. } = manifest;
+    Ok(RaySets { scene, seed, image, geometry, sets })
+}
+
+fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
+    let bad = |file: &str, index: usize, message: &str| {
+        Error::input(folder.join(file).display().to_string(), format!("[{index}]"), message)
+    };
+    let finite = |file: &str, index: usize, values: &[f32]| match values
+        .iter()
+        .all(|value| value.is_finite())
+    {
+        true => Ok(()),
+        false => Err(bad(file, index, "a coordinate is not finite")),
+    };
+    let mut geometry = Geometry::default();
+    let file = "spheres.f32";
+    for (index, sphere) in read_records::<8>(folder, file, counts.spheres)?.iter().enumerate() {
+        finite(file, index, sphere)?;
+        let &[x, y, z, radius, x1, y1, z1, _] = sphere;
+        if radius <= 0.0 {
+            return Err(bad(file, index, "the radius must be above 0"));
+        }
+        let (center, center1) = (Vec3::new(x, y, z), Vec3::new(x1, y1, z1));
+        geometry.spheres.push(Sphere { center, center1, radius });
+    }
+    let vectors =
+        |values: &[f32; 9]| [0, 3, 6].map(|i| Vec3::new(values[i], values[i + 1], values[i + 2]));
+    let file = "quads.f32";
+    for (index, quad) in read_records::<9>(folder, file, counts.quads)?.iter().enumerate() {
+        finite(file, index, quad)?;
+        let [q, u, v] = vectors(quad);
+        let quad = Quad::new(q, u, v).ok_or_else(|| bad(file, index, "the quad has no area"))?;
+        geometry.quads.push(quad);
+    }
+    let file = "triangles.f32";
+    for (index, triangle) in read_records::<9>(folder, file, counts.triangles)?.iter().enumerate() {
+        finite(file, index, triangle)?;
+        geometry.triangles.push(Triangle { vertices: vectors(triangle) });
+    }
+    Ok(geometry)
+}
+
+fn read_set(folder: &Path, entry: &SetEntry, primitives: usize) -> Result<RaySet> {
+    let name = |extension: &str| format!("{}.{extension}", entry.name);
+    let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
+    let range = read_records::<2>(folder, &name("range"), entry.rays)?;
+    let time = if folder.join(name("time")).exists() {
+        read_records::<1>(folder, &name("time"), entry.rays)?
+    } else {
+        vec![[0.0]; entry.rays]
+    };
+    let hits = read_records::<2>(folder, &name("hits"), entry.rays)?;
+    let mut set = RaySet {
+        name: entry.name.clone(),
+        query: entry.kind,
+        rays: RayBatch::default(),
+        hits: HitBatch::default(),
+    };
+    for (index, ((ray, [t_min, t_max]), [time])) in rays.iter().zip(range).zip(time).enumerate() {
+        let &[ox, oy, oz, dx, dy, dz] = ray;
+        let (origin, direction) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        set.rays.push(&Ray { origin, direction, time }, t_min, t_max);
+        let [t, primitive] = hits[index];
+        let primitive = primitive.to_bits();
+        if primitive != HitBatch::MISS && primitive as usize >= primitives {
+            let file = folder.join(name("hits")).display().to_string();
+            let message = format!("primitive {primitive} of {primitives}");
+            return Err(Error::input(file, format!("[{index}]"), message));
+        }
+        set.hits.t.push(t);
+        set.hits.primitive.push(primitive);
+    }
+    Ok(set)
+}
+
+/// `count` records of `N` little-endian f32.
+fn read_records<const N: usize>(folder: &Path, file: &str, count: usize) -> Result<Vec<[f32; N]>> {
+    let path = folder.join(file);
+    let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
+    if Some(bytes.len()) != count.checked_mul(4 * N) {
+        let message = format!(
+            "{} bytes, where {MANIFEST} says {count} records of {} bytes",
+            bytes.len(),
+            4 * N
+        );
+        return Err(Error::input(path.display().to_string(), "", message));
+    }
+    let (words, _) = bytes.as_chunks::<4>();
+    let (records, _) = words.as_chunks::<N>();
+    Ok(records.iter().map(|record| record.map(f32::from_le_bytes)).collect())
+}

@@ -1,0 +1,102 @@
+//! Recording the rays of a render.
+
+use rayon::prelude::*;
+
+use super::select::Selection;
+use super::{Query, RaySet, RaySets};
+use crate::accel::{HitBatch, RayBatch};
+use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
+use crate::error::Result;
+use crate::film::tiles;
+use crate::scene::Scene;
+
+/// Paths that are traced together, segment by segment.
+const WAVE: usize = 4096;
+/// Waves recorded before their rays are sorted into the sets: what bounds the memory.
+const WAVES_AT_ONCE: usize = 64;
+/// Side of the tiles of pixels that paths come from one after the other.
+const TILE: u32 = 8;
+
+const KINDS: [(RayKind, &str, Query); 3] = [
+    (RayKind::Primary, "primary", Query::Closest),
+    (RayKind::Bounce, "bounce", Query::Closest),
+    (RayKind::Shadow, "shadow", Query::Occluded),
+];
+
+/// The rays that a render of `scene` traces, at most `most` of each kind (2048 or more).
+///
+/// Paths come tile by tile of 8 × 8 pixels, in a tile sample by sample, in a sample row by
+/// row. Bounce and shadow rays come in waves of 4096 paths, segment by segment. The scene is
+/// traced twice: once to count the rays, once to keep those that are wanted.
+///
+/// # Errors
+/// Where a setting is out of its range.
+pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<RaySets> {
+    let recorder = PathRecorder::new(scene, settings.clone())?;
+    let mut totals = [0; 3];
+    for_each_ray(&recorder, settings, |kind, _| totals[kind as usize] += 1);
+    let mut sets: Vec<(Selection, RaySet)> = KINDS
+        .iter()
+        .zip(totals)
+        .map(|(&(_, name, query), total)| {
+            let (rays, hits) = (RayBatch::default(), HitBatch::default());
+            (Selection::new(total, most), RaySet { name: name.to_owned(), query, rays, hits })
+        })
+        .collect();
+    for_each_ray(&recorder, settings, |kind, traced| {
+        let (selection, set) = &mut sets[kind as usize];
+        if selection.next() {
+            set.rays.push(&traced.ray, 0.0, traced.t_max);
+            set.hits.push(traced.hit);
+        }
+    });
+    Ok(RaySets {
+        scene: scene.name().to_owned(),
+        seed: settings.seed,
+        image: [settings.width, settings.height],
+        geometry: scene.geometry().clone(),
+        sets: sets.into_iter().map(|(_, set)| set).filter(|set| !set.rays.is_empty()).collect(),
+    })
+}
+
+/// Calls `visit` with the rays of each kind in the order of the sets.
+fn for_each_ray(
+    recorder: &PathRecorder<'_>,
+    settings: &RenderSettings,
+    mut visit: impl FnMut(RayKind, &TracedRay),
+) {
+    let paths = tiles(settings.width, settings.height, TILE).into_iter().flat_map(|tile| {
+        (0..settings.spp).flat_map(move |sample| {
+            (tile.y..tile.y + tile.height)
+                .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (x, y, sample)))
+        })
+    });
+    let mut paths = paths.peekable();
+    while paths.peek().is_some() {
+        let waves: Vec<_> = paths.by_ref().take(WAVES_AT_ONCE * WAVE).collect();
+        let traced: Vec<Vec<TracedRay>> =
+            waves.par_iter().map(|&(x, y, sample)| recorder.path(x, y, sample)).collect();
+        for wave in traced.chunks(WAVE) {
+            for (kind, ..) in KINDS {
+                for_each_of_wave(wave, kind, |ray| visit(kind, ray));
+            }
+        }
+    }
+}
+
+/// Calls `visit` with the rays of one kind, segment by segment, paths in order.
+fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMut(&TracedRay)) {
+    let mut open: Vec<_> =
+        wave.iter().map(|path| path.iter().filter(|ray| ray.kind == kind).peekable()).collect();
+    for segment in 1.. {
+        open.retain_mut(|path| path.peek().is_some());
+        if open.is_empty() {
+            return;
+        }
+        for path in &mut open {
+            if let Some(ray) = path.next_if(|ray| ray.segment == segment) {
+                visit(ray);
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Replaying ray sets through kernels: every hit checked, every kernel timed.
+
+use std::time::Instant;
+
+use super::{Query, RaySet};
+use crate::accel::{Accelerator, Counters, HitBatch, Kernel};
+
+/// How a kernel did on a set.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// Millions of rays a second on one thread: the median over the repetitions.
+    pub mrays_per_s: f64,
+    /// Hits that differ from the set's in any bit.
+    pub different: usize,
+    /// The work of one repetition.
+    pub counters: Counters,
+}
+
+/// Rays traced with one call, as many as a wave of paths.
+const BATCH: usize = 16_384;
+
+/// Traces `set` through each of `kernels`, `repetitions` times in turn.
+pub fn replay(
+    accelerator: &Accelerator<'_>,
+    set: &RaySet,
+    kernels: &[Kernel],
+    repetitions: u32,
+) -> Vec<Replay> {
+    let mut hits = HitBatch::default();
+    let mut replays: Vec<Replay> = Vec::new();
+    for &kernel in kernels {
+        accelerator.prepare(kernel);
+        let mut counters = Counters::default();
+        hits.reset(set.rays.len());
+        for batch in batches(set) {
+            let any = set.query == Query::Occluded;
+            counters += accelerator.count(kernel, any, &set.rays, batch, &mut hits);
+        }
+        let different = differences(set, &hits);
+        replays.push(Replay { kernel, mrays_per_s: 0.0, different, counters });
+    }
+    let mut seconds = vec![Vec::new(); kernels.len()];
+    for _ in 0..repetitions {
+        for (replay, seconds) in replays.iter_mut().zip(&mut seconds) {
+            hits.reset(set.rays.len());
+            let start = Instant::now();
+            for batch in batches(set) {
+                match set.query {
+                    Query::Closest => {
+                        accelerator.closest(replay.kernel, &set.rays, batch, &mut hits);
+                    }
+                    Query::Occluded => {
+                        accelerator.occluded(replay.kernel, &set.rays, batch, &mut hits);
+                    }
+                }
+            }
+            seconds.push(start.elapsed().as_secs_f64());
+            replay.different = replay.different.max(differences(set, &hits));
+        }
+    }
+    for (replay, mut seconds) in replays.iter_mut().zip(seconds) {
+        seconds.sort_by(f64::total_cmp);
+        replay.mrays_per_s = set.rays.len() as f64 / seconds[seconds.len() / 2] * 1e-6;
+    }
+    replays
+}
+
+fn batches(set: &RaySet) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let count = set.rays.len();
+    (0..count).step_by(BATCH).map(move |first| first..count.min(first + BATCH))
+}
+
+fn differences(set: &RaySet, hits: &HitBatch) -> usize {
+    let same = |i: usize| {
+        let same_t = set.query == Query::Occluded || hits.t[i].to_bits() == set.hits.t[i].to_bits();
+        same_t && hits.primitive[i] == set.hits.primitive[i]
+    };
+    (0..hits.len()).filter(|&i| !same(i)).count()
+}

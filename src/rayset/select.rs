@@ -1,0 +1,57 @@
+//! Which rays of a recording are kept.
+
+/// Rays are kept in whole runs of this length, so that neighbours stay neighbours.
+pub(super) const RUN: u64 = 2048;
+
+/// Keeps at most so many of `total` rays, which come one by one: whole runs spread evenly.
+#[derive(Clone, Debug)]
+pub(super) struct Selection {
+    /// Runs there are, and runs to keep; `None` keeps every ray.
+    runs: Option<(u64, u64)>,
+    seen: u64,
+    /// Runs kept so far.
+    kept: u64,
+}
+
+impl Selection {
+    pub(super) fn new(total: u64, most: u64) -> Self {
+        let runs = (total > most).then_some((total / RUN, most / RUN));
+        Self { runs, seen: 0, kept: 0 }
+    }
+
+    /// Whether the next ray is kept.
+    pub(super) fn next(&mut self) -> bool {
+        let place = self.seen;
+        self.seen += 1;
+        let Some((runs, wanted)) = self.runs else { return true };
+        if self.kept == wanted || place / RUN != self.kept * runs / wanted {
+            return false;
+        }
+        if place % RUN == RUN - 1 {
+            self.kept += 1;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(total: u64, most: u64) -> Vec<u64> {
+        let mut selection = Selection::new(total, most);
+        (0..total).filter(|_| selection.next()).collect()
+    }
+
+    #[test]
+    fn whole_runs_are_kept_evenly() {
+        assert_eq!(kept(5000, 5000).len(), 5000, "all where they are few");
+        let some = kept(100 * RUN + 77, 25 * RUN + 5);
+        assert_eq!(some.len() as u64, 25 * RUN);
+        for (run, rays) in some.chunks_exact(RUN as usize).enumerate() {
+            assert_eq!(rays[0], run as u64 * 4 * RUN);
+            assert_eq!(rays[RUN as usize - 1], rays[0] + RUN - 1);
+        }
+        assert_eq!(kept(3 * RUN, RUN), (0..RUN).collect::<Vec<_>>());
+    }
+}

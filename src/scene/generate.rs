@@ -1,0 +1,233 @@
+//! Scenes of any size, made rather than read: `cloud:N` and `mesh:N`.
+//!
+//! They repeat, number by number, the stress scenes of a peer's benchmark, so that both
+//! programs trace the same primitives. All arithmetic is f32 in the order written.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::description::{
+    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, RenderDefaults, SceneFile,
+};
+use super::named::Named;
+use crate::error::{Error, Result};
+use crate::limits::MAX_GENERATED;
+use crate::math::normalize;
+use crate::math::precise::cbrt;
+use crate::math::random::Stream;
+
+/// A kind of scene and its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Generated {
+    /// So many spheres in a ball, a million in one of radius 100.
+    Cloud(u32),
+    /// About so many triangles: icosahedra of 20 480 on a jittered lattice, and a floor.
+    Mesh(u32),
+}
+
+impl Generated {
+    /// What `name` means, if it has the form `cloud:N` or `mesh:N`.
+    ///
+    /// # Errors
+    /// Where N is no number or out of range.
+    pub(super) fn parse(name: &str) -> Option<Result<Self>> {
+        let (kind, count) = name.split_once(':')?;
+        let (make, noun): (fn(u32) -> Self, _) = match kind {
+            "cloud" => (Self::Cloud, "spheres"),
+            "mesh" => (Self::Mesh, "triangles"),
+            _ => return None,
+        };
+        let count = count.parse().ok().filter(|n| (1..=MAX_GENERATED).contains(n));
+        Some(count.map(make).ok_or_else(|| {
+            Error::Usage(format!("`{name}`: the number of {noun} must be in 1 to {MAX_GENERATED}"))
+        }))
+    }
+
+    pub(super) fn scene(self) -> SceneFile {
+        match self {
+            Self::Cloud(count) => cloud(count),
+            Self::Mesh(count) => mesh(count),
+        }
+    }
+}
+
+fn scene(
+    look_from: [f32; 3],
+    vfov: f32,
+    materials: Named<MaterialFile>,
+    primitives: Vec<PrimitiveFile>,
+) -> SceneFile {
+    SceneFile {
+        camera: CameraFile {
+            look_from,
+            look_at: [0.0; 3],
+            up: [0.0, 1.0, 0.0],
+            vfov,
+            defocus_angle: 0.0,
+            focus_distance: 10.0,
+            shutter: (0.0, 0.0),
+        },
+        background: BackgroundFile::Constant { radiance: [0.70, 0.80, 1.00] },
+        render: RenderDefaults::default(),
+        textures: Named::default(),
+        materials,
+        primitives,
+    }
+}
+
+/// Spheres of radius 0.1 to 0.5, uniform in a ball whose density does not depend on their
+/// number; 64 materials, four in five diffuse.
+fn cloud(count: u32) -> SceneFile {
+    let mut random = Stream::new(12_345);
+    let radius = 100.0 * cbrt(f64::from(count as f32 / 1e6)) as f32;
+    let materials = (0..64).map(|index| {
+        let color = [(); 3].map(|()| 0.2 + 0.7 * random.uniform());
+        let albedo = Albedo::Color(color);
+        let kind = random.uniform();
+        let material = if kind < 0.80 {
+            MaterialFile::Lambertian { albedo }
+        } else if kind < 0.95 {
+            MaterialFile::Metal { albedo, fuzz: 0.3 * random.uniform() }
+        } else {
+            MaterialFile::Dielectric { ior: 1.5 }
+        };
+        (format!("m{index}"), material)
+    });
+    let materials = Named(materials.collect());
+    let mut primitives = Vec::with_capacity(count as usize);
+    while primitives.len() < count as usize {
+        let [x, y, z] = [(); 3].map(|()| 2.0 * random.uniform() - 1.0);
+        if x * x + y * y + z * z >= 1.0 {
+            continue;
+        }
+        primitives.push(PrimitiveFile::Sphere {
+            center: [x * radius, y * radius, z * radius],
+            radius: 0.1 + 0.4 * random.uniform(),
+            material: format!("m{}", random.bits() % 64),
+        });
+    }
+    scene([0.0, 40.0, 260.0], 45.0, materials, primitives)
+}
+
+/// Unit spheres of triangles on a cubic lattice of pitch 2.4, moved and scaled at random.
+fn mesh(count: u32) -> SceneFile {
+    let (sphere, faces) = icosphere(5);
+    let copies = (count / faces.len() as u32).max(1);
+    let side = (1..).find(|side: &u32| side.pow(3) >= copies).expect("some cube is large enough");
+    let middle = (side - 1) as f32 * 0.5;
+    let mut random = Stream::new(777);
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for copy in 0..copies {
+        let cell = [copy % side, copy / side % side, copy / (side * side)];
+        let center = cell.map(|cell| (cell as f32 - middle) * 2.4 + 0.6 * random.uniform());
+        let center = Vec3::from_array(center);
+        let radius = 0.6 + 0.6 * random.uniform();
+        let base = vertices.len() as u32;
+        vertices.extend(sphere.iter().map(|&v| (v * radius + center).to_array()));
+        indices.extend(faces.iter().map(|face| face.map(|vertex| base + vertex)));
+    }
+    let base = vertices.len() as u32;
+    let (floor, reach) = (-(side as f32) * 1.2 - 1.0, 60.0);
+    let corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)];
+    vertices.extend(corners.map(|(x, z)| [x, floor, z]));
+    indices.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
+    let gray = MaterialFile::Lambertian { albedo: Albedo::Color([0.7; 3]) };
+    let material = "gray".to_owned();
+    let materials = Named(vec![(material.clone(), gray)]);
+    let primitives = vec![PrimitiveFile::Triangles { vertices, indices, material }];
+    scene([0.0, 9.0, 22.0], 35.0, materials, primitives)
+}
+
+/// The icosahedron on the unit sphere, each face cut in four `levels` times.
+fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    const GOLDEN: f32 = 1.618_034;
+    let mut vertices: Vec<Vec3> = Vec::new();
+    for [a, b, c] in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+        for (one, golden) in [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
+            let corner = [one, golden * GOLDEN, 0.0];
+            vertices.push(normalize(Vec3::new(corner[a], corner[b], corner[c])));
+        }
+    }
+    let mut faces = vec![
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                vertices.push(normalize(vertices[a as usize] + vertices[b as usize]));
+                vertices.len() as u32 - 1
+            })
+        };
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (x, y, z) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, x, z], [b, y, x], [c, z, y], [x, y, z]]
+            })
+            .collect();
+    }
+    (vertices, faces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_parsed() {
+        assert_eq!(Generated::parse("cloud:7").unwrap().unwrap(), Generated::Cloud(7));
+        assert_eq!(Generated::parse("mesh:20480").unwrap().unwrap(), Generated::Mesh(20_480));
+        assert!(Generated::parse("spheres").is_none() && Generated::parse("fog:3").is_none());
+        for bad in ["cloud:", "mesh:0", "mesh:-1", "cloud:1e6", "cloud:99999999999"] {
+            assert!(Generated::parse(bad).unwrap().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn scenes_are_those_of_the_peer() {
+        // Of scenes whose arrays were equal, byte by byte, to those of the peer's program built
+        // without fused multiply-add.
+        for (name, hash) in [
+            ("cloud:1000", "5bdc1298665ef480e21fb993ecdc77eb6e228c273d657a1a794009200cf34fea"),
+            ("mesh:41000", "84b3df7009efb2f6a1d663749ad7cf9dbdff0ceb0bfd5fc94f25aae04816b95e"),
+        ] {
+            assert_eq!(crate::Scene::load(name).unwrap().hash(), hash, "{name}");
+        }
+    }
+
+    #[test]
+    fn an_icosphere_is_closed_and_round() {
+        let (vertices, faces) = icosphere(2);
+        assert_eq!((vertices.len(), faces.len()), (162, 320));
+        let mut edges = HashMap::new();
+        for [a, b, c] in faces {
+            for edge in [(a, b), (b, c), (c, a)] {
+                *edges.entry(edge).or_insert(0) += 1;
+            }
+        }
+        // Every edge once in either direction: closed, and all faces turned outward.
+        assert!(edges.iter().all(|(&(a, b), &n)| n == 1 && edges[&(b, a)] == 1));
+        assert!(vertices.iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,172 @@
+//! Vectors of f32.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{LANES, Lanes, Mask, Register, UintRegister};
+
+/// One f32 a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Float(pub(super) Register);
+
+impl Float {
+    pub(crate) const ZERO: Self = Self(Register::ZERO);
+    pub(crate) const INFINITY: Self = Self(Register::new([f32::INFINITY; LANES]));
+
+    /// `value` in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(value: f32) -> Self {
+        Self(Register::splat(value))
+    }
+
+    #[inline(always)]
+    pub(crate) fn new(lanes: Lanes) -> Self {
+        Self(Register::new(lanes))
+    }
+
+    #[inline(always)]
+    pub(crate) fn to_array(self) -> Lanes {
+        self.0.to_array()
+    }
+
+    /// The first lanes of `from`, which must have as many.
+    #[inline(always)]
+    pub(crate) fn load(from: &[f32]) -> Self {
+        Self::new(*from.first_chunk().expect("a whole vector"))
+    }
+
+    /// Writes the first lanes of `to`, which must have as many.
+    #[inline(always)]
+    pub(crate) fn store(self, to: &mut [f32]) {
+        *to.first_chunk_mut().expect("a whole vector") = self.to_array();
+    }
+
+    #[inline(always)]
+    pub(crate) fn first(self) -> f32 {
+        self.to_array()[0]
+    }
+
+    /// The least lane, in every lane.
+    #[inline(always)]
+    pub(crate) fn least(self) -> Self {
+        self.reduce(Self::min)
+    }
+
+    /// The largest lane, in every lane.
+    #[inline(always)]
+    pub(crate) fn most(self) -> Self {
+        self.reduce(Self::max)
+    }
+
+    #[inline(always)]
+    fn reduce(mut self, f: impl Fn(Self, Self) -> Self) -> Self {
+        let mut apart = LANES / 2;
+        while apart > 0 {
+            let other = UintRegister::new(std::array::from_fn(|i| (i ^ apart) as u32));
+            self = f(self, Self(self.0.shuffle(other)));
+            apart /= 2;
+        }
+        self
+    }
+
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    /// The magnitude of `self` with the sign of `sign`.
+    #[inline(always)]
+    pub(crate) fn copysign(self, sign: Self) -> Self {
+        let negative_zero = Register::splat(-0.0);
+        Self((self.0 & !negative_zero) | (sign.0 & negative_zero))
+    }
+
+    /// `if self < other { self } else { other }`.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        // What minps does; elsewhere the fast minimum may treat NaN otherwise.
+        if cfg!(target_arch = "x86_64") {
+            Self(self.0.fast_min(other.0))
+        } else {
+            self.lt(other).select(self, other)
+        }
+    }
+
+    /// `if self > other { self } else { other }`.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            Self(self.0.fast_max(other.0))
+        } else {
+            self.gt(other).select(self, other)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn lt(self, other: Self) -> Mask {
+        Mask(self.0.simd_lt(other.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn le(self, other: Self) -> Mask {
+        Mask(self.0.simd_le(other.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn gt(self, other: Self) -> Mask {
+        Mask(self.0.simd_gt(other.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn ge(self, other: Self) -> Mask {
+        Mask(self.0.simd_ge(other.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn eq(self, other: Self) -> Mask {
+        Mask(self.0.simd_eq(other.0))
+    }
+
+    /// `self * a + b` with one rounding or two, whichever is faster here.
+    #[inline(always)]
+    pub(crate) fn free_mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_add(a.0, b.0))
+    }
+
+    /// `self * a - b` with one rounding or two, whichever is faster here.
+    #[inline(always)]
+    pub(crate) fn free_mul_sub(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_sub(a.0, b.0))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl $trait for Float {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl Neg for Float {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}

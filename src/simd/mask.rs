@@ -1,0 +1,101 @@
+//! Which lanes.
+
+use std::ops::{BitAnd, BitOr, Not};
+
+use super::{Float, LANES, Register, UintRegister};
+
+/// One truth value a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mask(pub(super) Register);
+
+impl Mask {
+    pub(crate) const NONE: Self = Self(Register::ZERO);
+
+    /// The lanes whose bit is set.
+    #[inline(always)]
+    pub(crate) fn from_bits(bits: u32) -> Self {
+        const BIT: UintRegister = {
+            let (mut lanes, mut lane) = ([0; LANES], 0);
+            while lane < LANES {
+                lanes[lane] = 1 << lane;
+                lane += 1;
+            }
+            UintRegister::new(lanes)
+        };
+        Self(Register::from_bits((UintRegister::splat(bits) & BIT).simd_eq(BIT)))
+    }
+
+    #[inline(always)]
+    pub(crate) fn any(self) -> bool {
+        self.0.any()
+    }
+
+    #[inline(always)]
+    pub(crate) fn all(self) -> bool {
+        self.0.all()
+    }
+
+    /// Bit i is lane i.
+    #[inline(always)]
+    pub(crate) fn bits(self) -> u32 {
+        self.0.to_bitmask()
+    }
+
+    /// `yes` where it is true, else `no`.
+    #[inline(always)]
+    pub(crate) fn select(self, yes: Float, no: Float) -> Float {
+        Float(self.0.select(yes.0, no.0))
+    }
+}
+
+impl BitAnd for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+/// The lowest `count` bits, or all where there are no more.
+#[inline(always)]
+pub(crate) fn first_bits(count: usize) -> u32 {
+    !u32::MAX.unbounded_shl(count as u32)
+}
+
+/// The positions of the bits of a mask, from the lowest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bits(pub(crate) u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        // Known to the compiler, no index by a lane is checked.
+        (lane < LANES).then_some(lane)
+    }
+}

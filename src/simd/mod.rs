@@ -1,0 +1,117 @@
+//! Lanes: vectors of [`LANES`] numbers, structure-of-arrays.
+//!
+//! The vocabulary of every kernel: a kernel is written once over [`Float`] and becomes 16
+//! lanes where AVX-512 is compiled in, 8 elsewhere (one AVX register, two of SSE2). Nothing
+//! outside this module names the crate below.
+//!
+//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`] and sign operations
+//! are contract arithmetic: each lane is what the scalar of the same name in
+//! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
+//! not: they may only decide where to look.
+
+mod float;
+mod int;
+mod mask;
+mod vec3x;
+
+pub(crate) use float::Float;
+pub(crate) use int::Int;
+pub(crate) use mask::{Bits, Mask, first_bits};
+pub(crate) use vec3x::{Vec3x, axes};
+
+#[cfg(not(target_feature = "avx512f"))]
+use wide::{f32x8 as Register, u32x8 as UintRegister};
+#[cfg(target_feature = "avx512f")]
+use wide::{f32x16 as Register, u32x16 as UintRegister};
+
+/// Numbers in a vector.
+pub(crate) const LANES: usize = if cfg!(target_feature = "avx512f") { 16 } else { 8 };
+
+/// One number a lane, as it lies in memory.
+pub(crate) type Lanes<T = f32> = [T; LANES];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+    use crate::math::random::Stream;
+
+    /// Numbers of every kind: any bits at all, or one of the special ones.
+    fn numbers(random: &mut Stream) -> Lanes {
+        const SPECIAL: [f32; 8] =
+            [0.0, -0.0, 1.0, -1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40];
+        std::array::from_fn(|_| match random.bits() % 3 {
+            0 => SPECIAL[(random.bits() % 8) as usize],
+            1 => f32::from_bits(random.bits() as u32),
+            _ => random.between(-4.0, 4.0),
+        })
+    }
+
+    /// The same number, or both NaN, whose bits are nobody's.
+    #[track_caller]
+    fn same(vector: Float, scalar: impl Fn(usize) -> f32) {
+        for (lane, value) in vector.to_array().into_iter().enumerate() {
+            let want = scalar(lane);
+            assert!(value.to_bits() == want.to_bits() || (value.is_nan() && want.is_nan()));
+        }
+    }
+
+    #[test]
+    fn operations_are_those_of_scalars() {
+        let mut random = Stream::new(1);
+        for _ in 0..20_000 {
+            let (a, b) = (numbers(&mut random), numbers(&mut random));
+            let (x, y) = (Float::new(a), Float::new(b));
+            same(x + y, |i| a[i] + b[i]);
+            same(x - y, |i| a[i] - b[i]);
+            same(x * y, |i| a[i] * b[i]);
+            same(x / y, |i| a[i] / b[i]);
+            same(-x, |i| -a[i]);
+            same(x.sqrt(), |i| a[i].sqrt());
+            same(x.abs(), |i| a[i].abs());
+            same(x.copysign(y), |i| a[i].copysign(b[i]));
+            same(x.min(y), |i| math::min(a[i], b[i]));
+            same(x.max(y), |i| math::max(a[i], b[i]));
+            same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
+            type Compare = fn(&f32, &f32) -> bool;
+            let comparisons: [(Mask, Compare); 5] = [
+                (x.lt(y), f32::lt),
+                (x.le(y), f32::le),
+                (x.gt(y), f32::gt),
+                (x.ge(y), f32::ge),
+                (x.eq(y), f32::eq),
+            ];
+            for (mask, scalar) in comparisons {
+                let bits = (0..LANES).map(|i| u32::from(scalar(&a[i], &b[i])) << i).sum();
+                assert_eq!(mask.bits(), bits);
+                assert_eq!(Mask::from_bits(bits).bits(), bits);
+                assert_eq!((!mask).bits(), bits ^ first_bits(LANES));
+                assert_eq!((mask.any(), mask.all()), (bits != 0, bits == first_bits(LANES)));
+                assert_eq!(Bits(bits).map(|lane| 1 << lane).sum::<u32>(), bits);
+            }
+        }
+    }
+
+    #[test]
+    fn reductions_and_integers() {
+        let mut random = Stream::new(2);
+        for _ in 0..1000 {
+            let a: Lanes = std::array::from_fn(|_| random.between(-1.0, 1.0));
+            let least = a.into_iter().fold(f32::INFINITY, math::min);
+            let most = a.into_iter().fold(f32::NEG_INFINITY, math::max);
+            same(Float::new(a).least(), |_| least);
+            same(Float::new(a).most(), |_| most);
+            let (p, q): (Lanes<u32>, Lanes<u32>) = (
+                std::array::from_fn(|_| random.bits() as u32 % 3),
+                std::array::from_fn(|_| random.bits() as u32 % 3),
+            );
+            let equal = Int::new(p).eq(Int::new(q));
+            let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
+            for i in 0..LANES {
+                assert_eq!(equal.bits() >> i & 1 == 1, p[i] == q[i]);
+                assert_eq!(chosen[i], if p[i] == q[i] { 9 } else { q[i] });
+            }
+        }
+        assert_eq!((first_bits(0), first_bits(3), first_bits(99)), (0, 7, u32::MAX));
+    }
+}

@@ -1,0 +1,73 @@
+//! Vectors of glam's Vec3, in contract order.
+
+use std::ops::{Add, Index, Mul, Sub};
+
+use super::{Float, Lanes};
+
+/// `f` of each axis. Unlike `[0, 1, 2].map(f)` it is inlined however large the values.
+#[inline(always)]
+pub(crate) fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
+/// One Vec3 a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vec3x(pub(crate) [Float; 3]);
+
+impl Vec3x {
+    pub(crate) const ZERO: Self = Self([Float::ZERO; 3]);
+
+    #[inline(always)]
+    pub(crate) fn new(lanes: &[Lanes; 3]) -> Self {
+        Self([Float::new(lanes[0]), Float::new(lanes[1]), Float::new(lanes[2])])
+    }
+
+    /// `lanes[..][lane]` in every lane.
+    #[inline(always)]
+    pub(crate) fn splat_lane(lanes: &[Lanes; 3], lane: usize) -> Self {
+        Self(axes(|axis| Float::splat(lanes[axis][lane])))
+    }
+
+    /// [`crate::math::dot`].
+    #[inline(always)]
+    pub(crate) fn dot(self, other: Self) -> Float {
+        let ([ax, ay, az], [bx, by, bz]) = (self.0, other.0);
+        ax * bx + ay * by + az * bz
+    }
+}
+
+impl Index<usize> for Vec3x {
+    type Output = Float;
+
+    #[inline(always)]
+    fn index(&self, axis: usize) -> &Float {
+        &self.0[axis]
+    }
+}
+
+impl Add for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(axes(|axis| self.0[axis] + other.0[axis]))
+    }
+}
+
+impl Sub for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(axes(|axis| self.0[axis] - other.0[axis]))
+    }
+}
+
+impl Mul<Float> for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, by: Float) -> Self {
+        Self(axes(|axis| self.0[axis] * by))
+    }
+}
