@@ -175,7 +175,7 @@ fn traverse<const ANY: bool>(
             count.node(LANES as u32, entered.count_ones());
             if entered != 0 {
                 let entry: Lanes = entry.to_array();
-                if let Some(only) = push_sorted(node, &entry, entered, stack, &mut top) {
+                if let Some(only) = push_sorted(tree, node, &entry, entered, stack, &mut top) {
                     next = only;
                     continue;
                 }

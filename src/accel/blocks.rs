@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::lanes::QuadLanes;
 use crate::geometry::{Geometry, Primitive};
-use crate::simd::{Float, LANES, Lanes, Vec3x};
+use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
 
 /// The kinds that have a test of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -222,6 +222,17 @@ impl Blocks {
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()
+    }
+
+    /// Asks for the memory of a block.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, block: BlockRef) {
+        match block.kind() {
+            Kind::Sphere => prefetch(&self.spheres[block.place()]),
+            Kind::MovingSphere => prefetch(&self.moving_spheres[block.place()]),
+            Kind::Quad => prefetch(&self.quads[block.place()]),
+            Kind::Triangle => prefetch(&self.triangles[block.place()]),
+        }
     }
 
     /// Size in memory.

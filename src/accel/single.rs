@@ -279,7 +279,7 @@ fn traverse<const ANY: bool>(
             count.node(LANES as u32, entered.count_ones());
             if entered != 0 {
                 let entry = entry.to_array();
-                if let Some(only) = push_sorted(node, &entry, entered, stack, &mut top) {
+                if let Some(only) = push_sorted(tree, node, &entry, entered, stack, &mut top) {
                     next = only;
                     continue;
                 }
@@ -303,6 +303,7 @@ fn traverse<const ANY: bool>(
 /// top. If there is but one it is returned instead.
 #[inline(always)]
 pub(super) fn push_sorted(
+    tree: &WideTree,
     node: &WideNode,
     entry: &Lanes,
     mut entered: u32,
@@ -326,6 +327,11 @@ pub(super) fn push_sorted(
         }
         stack[place] = child;
         *top += 1;
+    }
+    if tree.is_large {
+        for &(child, _) in &stack[bottom..*top - 1] {
+            tree.prefetch(child);
+        }
     }
     None
 }

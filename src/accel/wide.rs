@@ -2,10 +2,10 @@
 //! binary tree.
 
 use super::binary::{Below, BinaryTree};
-use super::blocks::{Blocks, Kind};
+use super::blocks::{BlockRef, Blocks, Kind};
 use crate::geometry::{Bounds, Geometry};
 use crate::math::min;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, prefetch};
 
 /// A node: the boxes of its children, and what they are.
 #[derive(Clone, Debug)]
@@ -43,7 +43,12 @@ pub(super) struct WideTree {
     pub(super) blocks: Blocks,
     /// What a traversal's stack must hold.
     pub(super) stack: usize,
+    /// Whether it is larger than caches that are fast.
+    pub(super) is_large: bool,
 }
+
+/// Size from which a tree is larger than the caches that are fast.
+const LARGE: usize = 1 << 20;
 
 /// Cost of a node's visit over that of a block's test.
 const NODE_COST: f32 = 1.0;
@@ -55,7 +60,8 @@ impl WideTree {
     /// cost (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
     /// Compressed Wide BVHs", section 3), with leaves of one kind and up to a block.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let mut layout = Self { nodes: Vec::new(), blocks: Blocks::default(), stack: 1 };
+        let mut layout =
+            Self { nodes: Vec::new(), blocks: Blocks::default(), stack: 1, is_large: false };
         if tree.nodes.is_empty() {
             return layout;
         }
@@ -80,7 +86,18 @@ impl WideTree {
                 layout.nodes[place].set(lane, bounds, reference);
             }
         }
+        layout.is_large = layout.bytes() > LARGE;
         layout
+    }
+
+    /// Asks for the memory of a node or block.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, next: u32) {
+        if next & BlockRef::LEAF == 0 {
+            prefetch(&self.nodes[next as usize]);
+        } else {
+            self.blocks.prefetch(BlockRef::from_bits(next));
+        }
     }
 
     /// Size in memory.

@@ -12,11 +12,13 @@
 mod float;
 mod int;
 mod mask;
+mod prefetch;
 mod vec3x;
 
 pub(crate) use float::Float;
 pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, first_bits};
+pub(crate) use prefetch::prefetch;
 pub(crate) use vec3x::{Vec3x, axes};
 
 #[cfg(not(target_feature = "avx512f"))]
