@@ -7,7 +7,7 @@ use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
 use ptfast::geometry::{Geometry, Hit, Quad, Ray, Sphere, Triangle};
 use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
-use ptfast::math::{cross, normalize};
+use ptfast::math::{cross, length, normalize};
 
 fn vector(random: &mut Stream, size: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.between(-size, size)))
@@ -180,11 +180,54 @@ fn check_kernels(
     assert!(hit > rays / 10, "{name}: only {hit} of {rays} rays hit anything");
 }
 
+/// Rays of which the neighbours are as the kernels for coherent rays want them: bundles of
+/// like rays, by turns from one point, and side by side along one of the axes.
+struct Bundles<'a> {
+    random: Stream,
+    geometry: &'a Geometry,
+    scale: f32,
+    shift: Vec3,
+    base: Ray,
+}
+
+impl<'a> Bundles<'a> {
+    const SIZE: usize = 64;
+
+    fn new(seed: u64, geometry: &'a Geometry, scale: f32, shift: Vec3) -> Self {
+        let base = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
+        Self { random: Stream::new(seed), geometry, scale, shift, base }
+    }
+
+    fn next(&mut self, i: usize) -> (Ray, f32) {
+        let Self { random, geometry, scale, shift, base } = self;
+        let bundle = i / Self::SIZE;
+        if i.is_multiple_of(Self::SIZE) {
+            *base = adversarial(random, bundle, geometry, *scale, *shift).0;
+        }
+        let wide = [1e-6, 1e-3, 0.1][bundle % 3];
+        let mut ray = *base;
+        let length = length(ray.direction);
+        if bundle % 2 == 0 {
+            // To a target near the first ray's, often the very corner of something.
+            let near = target(random, geometry, ray.origin, *scale, *shift) - ray.origin;
+            let to = near * (length / (1e-30 + near.length_squared().sqrt()));
+            ray.direction += (to - ray.direction) * (wide * random.uniform());
+            ray.direction += vector(random, wide * length);
+        } else {
+            ray.origin += vector(random, wide * *scale);
+        }
+        ray.time = random.uniform();
+        (ray, f32::INFINITY)
+    }
+}
+
 fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
     let mut random = Stream::new(99);
     let make = |i| adversarial(&mut random, i, geometry, scale, shift);
     let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
     check_kernels(name, geometry, rays, make, oracle);
+    let mut bundles = Bundles::new(98, geometry, scale, shift);
+    check_kernels(name, geometry, rays, |i| bundles.next(i), oracle);
 }
 
 #[test]
@@ -331,6 +374,8 @@ fn generated_scenes() {
         let make = |i| adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
         let oracle = |ray: &Ray, t_max| tree.closest(geometry, ray, 0.0, t_max);
         check_kernels(name, geometry, RAYS, make, oracle);
+        let mut bundles = Bundles::new(18, geometry, scale, Vec3::ZERO);
+        check_kernels(name, geometry, RAYS, |i| bundles.next(i), oracle);
     }
 }
 
