@@ -277,6 +277,15 @@ fn damaged_ray_sets_are_refused() {
     damage("primary.hits", |b| b[5] = 7, 65, &["primary.hits:[0]: primitive", " of 3"]);
     damage("spheres.f32", |b| b[12..16].fill(0), 65, &["spheres.f32:[0]: the radius"]);
     damage("spheres.f32", |b| b[0..4].fill(255), 65, &["spheres.f32:[0]", "not finite"]);
+    damage(
+        "primary.range",
+        |b| b[0..4].copy_from_slice(&(-1f32).to_le_bytes()),
+        65,
+        &["primary.range:[0]: t_min"],
+    );
+    let rename =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "../abc").into();
+    damage("manifest.json", rename, 65, &["manifest.json:sets[1]: must be primary"]);
     damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
     fs::remove_file(here.join("set/bounce.range")).unwrap();
     fails(here, &trace, 74, &["bounce.range: cannot read"]);

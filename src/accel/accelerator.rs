@@ -77,8 +77,9 @@ struct Flat {
     extent: Extent,
 }
 
-/// Rays that every kernel is tried on, and how often.
-const TRIAL_RAYS: usize = 8192;
+/// Runs of rays that every kernel is tried on, their length, and how often.
+const TRIAL_RUNS: usize = 32;
+const TRIAL_RUN: usize = 512;
 const TRIALS: usize = 3;
 
 /// Above this, single rays and beams were faster than packets on every set.
@@ -126,19 +127,23 @@ impl<'a> Accelerator<'a> {
         Layout { bytes, seconds }
     }
 
-    /// The kernel that is fastest on the first rays of `rays`, found by trying.
+    /// The kernel that is fastest on runs of rays from all over `rays`, found by trying.
     pub fn choose(&self, any: bool, rays: &RayBatch) -> Kernel {
-        let range = 0..rays.len().min(TRIAL_RAYS);
+        let apart = (rays.len() / TRIAL_RUNS).max(TRIAL_RUN);
+        let runs = (0..rays.len()).step_by(apart);
+        let runs = runs.map(|first| first..rays.len().min(first + TRIAL_RUN));
         let mut hits = HitBatch::misses(rays.len());
         let mut fastest = (f64::INFINITY, Kernel::Single);
         for kernel in Kernel::ALL.into_iter().filter(|kernel| self.may_win(*kernel)) {
             self.prepare(kernel);
             for _ in 0..TRIALS {
                 let start = Instant::now();
-                if any {
-                    self.occluded(kernel, rays, range.clone(), &mut hits);
-                } else {
-                    self.closest(kernel, rays, range.clone(), &mut hits);
+                for run in runs.clone() {
+                    if any {
+                        self.occluded(kernel, rays, run, &mut hits);
+                    } else {
+                        self.closest(kernel, rays, run, &mut hits);
+                    }
                 }
                 let seconds = start.elapsed().as_secs_f64();
                 if seconds < fastest.0 {

@@ -9,7 +9,7 @@ use crate::simd::LANES;
 ///
 /// The arrays are longer than there are rays, so that a vector can be loaded from any place
 /// where a ray is; what is beyond the rays is NaN.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct RayBatch {
     len: usize,
     pub(super) origin: [Vec<f32>; 3],
@@ -30,8 +30,12 @@ impl RayBatch {
         self.len == 0
     }
 
-    /// Adds a ray. `t_min` is 0 or more.
+    /// Adds a ray.
+    ///
+    /// # Panics
+    /// Where `t_min` is below 0.
     pub fn push(&mut self, ray: &Ray, t_min: f32, t_max: f32) {
+        assert!(!(t_min < 0.0), "t_min must be 0 or more, is {t_min}");
         let index = self.len;
         self.len += 1;
         if self.len + LANES > self.time.len() {

@@ -37,10 +37,11 @@ struct Beam {
 }
 
 impl Beam {
+    /// The beam of the rays that are there, if there are any.
     #[inline(always)]
-    fn new(packet: &Packet, octants: &Octants) -> Self {
+    fn new(packet: &Packet, octants: &Octants) -> Option<Self> {
         let [a, b] = packet.vectors();
-        let longest = a.longest_axis_of_first();
+        let longest = a.longest_axis_of_first().or_else(|| b.longest_axis_of_first())?;
         let scales = [a.scale(longest), b.scale(longest)];
         let least =
             |x: Float, y: Float| a.only(x, Float::INFINITY).min(b.only(y, Float::INFINITY)).least();
@@ -69,7 +70,7 @@ impl Beam {
             beam.near_offsets[axis] = [near * low, near * high];
             beam.far_offsets[axis] = [far * low, far * high];
         }
-        beam
+        Some(beam)
     }
 
     /// A bound of where any ray enters the boxes, and the bits of the boxes that the beam
@@ -138,8 +139,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
             let octants = Octants::new(&packet);
             if octants.mixed {
                 trace_each::<ANY>(tree, &mut packet, &mut stack, count);
-            } else {
-                let beam = Beam::new(&packet, &octants);
+            } else if let Some(beam) = Beam::new(&packet, &octants) {
                 traverse::<ANY>(tree, &mut packet, &beam, &mut stack, count);
             }
         }

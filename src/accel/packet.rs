@@ -187,19 +187,20 @@ impl Packet {
 
 /// What a beam asks of its rays.
 impl Rays {
-    /// The axis on which the first ray that is there goes fastest.
+    /// The axis on which the first ray that is there goes fastest; `None` where none is.
     #[inline(always)]
-    pub(super) fn longest_axis_of_first(&self) -> usize {
-        let lane = self.setup.active.trailing_zeros() as usize % LANES;
+    pub(super) fn longest_axis_of_first(&self) -> Option<usize> {
+        let lane = Bits(self.setup.active).next()?;
         let speed = axes(|axis| self.setup.ray.direction[axis].to_array()[lane].abs());
         let most = if speed[0] > speed[1] { 0 } else { 1 };
-        if speed[2] > speed[most] { 2 } else { most }
+        Some(if speed[2] > speed[most] { 2 } else { most })
     }
 
-    /// How fast the rays go along `axis`; 1 for those that are not there.
+    /// How fast the rays go along `axis`, above 0; 1 for those that are not there.
     #[inline(always)]
     pub(super) fn scale(&self, axis: usize) -> Float {
-        self.only(self.setup.ray.direction[axis].abs(), Float::splat(1.0))
+        let one = Float::splat(1.0);
+        self.only(one / self.setup.slab.inverse[axis].abs(), one)
     }
 
     /// `value` of the rays that are there, else `none`.

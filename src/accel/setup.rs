@@ -100,7 +100,8 @@ impl Setup {
             & largest.ge(Float::splat(TAME_DIRECTION.start))
             & largest.le(Float::splat(TAME_DIRECTION.end));
         let tame = if extent.tame { tame.bits() } else { 0 };
-        let real = (finite & moves).bits() & first_bits(end - first);
+        // Nothing lies in an interval that is empty or NaN.
+        let real = (finite & moves & t_min.lt(t_max)).bits() & first_bits(end - first);
 
         let length2 = direction.dot(direction);
         let one = Float::splat(1.0);

@@ -1,4 +1,4 @@
-//! Wide nodes for single rays: as many children as there are lanes, collapsed from the
+//! Wide nodes for beams and single rays: as many children as there are lanes, collapsed from the
 //! binary tree.
 
 use super::binary::{Below, BinaryTree};
@@ -158,8 +158,8 @@ impl<'a> Plan<'a> {
                 }
             }
         }
-        // The root is a node, whatever it costs.
-        plan.blocks[0] = false;
+        // The root is a node, whatever it costs; a single primitive is its own child.
+        plan.blocks[0] = plan.counts[0] == 1;
         plan
     }
 

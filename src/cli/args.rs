@@ -184,7 +184,7 @@ pub(super) struct TraceArgs {
     /// Folder that `ptfast rays` wrote
     #[arg(value_name = "DIR")]
     pub(super) dir: PathBuf,
-    /// The kernel, or auto for the one that is fastest on the first rays of each set
+    /// The kernel, or auto for the one that is fastest on some rays of each set
     /// [default: all that might be, and scalar]
     #[arg(long, value_name = "KERNEL", value_parser = named(&KernelChoice::ALL, KernelChoice::name))]
     pub(super) kernel: Option<KernelChoice>,

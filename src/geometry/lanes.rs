@@ -58,6 +58,8 @@ pub(crate) fn filtered_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> O
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let f2 = fz.free_mul_add(fz, fy.free_mul_add(fy, fx * fx));
     let radius2 = radius * (radius * Float::splat(1.0 + 8.0 * UNIT_ROUNDOFF));
+    // The tiny number is for underflow.
+    let radius2 = radius2 + Float::splat(1e-36);
     // −(f·f − r²) and then −(l·l − r²), both too large by the margin.
     let inside = f2.free_mul_add(Float::splat(-1.0 + 64.0 * UNIT_ROUNDOFF), radius2);
     let discriminant = (away * ray.inv_length2).free_mul_add(away, inside);

@@ -55,10 +55,13 @@ pub fn cbrt(x: f64) -> f64 {
     }
     // Newton's method from above, which falls monotonically: 3/2 a step while far off.
     let mut root = if x > 1.0 { x } else { 1.0 };
-    for _ in 0..2000 {
-        root = (2.0 * root + x / (root * root)) / 3.0;
+    loop {
+        let next = (2.0 * root + x / (root * root)) / 3.0;
+        if !(next < root) {
+            return root;
+        }
+        root = next;
     }
-    root
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::record::KINDS;
 use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
@@ -47,11 +48,11 @@ struct SetEntry {
 pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
     let manifest = folder.join(MANIFEST);
-    match fs::remove_file(&manifest) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            return Err(Error::io(&manifest, "replace")(error));
+    remove(&manifest)?;
+    for (_, name, _) in KINDS {
+        for extension in ["rays", "range", "time", "hits"] {
+            remove(&folder.join(format!("{name}.{extension}")))?;
         }
-        _ => {}
     }
     let Geometry { spheres, quads, triangles } = &sets.geometry;
     let spheres_f32 = spheres.iter().flat_map(|s| {
@@ -103,6 +104,16 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     })
 }
 
+/// Removes a file of an older set, if there is one.
+fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(Error::io(path, "replace")(error))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn write_floats(path: &Path, values: impl Iterator<Item = f32>) -> Result<()> {
     write_words(path, values.map(f32::to_bits))
 }
@@ -126,6 +137,15 @@ pub fn read(folder: &Path) -> Result<RaySets> {
         Error::input(path.display().to_string(), place, message)
     })?;
     let geometry = read_geometry(folder, &manifest.counts)?;
+    for (index, entry) in manifest.sets.iter().enumerate() {
+        let known = KINDS.iter().any(|(_, name, _)| *name == entry.name);
+        let again = manifest.sets[..index].iter().any(|other| other.name == entry.name);
+        if !known || again || entry.rays == 0 {
+            let message = "must be primary, bounce or shadow, each once and with rays";
+            let place = format!("sets[{index}]");
+            return Err(Error::input(path.display().to_string(), place, message));
+        }
+    }
     let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, geometry.len()));
     let sets = sets.collect::<Result<Vec<RaySet>>>()?;
     let Manifest { scene, seed, image, .. } = manifest;
@@ -188,15 +208,23 @@ fn read_set(folder: &Path, entry: &SetEntry, primitives: usize) -> Result<RaySet
         hits: HitBatch::default(),
     };
     for (index, ((ray, [t_min, t_max]), [time])) in rays.iter().zip(range).zip(time).enumerate() {
+        let bad = |extension: &str, message: &str| {
+            let file = folder.join(name(extension)).display().to_string();
+            Error::input(file, format!("[{index}]"), message)
+        };
+        if !(t_min >= 0.0) {
+            return Err(bad("range", "t_min must be 0 or more"));
+        }
+        if !(0.0..=1.0).contains(&time) {
+            return Err(bad("time", "a time must be in [0, 1]"));
+        }
         let &[ox, oy, oz, dx, dy, dz] = ray;
         let (origin, direction) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
         set.rays.push(&Ray { origin, direction, time }, t_min, t_max);
         let [t, primitive] = hits[index];
         let primitive = primitive.to_bits();
         if primitive != HitBatch::MISS && primitive as usize >= primitives {
-            let file = folder.join(name("hits")).display().to_string();
-            let message = format!("primitive {primitive} of {primitives}");
-            return Err(Error::input(file, format!("[{index}]"), message));
+            return Err(bad("hits", &format!("primitive {primitive} of {primitives}")));
         }
         set.hits.t.push(t);
         set.hits.primitive.push(primitive);
@@ -207,15 +235,15 @@ fn read_set(folder: &Path, entry: &SetEntry, primitives: usize) -> Result<RaySet
 /// `count` records of `N` little-endian f32.
 fn read_records<const N: usize>(folder: &Path, file: &str, count: usize) -> Result<Vec<[f32; N]>> {
     let path = folder.join(file);
-    let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
-    if Some(bytes.len()) != count.checked_mul(4 * N) {
-        let message = format!(
-            "{} bytes, where {MANIFEST} says {count} records of {} bytes",
-            bytes.len(),
-            4 * N
-        );
+    // Asked first: what is not as long as it should be is not read at all.
+    let found = fs::metadata(&path).map_err(Error::io(&path, "read"))?.len();
+    if Some(found) != (count as u64).checked_mul(4 * N as u64) {
+        let record = 4 * N;
+        let message =
+            format!("{found} bytes, where {MANIFEST} says {count} records of {record} bytes");
         return Err(Error::input(path.display().to_string(), "", message));
     }
+    let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
     let (words, _) = bytes.as_chunks::<4>();
     let (records, _) = words.as_chunks::<N>();
     Ok(records.iter().map(|record| record.map(f32::from_le_bytes)).collect())

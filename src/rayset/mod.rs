@@ -28,7 +28,7 @@ use crate::accel::{HitBatch, RayBatch};
 use crate::geometry::Geometry;
 
 /// Rays of a scene's render, kind by kind.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RaySets {
     /// Name of the scene.
     pub scene: String,
@@ -43,7 +43,7 @@ pub struct RaySets {
 }
 
 /// Rays of one kind.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RaySet {
     /// `primary`, `bounce` or `shadow`.
     pub name: String,

@@ -17,7 +17,8 @@ const WAVES_AT_ONCE: usize = 64;
 /// Side of the tiles of pixels that paths come from one after the other.
 const TILE: u32 = 8;
 
-const KINDS: [(RayKind, &str, Query); 3] = [
+/// The sets, in the order in which they are written.
+pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
     (RayKind::Primary, "primary", Query::Closest),
     (RayKind::Bounce, "bounce", Query::Closest),
     (RayKind::Shadow, "shadow", Query::Occluded),

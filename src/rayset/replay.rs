@@ -21,7 +21,7 @@ pub struct Replay {
 /// Rays traced with one call, as many as a wave of paths.
 const BATCH: usize = 16_384;
 
-/// Traces `set` through each of `kernels`, `repetitions` times in turn.
+/// Traces `set` through each of `kernels`, `repetitions` (1 or more) times in turn.
 pub fn replay(
     accelerator: &Accelerator<'_>,
     set: &RaySet,
@@ -42,7 +42,7 @@ pub fn replay(
         replays.push(Replay { kernel, mrays_per_s: 0.0, different, counters });
     }
     let mut seconds = vec![Vec::new(); kernels.len()];
-    for _ in 0..repetitions {
+    for _ in 0..repetitions.max(1) {
         for (replay, seconds) in replays.iter_mut().zip(&mut seconds) {
             hits.reset(set.rays.len());
             let start = Instant::now();
