@@ -11,7 +11,7 @@ use super::blocks::{BlockRef, Blocks};
 use super::bvh2::Bvh2;
 use super::counters::{Count, Counters};
 use super::kernel::Kernel;
-use super::packet;
+use super::packet::{self, Job};
 use super::pair::PairTree;
 use super::setup::Extent;
 use super::single;
@@ -94,9 +94,7 @@ impl<'a> Accelerator<'a> {
     /// Builds the tree that the layouts are made from. Its boxes hold every primitive over all
     /// times of `shutter`.
     pub fn new(geometry: &'a Geometry, shutter: (f32, f32)) -> Self {
-        let boxes: Vec<Bounds> = (0..geometry.len() as u32)
-            .map(|primitive| geometry.get(primitive).bounds(shutter.0, shutter.1))
-            .collect();
+        let boxes = geometry.boxes(shutter);
         let (spanning, others) = spanning(&boxes);
         let tree = BinaryTree::new(&boxes, &others);
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
@@ -236,22 +234,17 @@ impl<'a> Accelerator<'a> {
         count: &mut C,
     ) {
         assert!(range.end <= rays.len() && range.end <= hits.len(), "{range:?} of {}", rays.len());
-        let spanning = (&self.spanning.0, &*self.spanning.1);
-        let (extent, ends) = (&self.extent, (range.start, range.end));
+        let ends = (range.start, range.end);
+        let (blocks, spanning) = (&self.spanning.0, &*self.spanning.1);
+        let job = Job { rays, ends, extent: &self.extent, blocks, spanning };
         let wild = match kernel {
-            Kernel::Packet => {
-                let tree = Some(self.pair());
-                packet::trace::<ANY, C>(tree, spanning, extent, rays, ends, hits, count)
-            }
-            Kernel::Beam => {
-                beam::trace::<ANY, C>(self.wide(), spanning, extent, rays, ends, hits, count)
-            }
-            Kernel::Single => {
-                single::trace::<ANY, C>(self.wide(), spanning, extent, rays, ends, hits, count)
-            }
+            Kernel::Packet => packet::trace::<ANY, C>(Some(self.pair()), &job, hits, count),
+            Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
+            Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Flat => {
                 let Flat { blocks, all, extent } = self.flat();
-                packet::trace::<ANY, C>(None, (blocks, all), extent, rays, ends, hits, count)
+                let job = Job { blocks, spanning: all, extent, ..job };
+                packet::trace::<ANY, C>(None, &job, hits, count)
             }
             Kernel::Scalar => range.collect(),
         };

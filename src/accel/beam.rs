@@ -11,11 +11,10 @@
 //! 2. Boxes of primitives are taken from the leaf blocks themselves, so that only primitives
 //!    whose own box the beam meets are tested.
 
-use super::batch::{HitBatch, RayBatch};
+use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
-use super::packet::{Octants, Packet, RAYS, Rays};
-use super::setup::Extent;
+use super::packet::{Job, Octants, Packet, Rays};
 use super::single::{push_sorted, trace_each};
 use super::wide::WideTree;
 use crate::simd::{Float, LANES, Lanes, axes};
@@ -116,36 +115,26 @@ impl Beam {
     }
 }
 
-/// Traces rays `first..end` packet by packet: the blocks of `spanning`, then the tree, where
-/// packets whose rays differ in octant are taken ray by ray. Returns the rays that it leaves to
-/// others, which are too wild for its box test.
+/// Takes packets through the tree as beams, those whose rays differ in octant ray by ray.
+/// Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
-    (blocks, spanning): (&Blocks, &[BlockRef]),
-    extent: &Extent,
-    rays: &RayBatch,
-    (first, end): (usize, usize),
+    job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut wild = Vec::new();
     let mut stack = vec![(0, 0.0); tree.stack];
-    for first in (first..end).step_by(RAYS) {
-        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
-        for &block in spanning {
-            packet.test::<ANY>(blocks, block, block.valid(), count);
+    job.trace::<ANY, C>(hits, count, |packet, count| {
+        if tree.nodes.is_empty() {
+            return;
         }
-        if !tree.nodes.is_empty() {
-            let octants = Octants::new(&packet);
-            if octants.mixed {
-                trace_each::<ANY>(tree, &mut packet, &mut stack, count);
-            } else if let Some(beam) = Beam::new(&packet, &octants) {
-                traverse::<ANY>(tree, &mut packet, &beam, &mut stack, count);
-            }
+        let octants = Octants::new(packet);
+        if octants.mixed {
+            trace_each::<ANY>(tree, packet, &mut stack, count);
+        } else if let Some(beam) = Beam::new(packet, &octants) {
+            traverse::<ANY>(tree, packet, &beam, &mut stack, count);
         }
-        packet.store::<ANY>(first, end, hits);
-    }
-    wild
+    })
 }
 
 /// Visits the blocks in boxes that the beam cannot miss, nearer boxes first.

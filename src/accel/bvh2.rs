@@ -1,9 +1,8 @@
 //! The binary bounding volume hierarchy of the scalar engine: one ray, two boxes a step.
 
 use super::binary::{Below, BinaryTree};
-use super::slab::{Planes, SlabRay};
+use super::slab::{Planes, SlabRay, planes};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
-use crate::math::max;
 
 /// A binary tree of boxes over the primitives of a scene, built by obvhs.
 #[derive(Clone, Debug)]
@@ -56,9 +55,7 @@ const USUAL_DEPTH: usize = 64;
 impl Bvh2 {
     /// A tree whose boxes hold every primitive over all times of `shutter`.
     pub fn new(geometry: &Geometry, shutter: (f32, f32)) -> Self {
-        let boxes: Vec<Bounds> = (0..geometry.len() as u32)
-            .map(|primitive| geometry.get(primitive).bounds(shutter.0, shutter.1))
-            .collect();
+        let boxes = geometry.boxes(shutter);
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
         Self::of(geometry, &BinaryTree::new(&boxes, &each))
     }
@@ -87,7 +84,7 @@ impl Bvh2 {
             primitives: Vec::new(),
             bounds,
             depth: 0,
-            condition: geometry.quads.iter().fold(1.0, |most, quad| max(most, quad.condition())),
+            condition: geometry.condition(),
         };
         if tree.nodes.is_empty() {
             return layout;
@@ -110,9 +107,7 @@ impl Bvh2 {
                     (first, members.len() as u32)
                 }
             };
-            let (low, high) = (node.bounds.min, node.bounds.max);
-            let planes = [low.x, low.y, low.z, high.x, high.y, high.z];
-            layout.nodes[place] = Node { planes, first, count };
+            layout.nodes[place] = Node { planes: planes(&node.bounds), first, count };
         }
         layout.depth = depth(&layout.nodes);
         layout

@@ -437,34 +437,57 @@ impl Packet {
     }
 }
 
-/// Traces rays `first..end` packet by packet: the blocks of `spanning`, then the tree, if there
-/// is one. Returns the rays that it leaves to others, which are too wild for its box test.
+/// Rays to be traced, and what every one of them is tested against.
+pub(super) struct Job<'a> {
+    pub(super) rays: &'a RayBatch,
+    /// The first of the rays, and the end.
+    pub(super) ends: (usize, usize),
+    pub(super) extent: &'a Extent,
+    /// Blocks that every ray is tested against before the tree.
+    pub(super) blocks: &'a Blocks,
+    pub(super) spanning: &'a [BlockRef],
+}
+
+impl Job<'_> {
+    /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`.
+    /// Returns the rays that it leaves to others, which are too wild for the box test.
+    #[inline(always)]
+    pub(super) fn trace<const ANY: bool, C: Count>(
+        &self,
+        hits: &mut HitBatch,
+        count: &mut C,
+        mut search: impl FnMut(&mut Packet, &mut C),
+    ) -> Vec<usize> {
+        let (first, end) = self.ends;
+        let mut wild = Vec::new();
+        for first in (first..end).step_by(RAYS) {
+            let mut packet = Packet::load(self.rays, first, end, self.extent, &mut wild);
+            for &block in self.spanning {
+                packet.test::<ANY>(self.blocks, block, block.valid(), count);
+            }
+            search(&mut packet, count);
+            packet.store::<ANY>(first, end, hits);
+        }
+        wild
+    }
+}
+
+/// Takes packets through the tree, if there is one. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: Option<&PairTree>,
-    (blocks, spanning): (&Blocks, &[BlockRef]),
-    extent: &Extent,
-    rays: &RayBatch,
-    (first, end): (usize, usize),
+    job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut wild = Vec::new();
     let depth = tree.map_or(0, |tree| tree.stack);
     let mut stack = vec![(0, [Float::ZERO; VECTORS]); depth];
-    for first in (first..end).step_by(RAYS) {
-        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
-        for &block in spanning {
-            packet.test::<ANY>(blocks, block, block.valid(), count);
+    job.trace::<ANY, C>(hits, count, |packet, count| {
+        let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) else { return };
+        let octants = Octants::new(packet);
+        if octants.mixed {
+            packet.traverse::<ANY, true>(tree, root, &octants, &mut stack, count);
+        } else {
+            packet.traverse::<ANY, false>(tree, root, &octants, &mut stack, count);
         }
-        if let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) {
-            let octants = Octants::new(&packet);
-            if octants.mixed {
-                packet.traverse::<ANY, true>(tree, root, &octants, &mut stack, count);
-            } else {
-                packet.traverse::<ANY, false>(tree, root, &octants, &mut stack, count);
-            }
-        }
-        packet.store::<ANY>(first, end, hits);
-    }
-    wild
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::binary::{Below, BinaryTree};
 use super::blocks::{BlockRef, Blocks, Kind};
-use super::slab::Planes;
+use super::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
@@ -106,11 +106,6 @@ fn leaves(geometry: &Geometry, tree: &BinaryTree) -> Vec<bool> {
         };
     }
     leaf
-}
-
-fn planes(bounds: &Bounds) -> Planes {
-    let (low, high) = (bounds.min, bounds.max);
-    [low.x, low.y, low.z, high.x, high.y, high.z]
 }
 
 /// The axis on which the middles of two boxes differ most, and whether the second is lower.

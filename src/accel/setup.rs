@@ -6,7 +6,7 @@ use super::batch::RayBatch;
 use super::slab::SLACK;
 use crate::geometry::lanes::RayLanes;
 use crate::geometry::{Bounds, Geometry};
-use crate::math::{UNIT_ROUNDOFF, max, max_element};
+use crate::math::{UNIT_ROUNDOFF, max_element};
 use crate::simd::{Float, Mask, Vec3x, axes, first_bits};
 
 /// What a layout says of its scene that rays must know.
@@ -26,7 +26,7 @@ pub(super) struct Extent {
 
 impl Extent {
     pub(super) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
-        let condition = geometry.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()));
+        let condition = geometry.condition();
         let is_empty = bounds == Bounds::EMPTY;
         // No boxes, no overflow; the farthest distance must still be a number.
         let bounds = if is_empty { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } } else { bounds };

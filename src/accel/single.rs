@@ -1,10 +1,10 @@
 //! One ray at a time: against N boxes of a node, against N primitives of a block.
 
-use super::batch::{HitBatch, RayBatch};
+use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
-use super::packet::{Packet, RAYS};
-use super::setup::{Extent, Setup};
+use super::packet::{Job, Packet};
+use super::setup::Setup;
 use super::shear_axes;
 use super::wide::{WideNode, WideTree};
 use crate::geometry::lanes::{self, HitLanes, RayLanes};
@@ -204,29 +204,17 @@ fn test(
     }
 }
 
-/// Traces rays `first..end`: packet by packet against the blocks of `spanning`, then one by one
-/// through the tree. Returns the rays that it leaves to others, which are too wild for its box
-/// test.
+/// Takes rays through the tree one by one. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
-    (blocks, spanning): (&Blocks, &[BlockRef]),
-    extent: &Extent,
-    rays: &RayBatch,
-    (first, end): (usize, usize),
+    job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut wild = Vec::new();
     let mut stack = vec![(0, 0.0); tree.stack];
-    for first in (first..end).step_by(RAYS) {
-        let mut packet = Packet::load(rays, first, end, extent, &mut wild);
-        for &block in spanning {
-            packet.test::<ANY>(blocks, block, block.valid(), count);
-        }
-        trace_each::<ANY>(tree, &mut packet, &mut stack, count);
-        packet.store::<ANY>(first, end, hits);
-    }
-    wild
+    job.trace::<ANY, C>(hits, count, |packet, count| {
+        trace_each::<ANY>(tree, packet, &mut stack, count);
+    })
 }
 
 /// Takes the rays of `packet` through the tree one by one.

@@ -27,6 +27,12 @@ pub(super) struct SlabRay {
 /// The planes of a box: lower x, y, z, upper x, y, z.
 pub(super) type Planes = [f32; 6];
 
+/// The planes of `bounds`.
+pub(super) fn planes(bounds: &Bounds) -> Planes {
+    let (low, high) = (bounds.min, bounds.max);
+    [low.x, low.y, low.z, high.x, high.y, high.z]
+}
+
 /// Bound of all rounding errors between a box's entry and the distance of a primitive in
 /// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
 /// centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by

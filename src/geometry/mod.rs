@@ -19,6 +19,8 @@ pub use triangle::Triangle;
 
 use glam::Vec3;
 
+use crate::math::max;
+
 /// A point of a surface, as found by a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
@@ -88,6 +90,16 @@ impl Geometry {
             Some(quad) => Primitive::Quad(quad),
             None => Primitive::Triangle(&self.triangles[index - self.quads.len()]),
         }
+    }
+
+    /// A box around each primitive over all times of `[open, close]`.
+    pub fn boxes(&self, (open, close): (f32, f32)) -> Vec<Bounds> {
+        (0..self.len() as u32).map(|primitive| self.get(primitive).bounds(open, close)).collect()
+    }
+
+    /// Largest [`Quad::condition`], at least 1.
+    pub fn condition(&self) -> f32 {
+        self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))
     }
 
     /// The closest hit by trying every primitive: the definition that every
