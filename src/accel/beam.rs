@@ -14,10 +14,11 @@
 use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
+use super::frames::{Frame, Frames};
 use super::packet::{Job, Octants, Packet, Rays};
-use super::single::{push_sorted, trace_each};
+use super::single::trace_each;
 use super::wide::WideTree;
-use crate::simd::{Float, LANES, Lanes, axes};
+use crate::simd::{Float, LANES, Mask, axes};
 
 /// The intervals of a packet, each in every lane.
 struct Beam {
@@ -75,7 +76,7 @@ impl Beam {
     /// A bound of where any ray enters the boxes, and the bits of the boxes that the beam
     /// cannot miss up to `limit`.
     #[inline(always)]
-    fn enter(&self, near: [Float; 3], far: [Float; 3], limit: Float) -> (Float, u32) {
+    fn enter(&self, near: [Float; 3], far: [Float; 3], limit: Float) -> (Float, Mask) {
         let (mut entry, mut exit) = (self.t_min, limit);
         for axis in 0..3 {
             let ([low, high], [a, b]) = (self.slopes[axis], self.near_offsets[axis]);
@@ -85,7 +86,18 @@ impl Beam {
             let far = far[axis].free_mul_sub(low, a).max(far[axis].free_mul_sub(high, b));
             exit = far.min(exit);
         }
-        (entry, entry.le(exit).bits())
+        (entry, entry.le(exit))
+    }
+
+    /// The children of a node that the beam cannot miss up to `limit`.
+    #[inline(always)]
+    fn visit(&self, tree: &WideTree, place: u32, limit: Float, count: &mut impl Count) -> Frame {
+        let node = &tree.nodes[place as usize];
+        let plane = |index: usize| Float::new(node.planes[index]);
+        let (near, far) = (axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])));
+        let (entry, entered) = self.enter(near, far, limit);
+        count.node(LANES as u32, entered.bits().count_ones());
+        Frame::new(place, entry, entered)
     }
 
     /// The lanes of a block whose primitives' boxes the beam cannot miss.
@@ -111,7 +123,7 @@ impl Beam {
         let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
         let (_, entered) =
             self.enter(axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])), limit);
-        entered & block.valid()
+        entered.bits() & block.valid()
     }
 }
 
@@ -123,16 +135,16 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut stack = vec![(0, 0.0); tree.stack];
+    let mut above = Frames::new(tree);
     job.trace::<ANY, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
         }
         let octants = Octants::new(packet);
         if octants.mixed {
-            trace_each::<ANY>(tree, packet, &mut stack, count);
+            trace_each::<ANY>(tree, packet, &mut above, count);
         } else if let Some(beam) = Beam::new(packet, &octants) {
-            traverse::<ANY>(tree, packet, &beam, &mut stack, count);
+            traverse::<ANY>(tree, packet, &beam, &mut above, count);
         }
     })
 }
@@ -143,43 +155,28 @@ fn traverse<const ANY: bool>(
     tree: &WideTree,
     packet: &mut Packet,
     beam: &Beam,
-    stack: &mut [(u32, f32)],
+    above: &mut Frames,
     count: &mut impl Count,
 ) {
     let mut limit = packet.farthest(&beam.scales);
-    let (mut top, mut next) = (0, 0);
+    let mut frame = beam.visit(tree, 0, limit, count);
+    above.clear();
     loop {
-        if next & BlockRef::LEAF != 0 {
-            let block = BlockRef::from_bits(next);
+        let Some(child) = frame.take(tree, limit.first()) else {
+            let Some(next) = above.pop() else { return };
+            frame = next;
+            continue;
+        };
+        if child & BlockRef::LEAF != 0 {
+            let block = BlockRef::from_bits(child);
             let candidates = beam.candidates(&tree.blocks, block, limit);
             if candidates != 0 {
                 packet.test::<ANY>(&tree.blocks, block, candidates, count);
                 limit = packet.farthest(&beam.scales);
             }
         } else {
-            let node = &tree.nodes[next as usize];
-            let plane = |index: usize| Float::new(node.planes[index]);
-            let (near, far) = (axes(|a| plane(beam.near[a])), axes(|a| plane(beam.far[a])));
-            let (entry, entered) = beam.enter(near, far, limit);
-            count.node(LANES as u32, entered.count_ones());
-            if entered != 0 {
-                let entry: Lanes = entry.to_array();
-                if let Some(only) = push_sorted(tree, node, &entry, entered, stack, &mut top) {
-                    next = only;
-                    continue;
-                }
-            }
-        }
-        let limit = limit.first();
-        loop {
-            if top == 0 {
-                return;
-            }
-            top -= 1;
-            if stack[top].1 <= limit {
-                next = stack[top].0;
-                break;
-            }
+            above.push(&frame, tree);
+            frame = beam.visit(tree, child, limit, count);
         }
     }
 }

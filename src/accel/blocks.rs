@@ -1,7 +1,10 @@
 //! Leaf blocks: up to [`LANES`] primitives of one kind, structure-of-arrays.
 
+use std::mem::take;
+
 use glam::Vec3;
 
+use super::huge_pages::settle;
 use crate::geometry::lanes::QuadLanes;
 use crate::geometry::{Geometry, Primitive};
 use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
@@ -222,6 +225,14 @@ impl Blocks {
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()
+    }
+
+    /// To be called when all blocks are there.
+    pub(super) fn settle(&mut self) {
+        self.spheres = settle(take(&mut self.spheres));
+        self.moving_spheres = settle(take(&mut self.moving_spheres));
+        self.quads = settle(take(&mut self.quads));
+        self.triangles = settle(take(&mut self.triangles));
     }
 
     /// Asks for the memory of a block.

@@ -3,10 +3,11 @@
 use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
+use super::frames::{Frame, Frames};
 use super::packet::{Job, Packet};
 use super::setup::Setup;
 use super::shear_axes;
-use super::wide::{WideNode, WideTree};
+use super::wide::WideTree;
 use crate::geometry::lanes::{self, HitLanes, RayLanes};
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, axes};
 
@@ -102,22 +103,23 @@ impl<'a> OneRay<'a> {
         }
     }
 
-    /// Where the ray enters the boxes of `node`, and the bits of those that it enters up to
-    /// `limit`.
+    /// The children of a node that the ray enters up to `limit`.
     #[inline(always)]
-    fn enter(&self, node: &WideNode, limit: f32) -> (Float, u32) {
-        let table = self.table;
-        let (mut entry, mut exit) = (self.splat(&table.t_min), Float::splat(limit));
-        for axis in 0..3 {
-            let near = Float::new(node.planes[self.near[axis]]);
-            let far = Float::new(node.planes[self.far[axis]]);
-            let inverse = self.splat(&table.inverse[axis]);
-            let (near_offset, far_offset) =
-                (self.splat(&table.near_offset[axis]), self.splat(&table.far_offset[axis]));
-            entry = near.free_mul_sub(inverse, near_offset).max(entry);
-            exit = far.free_mul_sub(inverse, far_offset).min(exit);
-        }
-        (entry, entry.le(exit).bits())
+    fn enter(&self, tree: &WideTree, place: u32, limit: f32, count: &mut impl Count) -> Frame {
+        let (table, node) = (self.table, &tree.nodes[place as usize]);
+        let meet = |planes: [usize; 3], offset: &[Lanes; 3]| {
+            axes(|axis| {
+                let plane = Float::new(node.planes[planes[axis]]);
+                plane.free_mul_sub(self.splat(&table.inverse[axis]), self.splat(&offset[axis]))
+            })
+        };
+        let [x, y, z] = meet(self.near, &table.near_offset);
+        let entry = x.max(y).max(z.max(self.splat(&table.t_min)));
+        let [x, y, z] = meet(self.far, &table.far_offset);
+        let exit = x.min(y).min(z.min(Float::splat(limit)));
+        let entered = entry.le(exit);
+        count.node(LANES as u32, entered.bits().count_ones());
+        Frame::new(place, entry, entered)
     }
 }
 
@@ -211,9 +213,9 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut stack = vec![(0, 0.0); tree.stack];
+    let mut above = Frames::new(tree);
     job.trace::<ANY, C>(hits, count, |packet, count| {
-        trace_each::<ANY>(tree, packet, &mut stack, count);
+        trace_each::<ANY>(tree, packet, &mut above, count);
     })
 }
 
@@ -222,7 +224,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
 pub(super) fn trace_each<const ANY: bool>(
     tree: &WideTree,
     packet: &mut Packet,
-    stack: &mut [(u32, f32)],
+    above: &mut Frames,
     count: &mut impl Count,
 ) {
     if tree.nodes.is_empty() {
@@ -235,7 +237,7 @@ pub(super) fn trace_each<const ANY: bool>(
             let mut best = Best { t: t[lane], primitive: primitive[lane] };
             if !(ANY && best.found()) {
                 let one = OneRay::new(&table, lane);
-                traverse::<ANY>(tree, &one, &mut best, stack, count);
+                traverse::<ANY>(tree, &one, &mut best, above, count);
                 (t[lane], primitive[lane]) = (best.t, best.primitive);
             }
         }
@@ -250,76 +252,25 @@ fn traverse<const ANY: bool>(
     tree: &WideTree,
     one: &OneRay<'_>,
     best: &mut Best,
-    stack: &mut [(u32, f32)],
+    above: &mut Frames,
     count: &mut impl Count,
 ) {
-    let mut top = 0;
-    let mut next = 0;
+    above.clear();
+    let mut frame = one.enter(tree, 0, best.t, count);
     loop {
-        if next & BlockRef::LEAF != 0 {
-            test(&tree.blocks, BlockRef::from_bits(next), one, best, count);
+        let Some(child) = frame.take(tree, best.t) else {
+            let Some(next) = above.pop() else { return };
+            frame = next;
+            continue;
+        };
+        if child & BlockRef::LEAF != 0 {
+            test(&tree.blocks, BlockRef::from_bits(child), one, best, count);
             if ANY && best.found() {
                 return;
             }
         } else {
-            let node = &tree.nodes[next as usize];
-            let (entry, entered) = one.enter(node, best.t);
-            count.node(LANES as u32, entered.count_ones());
-            if entered != 0 {
-                let entry = entry.to_array();
-                if let Some(only) = push_sorted(tree, node, &entry, entered, stack, &mut top) {
-                    next = only;
-                    continue;
-                }
-            }
-        }
-        loop {
-            if top == 0 {
-                return;
-            }
-            top -= 1;
-            // Pruned only when its entry is strictly beyond the best distance.
-            if stack[top].1 <= best.t {
-                next = stack[top].0;
-                break;
-            }
+            above.push(&frame, tree);
+            frame = one.enter(tree, child, best.t, count);
         }
     }
-}
-
-/// Puts the children of `node` whose bits are set in `entered` onto the stack, the nearest on
-/// top. If there is but one it is returned instead.
-#[inline(always)]
-pub(super) fn push_sorted(
-    tree: &WideTree,
-    node: &WideNode,
-    entry: &Lanes,
-    mut entered: u32,
-    stack: &mut [(u32, f32)],
-    top: &mut usize,
-) -> Option<u32> {
-    let lane = entered.trailing_zeros() as usize % LANES;
-    entered &= entered - 1;
-    if entered == 0 {
-        return Some(node.children[lane]);
-    }
-    let bottom = *top;
-    stack[bottom] = (node.children[lane], entry[lane]);
-    *top += 1;
-    for lane in Bits(entered) {
-        let child = (node.children[lane], entry[lane]);
-        let mut place = *top;
-        while place > bottom && stack[place - 1].1 < child.1 {
-            stack[place] = stack[place - 1];
-            place -= 1;
-        }
-        stack[place] = child;
-        *top += 1;
-    }
-    if tree.is_large {
-        for &(child, _) in &stack[bottom..*top - 1] {
-            tree.prefetch(child);
-        }
-    }
-    None
 }

@@ -3,6 +3,7 @@
 
 use super::binary::{Below, BinaryTree};
 use super::blocks::{BlockRef, Blocks, Kind};
+use super::huge_pages::settle;
 use crate::geometry::{Bounds, Geometry};
 use crate::math::min;
 use crate::simd::{LANES, Lanes, prefetch};
@@ -41,8 +42,8 @@ pub(super) struct WideTree {
     /// The root first; none where there is no primitive.
     pub(super) nodes: Vec<WideNode>,
     pub(super) blocks: Blocks,
-    /// What a traversal's stack must hold.
-    pub(super) stack: usize,
+    /// Nodes on the longest way from the root.
+    pub(super) depth: usize,
     /// Whether it is larger than caches that are fast.
     pub(super) is_large: bool,
 }
@@ -61,7 +62,7 @@ impl WideTree {
     /// Compressed Wide BVHs", section 3), with leaves of one kind and up to a block.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut layout =
-            Self { nodes: Vec::new(), blocks: Blocks::default(), stack: 1, is_large: false };
+            Self { nodes: Vec::new(), blocks: Blocks::default(), depth: 0, is_large: false };
         if tree.nodes.is_empty() {
             return layout;
         }
@@ -70,7 +71,7 @@ impl WideTree {
         let mut open = vec![(0, 0, 1)];
         let mut children = Vec::new();
         while let Some((place, index, depth)) = open.pop() {
-            layout.stack = layout.stack.max(depth * (LANES - 1) + 1);
+            layout.depth = layout.depth.max(depth);
             children.clear();
             plan.children(index, &mut children);
             for (lane, &child) in children.iter().enumerate() {
@@ -86,6 +87,8 @@ impl WideTree {
                 layout.nodes[place].set(lane, bounds, reference);
             }
         }
+        layout.nodes = settle(layout.nodes);
+        layout.blocks.settle();
         layout.is_large = layout.bytes() > LARGE;
         layout
     }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{LANES, Lanes, Mask, Register, UintRegister};
+use super::{Int, LANES, Lanes, Mask, Register, UintRegister};
 
 /// One f32 a lane.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +66,12 @@ impl Float {
             apart /= 2;
         }
         self
+    }
+
+    /// The bits of each lane.
+    #[inline(always)]
+    pub(crate) fn to_bits(self) -> Int {
+        Int(self.0.to_bits())
     }
 
     #[inline(always)]

@@ -1,12 +1,26 @@
 //! Vectors of u32.
 
-use super::{Lanes, Mask, Register, UintRegister};
+use std::ops::{BitAnd, BitOr};
+
+use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
 
 /// One u32 a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Int(pub(super) UintRegister);
 
 impl Int {
+    pub(crate) const ZERO: Self = Self(UintRegister::ZERO);
+
+    /// The number of each lane.
+    pub(crate) const LANE: Self = {
+        let (mut lanes, mut lane) = ([0; LANES], 0);
+        while lane < LANES {
+            lanes[lane] = lane as u32;
+            lane += 1;
+        }
+        Self(UintRegister::new(lanes))
+    };
+
     /// `value` in every lane.
     #[inline(always)]
     pub(crate) fn splat(value: u32) -> Self {
@@ -44,6 +58,40 @@ impl Int {
     /// `yes` where `mask`, else `no`.
     #[inline(always)]
     pub(crate) fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        Self(mask.0.to_bits().select(yes.0, no.0))
+        // Selecting integers goes byte by byte with AVX-512.
+        let float = |int: Self| Float(Register::from_bits(int.0));
+        mask.select(float(yes), float(no)).to_bits()
+    }
+}
+
+impl Int {
+    /// The least lane.
+    #[inline(always)]
+    pub(crate) fn least(self) -> u32 {
+        let (mut least, mut apart) = (self.0, LANES / 2);
+        while apart > 0 {
+            let other = UintRegister::new(std::array::from_fn(|i| (i ^ apart) as u32));
+            least = least.min(least.shuffle(other));
+            apart /= 2;
+        }
+        least.to_array()[0]
+    }
+}
+
+impl BitAnd for Int {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Int {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 }

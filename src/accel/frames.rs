@@ -1,0 +1,96 @@
+//! The order in which a wide node's children are visited: nearest first.
+//!
+//! The children that are entered stay where they are, in the lanes of a vector of keys, and a
+//! visit takes out the least. So nothing is sorted, and there is no branch on how many there
+//! are, which no CPU could foretell. A key is the distance at which its child is entered, as
+//! the bits of a float not below 0, whose order is that of integers, with the child's lane in
+//! the last of them.
+
+use super::wide::WideTree;
+use crate::simd::{Float, Int, LANES, Mask};
+
+/// Bits of a key that hold the lane.
+const LANE: u32 = LANES as u32 - 1;
+/// Bits of a distance that a key holds: not the sign, which −0 has, and not the lane.
+const DISTANCE: u32 = !(1 << 31) & !LANE;
+/// Above every key.
+const NONE: u32 = u32::MAX >> 1;
+
+/// Children of a node that are yet to be visited.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    keys: Int,
+    /// The least of them.
+    least: u32,
+    /// The place of the node.
+    node: u32,
+}
+
+impl Frame {
+    /// The children of `node` in the lanes of `entered`, at the distances `entry` ≥ 0.
+    #[inline(always)]
+    pub(super) fn new(node: u32, entry: Float, entered: Mask) -> Self {
+        let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
+        let keys = Int::select(entered, keys, Int::splat(NONE));
+        Self { keys, least: keys.least(), node }
+    }
+
+    /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`.
+    #[inline(always)]
+    pub(super) fn take(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
+        // As integers with a sign: a limit below 0 is below every key.
+        if self.least as i32 > (limit.to_bits() | LANE) as i32 {
+            return None;
+        }
+        let child = self.nearest(tree);
+        let nearest = self.keys.eq(Int::splat(self.least));
+        self.keys = Int::select(nearest, Int::splat(NONE), self.keys);
+        self.least = self.keys.least();
+        Some(child)
+    }
+
+    #[inline(always)]
+    fn nearest(&self, tree: &WideTree) -> u32 {
+        tree.nodes[self.node as usize].children[(self.least & LANE) as usize]
+    }
+}
+
+/// The frames of the nodes above, those that have children left.
+#[derive(Clone, Debug)]
+pub(super) struct Frames {
+    keys: Vec<Int>,
+    /// The least key, and the node.
+    rest: Vec<(u32, u32)>,
+    top: usize,
+}
+
+impl Frames {
+    /// Frames for any way through `tree`.
+    pub(super) fn new(tree: &WideTree) -> Self {
+        Self { keys: vec![Int::ZERO; tree.depth], rest: vec![(0, 0); tree.depth], top: 0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.top = 0;
+    }
+
+    /// Keeps `frame` while its child is visited, and asks for the memory of the next where the
+    /// tree is large.
+    #[inline(always)]
+    pub(super) fn push(&mut self, frame: &Frame, tree: &WideTree) {
+        self.keys[self.top] = frame.keys;
+        self.rest[self.top] = (frame.least, frame.node);
+        self.top += usize::from(frame.least != NONE);
+        if tree.is_large {
+            tree.prefetch(frame.nearest(tree));
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<Frame> {
+        self.top = self.top.checked_sub(1)?;
+        let (least, node) = self.rest[self.top];
+        Some(Frame { keys: self.keys[self.top], least, node })
+    }
+}
