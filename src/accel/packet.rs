@@ -307,8 +307,6 @@ pub(super) struct Octants {
     /// Which of a box's planes it meets first, and last.
     pub(super) near: [usize; 3],
     pub(super) far: [usize; 3],
-    /// Which rays go down each axis.
-    down: [[Mask; 3]; VECTORS],
 }
 
 impl Octants {
@@ -332,7 +330,6 @@ impl Octants {
             negative,
             near: axes(|axis| axis + 3 * usize::from(negative[axis])),
             far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
-            down,
         }
     }
 }
@@ -340,25 +337,21 @@ impl Octants {
 impl Rays {
     /// Where the rays enter a box: +∞ for those that do not up to their closest hit.
     #[inline(always)]
-    fn enter<const MIXED: bool>(
-        &self,
-        planes: &Planes,
-        octants: &Octants,
-        down: &[Mask; 3],
-    ) -> (Float, bool) {
+    fn enter<const MIXED: bool>(&self, planes: &Planes, octants: &Octants) -> (Float, bool) {
         let slab = &self.setup.slab;
+        let meet = |axis: usize, plane: usize| {
+            Float::splat(planes[plane % 6])
+                .free_mul_sub(slab.inverse[axis], slab.offsets[plane % 6])
+        };
         let (mut entry, mut exit) = (self.setup.ray.t_min, self.t);
         for axis in 0..3 {
             let (near, far) = if MIXED {
-                let (low, high) = (Float::splat(planes[axis]), Float::splat(planes[axis + 3]));
-                (down[axis].select(high, low), down[axis].select(low, high))
+                let (low, high) = (meet(axis, axis), meet(axis, axis + 3));
+                (low.min(high), low.max(high))
             } else {
-                let plane = |index: usize| Float::splat(planes[index % 6]);
-                (plane(octants.near[axis]), plane(octants.far[axis]))
+                (meet(axis, octants.near[axis]), meet(axis, octants.far[axis]))
             };
-            let inverse = slab.inverse[axis];
-            entry = near.free_mul_sub(inverse, slab.near_offset[axis]).max(entry);
-            exit = far.free_mul_sub(inverse, slab.far_offset[axis]).min(exit);
+            (entry, exit) = (near.max(entry), far.min(exit));
         }
         let entered = entry.le(exit);
         (entered.select(entry, Float::INFINITY), entered.any())
@@ -373,8 +366,8 @@ impl Packet {
         octants: &Octants,
     ) -> ([Float; VECTORS], bool) {
         let [a, b] = &self.vectors;
-        let (first, some) = a.enter::<MIXED>(planes, octants, &octants.down[0]);
-        let (second, others) = b.enter::<MIXED>(planes, octants, &octants.down[1]);
+        let (first, some) = a.enter::<MIXED>(planes, octants);
+        let (second, others) = b.enter::<MIXED>(planes, octants);
         ([first, second], some | others)
     }
 

@@ -58,8 +58,8 @@ pub(super) struct Setup {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabLanes {
     pub(super) inverse: Vec3x,
-    pub(super) near_offset: Vec3x,
-    pub(super) far_offset: Vec3x,
+    /// For each of a box's [`Planes`](super::slab::Planes).
+    pub(super) offsets: [Float; 6],
     pub(super) slack: Float,
 }
 
@@ -122,12 +122,7 @@ impl Setup {
 }
 
 impl SlabLanes {
-    const NONE: Self = Self {
-        inverse: Vec3x::ZERO,
-        near_offset: Vec3x::ZERO,
-        far_offset: Vec3x::ZERO,
-        slack: Float::ZERO,
-    };
+    const NONE: Self = Self { inverse: Vec3x::ZERO, offsets: [Float::ZERO; 6], slack: Float::ZERO };
 
     #[inline(always)]
     fn new(ray: &RayLanes, largest: Float, far: Float, extent: &Extent) -> Self {
@@ -145,11 +140,12 @@ impl SlabLanes {
             let clamped = direction[axis].abs().max(least).copysign(direction[axis]);
             Float::splat(1.0) / clamped
         });
-        let ahead = axes(|axis| slack.copysign(inverse[axis]));
+        // Low planes move down and high ones up, whichever of them is near.
+        let low = |axis: usize| (origin[axis] + slack) * inverse[axis];
+        let high = |axis: usize| (origin[axis] - slack) * inverse[axis];
         Self {
             inverse: Vec3x(inverse),
-            near_offset: Vec3x(axes(|axis| (origin[axis] + ahead[axis]) * inverse[axis])),
-            far_offset: Vec3x(axes(|axis| (origin[axis] - ahead[axis]) * inverse[axis])),
+            offsets: [low(0), low(1), low(2), high(0), high(1), high(2)],
             slack,
         }
     }

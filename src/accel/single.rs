@@ -31,6 +31,11 @@ impl Table {
     #[inline(always)]
     fn new(setup: &Setup) -> Self {
         let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
+        let slab = &setup.slab;
+        let by_sign = |axis: usize, negative: usize, positive: usize| {
+            let down = slab.inverse[axis].lt(Float::ZERO);
+            down.select(slab.offsets[negative], slab.offsets[positive]).to_array()
+        };
         Self {
             origin: lanes(setup.ray.origin),
             direction: lanes(setup.ray.direction),
@@ -39,8 +44,8 @@ impl Table {
             length2: setup.ray.length2.to_array(),
             inv_length2: setup.ray.inv_length2.to_array(),
             inverse: lanes(setup.slab.inverse),
-            near_offset: lanes(setup.slab.near_offset),
-            far_offset: lanes(setup.slab.far_offset),
+            near_offset: axes(|axis| by_sign(axis, axis + 3, axis)),
+            far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
             shear: lanes(setup.shear.shear),
             longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
             negative: setup.shear.negative.bits(),
