@@ -21,7 +21,7 @@ use super::wide::WideTree;
 use crate::simd::{Float, LANES, Mask, axes};
 
 /// The intervals of a packet, each in every lane.
-struct Beam {
+struct Beam<const V: usize> {
     /// The planes of a node that the rays meet first on each axis, and last.
     near: [usize; 3],
     far: [usize; 3],
@@ -33,39 +33,43 @@ struct Beam {
     /// Lower end of the rays' intervals.
     t_min: Float,
     /// By which the rays' distances are multiplied.
-    scales: [Float; 2],
+    scales: [Float; V],
 }
 
-impl Beam {
+impl<const V: usize> Beam<V> {
     /// The beam of the rays that are there, if there are any.
     #[inline(always)]
-    fn new(packet: &Packet, octants: &Octants) -> Option<Self> {
-        let [a, b] = packet.vectors();
-        let longest = a.longest_axis_of_first().or_else(|| b.longest_axis_of_first())?;
-        let scales = [a.scale(longest), b.scale(longest)];
-        let least =
-            |x: Float, y: Float| a.only(x, Float::INFINITY).min(b.only(y, Float::INFINITY)).least();
-        let most = |x: Float, y: Float| {
-            let none = Float::splat(f32::NEG_INFINITY);
-            a.only(x, none).max(b.only(y, none)).most()
-        };
+    fn new(packet: &Packet<V>, octants: &Octants) -> Option<Self> {
+        let vectors = packet.vectors();
+        let longest = vectors.iter().find_map(Rays::longest_axis_of_first)?;
         let mut beam = Self {
             near: octants.near,
             far: octants.far,
             slopes: [[Float::ZERO; 2]; 3],
             near_offsets: [[Float::ZERO; 2]; 3],
             far_offsets: [[Float::ZERO; 2]; 3],
-            t_min: least(a.t_min() * scales[0], b.t_min() * scales[1]),
-            scales,
+            t_min: Float::INFINITY,
+            scales: [Float::ZERO; V],
         };
+        for (rays, scale) in vectors.iter().zip(&mut beam.scales) {
+            *scale = rays.scale(longest);
+            beam.t_min = rays.only(rays.t_min() * *scale, Float::INFINITY).min(beam.t_min);
+        }
+        beam.t_min = beam.t_min.least();
+        let none = Float::splat(f32::NEG_INFINITY);
         for axis in 0..3 {
             let sign = Float::splat(if octants.negative[axis] { -1.0 } else { 1.0 });
-            let slope = |rays: &Rays, scale: Float| (rays.inverse(axis) * scale).abs();
-            let (x, y) = (slope(a, scales[0]), slope(b, scales[1]));
-            let (low, high) = (least(x, y), most(x, y));
-            let (a_near, a_far) = a.slab_origins(axis, sign);
-            let (b_near, b_far) = b.slab_origins(axis, sign);
-            let (near, far) = (most(a_near, b_near), least(a_far, b_far));
+            let (mut low, mut high, mut near, mut far) =
+                (Float::INFINITY, none, none, Float::INFINITY);
+            for (rays, scale) in vectors.iter().zip(beam.scales) {
+                let slope = (rays.inverse(axis) * scale).abs();
+                low = rays.only(slope, Float::INFINITY).min(low);
+                high = rays.only(slope, none).max(high);
+                let (ahead, back) = rays.slab_origins(axis, sign);
+                near = rays.only(ahead, none).max(near);
+                far = rays.only(back, Float::INFINITY).min(far);
+            }
+            let (low, high, near, far) = (low.least(), high.most(), near.most(), far.least());
             beam.slopes[axis] = [low * sign, high * sign];
             beam.near_offsets[axis] = [near * low, near * high];
             beam.far_offsets[axis] = [far * low, far * high];
@@ -127,6 +131,11 @@ impl Beam {
     }
 }
 
+/// Vectors of rays in a beam, in trees that fit into caches that are fast: 64 rays.
+const MANY: usize = 64 / LANES;
+/// In others, whose boxes are small beside a beam.
+const FEW: usize = 2;
+
 /// Takes packets through the tree as beams, those whose rays differ in octant ray by ray.
 /// Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
@@ -135,26 +144,39 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
+    if tree.is_large {
+        trace_beams::<ANY, FEW, C>(tree, job, hits, count)
+    } else {
+        trace_beams::<ANY, MANY, C>(tree, job, hits, count)
+    }
+}
+
+fn trace_beams<const ANY: bool, const V: usize, C: Count>(
+    tree: &WideTree,
+    job: &Job<'_>,
+    hits: &mut HitBatch,
+    count: &mut C,
+) -> Vec<usize> {
     let mut above = Frames::new(tree);
-    job.trace::<ANY, C>(hits, count, |packet, count| {
+    job.trace::<ANY, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
         }
         let octants = Octants::new(packet);
         if octants.mixed {
-            trace_each::<ANY>(tree, packet, &mut above, count);
+            trace_each::<ANY, V>(tree, packet, &mut above, count);
         } else if let Some(beam) = Beam::new(packet, &octants) {
-            traverse::<ANY>(tree, packet, &beam, &mut above, count);
+            traverse::<ANY, V>(tree, packet, &beam, &mut above, count);
         }
     })
 }
 
 /// Visits the blocks in boxes that the beam cannot miss, nearer boxes first.
 #[inline(always)]
-fn traverse<const ANY: bool>(
+fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,
-    packet: &mut Packet,
-    beam: &Beam,
+    packet: &mut Packet<V>,
+    beam: &Beam<V>,
     above: &mut Frames,
     count: &mut impl Count,
 ) {

@@ -10,10 +10,8 @@ use super::slab::Planes;
 use crate::geometry::lanes::{self, HitLanes};
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, Vec3x, axes, first_bits};
 
-/// Vectors of rays in a packet: with two, their latencies overlap.
-pub(super) const VECTORS: usize = 2;
-/// Rays in a packet.
-pub(super) const RAYS: usize = VECTORS * LANES;
+/// Vectors of rays in the packets of this kernel: 8 rays, or 32 with AVX-512.
+pub(super) const VECTORS: usize = LANES / 8;
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
@@ -63,26 +61,26 @@ impl Views {
 }
 
 /// A packet on its way.
-pub(super) struct Packet {
-    vectors: [Rays; VECTORS],
+pub(super) struct Packet<const V: usize> {
+    vectors: [Rays; V],
 }
 
-impl Packet {
-    /// Rays `first..`, up to a packet's and below `end`. Adds the rays that it leaves to
+impl<const V: usize> Packet<V> {
+    const NONE: Self = Self { vectors: [Rays::NONE; V] };
+
+    /// Takes rays `first..`, up to a packet's and below `end`. Adds the rays that it leaves to
     /// others to `wild`.
     #[inline(always)]
-    pub(super) fn load(
+    fn load(
+        &mut self,
         rays: &RayBatch,
         first: usize,
         end: usize,
         extent: &Extent,
         wild: &mut Vec<usize>,
-    ) -> Self {
-        Self {
-            vectors: [
-                Rays::load(rays, first, end, extent, wild),
-                Rays::load(rays, end.min(first + LANES), end, extent, wild),
-            ],
+    ) {
+        for (v, vector) in self.vectors.iter_mut().enumerate() {
+            *vector = Rays::load(rays, end.min(first + v * LANES), end, extent, wild);
         }
     }
 
@@ -168,20 +166,23 @@ impl Packet {
     }
 
     #[inline(always)]
-    pub(super) fn vectors(&self) -> &[Rays; VECTORS] {
+    pub(super) fn vectors(&self) -> &[Rays; V] {
         &self.vectors
     }
 
     #[inline(always)]
-    pub(super) fn vectors_mut(&mut self) -> &mut [Rays; VECTORS] {
+    pub(super) fn vectors_mut(&mut self) -> &mut [Rays; V] {
         &mut self.vectors
     }
 
     /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
     #[inline(always)]
-    pub(super) fn farthest(&self, scales: &[Float; VECTORS]) -> Float {
-        let [a, b] = &self.vectors;
-        (a.t * scales[0]).max(b.t * scales[1]).most()
+    pub(super) fn farthest(&self, scales: &[Float; V]) -> Float {
+        let mut farthest = self.vectors[0].t * scales[0];
+        for v in 1..V {
+            farthest = farthest.max(self.vectors[v].t * scales[v]);
+        }
+        farthest.most()
     }
 }
 
@@ -229,6 +230,9 @@ impl Rays {
 }
 
 impl Rays {
+    const NONE: Self =
+        Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
+
     #[inline(always)]
     fn load(
         rays: &RayBatch,
@@ -311,19 +315,19 @@ pub(super) struct Octants {
 
 impl Octants {
     #[inline(always)]
-    pub(super) fn new(packet: &Packet) -> Self {
-        let down = |vector: usize| {
-            let inverse = packet.vectors[vector].setup.slab.inverse;
-            axes(|axis| inverse[axis].lt(Float::ZERO))
-        };
-        let down = [down(0), down(1)];
-        let active = [packet.vectors[0].setup.active, packet.vectors[1].setup.active];
-        let first = active[0].trailing_zeros() % 32;
-        let negative = axes(|axis| down[0][axis].bits() >> first & 1 == 1);
+    pub(super) fn new<const V: usize>(packet: &Packet<V>) -> Self {
+        let first = packet.vectors.iter().find(|rays| rays.setup.active != 0);
+        let first = first.unwrap_or(&packet.vectors[0]);
+        let lane = first.setup.active.trailing_zeros() % 32;
+        let down = |rays: &Rays, axis: usize| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits();
+        let negative = axes(|axis| down(first, axis) >> lane & 1 == 1);
         let differs = |axis: usize| {
             let as_first = if negative[axis] { u32::MAX } else { 0 };
-            let other = |vector: usize| (down[vector][axis].bits() ^ as_first) & active[vector];
-            other(0) | other(1) != 0
+            packet
+                .vectors
+                .iter()
+                .fold(0, |bits, rays| bits | (down(rays, axis) ^ as_first) & rays.setup.active)
+                != 0
         };
         Self {
             mixed: differs(0) || differs(1) || differs(2),
@@ -358,17 +362,16 @@ impl Rays {
     }
 }
 
-impl Packet {
+impl<const V: usize> Packet<V> {
     #[inline(always)]
-    fn enter<const MIXED: bool>(
-        &self,
-        planes: &Planes,
-        octants: &Octants,
-    ) -> ([Float; VECTORS], bool) {
-        let [a, b] = &self.vectors;
-        let (first, some) = a.enter::<MIXED>(planes, octants);
-        let (second, others) = b.enter::<MIXED>(planes, octants);
-        ([first, second], some | others)
+    fn enter<const MIXED: bool>(&self, planes: &Planes, octants: &Octants) -> ([Float; V], bool) {
+        let (mut entries, mut some) = ([Float::ZERO; V], false);
+        for v in 0..V {
+            let (entry, any) = self.vectors[v].enter::<MIXED>(planes, octants);
+            entries[v] = entry;
+            some |= any;
+        }
+        (entries, some)
     }
 
     /// Visits the leaves in boxes that any ray enters, nearer boxes first.
@@ -378,7 +381,7 @@ impl Packet {
         tree: &PairTree,
         root: u32,
         octants: &Octants,
-        stack: &mut [(u32, [Float; VECTORS])],
+        stack: &mut [(u32, [Float; V])],
         count: &mut impl Count,
     ) {
         let (mut top, mut next) = (0, root);
@@ -389,11 +392,11 @@ impl Packet {
                 let node = &tree.nodes[next as usize];
                 let (left, enter_left) = self.enter::<MIXED>(&node.planes[0], octants);
                 let (right, enter_right) = self.enter::<MIXED>(&node.planes[1], octants);
-                let entered = |entries: [Float; VECTORS]| {
+                let entered = |entries: [Float; V]| {
                     let lanes = |entry: Float| entry.lt(Float::INFINITY).bits().count_ones();
-                    lanes(entries[0]) + lanes(entries[1])
+                    entries.iter().map(|entry| lanes(*entry)).sum::<u32>()
                 };
-                count.node(2 * RAYS as u32, entered(left) + entered(right));
+                count.node(2 * (V * LANES) as u32, entered(left) + entered(right));
                 match (enter_left, enter_right) {
                     (true, true) => {
                         let first = usize::from(octants.negative[node.axis as usize % 3]);
@@ -421,7 +424,7 @@ impl Packet {
                 top -= 1;
                 let (reference, entries) = &stack[top];
                 // Pruned only when its entry is strictly beyond the best distance.
-                if (0..VECTORS).any(|v| entries[v].le(self.vectors[v].t).any()) {
+                if (0..V).any(|v| entries[v].le(self.vectors[v].t).any()) {
                     next = *reference;
                     break;
                 }
@@ -445,16 +448,18 @@ impl Job<'_> {
     /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`.
     /// Returns the rays that it leaves to others, which are too wild for the box test.
     #[inline(always)]
-    pub(super) fn trace<const ANY: bool, C: Count>(
+    pub(super) fn trace<const ANY: bool, const V: usize, C: Count>(
         &self,
         hits: &mut HitBatch,
         count: &mut C,
-        mut search: impl FnMut(&mut Packet, &mut C),
+        mut search: impl FnMut(&mut Packet<V>, &mut C),
     ) -> Vec<usize> {
         let (first, end) = self.ends;
         let mut wild = Vec::new();
-        for first in (first..end).step_by(RAYS) {
-            let mut packet = Packet::load(self.rays, first, end, self.extent, &mut wild);
+        // Loaded in place: large values that move are copied.
+        let mut packet = Packet::<V>::NONE;
+        for first in (first..end).step_by(V * LANES) {
+            packet.load(self.rays, first, end, self.extent, &mut wild);
             for &block in self.spanning {
                 packet.test::<ANY>(self.blocks, block, block.valid(), count);
             }
@@ -474,7 +479,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
 ) -> Vec<usize> {
     let depth = tree.map_or(0, |tree| tree.stack);
     let mut stack = vec![(0, [Float::ZERO; VECTORS]); depth];
-    job.trace::<ANY, C>(hits, count, |packet, count| {
+    job.trace::<ANY, VECTORS, C>(hits, count, |packet, count| {
         let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) else { return };
         let octants = Octants::new(packet);
         if octants.mixed {

@@ -79,6 +79,14 @@ const TAME_COORDINATE: f32 = 1e10;
 const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
 
 impl Setup {
+    pub(super) const NONE: Self = Self {
+        ray: RayLanes::NONE,
+        t_max: Float::ZERO,
+        slab: SlabLanes::NONE,
+        shear: Shear::NONE,
+        active: 0,
+    };
+
     /// Rays `first..` of `rays`, those below `end` active. The second value has the
     /// bits of rays that are finite but too wild for the slab test.
     #[inline(always)]

@@ -219,16 +219,16 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     count: &mut C,
 ) -> Vec<usize> {
     let mut above = Frames::new(tree);
-    job.trace::<ANY, C>(hits, count, |packet, count| {
-        trace_each::<ANY>(tree, packet, &mut above, count);
+    job.trace::<ANY, 1, C>(hits, count, |packet, count| {
+        trace_each::<ANY, 1>(tree, packet, &mut above, count);
     })
 }
 
 /// Takes the rays of `packet` through the tree one by one.
 #[inline(always)]
-pub(super) fn trace_each<const ANY: bool>(
+pub(super) fn trace_each<const ANY: bool, const V: usize>(
     tree: &WideTree,
-    packet: &mut Packet,
+    packet: &mut Packet<V>,
     above: &mut Frames,
     count: &mut impl Count,
 ) {

@@ -19,6 +19,17 @@ pub(crate) struct RayLanes {
     pub(crate) t_min: Float,
 }
 
+impl RayLanes {
+    pub(crate) const NONE: Self = Self {
+        origin: Vec3x::ZERO,
+        direction: Vec3x::ZERO,
+        time: Float::ZERO,
+        length2: Float::ZERO,
+        inv_length2: Float::ZERO,
+        t_min: Float::ZERO,
+    };
+}
+
 /// Distances of hits, where there are any.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HitLanes {
