@@ -10,6 +10,10 @@ pub const MAX_SPP: u32 = 1 << 24;
 pub const MAX_DEPTH: u32 = 1 << 16;
 /// Largest number of primitives that a generated scene is asked for.
 pub const MAX_GENERATED: u32 = 1 << 24;
+/// Largest number of primitives of a scene: leaf blocks are told by 25 bits.
+pub const MAX_PRIMITIVES: usize = 1 << 25;
+/// Largest file of a scene or mesh, in bytes.
+pub const MAX_FILE: u64 = 1 << 32;
 /// Largest number of threads.
 pub const MAX_THREADS: u32 = 4096;
 

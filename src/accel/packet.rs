@@ -178,9 +178,9 @@ impl<const V: usize> Packet<V> {
     /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
     #[inline(always)]
     pub(super) fn farthest(&self, scales: &[Float; V]) -> Float {
-        let mut farthest = self.vectors[0].t * scales[0];
-        for v in 1..V {
-            farthest = farthest.max(self.vectors[v].t * scales[v]);
+        let mut farthest = Float::splat(f32::NEG_INFINITY);
+        for (rays, scale) in self.vectors.iter().zip(scales) {
+            farthest = (rays.t * *scale).max(farthest);
         }
         farthest.most()
     }
@@ -366,9 +366,9 @@ impl<const V: usize> Packet<V> {
     #[inline(always)]
     fn enter<const MIXED: bool>(&self, planes: &Planes, octants: &Octants) -> ([Float; V], bool) {
         let (mut entries, mut some) = ([Float::ZERO; V], false);
-        for v in 0..V {
-            let (entry, any) = self.vectors[v].enter::<MIXED>(planes, octants);
-            entries[v] = entry;
+        for (rays, entry) in self.vectors.iter().zip(&mut entries) {
+            let any;
+            (*entry, any) = rays.enter::<MIXED>(planes, octants);
             some |= any;
         }
         (entries, some)

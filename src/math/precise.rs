@@ -28,6 +28,16 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     }
 }
 
+/// `point` turned about the axes x, y, z in this order, by angles of these sines and cosines.
+/// The turns are right-handed.
+pub fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
+    for (axis, (sin, cos)) in turns.into_iter().enumerate() {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        (point[i], point[j]) = (cos * point[i] - sin * point[j], sin * point[i] + cos * point[j]);
+    }
+    point
+}
+
 /// Tangent of an angle in degrees, `(-90, 90)`.
 pub fn tan_degrees(degrees: f64) -> f64 {
     let (sin, cos) = sin_cos_degrees(degrees);

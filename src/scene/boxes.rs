@@ -1,5 +1,8 @@
 //! A box as six quads.
 
+use super::place::angles;
+use crate::math::precise::rotate;
+
 /// Corner and edges of a quad.
 pub(super) type Face = ([f32; 3], [f32; 3], [f32; 3]);
 
@@ -8,14 +11,8 @@ pub(super) type Face = ([f32; 3], [f32; 3], [f32; 3]);
 pub(super) fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 6] {
     let (min, max) = (min.map(f64::from), max.map(f64::from));
     let middle: [f64; 3] = std::array::from_fn(|i| (min[i] + max[i]) * 0.5);
-    let turns = rotation.map(|degrees| crate::math::precise::sin_cos_degrees(f64::from(degrees)));
-    let turn = |mut p: [f64; 3]| {
-        for (axis, (sin, cos)) in turns.into_iter().enumerate() {
-            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-            (p[i], p[j]) = (cos * p[i] - sin * p[j], sin * p[i] + cos * p[j]);
-        }
-        p
-    };
+    let turns = angles(rotation);
+    let turn = |p: [f64; 3]| rotate(p, turns);
     let place = |p: [f64; 3]| {
         let turned = turn(std::array::from_fn(|i| p[i] - middle[i]));
         std::array::from_fn(|i| (turned[i] + middle[i]) as f32)

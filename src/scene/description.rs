@@ -278,9 +278,30 @@ pub enum PrimitiveFile {
         /// A key of [`SceneFile::materials`].
         material: String,
     },
+    /// The triangles of an OBJ or PLY file: its positions and faces, nothing else. Polygons
+    /// become fans; triangles without area are left out.
+    Mesh {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Factor about the origin, above 0, before the rotation.
+        #[serde(default = "PrimitiveFile::default_scale")]
+        scale: f32,
+        /// Right-handed angles about x, then y, then z, through the origin.
+        #[serde(default)]
+        rotation: [f32; 3],
+        /// Added last.
+        #[serde(default)]
+        translation: [f32; 3],
+        /// A key of [`SceneFile::materials`].
+        material: String,
+    },
 }
 
 impl PrimitiveFile {
+    fn default_scale() -> f32 {
+        1.0
+    }
+
     /// The variant's name in files, and its material.
     pub(super) fn kind_and_material(&self) -> (&'static str, &str) {
         match self {
@@ -289,6 +310,7 @@ impl PrimitiveFile {
             Self::Quad { material, .. } => ("quad", material),
             Self::Box { material, .. } => ("box", material),
             Self::Triangles { material, .. } => ("triangles", material),
+            Self::Mesh { material, .. } => ("mesh", material),
         }
     }
 }

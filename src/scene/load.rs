@@ -1,14 +1,13 @@
 //! Finding a scene by name or path and reading its text.
 
-use std::fs;
-use std::io::{self, ErrorKind};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
 use super::place::Places;
-use super::{Scene, flat, parse, resolve};
+use super::{Scene, file, flat, parse, resolve};
 use crate::error::{Error, Result, suggestion};
 
 /// Where a scene comes from.
@@ -95,7 +94,7 @@ impl Source {
             }
             Self::File(path, form) => {
                 let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-                (path.display().to_string(), folder, *form, read_text(path)?)
+                (path.display().to_string(), folder, *form, file::read_text(path)?)
             }
         };
         let (file, places) = match form {
@@ -125,25 +124,4 @@ impl Parsed {
     pub fn to_json(&self) -> String {
         parse::to_json(&self.file)
     }
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    // Reading a folder says so only on some systems, reading a pipe might never end.
-    let kind = fs::metadata(path).map_err(Error::io(path, "read"))?;
-    if kind.is_dir() {
-        return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
-    }
-    if !kind.is_file() {
-        return Err(Error::io(path, "read")(io::Error::other(
-            "it is a device or pipe, not a file",
-        )));
-    }
-    let text = fs::read_to_string(path).map_err(|error| match error.kind() {
-        ErrorKind::InvalidData => {
-            Error::input(path.display().to_string(), "", "not UTF-8 text, a scene file is")
-        }
-        _ => Error::io(path, "read")(error),
-    })?;
-    // Some editors begin UTF-8 with a byte order mark.
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }

@@ -10,6 +10,11 @@ pub(super) const MAX_COORDINATE: f32 = 1e9;
 /// Largest radiance: sums of 2^24 samples of it are finite.
 pub(super) const MAX_RADIANCE: f32 = 1e30;
 
+/// Sines and cosines of angles in degrees.
+pub(super) fn angles(degrees: [f32; 3]) -> [(f64, f64); 3] {
+    degrees.map(|degrees| crate::math::precise::sin_cos_degrees(f64::from(degrees)))
+}
+
 /// Where the elements of a file are: lines, or paths such as `primitives[3]`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places {
@@ -82,6 +87,11 @@ impl Element<'_> {
         let ok = value.iter().all(|c| c.abs() <= MAX_COORDINATE);
         self.check(ok, name, "finite and within ±1e9", value)?;
         Ok(Vec3::from_array(value))
+    }
+
+    pub(super) fn rotation(&self, degrees: [f32; 3]) -> Result<()> {
+        let ok = degrees.iter().all(|angle| angle.abs() <= 1e6);
+        self.check(ok, "rotation", "finite, within ±1e6 degrees", degrees)
     }
 
     pub(super) fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {

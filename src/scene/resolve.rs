@@ -10,12 +10,14 @@ use super::description::{
     Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, SceneFile, TextureFile,
 };
 use super::material::{Background, Emission, Material};
+use super::mesh::{Mesh, Placement};
 use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
 use super::texture::{Checker, Texture};
 use super::{Scene, boxes, light};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
 use crate::image::Image;
+use crate::limits::MAX_PRIMITIVES;
 
 /// The scene that `file` describes. `name` is what errors call it, `folder` is where its
 /// textures are.
@@ -31,7 +33,7 @@ pub(super) fn resolve(
     resolver.render_defaults()?;
     let mut textures = resolver.textures(folder)?;
     let materials = resolver.materials(&mut textures)?;
-    let (geometry, material_of) = resolver.primitives()?;
+    let (geometry, material_of) = resolver.primitives(folder)?;
     let lights = light::collect(&geometry, &materials, &material_of);
     let mut light_of = vec![Scene::NO_LIGHT; material_of.len()];
     for (index, light) in lights.iter().enumerate() {
@@ -187,7 +189,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// The primitives, and the material of each in their order.
-    fn primitives(&self) -> Result<(Geometry, Vec<u32>)> {
+    fn primitives(&self, folder: &Path) -> Result<(Geometry, Vec<u32>)> {
         let mut geometry = Geometry::default();
         let mut materials = [const { Vec::new() }; 3];
         let names: std::collections::HashMap<&str, u32> =
@@ -199,7 +201,12 @@ impl<'a> Resolver<'a> {
                 let known = self.file.materials.names();
                 e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
             })?;
-            add(&e, primitive, &mut geometry)?;
+            add(&e, folder, primitive, &mut geometry)?;
+            if geometry.len() > MAX_PRIMITIVES {
+                return Err(
+                    e.error(format!("a scene can have {MAX_PRIMITIVES} primitives at most"))
+                );
+            }
             let counts = [geometry.spheres.len(), geometry.quads.len(), geometry.triangles.len()];
             for (list, count) in materials.iter_mut().zip(counts) {
                 list.resize(count, material);
@@ -210,7 +217,12 @@ impl<'a> Resolver<'a> {
 }
 
 /// Checks one primitive and appends what it stands for.
-fn add(e: &Element<'_>, primitive: &PrimitiveFile, geometry: &mut Geometry) -> Result<()> {
+fn add(
+    e: &Element<'_>,
+    folder: &Path,
+    primitive: &PrimitiveFile,
+    geometry: &mut Geometry,
+) -> Result<()> {
     let radius_of = |radius: f32| {
         let ok = radius > 0.0 && radius <= MAX_COORDINATE;
         e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
@@ -238,11 +250,20 @@ fn add(e: &Element<'_>, primitive: &PrimitiveFile, geometry: &mut Geometry) -> R
             e.point("max", *max)?;
             let ok = min.iter().zip(max).all(|(min, max)| min < max);
             e.check(ok, "max", &format!("above min {min:?} on every axis"), max)?;
-            let ok = rotation.iter().all(|r| r.abs() <= 1e6);
-            e.check(ok, "rotation", "finite, within ±1e6 degrees", rotation)?;
+            e.rotation(*rotation)?;
             for (q, u, v) in boxes::faces(*min, *max, *rotation) {
                 geometry.quads.push(quad(q.into(), u.into(), v.into())?);
             }
+        }
+        PrimitiveFile::Mesh { file, scale, rotation, translation, .. } => {
+            let ok = *scale > 0.0 && *scale <= MAX_COORDINATE;
+            e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
+            e.rotation(*rotation)?;
+            e.point("translation", *translation)?;
+            let (scale, rotation, translation) = (*scale, *rotation, *translation);
+            let mesh = Mesh::read(&folder.join(file)).map_err(|error| e.error(error))?;
+            let placed = mesh.place(&Placement { scale, rotation, translation });
+            geometry.triangles.extend(placed.map_err(|message| e.error(message))?);
         }
         PrimitiveFile::Triangles { vertices, indices, .. } => {
             for (i, vertex) in vertices.iter().enumerate() {

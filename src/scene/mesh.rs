@@ -1,0 +1,90 @@
+//! Triangle meshes that scene files name: reading, checking and placing them.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::place::{MAX_COORDINATE, angles};
+use super::{file, obj, ply};
+use crate::error::{Error, Result};
+use crate::geometry::Triangle;
+use crate::math::precise::rotate;
+
+/// A mesh as its file says it, indices in range and coordinates finite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Mesh {
+    pub(super) vertices: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// How a mesh is placed: scaled about the origin, turned about the axes x, y, z in this order,
+/// moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    pub(super) scale: f32,
+    /// Degrees.
+    pub(super) rotation: [f32; 3],
+    pub(super) translation: [f32; 3],
+}
+
+impl Mesh {
+    /// Reads a `.obj` or `.ply` file. Polygons become fans of triangles; all but positions and
+    /// faces is ignored.
+    ///
+    /// # Errors
+    /// Where it cannot be read or its content is wrong: the message names file and line.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let parse = match extension.as_deref() {
+            Some("obj") => obj::parse,
+            Some("ply") => ply::parse,
+            _ => {
+                let message = "no reader for this extension, meshes are .obj or .ply files";
+                return Err(Error::input(path.display().to_string(), "", message));
+            }
+        };
+        let name = path.display().to_string();
+        let mesh = parse(&name, &file::read_bytes(path)?)?;
+        if mesh.triangles.is_empty() {
+            return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
+        }
+        Ok(mesh)
+    }
+
+    /// The triangles that have an area, placed. Computed in f64 and rounded once.
+    ///
+    /// # Errors
+    /// The first vertex that is too far away.
+    pub(super) fn place(&self, placement: &Placement) -> Result<Vec<Triangle>, String> {
+        let turns = angles(placement.rotation);
+        let place = |vertex: &Vec3| {
+            let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(placement.scale));
+            let turned = rotate(scaled, turns);
+            let moved =
+                std::array::from_fn(|i| (turned[i] + f64::from(placement.translation[i])) as f32);
+            let placed = Vec3::from_array(moved);
+            if in_range(placed) {
+                Ok(placed)
+            } else {
+                Err(format!("vertices must be within ±1e9 when placed, one is at {moved:?}"))
+            }
+        };
+        let vertices = self.vertices.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let triangles = self
+            .triangles
+            .iter()
+            .map(|indices| Triangle { vertices: indices.map(|index| vertices[index as usize]) });
+        // Meshes have some without area; they cannot be seen.
+        Ok(triangles.filter(|triangle| !triangle.is_degenerate()).collect())
+    }
+}
+
+/// Whether a vertex may be part of a scene.
+pub(super) fn in_range(vertex: Vec3) -> bool {
+    vertex.to_array().iter().all(|c| c.abs() <= MAX_COORDINATE)
+}
+
+/// The triangles of a polygon with `corners` corners: a fan about the first.
+pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+}

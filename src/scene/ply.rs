@@ -1,0 +1,207 @@
+//! Meshes in PLY files, ASCII and binary, read by ply-rs-bw.
+
+use glam::Vec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Encoding, Property, PropertyAccess, PropertyAccessResult};
+
+use super::mesh::{Mesh, fan, in_range};
+use crate::error::{Error, Result};
+
+/// A row of any element: what there is of a vertex or a face.
+#[derive(Debug)]
+struct Row {
+    position: Vec3,
+    corners: Vec<i64>,
+}
+
+impl PropertyAccess for Row {
+    fn new() -> Self {
+        Self { position: Vec3::NAN, corners: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name);
+        if let (Some(axis), Some(number)) = (axis, value.to_f32_lossy()) {
+            self.position[axis] = number;
+        } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
+            self.corners = corners;
+        } else {
+            return PropertyAccessResult::Ignored;
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+fn integers(list: Property) -> Option<Vec<i64>> {
+    Some(match list {
+        Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
+        _ => return None,
+    })
+}
+
+/// The vertices and faces in `bytes`; `name` is what errors call the file.
+pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
+    let parser = Parser::<Row>::new();
+    let mut reader = Reader::new(bytes);
+    let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error))?;
+    let is_text = header.encoding == Encoding::Ascii;
+    let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
+    let mut mesh = Mesh::default();
+    for (element, definition) in &header.elements {
+        let first_line = reader.line();
+        // Where row number `row` is: a line of text, else told by its number.
+        let error = |row: usize, message: &str| {
+            let place =
+                if is_text { (first_line + row).to_string() } else { format!("{element}[{row}]") };
+            Error::input(name, place, message)
+        };
+        let rows = parser
+            .read_payload_for_element(&mut reader, definition, &header)
+            .map_err(|error| explain(name, &error))?;
+        match element.as_str() {
+            "vertex" => {
+                if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
+                    let message = "a vertex needs x, y and z, finite and within ±1e9";
+                    return Err(error(row, message));
+                }
+                mesh.vertices = rows.iter().map(|row| row.position).collect();
+            }
+            "face" => {
+                for (number, row) in rows.iter().enumerate() {
+                    if row.corners.len() < 3 {
+                        let message = "a face needs a list `vertex_indices` of three or more";
+                        return Err(error(number, message));
+                    }
+                    let corners: Option<Vec<u32>> = row
+                        .corners
+                        .iter()
+                        .map(|&c| u32::try_from(c).ok().filter(|c| (*c as usize) < count))
+                        .collect();
+                    let Some(corners) = corners else {
+                        let message =
+                            format!("the face names a vertex beyond the {count} of the file");
+                        return Err(error(number, &message));
+                    };
+                    mesh.triangles.extend(fan(&corners));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(mesh)
+}
+
+/// The library's errors tell the line of a text file.
+fn explain(name: &str, error: &ParseError) -> Error {
+    let (place, text) = match error.line() {
+        Some(line) => {
+            (line.to_string(), error.to_string().replacen(&format!("Line {line}: "), "", 1))
+        }
+        None => (String::new(), error.to_string()),
+    };
+    // Its messages have several lines, and may repeat a whole line of the file.
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let short: String = text.chars().take(200).collect();
+    Error::input(name, place, format!("PLY syntax: {short}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n\
+        property float x\nproperty double y\nproperty int z\nproperty uchar red\n\
+        element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+    const VERTICES: &str = "0 0 0 255\n1 0.5 0 255\n1 1 0 255\n0 1 2 255\n";
+
+    fn message(text: &str) -> String {
+        let message = parse("a.ply", text.as_bytes()).unwrap_err().to_string();
+        assert!(!message.contains('\n') && message.len() < 300);
+        message
+    }
+
+    #[test]
+    fn text_of_any_types_with_polygons() {
+        let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");
+        let mesh = parse("a.ply", text.as_bytes()).unwrap();
+        assert_eq!(mesh.vertices[1], Vec3::new(1.0, 0.5, 0.0));
+        assert_eq!(mesh.vertices[3], Vec3::new(0.0, 1.0, 2.0));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn binary_of_both_orders() {
+        for (format, little) in [("binary_little_endian", true), ("binary_big_endian", false)] {
+            let header = format!(
+                "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\n\
+                 property float y\nproperty float z\nelement face 1\n\
+                 property list uchar uint vertex_index\nend_header\n"
+            );
+            let mut bytes = header.into_bytes();
+            for c in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5] {
+                bytes.extend(if little { c.to_le_bytes() } else { c.to_be_bytes() });
+            }
+            bytes.push(3);
+            for i in [2u32, 0, 1] {
+                bytes.extend(if little { i.to_le_bytes() } else { i.to_be_bytes() });
+            }
+            let mesh = parse("a.ply", &bytes).unwrap();
+            assert_eq!(mesh.vertices[2], Vec3::new(0.0, 1.0, 0.5));
+            assert_eq!(mesh.triangles, [[2, 0, 1]]);
+            let cut = parse("a.ply", &bytes[..bytes.len() - 2]).unwrap_err().to_string();
+            assert!(cut.starts_with("a.ply"), "{cut}");
+            let last = bytes.len() - 1;
+            bytes[if little { last - 3 } else { last }] = 3;
+            let wrong = parse("a.ply", &bytes).unwrap_err().to_string();
+            assert_eq!(wrong, "a.ply:face[0]: the face names a vertex beyond the 3 of the file");
+        }
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let faces = "3 0 1 2\n3 0 2 3\n";
+        let beyond = "the face names a vertex beyond the 4 of the file";
+        let text = format!("{HEADER}{VERTICES}3 0 1 2\n3 0 2 4\n");
+        assert_eq!(message(&text), format!("a.ply:17: {beyond}"));
+        let text = format!("{HEADER}{VERTICES}3 0 -1 2\n3 0 2 3\n");
+        assert_eq!(message(&text), format!("a.ply:16: {beyond}"));
+        let text = format!("{HEADER}{VERTICES}2 0 1\n3 0 2 3\n");
+        assert!(message(&text).starts_with("a.ply:16: a face needs"));
+        let text = format!("{HEADER}{}{faces}", VERTICES.replace("0.5", "nan"));
+        assert!(message(&text).starts_with("a.ply:13: "), "{}", message(&text));
+        let text = format!("{HEADER}{}{faces}", VERTICES.replace("0.5", "2e9"));
+        assert!(message(&text).starts_with("a.ply:13: a vertex needs x, y and z"));
+        let text = format!("{}{VERTICES}{faces}", HEADER.replace("float x", "float u"));
+        assert!(message(&text).starts_with("a.ply:12: a vertex needs x, y and z"));
+        let text = format!("{HEADER}{}{faces}", VERTICES.replace("0.5", "half"));
+        assert!(message(&text).starts_with("a.ply:13: PLY syntax"), "{}", message(&text));
+        let text = format!("{}{VERTICES}{faces}", HEADER.replace("vertex 4", "vertex four"));
+        assert!(message(&text).starts_with("a.ply:4: PLY syntax"), "{}", message(&text));
+        assert!(message(&format!("{HEADER}{VERTICES}3 0 1 2\n")).starts_with("a.ply:1"));
+        assert!(message("solid cube\n").starts_with("a.ply:1: PLY syntax"));
+        assert!(message("").starts_with("a.ply"));
+    }
+
+    #[test]
+    fn damaged_files_are_errors_not_panics() {
+        let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n").into_bytes();
+        let mut random = crate::math::random::Stream::new(5);
+        for _ in 0..20_000 {
+            let mut bytes = text.clone();
+            bytes.truncate(bytes.len() - (random.bits() % 40) as usize);
+            for _ in 0..random.bits() % 4 {
+                let place = (random.bits() % bytes.len() as u64) as usize;
+                bytes[place] = random.bits() as u8;
+            }
+            if let Ok(mesh) = parse("a.ply", &bytes) {
+                let count = mesh.vertices.len() as u32;
+                assert!(mesh.triangles.iter().flatten().all(|i| *i < count));
+            }
+        }
+    }
+}
