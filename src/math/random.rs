@@ -22,6 +22,12 @@ impl PixelKey {
         Self(word as u32, (word >> 32) as u32)
     }
 
+    /// The key itself.
+    #[inline]
+    pub(crate) fn words(self) -> (u32, u32) {
+        (self.0, self.1)
+    }
+
     /// Key of sample number `sample` of this pixel.
     #[inline]
     pub fn sample(self, sample: u32) -> PathKey {
@@ -57,9 +63,9 @@ pub fn unit_interval(bits: u32) -> f32 {
 }
 
 /// 2^32 divided by the golden ratio: consecutive multiples spread evenly.
-const GOLDEN: u32 = 0x9E37_79B9;
-const MULTIPLIER_1: u32 = 0x21F0_AAAD;
-const MULTIPLIER_2: u32 = 0x735A_2D97;
+pub(crate) const GOLDEN: u32 = 0x9E37_79B9;
+pub(crate) const MULTIPLIER_1: u32 = 0x21F0_AAAD;
+pub(crate) const MULTIPLIER_2: u32 = 0x735A_2D97;
 
 /// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
 /// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").

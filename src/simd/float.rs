@@ -68,6 +68,12 @@ impl Float {
         self
     }
 
+    /// The floats of these bits.
+    #[inline(always)]
+    pub(crate) fn from_bits(bits: Int) -> Self {
+        Self(Register::from_bits(bits.0))
+    }
+
     /// The bits of each lane.
     #[inline(always)]
     pub(crate) fn to_bits(self) -> Int {

@@ -1,6 +1,6 @@
 //! Vectors of u32.
 
-use std::ops::{BitAnd, BitOr};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul};
 
 use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
 
@@ -59,12 +59,9 @@ impl Int {
     #[inline(always)]
     pub(crate) fn select(mask: Mask, yes: Self, no: Self) -> Self {
         // Selecting integers goes byte by byte with AVX-512.
-        let float = |int: Self| Float(Register::from_bits(int.0));
-        mask.select(float(yes), float(no)).to_bits()
+        mask.select(Float::from_bits(yes), Float::from_bits(no)).to_bits()
     }
-}
 
-impl Int {
     /// The least lane.
     #[inline(always)]
     pub(crate) fn least(self) -> u32 {
@@ -76,22 +73,46 @@ impl Int {
         }
         least.to_array()[0]
     }
-}
 
-impl BitAnd for Int {
-    type Output = Self;
-
+    /// Each lane divided by 2^`bits`, below 32.
     #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
+    pub(crate) fn shifted_down(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
+    }
+
+    /// Each lane times 2^`bits`, below 32, modulo 2^32.
+    #[inline(always)]
+    pub(crate) fn shifted_up(self, bits: u32) -> Self {
+        Self(self.0 << bits)
+    }
+
+    /// The nearest floats of lanes below 2^31.
+    #[inline(always)]
+    pub(crate) fn to_float(self) -> Float {
+        let signed = self.0.cast_signed();
+        #[cfg(target_feature = "avx512f")]
+        return Float(Register::from_i32x16(signed));
+        #[cfg(not(target_feature = "avx512f"))]
+        return Float(Register::from_i32x8(signed));
     }
 }
 
-impl BitOr for Int {
-    type Output = Self;
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl $trait for Int {
+            type Output = Self;
 
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    };
 }
+
+// Sums and products are modulo 2^32.
+operator!(Add, add);
+operator!(Mul, mul);
+operator!(BitAnd, bitand);
+operator!(BitOr, bitor);
+operator!(BitXor, bitxor);

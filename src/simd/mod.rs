@@ -13,6 +13,10 @@ mod float;
 mod int;
 mod mask;
 mod prefetch;
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+mod random;
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+mod trig;
 mod vec3x;
 
 pub(crate) use float::Float;
@@ -108,6 +112,22 @@ mod tests {
                 std::array::from_fn(|_| random.bits() as u32 % 3),
             );
             let equal = Int::new(p).eq(Int::new(q));
+            let (x, y) = (random.bits() as u32, random.bits() as u32);
+            let (v, w) = (Int::splat(x), Int::splat(y));
+            for (vector, scalar) in [
+                (v + w, x.wrapping_add(y)),
+                (v * w, x.wrapping_mul(y)),
+                (v & w, x & y),
+                (v | w, x | y),
+                (v ^ w, x ^ y),
+                (v.shifted_down(y % 32), x >> (y % 32)),
+                (v.shifted_up(y % 32), x << (y % 32)),
+                (Float::from_bits(v).to_bits(), x),
+            ] {
+                assert_eq!(vector.to_array(), [scalar; LANES]);
+            }
+            same(Int::splat(x >> 1).to_float(), |_| (x >> 1) as f32);
+            assert_eq!(Some(Int::new(p).least()), p.into_iter().min());
             let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {
                 assert_eq!(equal.bits() >> i & 1 == 1, p[i] == q[i]);
