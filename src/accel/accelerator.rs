@@ -11,8 +11,9 @@ use super::blocks::{BlockRef, Blocks};
 use super::bvh2::Bvh2;
 use super::counters::{Count, Counters};
 use super::kernel::Kernel;
-use super::packet::{self, Job};
+use super::packet::Job;
 use super::pair::PairTree;
+use super::pair_traversal;
 use super::setup::Extent;
 use super::single;
 use super::wide::WideTree;
@@ -238,13 +239,13 @@ impl<'a> Accelerator<'a> {
         let (blocks, spanning) = (&self.spanning.0, &*self.spanning.1);
         let job = Job { rays, ends, extent: &self.extent, blocks, spanning };
         let wild = match kernel {
-            Kernel::Packet => packet::trace::<ANY, C>(Some(self.pair()), &job, hits, count),
+            Kernel::Packet => pair_traversal::trace::<ANY, C>(Some(self.pair()), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Flat => {
                 let Flat { blocks, all, extent } = self.flat();
                 let job = Job { blocks, spanning: all, extent, ..job };
-                packet::trace::<ANY, C>(None, &job, hits, count)
+                pair_traversal::trace::<ANY, C>(None, &job, hits, count)
             }
             Kernel::Scalar => range.collect(),
         };

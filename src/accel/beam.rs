@@ -15,7 +15,9 @@ use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::frames::{Frame, Frames};
-use super::packet::{Job, Octants, Packet, Rays};
+use super::octants::Octants;
+use super::packet::{Job, Packet};
+use super::rays::Rays;
 use super::single::trace_each;
 use super::wide::WideTree;
 use crate::simd::{Float, LANES, Mask, axes};
@@ -40,7 +42,7 @@ impl<const V: usize> Beam<V> {
     /// The beam of the rays that are there, if there are any.
     #[inline(always)]
     fn new(packet: &Packet<V>, octants: &Octants) -> Option<Self> {
-        let vectors = packet.vectors();
+        let vectors = &packet.vectors;
         let longest = vectors.iter().find_map(Rays::longest_axis_of_first)?;
         let mut beam = Self {
             near: octants.near,

@@ -235,7 +235,7 @@ pub(super) fn trace_each<const ANY: bool, const V: usize>(
     if tree.nodes.is_empty() {
         return;
     }
-    for rays in packet.vectors_mut() {
+    for rays in &mut packet.vectors {
         let table = Table::new(&rays.setup);
         let (mut t, mut primitive) = (rays.t.to_array(), rays.primitive.to_array());
         for lane in Bits(rays.setup.active) {

@@ -45,6 +45,24 @@ impl Float {
         self.to_array()[0]
     }
 
+    /// `table[i]` for each lane i of `indices`. The instruction that does so is slower where
+    /// microcode guards against leaks of what it loads (`profiling/`).
+    ///
+    /// # Panics
+    /// Where an index is beyond the table.
+    #[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+    #[inline(always)]
+    pub(crate) fn gather(table: &[f32], indices: Int) -> Self {
+        Self::new(indices.to_array().map(|index| table[index as usize]))
+    }
+
+    /// Lane `places[i]` in each lane i.
+    #[cfg(not(target_feature = "avx512f"))]
+    #[inline(always)]
+    pub(super) fn shuffled(self, places: Int) -> Self {
+        Self(self.0.shuffle(places.0))
+    }
+
     /// The least lane, in every lane.
     #[inline(always)]
     pub(crate) fn least(self) -> Self {

@@ -9,6 +9,8 @@
 //! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
 //! not: they may only decide where to look.
 
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+mod compress;
 mod float;
 mod int;
 mod mask;
@@ -78,6 +80,8 @@ mod tests {
             same(x.copysign(y), |i| a[i].copysign(b[i]));
             same(x.min(y), |i| math::min(a[i], b[i]));
             same(x.max(y), |i| math::max(a[i], b[i]));
+            let places: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
+            same(Float::gather(&a, Int::new(places)), |i| a[places[i] as usize]);
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
             type Compare = fn(&f32, &f32) -> bool;
             let comparisons: [(Mask, Compare); 5] = [

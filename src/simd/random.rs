@@ -25,7 +25,7 @@ impl PathKeys {
     #[inline(always)]
     pub(crate) fn bits(&self, dimension: u32) -> Int {
         let x = self.pixel_word + Int::splat(dimension.wrapping_mul(GOLDEN));
-        let x = (x ^ x.shifted_down(16)) * Int::splat(MULTIPLIER_1) ^ self.sample_word;
+        let x = ((x ^ x.shifted_down(16)) * Int::splat(MULTIPLIER_1)) ^ self.sample_word;
         let x = (x ^ x.shifted_down(15)) * Int::splat(MULTIPLIER_2);
         x ^ x.shifted_down(15)
     }

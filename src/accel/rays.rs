@@ -1,0 +1,170 @@
+//! A vector of rays and what they have hit.
+
+use super::batch::{HitBatch, RayBatch};
+use super::setup::{Extent, Setup};
+use super::shear_axes;
+use crate::geometry::lanes::{self, HitLanes};
+use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, axes};
+
+/// A vector of rays and their closest hits so far.
+#[derive(Clone, Copy)]
+pub(super) struct Rays {
+    pub(super) setup: Setup,
+    views: Views,
+    /// Distance of the closest hit, at first the end of the interval; −∞ for rays that look
+    /// for nothing (more).
+    pub(super) t: Float,
+    /// Its primitive; [`HitBatch::MISS`] before there is one.
+    pub(super) primitive: Int,
+}
+
+/// Rays that look along the same axis, as triangle tests see it.
+#[derive(Clone, Copy)]
+struct View {
+    axes: [usize; 3],
+    rays: u32,
+}
+
+/// The views of a vector's rays.
+#[derive(Clone, Copy)]
+struct Views {
+    views: [View; 6],
+    count: usize,
+}
+
+impl Views {
+    const NONE: Self = Self { views: [View { axes: [0; 3], rays: 0 }; 6], count: 0 };
+
+    #[inline(always)]
+    fn new(setup: &Setup) -> Self {
+        let mut views = Self::NONE;
+        let negative = setup.shear.negative.bits();
+        for longest in 0..3 {
+            let along = setup.shear.longest[longest].bits() & setup.active;
+            for (is_negative, rays) in [(false, along & !negative), (true, along & negative)] {
+                if rays != 0 {
+                    views.views[views.count] =
+                        View { axes: shear_axes(longest, is_negative), rays };
+                    views.count += 1;
+                }
+            }
+        }
+        views
+    }
+}
+
+impl Rays {
+    pub(super) const NONE: Self =
+        Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
+
+    #[inline(always)]
+    pub(super) fn load(
+        rays: &RayBatch,
+        first: usize,
+        end: usize,
+        extent: &Extent,
+        wild: &mut Vec<usize>,
+    ) -> Self {
+        let (setup, wild_lanes) = Setup::load(rays, first, end, extent);
+        wild.extend(Bits(wild_lanes).map(|lane| first + lane));
+        let active = Mask::from_bits(setup.active);
+        let t = active.select(setup.t_max, Float::splat(f32::NEG_INFINITY));
+        let views = if extent.triangles { Views::new(&setup) } else { Views::NONE };
+        Self { setup, views, t, primitive: Int::splat(HitBatch::MISS) }
+    }
+
+    /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.
+    #[inline(always)]
+    pub(super) fn test_triangle<const ANY: bool>(
+        &mut self,
+        vertices: &[[Lanes; 3]; 3],
+        lane: usize,
+        primitive: u32,
+    ) {
+        let (mut t, mut hit) = ([0.0; LANES], 0);
+        for view in &self.views.views[..self.views.count] {
+            let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
+            let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
+            let sheared = lanes::shear_triangles(origin, self.setup.shear.shear, vertices);
+            let candidates = sheared.candidates(view.rays);
+            if candidates != 0 {
+                sheared.decide(candidates, |lane, distance| t[lane] = distance);
+                hit |= candidates;
+            }
+        }
+        if hit != 0 {
+            let t = Float::new(t);
+            let hit = Mask::from_bits(hit) & t.gt(self.setup.ray.t_min);
+            self.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+        }
+    }
+
+    /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
+    #[inline(always)]
+    pub(super) fn offer<const ANY: bool>(&mut self, hits: Option<HitLanes>, primitive: u32) {
+        let Some(HitLanes { t, hit }) = hits else { return };
+        let closer = hit & t.lt(self.t);
+        if ANY {
+            if closer.any() {
+                self.t = closer.select(Float::splat(f32::NEG_INFINITY), self.t);
+                self.primitive = Int::select(closer, Int::splat(0), self.primitive);
+            }
+            return;
+        }
+        let ties = (hit & t.eq(self.t)).bits();
+        if ties != 0 {
+            let mut best = self.primitive.to_array();
+            for lane in Bits(ties) {
+                if best[lane] != HitBatch::MISS {
+                    best[lane] = best[lane].min(primitive);
+                }
+            }
+            self.primitive = Int::new(best);
+        }
+        self.t = closer.select(t, self.t);
+        self.primitive = Int::select(closer, Int::splat(primitive), self.primitive);
+    }
+}
+
+/// What a beam asks of its rays.
+impl Rays {
+    /// The axis on which the first ray that is there goes fastest; `None` where none is.
+    #[inline(always)]
+    pub(super) fn longest_axis_of_first(&self) -> Option<usize> {
+        let lane = Bits(self.setup.active).next()?;
+        let speed = axes(|axis| self.setup.ray.direction[axis].to_array()[lane].abs());
+        let most = if speed[0] > speed[1] { 0 } else { 1 };
+        Some(if speed[2] > speed[most] { 2 } else { most })
+    }
+
+    /// How fast the rays go along `axis`, above 0; 1 for those that are not there.
+    #[inline(always)]
+    pub(super) fn scale(&self, axis: usize) -> Float {
+        let one = Float::splat(1.0);
+        self.only(one / self.setup.slab.inverse[axis].abs(), one)
+    }
+
+    /// `value` of the rays that are there, else `none`.
+    #[inline(always)]
+    pub(super) fn only(&self, value: Float, none: Float) -> Float {
+        Mask::from_bits(self.setup.active).select(value, none)
+    }
+
+    #[inline(always)]
+    pub(super) fn t_min(&self) -> Float {
+        self.setup.ray.t_min
+    }
+
+    #[inline(always)]
+    pub(super) fn inverse(&self, axis: usize) -> Float {
+        self.setup.slab.inverse[axis]
+    }
+
+    /// Origins on an axis of direction `sign`, ahead by the slack and back by it.
+    #[inline(always)]
+    pub(super) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
+        let origin = self.setup.ray.origin[axis] * sign;
+        let slack = self.setup.slab.slack;
+        (origin + slack, origin - slack)
+    }
+}
