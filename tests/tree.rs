@@ -219,7 +219,15 @@ impl<'a> Bundles<'a> {
         ray.time = random.uniform();
         // Among them rays that go along an axis or across it, and some that go nowhere.
         match i {
-            i if i.is_multiple_of(19) => ray.direction[i % 3] = if i % 2 == 0 { 0.0 } else { -0.0 },
+            // A zero of the other sign makes a packet of mixed octants: in some bundles only.
+            i if i.is_multiple_of(19) => {
+                let sign = if bundle.is_multiple_of(3) {
+                    i as f32 % 2.0 - 0.5
+                } else {
+                    base.direction[i % 3]
+                };
+                ray.direction[i % 3] = 0.0f32.copysign(sign);
+            }
             i if i.is_multiple_of(23) => ray.direction = Vec3::ZERO,
             i if i.is_multiple_of(29) => ray.origin.y = f32::NAN,
             // Half a packet without rays.
