@@ -94,11 +94,17 @@ fn files_and_lists_of_the_same_triangles_are_the_same_scene() {
 
 #[test]
 fn meshes_are_scaled_turned_and_moved() {
-    let folder = folder(&[(
-        "a.ron",
-        r#"mesh(file: "meshes/a.obj", scale: 2, rotation: (0, 90, 0), translation: (10, 20, 30),
+    let folder = folder(&[
+        ("b.ron", r#"mesh(file: "meshes/a.PLY", rotation: (90, 90, 0), material: "grey")"#),
+        (
+            "a.ron",
+            r#"mesh(file: "meshes/a.obj", scale: 2, rotation: (0, 90, 0), translation: (10, 20, 30),
             material: "grey")"#,
-    )]);
+        ),
+    ]);
+    // About x first: y goes to z, and then to x.
+    let turned = load(folder.path(), "b.ron").geometry().triangles[0].vertices[1];
+    assert_eq!(turned.to_array(), [1.0, 0.0, 0.0]);
     let scene = load(folder.path(), "a.ron");
     // 0, 2, 1: x goes to −z, y stays.
     let vertices = scene.geometry().triangles[0].vertices.map(|v| v.to_array());
@@ -115,7 +121,14 @@ fn wrong_meshes_are_told_by_file_and_line() {
         (r#"file: "meshes/broken.obj""#, "meshes/broken.obj:7: the face names a vertex beyond"),
         (r#"file: "meshes/broken.ply""#, "meshes/broken.ply:15: the face names a vertex beyond"),
         (r#"file: "meshes/a.obj", scale: 0"#, "scale must be above 0 and at most 1e9, is 0.0"),
-        (r#"file: "meshes/a.obj", scale: 1e9, translation: (1e9, 0, 0)"#, "within ±1e9"),
+        (
+            r#"file: "meshes/a.obj", scale: 1e9, translation: (1e9, 0, 0)"#,
+            "meshes/a.obj: a vertex is placed at",
+        ),
+        (
+            r#"file: "meshes/a.obj", scale: 1e-6, translation: (1e9, 1e9, 1e9)"#,
+            "meshes/a.obj: no triangle has an area",
+        ),
         (r#"file: "meshes/a.obj", rotation: (0, 1e9, 0)"#, "rotation must be finite, within"),
         (r#"file: "meshes/a.obj", translation: (0, 1e10, 0)"#, "translation must be finite"),
         (r#"file: "meshes/a.obj", size: 2"#, "unknown field `size`"),

@@ -27,7 +27,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The children of `node` in the lanes of `entered`, at the distances `entry` ≥ 0.
+    /// The children of `node` in the lanes of `entered`, at the distances `entry`: not below 0,
+    /// as no ray's interval begins there ([`RayBatch`](super::RayBatch)).
     #[inline(always)]
     pub(super) fn new(node: u32, entry: Float, entered: Mask) -> Self {
         let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
@@ -82,7 +83,7 @@ impl Frames {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
-        if tree.is_large {
+        if tree.is_large && frame.least != NONE {
             tree.prefetch(frame.nearest(tree));
         }
     }

@@ -1,13 +1,13 @@
-//! Trees on huge pages: fewer misses of the TLB, and fewer page faults while they are made.
+//! Trees on huge pages: fewer misses of the TLB.
 #![allow(unsafe_code)]
 
 /// Size of huge pages where they are common (x86-64, most of AArch64).
 const HUGE: usize = 2 << 20;
 
 /// Moves `values` to memory that the system is asked to back with huge pages, if they are many
-/// enough to fill some. Where the system has none, or no such request, nothing is lost.
+/// enough to fill some and the system knows such requests.
 pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
-    if size_of_val(&*values) < 2 * HUGE {
+    if cfg!(not(target_os = "linux")) || size_of_val(&*values) < 2 * HUGE {
         return values;
     }
     let mut settled = Vec::with_capacity(values.len());
@@ -18,7 +18,7 @@ pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
     settled
 }
 
-/// Measured: 1.1 on primary rays, 1.05 on bounces of `cloud:1000000` and `mesh:1000000`.
+/// Measured: 1.05 on bounces of `cloud:1000000`, 1.07 on those of `mesh:1000000`.
 #[cfg(target_os = "linux")]
 fn request<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
     use rustix::mm::{Advice, madvise};
@@ -26,10 +26,32 @@ fn request<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
     let ends = memory.as_mut_ptr_range();
     let offset = ends.start.addr().next_multiple_of(page) - ends.start.addr();
     let length = size_of_val(memory).saturating_sub(offset) / page * page;
+    if length == 0 {
+        return;
+    }
     // SAFETY: `length` bytes from `offset` are whole pages within `memory`, and this advice
     // changes no byte of them.
     let advised =
         unsafe { madvise(ends.start.byte_add(offset).cast(), length, Advice::LinuxHugepage) };
     // A kernel without them says so; small pages do.
     advised.ok();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_stay_as_they_are() {
+        for count in [0, 1, 1000, 5 << 18] {
+            let values: Vec<[u32; 4]> = (0..count).map(|i| [i, 1, 2, !i]).collect();
+            let (old, place) = (values.clone(), values.as_ptr());
+            let settled = settle(values);
+            assert_eq!(settled, old);
+            assert_eq!(
+                settled.as_ptr() == place,
+                count < 5 << 18 || cfg!(not(target_os = "linux"))
+            );
+        }
+    }
 }

@@ -54,7 +54,7 @@ impl Mesh {
     /// The triangles that have an area, placed. Computed in f64 and rounded once.
     ///
     /// # Errors
-    /// The first vertex that is too far away.
+    /// A vertex that is too far away, or no triangle with an area.
     pub(super) fn place(&self, placement: &Placement) -> Result<Vec<Triangle>, String> {
         let turns = angles(placement.rotation);
         let place = |vertex: &Vec3| {
@@ -66,7 +66,7 @@ impl Mesh {
             if in_range(placed) {
                 Ok(placed)
             } else {
-                Err(format!("vertices must be within ±1e9 when placed, one is at {moved:?}"))
+                Err(format!("a vertex is placed at {moved:?}, it must be within ±1e9"))
             }
         };
         let vertices = self.vertices.iter().map(place).collect::<Result<Vec<_>, _>>()?;
@@ -75,7 +75,11 @@ impl Mesh {
             .iter()
             .map(|indices| Triangle { vertices: indices.map(|index| vertices[index as usize]) });
         // Meshes have some without area; they cannot be seen.
-        Ok(triangles.filter(|triangle| !triangle.is_degenerate()).collect())
+        let placed: Vec<_> = triangles.filter(|triangle| !triangle.is_degenerate()).collect();
+        if placed.is_empty() {
+            return Err("no triangle has an area as it is placed".to_owned());
+        }
+        Ok(placed)
     }
 }
 

@@ -6,10 +6,14 @@ use tobj::LoadError;
 use super::mesh::{Mesh, in_range};
 use crate::error::{Error, Result};
 
+const VERTEX: &str = "a vertex is `v` and three numbers";
+const FACE: &str = "a face is `f` and three or more numbers of vertices";
+
 /// The vertices and faces of all groups in `bytes`; `name` is what errors call the file.
 pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
     let text = String::from_utf8_lossy(bytes);
-    let positions = Positions::new(&text);
+    let error = |(line, message): (usize, String)| Error::input(name, line.to_string(), message);
+    let positions = Positions::new(text.trim_start_matches('\u{feff}')).map_err(error)?;
     let mut rest = positions.text.as_bytes();
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -18,11 +22,10 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
         ..tobj::LoadOptions::default()
     };
     let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
-    let (models, _) = loaded.map_err(|error| {
+    let (models, _) = loaded.map_err(|what| {
         // The reader stops at the line that it cannot understand.
         let read = &positions.text[..positions.text.len() - rest.len()];
-        let (line, message) = positions.explain(&error, read.lines().count());
-        Error::input(name, line.map_or(String::new(), |line| line.to_string()), message)
+        error(positions.explain(&what, read.lines().count()))
     })?;
     let mut mesh = Mesh::default();
     for model in &models {
@@ -31,18 +34,7 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
         let indices = model.mesh.indices.chunks_exact(3);
         mesh.triangles.extend(indices.map(|i| [first + i[0], first + i[1], first + i[2]]));
     }
-    if mesh.vertices.iter().all(|vertex| in_range(*vertex)) {
-        return Ok(mesh);
-    }
-    let line = positions.first_line(|words| {
-        words[0] == "v" && !words[1..].iter().take(3).all(|word| is_coordinate(word))
-    });
-    let line = line.map_or(String::new(), |line| line.to_string());
-    Err(Error::input(name, line, "coordinates must be finite and within ±1e9"))
-}
-
-fn is_coordinate(word: &str) -> bool {
-    word.parse().is_ok_and(|c: f32| in_range(Vec3::splat(c)))
+    Ok(mesh)
 }
 
 /// An OBJ file without all that a mesh here does not need, so that nothing there can be wrong:
@@ -53,67 +45,77 @@ struct Positions {
 }
 
 impl Positions {
-    fn new(file: &str) -> Self {
+    /// `Err` has line and message.
+    fn new(file: &str) -> Result<Self, (usize, String)> {
         let (mut text, mut vertices) = (String::with_capacity(file.len()), 0);
-        for line in file.lines() {
-            let mut words = line.split_whitespace();
-            match words.next() {
-                Some("v") => {
+        for (line, number) in file.lines().zip(1..) {
+            let line = line.split('#').next().unwrap_or_default();
+            let mut words: Vec<&str> = line.split_whitespace().collect();
+            let wrong = |message: &str| Err((number, message.to_owned()));
+            match words.first() {
+                Some(&"v" | &"f") if words.last() == Some(&"\\") => {
+                    return wrong("a line that goes on in the next is not read, join them");
+                }
+                Some(&"v") => {
                     // Three numbers and w, or three and a colour.
-                    let count = if words.clone().count() > 4 { 3 } else { 4 };
-                    text.push('v');
-                    words.take(count).for_each(|word| text.extend([" ", word]));
+                    words.truncate(if words.len() > 5 { 4 } else { 5 });
+                    if !is_in_range(&words[1..]) {
+                        return wrong("coordinates must be finite and within ±1e9");
+                    }
+                    text.push_str(&words.join(" "));
                     vertices += 1;
                 }
-                Some("f") => {
-                    text.push('f');
-                    for word in words {
-                        text.push(' ');
-                        text.push_str(word.split('/').next().unwrap_or_default());
+                Some(&"f") => {
+                    let corners = words[1..].iter().map(|word| word.split('/').next());
+                    let corners: Vec<&str> = corners.flatten().collect();
+                    if corners.len() < 3 || corners.contains(&"") {
+                        return wrong(FACE);
                     }
+                    text.push_str("f ");
+                    text.push_str(&corners.join(" "));
                 }
                 _ => {}
             }
             text.push('\n');
         }
-        Self { text, vertices }
-    }
-
-    /// The first line whose words are `wanted`, from 1.
-    fn first_line(&self, mut wanted: impl FnMut(&[&str]) -> bool) -> Option<usize> {
-        let mut lines = self.text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
-        lines.position(|words| !words.is_empty() && wanted(&words)).map(|index| index + 1)
+        Ok(Self { text, vertices })
     }
 
     /// Line and message of an error, after `read` lines.
-    fn explain(&self, error: &LoadError, read: usize) -> (Option<usize>, String) {
+    fn explain(&self, error: &LoadError, read: usize) -> (usize, String) {
         match error {
-            LoadError::PositionParseError | LoadError::ColorParseError => {
-                (Some(read), "a vertex is `v` and three numbers".to_owned())
-            }
-            LoadError::FaceParseError => {
-                (Some(read), "a face is `f` and three or more numbers of vertices".to_owned())
-            }
+            LoadError::PositionParseError => (read, VERTEX.to_owned()),
+            LoadError::FaceParseError => (read, FACE.to_owned()),
             // Found when the whole file is read.
-            LoadError::FaceVertexOutOfBounds => {
-                let mut before = 0;
-                let line = self.first_line(|words| {
-                    before += i64::from(words[0] == "v");
-                    let is_wrong = |word: &&str| {
-                        let number = word.parse().unwrap_or(0);
-                        number == 0 || number > self.vertices || number < -before
-                    };
-                    words[0] == "f" && words[1..].iter().any(is_wrong)
-                });
-                (line, format!("the face names a vertex beyond the {} of the file", self.vertices))
-            }
-            LoadError::InvalidPolygon => {
-                let line = self.first_line(|words| words == ["f"]);
-                (line, "a face is `f` and three or more numbers of vertices".to_owned())
-            }
-            other => (Some(read), other.to_string()),
+            LoadError::FaceVertexOutOfBounds => (
+                self.first_face_beyond().unwrap_or(read),
+                format!("the face names a vertex beyond the {} of the file", self.vertices),
+            ),
+            other => (read, other.to_string()),
         }
     }
+
+    /// Line of the first face with a number that no vertex has.
+    fn first_face_beyond(&self) -> Option<usize> {
+        let mut before = 0;
+        let line = self.text.lines().position(|line| {
+            before += i64::from(line.starts_with('v'));
+            let is_wrong = |word: &str| {
+                let number = word.parse().unwrap_or(0);
+                number == 0 || number > self.vertices || number < -before
+            };
+            line.starts_with('f') && line.split_whitespace().skip(1).any(is_wrong)
+        })?;
+        Some(line + 1)
+    }
+}
+
+/// Whether coordinates, divided by w where there is one, may be part of a scene. What is no
+/// number is for the reader to tell.
+fn is_in_range(words: &[&str]) -> bool {
+    let numbers: Vec<f32> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    let w = if let [_, _, _, w] = numbers[..] { w } else { 1.0 };
+    w == 0.0 || numbers.iter().take(3).all(|c| in_range(Vec3::splat(c / w)))
 }
 
 #[cfg(test)]
@@ -126,8 +128,8 @@ mod tests {
 
     #[test]
     fn groups_polygons_and_relative_indices() {
-        let text = "# caf\u{e9}\nmtllib none.mtl\no one\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 0.1 0.2 0.3\n\
-                    vt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/9/1 3//7\ng two\nv 0 1 0\n\
+        let text = "\u{feff}v 0 0 0 # first\n# caf\u{e9}\nmtllib none.mtl\no one\nv 1 0 0 1\nv 1 1 0 0.1 0.2 0.3\n\
+                    vt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/9/1 3//7 # top\ng two\nv 0 1 0\n\
                     f -4 -3 -2 -1\nl 1 2\np 1\n";
         let mesh = parse("a.obj", text.as_bytes()).unwrap();
         let at = |t: [u32; 3]| t.map(|i| mesh.vertices[i as usize].to_array());
@@ -142,16 +144,19 @@ mod tests {
         let wrong = "a.obj:3: a vertex is `v` and three numbers";
         assert_eq!(message("v 0 0 0\nv 1 0 0\nv 0 x 0\nf 1 2 3"), wrong);
         assert_eq!(message("v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n"), wrong);
-        let face = "a face is `f` and three or more numbers of vertices";
-        assert_eq!(message(&format!("{vertices}\nf 1 2 x\n")), format!("a.obj:5: {face}"));
-        assert_eq!(message(&format!("{vertices}\nf\nf 1 2 3")), format!("a.obj:5: {face}"));
+        for bad in ["1 2 x", "", "1 2", "1 2 3 /4", "1 2 /3"] {
+            let text = format!("{vertices}\nf {bad}\nf 1 2 3");
+            assert_eq!(message(&text), format!("a.obj:5: {FACE}"));
+        }
+        let text = format!("{vertices}f 1 2 \\\n3\n");
+        assert!(message(&text).starts_with("a.obj:4: a line that goes on"));
         let beyond = "the face names a vertex beyond the 3 of the file";
         for face in ["1 2 4", "0 1 2", "1 2 -4", "1 2 99999999999"] {
             let text = format!("{vertices}\no a\nf 1 2 3\nf {face}\no b\nf 1 2 3\n");
             assert_eq!(message(&text), format!("a.obj:7: {beyond}"));
         }
-        for bad in ["nan", "inf", "1e39", "2e9"] {
-            let text = format!("{vertices}v 0 {bad} 0\nf 1 2 4\n");
+        for bad in ["nan 0", "inf 0", "1e39 0", "2e9 0", "5e8 0 0.25", "0 0 nan", "0 1 1e-45"] {
+            let text = format!("{vertices}v 0 {bad}\nf 1 2 4\n");
             let range = "a.obj:4: coordinates must be finite and within ±1e9";
             assert_eq!(message(&text), range);
         }

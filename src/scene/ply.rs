@@ -2,10 +2,14 @@
 
 use glam::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Encoding, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyDef,
+    PropertyType, ScalarType,
+};
 
 use super::mesh::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
+use crate::limits::MAX_ROWS;
 
 /// A row of any element: what there is of a vertex or a face.
 #[derive(Debug)]
@@ -48,8 +52,12 @@ fn integers(list: Property) -> Option<Vec<i64>> {
 pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
-    let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error))?;
+    let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error, None))?;
     let is_text = header.encoding == Encoding::Ascii;
+    for definition in header.elements.values() {
+        check_size(definition, is_text, reader.get_ref().len())
+            .map_err(|message| Error::input(name, definition.name.clone(), message))?;
+    }
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
     let mut mesh = Mesh::default();
     for (element, definition) in &header.elements {
@@ -62,7 +70,7 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
         };
         let rows = parser
             .read_payload_for_element(&mut reader, definition, &header)
-            .map_err(|error| explain(name, &error))?;
+            .map_err(|error| explain(name, &error, (!is_text).then_some(element)))?;
         match element.as_str() {
             "vertex" => {
                 if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
@@ -96,14 +104,36 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
     Ok(mesh)
 }
 
+/// `Err` where there cannot be as many rows of an element in `bytes` bytes: nothing is allocated
+/// for what a header alone says.
+fn check_size(element: &ElementDef, is_text: bool, bytes: usize) -> Result<(), String> {
+    let size = |scalar: &ScalarType| match scalar {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    };
+    let least = |property: &PropertyDef| match &property.data_type {
+        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
+    };
+    let row = if is_text { 1 } else { element.properties.values().map(least).sum::<usize>() };
+    let most = bytes.checked_div(row).map_or(0, |rows| (rows + 1).min(MAX_ROWS));
+    if element.count <= most {
+        return Ok(());
+    }
+    Err(format!("the header says {} rows, there can be {most} at most", element.count))
+}
+
 /// The library's errors tell the line of a text file.
-fn explain(name: &str, error: &ParseError) -> Error {
+fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
     let (place, text) = match error.line() {
         Some(line) => {
             (line.to_string(), error.to_string().replacen(&format!("Line {line}: "), "", 1))
         }
         None => (String::new(), error.to_string()),
     };
+    // Lines mean nothing where numbers are binary.
+    let place = element.cloned().unwrap_or(place);
     // Its messages have several lines, and may repeat a whole line of the file.
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let short: String = text.chars().take(200).collect();
@@ -154,7 +184,7 @@ mod tests {
             assert_eq!(mesh.vertices[2], Vec3::new(0.0, 1.0, 0.5));
             assert_eq!(mesh.triangles, [[2, 0, 1]]);
             let cut = parse("a.ply", &bytes[..bytes.len() - 2]).unwrap_err().to_string();
-            assert!(cut.starts_with("a.ply"), "{cut}");
+            assert!(cut.starts_with("a.ply:face: PLY syntax"), "{cut}");
             let last = bytes.len() - 1;
             bytes[if little { last - 3 } else { last }] = 3;
             let wrong = parse("a.ply", &bytes).unwrap_err().to_string();
@@ -185,6 +215,22 @@ mod tests {
         assert!(message(&format!("{HEADER}{VERTICES}3 0 1 2\n")).starts_with("a.ply:1"));
         assert!(message("solid cube\n").starts_with("a.ply:1: PLY syntax"));
         assert!(message("").starts_with("a.ply"));
+    }
+
+    #[test]
+    fn headers_alone_allocate_nothing() {
+        for (format, properties, count) in [
+            ("binary_little_endian", "", 1_000_000_000_000u64),
+            ("binary_big_endian", "", 1),
+            ("binary_little_endian", "property uchar x\n", 1_000_000_000_000),
+            ("ascii", "", 1_000_000_000_000),
+        ] {
+            let text = format!(
+                "ply\nformat {format} 1.0\nelement vertex {count}\n{properties}end_header\n"
+            );
+            let error = message(&text);
+            assert!(error.starts_with("a.ply:vertex: the header says"), "{error}");
+        }
     }
 
     #[test]

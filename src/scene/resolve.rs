@@ -263,7 +263,8 @@ fn add(
             let (scale, rotation, translation) = (*scale, *rotation, *translation);
             let mesh = Mesh::read(&folder.join(file)).map_err(|error| e.error(error))?;
             let placed = mesh.place(&Placement { scale, rotation, translation });
-            geometry.triangles.extend(placed.map_err(|message| e.error(message))?);
+            let placed = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
+            geometry.triangles.extend(placed);
         }
         PrimitiveFile::Triangles { vertices, indices, .. } => {
             for (i, vertex) in vertices.iter().enumerate() {
