@@ -185,12 +185,7 @@ fn traverse<const ANY: bool, const V: usize>(
     let mut limit = packet.farthest(&beam.scales);
     let mut frame = beam.visit(tree, 0, limit, count);
     above.clear();
-    loop {
-        let Some(child) = frame.take(tree, limit.first()) else {
-            let Some(next) = above.pop() else { return };
-            frame = next;
-            continue;
-        };
+    while let Some(child) = above.next(&mut frame, tree, limit.first()) {
         if child & BlockRef::LEAF != 0 {
             let block = BlockRef::from_bits(child);
             let candidates = beam.candidates(&tree.blocks, block, limit);

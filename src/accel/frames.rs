@@ -38,7 +38,7 @@ impl Frame {
 
     /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`.
     #[inline(always)]
-    pub(super) fn take(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
+    fn take(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
         // As integers with a sign: a limit below 0 is below every key.
         if self.least as i32 > (limit.to_bits() | LANE) as i32 {
             return None;
@@ -88,8 +88,20 @@ impl Frames {
         }
     }
 
+    /// The nearest child left in `frame`, or in those above it, that is entered up to `limit`;
+    /// `frame` becomes the one that it is in.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<Frame> {
+    pub(super) fn next(&mut self, frame: &mut Frame, tree: &WideTree, limit: f32) -> Option<u32> {
+        loop {
+            if let Some(child) = frame.take(tree, limit) {
+                return Some(child);
+            }
+            *frame = self.pop()?;
+        }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Frame> {
         self.top = self.top.checked_sub(1)?;
         let (least, node) = self.rest[self.top];
         Some(Frame { keys: self.keys[self.top], least, node })

@@ -34,7 +34,7 @@ impl<const V: usize> Packet<V> {
 
     /// Writes what was hit. Rays that hit nothing are left as they are.
     #[inline(always)]
-    pub(super) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
+    fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
         for (vector, rays) in self.vectors.iter().enumerate() {
             let first = end.min(first + vector * LANES);
             let (old_t, old) = (&mut hits.t[first..end], &mut hits.primitive[first..end]);

@@ -262,12 +262,7 @@ fn traverse<const ANY: bool>(
 ) {
     above.clear();
     let mut frame = one.enter(tree, 0, best.t, count);
-    loop {
-        let Some(child) = frame.take(tree, best.t) else {
-            let Some(next) = above.pop() else { return };
-            frame = next;
-            continue;
-        };
+    while let Some(child) = above.next(&mut frame, tree, best.t) {
         if child & BlockRef::LEAF != 0 {
             test(&tree.blocks, BlockRef::from_bits(child), one, best, count);
             if ANY && best.found() {

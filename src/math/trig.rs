@@ -6,6 +6,10 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+/// Coefficients of sin 2πr, of r to r^9, and of cos 2πr, of r² to r^8, for |r| ≤ 1/8.
+pub(crate) const SIN: [f32; 5] = [6.283_185_5, -41.341_7, 81.605_2, -76.697_87, 41.472_83];
+pub(crate) const COS: [f32; 4] = [-19.739_208, 64.939_316, -85.442_85, 59.220_17];
+
 /// `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`, within 1.1e-7.
 ///
 /// The argument is reduced in turns, where the reduction is exact.
@@ -14,9 +18,8 @@ pub fn sin_cos_turns(u: f32) -> (f32, f32) {
     let quadrant = nearest(4.0 * u);
     let r = u - 0.25 * quadrant; // exact, in [-1/8, 1/8]
     let s = r * r;
-    let sin =
-        r * (6.283_185_5 + s * (-41.341_7 + s * (81.605_2 + s * (-76.697_87 + s * 41.472_83))));
-    let cos = 1.0 + s * (-19.739_208 + s * (64.939_316 + s * (-85.442_85 + s * 59.220_17)));
+    let sin = r * (SIN[0] + s * (SIN[1] + s * (SIN[2] + s * (SIN[3] + s * SIN[4]))));
+    let cos = 1.0 + s * (COS[0] + s * (COS[1] + s * (COS[2] + s * COS[3])));
     match quadrant as i32 & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),

@@ -1,6 +1,7 @@
 //! Sine and cosine over lanes: [`crate::math::trig`] to the bit.
 
 use super::{Float, Int};
+use crate::math::trig::{COS, SIN};
 
 /// [`sin_cos_turns`](crate::math::trig::sin_cos_turns): `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`.
 #[inline(always)]
@@ -12,13 +13,9 @@ pub(crate) fn sin_cos_turns(u: Float) -> (Float, Float) {
     let quadrant = shifted - magic;
     let r = u - number(0.25) * quadrant;
     let s = r * r;
-    let sin = r
-        * (number(6.283_185_5)
-            + s * (number(-41.341_7)
-                + s * (number(81.605_2) + s * (number(-76.697_87) + s * number(41.472_83)))));
-    let cos = number(1.0)
-        + s * (number(-19.739_208)
-            + s * (number(64.939_316) + s * (number(-85.442_85) + s * number(59.220_17))));
+    let (a, b) = (SIN.map(number), COS.map(number));
+    let sin = r * (a[0] + s * (a[1] + s * (a[2] + s * (a[3] + s * a[4]))));
+    let cos = number(1.0) + s * (b[0] + s * (b[1] + s * (b[2] + s * b[3])));
     // Quadrants 1 and 3 swap them; sines are negative in 2 and 3, cosines in 1 and 2.
     let bits = shifted.to_bits();
     let swapped = (bits & Int::splat(1)).eq(Int::splat(1));
