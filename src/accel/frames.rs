@@ -83,7 +83,8 @@ impl Frames {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
-        if tree.is_large && frame.least != NONE {
+        // Where none is left in vain: a branch on that costs more.
+        if tree.is_large {
             tree.prefetch(frame.nearest(tree));
         }
     }
