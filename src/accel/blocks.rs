@@ -5,7 +5,7 @@ use std::mem::take;
 use glam::Vec3;
 
 use super::huge_pages::settle;
-use crate::geometry::lanes::QuadLanes;
+use crate::geometry::lanes::{QuadLanes, UprightQuad};
 use crate::geometry::{Geometry, Primitive};
 use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
 
@@ -109,6 +109,7 @@ pub(super) struct QuadBlock {
     dual_u: [Lanes; 3],
     dual_v: [Lanes; 3],
     pub(super) primitive: Lanes<u32>,
+    pub(super) upright: [Option<UprightQuad>; LANES],
 }
 
 /// Triangles.
@@ -199,6 +200,9 @@ impl Blocks {
                     dual_u: transpose(quads().map(|quad| quad.duals()[0])),
                     dual_v: transpose(quads().map(|quad| quad.duals()[1])),
                     primitive,
+                    upright: std::array::from_fn(|lane| {
+                        quads().nth(lane).and_then(UprightQuad::new)
+                    }),
                 });
                 self.quads.len() - 1
             }

@@ -56,7 +56,7 @@ impl<const V: usize> Packet<V> {
 
     /// Tests the primitives in the lanes of a block whose bits are set, one after the other.
     #[inline(always)]
-    pub(super) fn test<const ANY: bool>(
+    pub(super) fn test<const ANY: bool, const ASK: bool>(
         &mut self,
         blocks: &Blocks,
         block: BlockRef,
@@ -95,9 +95,16 @@ impl<const V: usize> Packet<V> {
             Kind::Quad => {
                 let block = &blocks.quads[block.place()];
                 for lane in Bits(lanes) {
+                    if let Some(quad) = &block.upright[lane] {
+                        for rays in &mut self.vectors {
+                            let hits = lanes::upright_quad::<ASK>(&rays.setup.ray, quad, rays.t);
+                            rays.offer::<ANY>(hits, block.primitive[lane]);
+                        }
+                        continue;
+                    }
                     let quad = block.splat(lane);
                     for rays in &mut self.vectors {
-                        let hits = lanes::quad(&rays.setup.ray, &quad, rays.t);
+                        let hits = lanes::quad::<ASK>(&rays.setup.ray, &quad, rays.t);
                         rays.offer::<ANY>(hits, block.primitive[lane]);
                     }
                 }
@@ -152,7 +159,7 @@ impl Job<'_> {
         for first in (first..end).step_by(V * LANES) {
             packet.load(self.rays, first, end, self.extent, &mut wild);
             for &block in self.spanning {
-                packet.test::<ANY>(self.blocks, block, block.valid(), count);
+                packet.test::<ANY, ANY>(self.blocks, block, block.valid(), count);
             }
             search(&mut packet, count);
             packet.store::<ANY>(first, end, hits);

@@ -61,7 +61,11 @@ impl<const V: usize> Packet<V> {
         let (mut top, mut next) = (0, root);
         loop {
             if let Some(block) = PairTree::block(next) {
-                self.test::<ANY>(&tree.blocks, block, block.valid(), count);
+                if ANY || !MIXED {
+                    self.test::<ANY, true>(&tree.blocks, block, block.valid(), count);
+                } else {
+                    self.test::<ANY, false>(&tree.blocks, block, block.valid(), count);
+                }
             } else {
                 let node = &tree.nodes[next as usize];
                 let (left, enter_left) = self.enter::<MIXED>(&node.planes[0], octants);
@@ -73,8 +77,14 @@ impl<const V: usize> Packet<V> {
                 count.node(2 * (V * LANES) as u32, entered(left) + entered(right));
                 match (enter_left, enter_right) {
                     (true, true) => {
-                        let first = usize::from(octants.negative[node.axis as usize % 3]);
-                        let far = if first == 1 { left } else { right };
+                        // Voting loses 1.5% in packets of one vector, wins 3 to 5% in others.
+                        let right_first = if MIXED && V > 1 {
+                            vote(&left, &right) < 0
+                        } else {
+                            octants.negative[node.axis as usize % 3]
+                        };
+                        let first = usize::from(right_first);
+                        let far = if right_first { left } else { right };
                         stack[top] = (node.children[1 - first], far);
                         top += 1;
                         next = node.children[first];
@@ -105,6 +115,13 @@ impl<const V: usize> Packet<V> {
             }
         }
     }
+}
+
+/// How many more rays enter the left child before the right one than the other way round.
+#[inline(always)]
+fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
+    let before = |a: Float, b: Float| a.lt(b).bits().count_ones() as i32;
+    (0..V).map(|v| before(left[v], right[v]) - before(right[v], left[v])).sum()
 }
 
 /// Takes packets through the tree, if there is one. Returns the rays that it leaves to others.

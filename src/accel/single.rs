@@ -188,7 +188,7 @@ fn test(
         }
         Kind::Quad => {
             let block = &blocks.quads[block.place()];
-            let hits = lanes::quad(&one.ray(), &block.lanes(), Float::splat(best.t));
+            let hits = lanes::quad::<true>(&one.ray(), &block.lanes(), Float::splat(best.t));
             best.offer_lanes(hits, &block.primitive);
         }
         Kind::Triangle => {

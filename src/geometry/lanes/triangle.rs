@@ -1,0 +1,61 @@
+//! Triangles over lanes.
+
+use crate::geometry::triangle;
+use crate::math::UNIT_ROUNDOFF;
+use crate::simd::{Bits, Float, Lanes, Mask, Vec3x, axes};
+
+/// Vertices as their rays see them: sideways, sideways, ahead.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShearedTriangles {
+    vertices: [[Float; 3]; 3],
+    candidates: Mask,
+}
+
+/// Triangles filtered, then decided (contract, rule 1): f32 edge functions whose sign is sure
+/// reject nearly all lanes, the rest are decided one by one in f64.
+///
+/// `origin` and `vertices` are in the order of [`super::PreparedRay`]'s axes, and `shear` is
+/// what takes the rays' directions to (0, 0, 1) there.
+#[inline(always)]
+pub(crate) fn shear_triangles(
+    origin: [Float; 3],
+    shear: Vec3x,
+    vertices: [[Float; 3]; 3],
+) -> ShearedTriangles {
+    let vertices = axes(|i| {
+        let p = axes(|axis| vertices[i][axis] - origin[axis]);
+        [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2], shear[2] * p[2]]
+    });
+    let [a, b, c] = vertices;
+    // The error of a b − c d is below that of its two products and its difference, together
+    // 2.1 roundings of the larger product (fused: 1.1); the tiny number is for underflow.
+    let margin = Float::splat(3.0 * UNIT_ROUNDOFF);
+    let tiny = Float::splat(1e-36);
+    let edge = |from: [Float; 3], to: [Float; 3]| {
+        let subtrahend = from[1] * to[0];
+        let value = from[0].free_mul_sub(to[1], subtrahend);
+        let error = subtrahend.abs().free_mul_add(margin, tiny) + value.abs() * margin;
+        (value.gt(error), value.lt(-error))
+    };
+    let ((up, un), (vp, vn), (wp, wn)) = (edge(b, c), edge(c, a), edge(a, b));
+    let mixed = (up | vp | wp) & (un | vn | wn);
+    ShearedTriangles { vertices, candidates: !mixed }
+}
+
+impl ShearedTriangles {
+    /// The lanes, among those of `valid`, that cannot be ruled out.
+    #[inline(always)]
+    pub(crate) fn candidates(&self, valid: u32) -> u32 {
+        self.candidates.bits() & valid
+    }
+
+    /// Calls `visit` with each candidate's lane and distance, NaN for a miss.
+    #[inline(always)]
+    pub(crate) fn decide(&self, candidates: u32, mut visit: impl FnMut(usize, f32)) {
+        let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));
+        for lane in Bits(candidates) {
+            let sheared = axes(|i| axes(|axis| lanes[i][axis][lane]));
+            visit(lane, triangle::distance(sheared));
+        }
+    }
+}
