@@ -18,7 +18,7 @@ use super::frames::{Frame, Frames};
 use super::octants::Octants;
 use super::packet::{Job, Packet};
 use super::rays::Rays;
-use super::single::trace_each;
+use super::single::{Above, trace_each};
 use super::wide::WideTree;
 use crate::simd::{Float, LANES, Mask, axes};
 
@@ -159,7 +159,7 @@ fn trace_beams<const ANY: bool, const V: usize, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut above = Frames::new(tree);
+    let mut above = Above::new(tree);
     job.trace::<ANY, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
@@ -168,7 +168,7 @@ fn trace_beams<const ANY: bool, const V: usize, C: Count>(
         if octants.mixed {
             trace_each::<ANY, V>(tree, packet, &mut above, count);
         } else if let Some(beam) = Beam::new(packet, &octants) {
-            traverse::<ANY, V>(tree, packet, &beam, &mut above, count);
+            traverse::<ANY, V>(tree, packet, &beam, above.first(), count);
         }
     })
 }
@@ -194,7 +194,7 @@ fn traverse<const ANY: bool, const V: usize>(
                 limit = packet.farthest(&beam.scales);
             }
         } else {
-            above.push(&frame, tree);
+            above.push(&frame, tree, tree.is_large);
             frame = beam.visit(tree, child, limit, count);
         }
     }

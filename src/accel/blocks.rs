@@ -37,6 +37,8 @@ pub(super) struct BlockRef(u32);
 impl BlockRef {
     /// Set in every reference, so that a node's children can be told from blocks.
     pub(super) const LEAF: u32 = 1 << 31;
+    /// For places that no block is in yet.
+    pub(super) const NONE: Self = Self(Self::LEAF);
     const KIND_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
 

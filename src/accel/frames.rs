@@ -27,6 +27,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    pub(super) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
+
     /// The children of `node` in the lanes of `entered`, at the distances `entry`: not below 0,
     /// as no ray's interval begins there ([`RayBatch`](super::RayBatch)).
     #[inline(always)]
@@ -76,15 +78,15 @@ impl Frames {
         self.top = 0;
     }
 
-    /// Keeps `frame` while its child is visited, and asks for the memory of the next where the
-    /// tree is large.
+    /// Keeps `frame` while its child is visited, and asks for the memory of the next if that
+    /// is wanted.
     #[inline(always)]
-    pub(super) fn push(&mut self, frame: &Frame, tree: &WideTree) {
+    pub(super) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
         // Where none is left in vain: a branch on that costs more.
-        if tree.is_large {
+        if prefetch {
             tree.prefetch(frame.nearest(tree));
         }
     }

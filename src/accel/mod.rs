@@ -12,6 +12,7 @@ mod group;
 mod huge_pages;
 mod kernel;
 mod octants;
+mod one_ray;
 mod packet;
 mod pair;
 mod pair_traversal;

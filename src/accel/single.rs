@@ -4,129 +4,11 @@ use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::frames::{Frame, Frames};
+use super::one_ray::{OneRay, Table};
 use super::packet::{Job, Packet};
-use super::setup::Setup;
-use super::shear_axes;
 use super::wide::WideTree;
-use crate::geometry::lanes::{self, HitLanes, RayLanes};
+use crate::geometry::lanes::{self, HitLanes};
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, axes};
-
-/// Rays made ready, to be taken lane by lane.
-struct Table {
-    origin: [Lanes; 3],
-    direction: [Lanes; 3],
-    time: Lanes,
-    t_min: Lanes,
-    length2: Lanes,
-    inv_length2: Lanes,
-    inverse: [Lanes; 3],
-    near_offset: [Lanes; 3],
-    far_offset: [Lanes; 3],
-    shear: [Lanes; 3],
-    longest: [u32; 2],
-    negative: u32,
-}
-
-impl Table {
-    #[inline(always)]
-    fn new(setup: &Setup) -> Self {
-        let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
-        let slab = &setup.slab;
-        let by_sign = |axis: usize, negative: usize, positive: usize| {
-            let down = slab.inverse[axis].lt(Float::ZERO);
-            down.select(slab.offsets[negative], slab.offsets[positive]).to_array()
-        };
-        Self {
-            origin: lanes(setup.ray.origin),
-            direction: lanes(setup.ray.direction),
-            time: setup.ray.time.to_array(),
-            t_min: setup.ray.t_min.to_array(),
-            length2: setup.ray.length2.to_array(),
-            inv_length2: setup.ray.inv_length2.to_array(),
-            inverse: lanes(setup.slab.inverse),
-            near_offset: axes(|axis| by_sign(axis, axis + 3, axis)),
-            far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
-            shear: lanes(setup.shear.shear),
-            longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
-            negative: setup.shear.negative.bits(),
-        }
-    }
-}
-
-/// One ray, to be put into every lane where it is needed: a load from the table is as fast as
-/// a register, and vectors that must be kept in memory are not.
-struct OneRay<'a> {
-    table: &'a Table,
-    lane: usize,
-    /// The planes of a node that the ray meets first on each axis, and last.
-    near: [usize; 3],
-    far: [usize; 3],
-    /// The order of axes in which triangles are seen.
-    axes: [usize; 3],
-}
-
-impl<'a> OneRay<'a> {
-    #[inline(always)]
-    fn new(table: &'a Table, lane: usize) -> Self {
-        let negative = axes(|axis| table.inverse[axis][lane] < 0.0);
-        let bit = |bits: u32| bits >> lane & 1 == 1;
-        let longest = if bit(table.longest[0]) {
-            0
-        } else if bit(table.longest[1]) {
-            1
-        } else {
-            2
-        };
-        Self {
-            table,
-            lane,
-            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
-            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
-            axes: shear_axes(longest, bit(table.negative)),
-        }
-    }
-
-    #[inline(always)]
-    fn splat(&self, lanes: &Lanes) -> Float {
-        Float::splat(lanes[self.lane])
-    }
-
-    #[inline(always)]
-    fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
-        Vec3x::splat_lane(lanes, self.lane)
-    }
-
-    #[inline(always)]
-    fn ray(&self) -> RayLanes {
-        RayLanes {
-            origin: self.vector(&self.table.origin),
-            direction: self.vector(&self.table.direction),
-            time: self.splat(&self.table.time),
-            length2: self.splat(&self.table.length2),
-            inv_length2: self.splat(&self.table.inv_length2),
-            t_min: self.splat(&self.table.t_min),
-        }
-    }
-
-    /// The children of a node that the ray enters up to `limit`.
-    #[inline(always)]
-    fn enter(&self, tree: &WideTree, place: u32, limit: f32, count: &mut impl Count) -> Frame {
-        let (table, node) = (self.table, &tree.nodes[place as usize]);
-        let meet = |planes: [usize; 3], offset: &[Lanes; 3]| {
-            axes(|axis| {
-                let plane = Float::new(node.planes[planes[axis]]);
-                plane.free_mul_sub(self.splat(&table.inverse[axis]), self.splat(&offset[axis]))
-            })
-        };
-        let [x, y, z] = meet(self.near, &table.near_offset);
-        let entry = x.max(y).max(z.max(self.splat(&table.t_min)));
-        let [x, y, z] = meet(self.far, &table.far_offset);
-        let exit = x.min(y).min(z.min(Float::splat(limit)));
-        let entered = entry.le(exit);
-        count.node(LANES as u32, entered.bits().count_ones());
-        Frame::new(place, entry, entered)
-    }
-}
 
 /// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
 /// found before, and has a lower index.
@@ -160,6 +42,24 @@ impl Best {
                 self.offer(t[lane], primitive[lane]);
             }
         }
+    }
+}
+
+/// The closest hits so far of a vector of rays.
+struct BestLanes {
+    t: Lanes,
+    primitive: Lanes<u32>,
+}
+
+impl BestLanes {
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Best {
+        Best { t: self.t[lane], primitive: self.primitive[lane] }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, best: Best) {
+        (self.t[lane], self.primitive[lane]) = (best.t, best.primitive);
     }
 }
 
@@ -211,66 +111,180 @@ fn test(
     }
 }
 
-/// Takes rays through the tree one by one. Returns the rays that it leaves to others.
+/// Takes rays through the tree one by one, or in turn. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
     job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut above = Frames::new(tree);
+    let mut above = Above::new(tree);
     job.trace::<ANY, 1, C>(hits, count, |packet, count| {
         trace_each::<ANY, 1>(tree, packet, &mut above, count);
     })
 }
 
-/// Takes the rays of `packet` through the tree one by one.
+/// What the rays of a vector are yet to visit.
+pub(super) struct Above([Frames; LANES]);
+
+impl Above {
+    pub(super) fn new(tree: &WideTree) -> Self {
+        Self(std::array::from_fn(|_| Frames::new(tree)))
+    }
+
+    /// For a ray, or a beam, that goes alone.
+    pub(super) fn first(&mut self) -> &mut Frames {
+        &mut self.0[0]
+    }
+}
+
+/// Takes the rays of `packet` through the tree.
 #[inline(always)]
 pub(super) fn trace_each<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
-    above: &mut Frames,
+    above: &mut Above,
     count: &mut impl Count,
 ) {
     if tree.nodes.is_empty() {
         return;
     }
     for rays in &mut packet.vectors {
+        let mut best = BestLanes { t: rays.t.to_array(), primitive: rays.primitive.to_array() };
         let table = Table::new(&rays.setup);
-        let (mut t, mut primitive) = (rays.t.to_array(), rays.primitive.to_array());
-        for lane in Bits(rays.setup.active) {
-            let mut best = Best { t: t[lane], primitive: primitive[lane] };
-            if !(ANY && best.found()) {
-                let one = OneRay::new(&table, lane);
-                traverse::<ANY>(tree, &one, &mut best, above, count);
-                (t[lane], primitive[lane]) = (best.t, best.primitive);
-            }
+        let lanes = Bits(rays.setup.active).filter(|&lane| !(ANY && best.lane(lane).found()));
+        // Collected: `best` changes.
+        let lanes = Bits(lanes.fold(0, |bits, lane| bits | 1 << lane));
+        if tree.in_turn {
+            trace_in_turn::<ANY>(tree, &table, lanes, &mut best, above, count);
+        } else {
+            trace_one_by_one::<ANY>(tree, &table, lanes, &mut best, above.first(), count);
         }
-        rays.t = Float::new(t);
-        rays.primitive = Int::new(primitive);
+        rays.t = Float::new(best.t);
+        rays.primitive = Int::new(best.primitive);
     }
 }
 
-/// Visits the blocks in boxes that the ray enters, nearer boxes first.
 #[inline(always)]
-fn traverse<const ANY: bool>(
+fn trace_one_by_one<const ANY: bool>(
     tree: &WideTree,
-    one: &OneRay<'_>,
-    best: &mut Best,
+    table: &Table,
+    lanes: Bits,
+    best: &mut BestLanes,
     above: &mut Frames,
     count: &mut impl Count,
 ) {
-    above.clear();
-    let mut frame = one.enter(tree, 0, best.t, count);
-    while let Some(child) = above.next(&mut frame, tree, best.t) {
-        if child & BlockRef::LEAF != 0 {
-            test(&tree.blocks, BlockRef::from_bits(child), one, best, count);
-            if ANY && best.found() {
-                return;
+    for lane in lanes {
+        let one = OneRay::new(table, lane);
+        let mut closest = best.lane(lane);
+        let mut walk = Walk::new(tree, &one, closest.t, above, count);
+        while let Some(block) = walk.next(tree, &one, closest.t, above, tree.is_large, count) {
+            test(&tree.blocks, block, &one, &mut closest, count);
+            if ANY && closest.found() {
+                break;
             }
-        } else {
-            above.push(&frame, tree);
-            frame = one.enter(tree, child, best.t, count);
+        }
+        best.set(lane, closest);
+    }
+}
+
+/// While a ray waits for a block that comes from slow memory, others go on (Kocberber, Falsafi,
+/// Grot 2015, "Asynchronous Memory Access Chaining").
+///
+/// Departure: rays wait for blocks only. For a wait before each node too, the state that
+/// moves costs more than is gained (`profiling/`).
+#[inline(always)]
+fn trace_in_turn<const ANY: bool>(
+    tree: &WideTree,
+    table: &Table,
+    lanes: Bits,
+    best: &mut BestLanes,
+    above: &mut Above,
+    count: &mut impl Count,
+) {
+    let mut waiting = [Waiting::NONE; LANES];
+    let mut rays = 0;
+    for lane in lanes {
+        let one = OneRay::new(table, lane);
+        let (t, above) = (best.t[lane], &mut above.0[lane]);
+        let mut walk = Walk::new(tree, &one, t, above, count);
+        if let Some(block) = walk.next(tree, &one, t, above, false, count) {
+            tree.blocks.prefetch(block);
+            waiting[rays] = Waiting { lane, walk, block };
+            rays += 1;
+        }
+    }
+    while rays > 0 {
+        let mut left = 0;
+        for i in 0..rays {
+            let Waiting { lane, mut walk, block } = waiting[i];
+            let one = OneRay::new(table, lane);
+            let (mut closest, above) = (best.lane(lane), &mut above.0[lane]);
+            test(&tree.blocks, block, &one, &mut closest, count);
+            best.set(lane, closest);
+            if ANY && closest.found() {
+                continue;
+            }
+            if let Some(block) = walk.next(tree, &one, closest.t, above, false, count) {
+                tree.blocks.prefetch(block);
+                waiting[left] = Waiting { lane, walk, block };
+                left += 1;
+            }
+        }
+        rays = left;
+    }
+}
+
+/// A ray that waits for a block.
+#[derive(Clone, Copy)]
+struct Waiting {
+    lane: usize,
+    walk: Walk,
+    block: BlockRef,
+}
+
+impl Waiting {
+    const NONE: Self = Self { lane: 0, walk: Walk { frame: Frame::NONE }, block: BlockRef::NONE };
+}
+
+/// A ray's way through the tree.
+#[derive(Clone, Copy)]
+struct Walk {
+    /// The children of the node where it is.
+    frame: Frame,
+}
+
+impl Walk {
+    #[inline(always)]
+    fn new(
+        tree: &WideTree,
+        one: &OneRay<'_>,
+        limit: f32,
+        above: &mut Frames,
+        count: &mut impl Count,
+    ) -> Self {
+        above.clear();
+        Self { frame: one.enter(tree, 0, limit, count) }
+    }
+
+    /// The next block in a box that the ray enters up to `limit`, nearer boxes first.
+    #[inline(always)]
+    fn next(
+        &mut self,
+        tree: &WideTree,
+        one: &OneRay<'_>,
+        limit: f32,
+        above: &mut Frames,
+        prefetch: bool,
+        count: &mut impl Count,
+    ) -> Option<BlockRef> {
+        loop {
+            let child = above.next(&mut self.frame, tree, limit)?;
+            if child & BlockRef::LEAF != 0 {
+                return Some(BlockRef::from_bits(child));
+            }
+            above.push(&self.frame, tree, prefetch);
+            self.frame = one.enter(tree, child, limit, count);
         }
     }
 }

@@ -46,6 +46,9 @@ pub(super) struct WideTree {
     pub(super) depth: usize,
     /// Whether it is larger than caches that are fast.
     pub(super) is_large: bool,
+    /// Whether single rays take turns, each waiting for its block: worth it for blocks of
+    /// triangles, which are long and few on a ray's way, and not for spheres (`profiling/`).
+    pub(super) in_turn: bool,
 }
 
 /// Size from which a tree is larger than the caches that are fast.
@@ -61,8 +64,13 @@ impl WideTree {
     /// cost (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
     /// Compressed Wide BVHs", section 3), with leaves of one kind and up to a block.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let mut layout =
-            Self { nodes: Vec::new(), blocks: Blocks::default(), depth: 0, is_large: false };
+        let mut layout = Self {
+            nodes: Vec::new(),
+            blocks: Blocks::default(),
+            depth: 0,
+            is_large: false,
+            in_turn: false,
+        };
         if tree.nodes.is_empty() {
             return layout;
         }
@@ -90,6 +98,9 @@ impl WideTree {
         layout.nodes = settle(layout.nodes);
         layout.blocks.settle();
         layout.is_large = layout.bytes() > LARGE;
+        let blocks = &layout.blocks;
+        let others = blocks.spheres.len() + blocks.moving_spheres.len() + blocks.quads.len();
+        layout.in_turn = layout.is_large && blocks.triangles.len() > others;
         layout
     }
 

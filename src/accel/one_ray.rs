@@ -1,0 +1,132 @@
+//! One ray, against N boxes of a node.
+
+use super::counters::Count;
+use super::frames::Frame;
+use super::setup::Setup;
+use super::shear_axes;
+use super::wide::WideTree;
+use crate::geometry::lanes::RayLanes;
+use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
+
+/// Rays made ready, to be taken lane by lane.
+pub(super) struct Table {
+    pub(super) origin: [Lanes; 3],
+    direction: [Lanes; 3],
+    time: Lanes,
+    pub(super) t_min: Lanes,
+    length2: Lanes,
+    inv_length2: Lanes,
+    inverse: [Lanes; 3],
+    near_offset: [Lanes; 3],
+    far_offset: [Lanes; 3],
+    pub(super) shear: [Lanes; 3],
+    longest: [u32; 2],
+    negative: u32,
+}
+
+impl Table {
+    #[inline(always)]
+    pub(super) fn new(setup: &Setup) -> Self {
+        let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
+        let slab = &setup.slab;
+        let by_sign = |axis: usize, negative: usize, positive: usize| {
+            let down = slab.inverse[axis].lt(Float::ZERO);
+            down.select(slab.offsets[negative], slab.offsets[positive]).to_array()
+        };
+        Self {
+            origin: lanes(setup.ray.origin),
+            direction: lanes(setup.ray.direction),
+            time: setup.ray.time.to_array(),
+            t_min: setup.ray.t_min.to_array(),
+            length2: setup.ray.length2.to_array(),
+            inv_length2: setup.ray.inv_length2.to_array(),
+            inverse: lanes(setup.slab.inverse),
+            near_offset: axes(|axis| by_sign(axis, axis + 3, axis)),
+            far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
+            shear: lanes(setup.shear.shear),
+            longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
+            negative: setup.shear.negative.bits(),
+        }
+    }
+}
+
+/// One ray, to be put into every lane where it is needed: a load from the table is as fast as
+/// a register, and vectors that must be kept in memory are not.
+pub(super) struct OneRay<'a> {
+    pub(super) table: &'a Table,
+    pub(super) lane: usize,
+    /// The planes of a node that the ray meets first on each axis, and last.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// The order of axes in which triangles are seen.
+    pub(super) axes: [usize; 3],
+}
+
+impl<'a> OneRay<'a> {
+    #[inline(always)]
+    pub(super) fn new(table: &'a Table, lane: usize) -> Self {
+        let negative = axes(|axis| table.inverse[axis][lane] < 0.0);
+        let bit = |bits: u32| bits >> lane & 1 == 1;
+        let longest = if bit(table.longest[0]) {
+            0
+        } else if bit(table.longest[1]) {
+            1
+        } else {
+            2
+        };
+        Self {
+            table,
+            lane,
+            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
+            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
+            axes: shear_axes(longest, bit(table.negative)),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn splat(&self, lanes: &Lanes) -> Float {
+        Float::splat(lanes[self.lane])
+    }
+
+    #[inline(always)]
+    pub(super) fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
+        Vec3x::splat_lane(lanes, self.lane)
+    }
+
+    #[inline(always)]
+    pub(super) fn ray(&self) -> RayLanes {
+        RayLanes {
+            origin: self.vector(&self.table.origin),
+            direction: self.vector(&self.table.direction),
+            time: self.splat(&self.table.time),
+            length2: self.splat(&self.table.length2),
+            inv_length2: self.splat(&self.table.inv_length2),
+            t_min: self.splat(&self.table.t_min),
+        }
+    }
+
+    /// The children of a node that the ray enters up to `limit`.
+    #[inline(always)]
+    pub(super) fn enter(
+        &self,
+        tree: &WideTree,
+        place: u32,
+        limit: f32,
+        count: &mut impl Count,
+    ) -> Frame {
+        let (table, node) = (self.table, &tree.nodes[place as usize]);
+        let meet = |planes: [usize; 3], offset: &[Lanes; 3]| {
+            axes(|axis| {
+                let plane = Float::new(node.planes[planes[axis]]);
+                plane.free_mul_sub(self.splat(&table.inverse[axis]), self.splat(&offset[axis]))
+            })
+        };
+        let [x, y, z] = meet(self.near, &table.near_offset);
+        let entry = x.max(y).max(z.max(self.splat(&table.t_min)));
+        let [x, y, z] = meet(self.far, &table.far_offset);
+        let exit = x.min(y).min(z.min(Float::splat(limit)));
+        let entered = entry.le(exit);
+        count.node(LANES as u32, entered.bits().count_ones());
+        Frame::new(place, entry, entered)
+    }
+}
