@@ -55,8 +55,12 @@ impl<const V: usize> Packet<V> {
     }
 
     /// Tests the primitives in the lanes of a block whose bits are set, one after the other.
+    ///
+    /// Only the speed depends on whether to `ASK` of quads if any ray is near, and on whether
+    /// the block is from a `TREE`: outside, spheres may be huge, and the filter's margin with
+    /// them.
     #[inline(always)]
-    pub(super) fn test<const ANY: bool, const ASK: bool>(
+    pub(super) fn test<const ANY: bool, const ASK: bool, const TREE: bool>(
         &mut self,
         blocks: &Blocks,
         block: BlockRef,
@@ -74,7 +78,12 @@ impl<const V: usize> Packet<V> {
                     let center = Vec3x::splat_lane(&block.center, lane);
                     let radius = Float::splat(block.radius[lane]);
                     for rays in &mut self.vectors {
-                        let hits = lanes::filtered_sphere(&rays.setup.ray, center, radius);
+                        let ray = &rays.setup.ray;
+                        let hits = if TREE {
+                            lanes::filtered_sphere::<false>(ray, center, radius)
+                        } else {
+                            lanes::filtered_sphere::<true>(ray, center, radius)
+                        };
                         rays.offer::<ANY>(hits, block.primitive[lane]);
                     }
                 }
@@ -87,7 +96,11 @@ impl<const V: usize> Packet<V> {
                     let radius = Float::splat(block.still.radius[lane]);
                     for rays in &mut self.vectors {
                         let ray = &rays.setup.ray;
-                        let hits = lanes::filtered_sphere(ray, center + motion * ray.time, radius);
+                        let hits = lanes::filtered_sphere::<false>(
+                            ray,
+                            center + motion * ray.time,
+                            radius,
+                        );
                         rays.offer::<ANY>(hits, block.still.primitive[lane]);
                     }
                 }
@@ -159,7 +172,7 @@ impl Job<'_> {
         for first in (first..end).step_by(V * LANES) {
             packet.load(self.rays, first, end, self.extent, &mut wild);
             for &block in self.spanning {
-                packet.test::<ANY, ANY>(self.blocks, block, block.valid(), count);
+                packet.test::<ANY, ANY, false>(self.blocks, block, block.valid(), count);
             }
             search(&mut packet, count);
             packet.store::<ANY>(first, end, hits);

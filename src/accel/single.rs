@@ -77,13 +77,13 @@ fn test(
         Kind::Sphere => {
             let block = &blocks.spheres[block.place()];
             let radius = Float::new(block.radius);
-            let hits = lanes::sphere(&one.ray(), Vec3x::new(&block.center), radius);
+            let hits = lanes::sphere::<true>(&one.ray(), Vec3x::new(&block.center), radius);
             best.offer_lanes(hits, &block.primitive);
         }
         Kind::MovingSphere => {
             let block = &blocks.moving_spheres[block.place()];
             let (ray, radius) = (one.ray(), Float::new(block.still.radius));
-            let hits = lanes::sphere(&ray, block.centers(ray.time), radius);
+            let hits = lanes::sphere::<true>(&ray, block.centers(ray.time), radius);
             best.offer_lanes(hits, &block.still.primitive);
         }
         Kind::Quad => {

@@ -99,8 +99,10 @@ mod tests {
         let centers: Vec<Vec3> = (0..LANES).map(|i| spheres[i].center_at(rays[i].time)).collect();
         let radius = float(&|i| spheres[i].radius);
         let one = |lane: usize| Primitive::Sphere(&spheres[lane]);
-        compare(sphere(&ray, lanes(&centers), radius), &one);
-        compare(filtered_sphere(&ray, lanes(&centers), radius), &one);
+        compare(sphere::<false>(&ray, lanes(&centers), radius), &one);
+        compare(sphere::<true>(&ray, lanes(&centers), radius), &one);
+        compare(filtered_sphere::<false>(&ray, lanes(&centers), radius), &one);
+        compare(filtered_sphere::<true>(&ray, lanes(&centers), radius), &one);
 
         let of = |f: &dyn Fn(&Quad) -> Vec3| lanes(&quads.iter().map(f).collect::<Vec<_>>());
         let quad_lanes = QuadLanes {

@@ -6,18 +6,29 @@ use crate::simd::{Float, Vec3x};
 
 /// Hits of spheres that are at `center` at the rays' times, above `t_min`; `None` where no
 /// lane comes near.
+///
+/// With `ASK`, rays that are outside and go away are ruled out before a root is taken: worth it
+/// where [`filtered_sphere`]'s margin has not done so, that is for huge spheres, or without it.
 #[inline(always)]
-pub(crate) fn sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> Option<HitLanes> {
+pub(crate) fn sphere<const ASK: bool>(
+    ray: &RayLanes,
+    center: Vec3x,
+    radius: Float,
+) -> Option<HitLanes> {
     let f = ray.origin - center;
     let b = -f.dot(ray.direction);
     let l = f + ray.direction * (b * ray.inv_length2);
     let discriminant = radius * radius - l.dot(l);
-    let real = discriminant.ge(Float::ZERO);
+    let c = f.dot(f) - radius * radius;
+    let mut real = discriminant.ge(Float::ZERO);
+    if ASK {
+        // Roots that are both 0 or less: b + √… has the sign of b, c is not negative.
+        real = real & !(b.lt(Float::ZERO) & c.ge(Float::ZERO));
+    }
     if !real.any() {
         return None;
     }
     let q = b + (ray.length2 * discriminant).sqrt().copysign(b);
-    let c = f.dot(f) - radius * radius;
     let (by_product, by_sum) = (c / q, q * ray.inv_length2);
     let ahead = b.gt(Float::ZERO);
     let (near, far) = (ahead.select(by_product, by_sum), ahead.select(by_sum, by_product));
@@ -31,7 +42,11 @@ pub(crate) fn sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> Option<Hit
 /// With `f` known exactly, r² − l·l is off by less than 13 roundings of f·f here, by less than 16
 /// in the test; a ray that is surely outside and goes away hits nothing at distances above 0.
 #[inline(always)]
-pub(crate) fn filtered_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> Option<HitLanes> {
+pub(crate) fn filtered_sphere<const ASK: bool>(
+    ray: &RayLanes,
+    center: Vec3x,
+    radius: Float,
+) -> Option<HitLanes> {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let f2 = fz.free_mul_add(fz, fy.free_mul_add(fy, fx * fx));
@@ -44,5 +59,5 @@ pub(crate) fn filtered_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> O
     let toward = away.min(Float::ZERO);
     let discriminant = (toward * ray.inv_length2).free_mul_add(toward, inside);
     let missed = discriminant.lt(Float::ZERO);
-    if missed.all() { None } else { sphere(ray, center, radius) }
+    if missed.all() { None } else { sphere::<ASK>(ray, center, radius) }
 }
