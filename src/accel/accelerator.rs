@@ -249,6 +249,7 @@ impl<'a> Accelerator<'a> {
             }
             Kernel::Scalar => range.collect(),
         };
+        count.left(wild.len());
         for index in wild {
             self.trace_scalar::<ANY>(rays, index, hits);
         }

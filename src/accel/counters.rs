@@ -8,6 +8,8 @@ pub(super) trait Count {
     fn node(&mut self, issued: u32, active: u32);
     /// Primitives were tested against rays in `issued` lanes, of which `active` mattered.
     fn leaf(&mut self, issued: u32, active: u32);
+    /// So many rays were left to the reference.
+    fn left(&mut self, rays: usize);
 }
 
 impl Count for () {
@@ -15,6 +17,8 @@ impl Count for () {
     fn node(&mut self, _: u32, _: u32) {}
     #[inline(always)]
     fn leaf(&mut self, _: u32, _: u32) {}
+    #[inline(always)]
+    fn left(&mut self, _: usize) {}
 }
 
 /// How often what was done.
@@ -28,6 +32,9 @@ pub struct Counters {
     pub lanes_issued: u64,
     /// Lanes of both that held a ray that was looking, or a box or primitive to look at.
     pub lanes_active: u64,
+    /// Rays that a kernel left to the reference, whose work is not counted: those too wild
+    /// for its box test, or all.
+    pub scalar_rays: u64,
 }
 
 impl Count for Counters {
@@ -42,6 +49,10 @@ impl Count for Counters {
         self.lanes_issued += u64::from(issued);
         self.lanes_active += u64::from(active);
     }
+
+    fn left(&mut self, rays: usize) {
+        self.scalar_rays += rays as u64;
+    }
 }
 
 impl AddAssign for Counters {
@@ -50,5 +61,6 @@ impl AddAssign for Counters {
         self.leaf_tests += other.leaf_tests;
         self.lanes_issued += other.lanes_issued;
         self.lanes_active += other.lanes_active;
+        self.scalar_rays += other.scalar_rays;
     }
 }

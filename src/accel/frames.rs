@@ -110,3 +110,76 @@ impl Frames {
         Some(Frame { keys: self.keys[self.top], least, node })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::blocks::Blocks;
+    use crate::accel::wide::WideNode;
+    use crate::math::random::Stream;
+    use crate::simd::{Lanes, first_bits};
+
+    fn of_one_node(children: Lanes<u32>) -> WideTree {
+        let nodes = vec![WideNode { planes: [[0.0; LANES]; 6], children }];
+        let blocks = Blocks::default();
+        WideTree { nodes, blocks, depth: 1, is_large: false, in_turn: false }
+    }
+
+    /// Takes all children of one node, each with the limit that is then in force.
+    fn order(entry: Lanes, entered: u32, limit: f32) -> Vec<usize> {
+        let children = std::array::from_fn(|lane| 100 + lane as u32);
+        let tree = of_one_node(children);
+        let mut frame = Frame::new(0, Float::new(entry), Mask::from_bits(entered));
+        let mut frames = Frames::new(&tree);
+        std::iter::from_fn(|| frames.next(&mut frame, &tree, limit))
+            .map(|child| child as usize - 100)
+            .collect()
+    }
+
+    #[test]
+    fn children_come_nearest_first_up_to_the_limit() {
+        let mut random = Stream::new(6);
+        for _ in 0..2000 {
+            let entry: Lanes = std::array::from_fn(|_| match random.bits() % 8 {
+                0 => 0.0,
+                1 => -0.0,
+                2 => f32::INFINITY,
+                3 => 1e-30,
+                // Equal, or so nearly that a key cannot tell.
+                4 => 1.0,
+                5 => 1.0f32.next_up(),
+                _ => random.uniform() * 1e6,
+            });
+            let entered = random.bits() as u32 & first_bits(LANES);
+            for limit in [0.0, 1.0, 1000.0, f32::INFINITY] {
+                let visited = order(entry, entered, limit);
+                let coarse = |lane: usize| entry[lane].abs().to_bits() & !LANE;
+                assert!(visited.is_sorted_by_key(|&lane| coarse(lane)), "{entry:?} {visited:?}");
+                for lane in 0..LANES {
+                    // None is left out that is entered at the limit; a little beyond is kept.
+                    let is_in = entered >> lane & 1 == 1;
+                    let count = visited.iter().filter(|&&other| other == lane).count();
+                    assert!(count <= usize::from(is_in), "{visited:?}");
+                    assert!(count == 1 || !is_in || entry[lane] > limit, "{limit} {entry:?}");
+                    assert!(count == 0 || coarse(lane) <= limit.to_bits() | LANE);
+                }
+            }
+            // Rays that look for nothing more.
+            assert!(order(entry, entered, f32::NEG_INFINITY).is_empty());
+        }
+    }
+
+    #[test]
+    fn frames_above_are_gone_on_with() {
+        let tree = of_one_node(std::array::from_fn(|lane| lane as u32));
+        let lanes = |f: fn(f32) -> f32| Float::new(std::array::from_fn(|lane| f(lane as f32)));
+        let mut frames = Frames::new(&tree);
+        let mut frame = Frame::new(0, lanes(|lane| lane), Mask::from_bits(0b101));
+        assert_eq!(frames.next(&mut frame, &tree, 9.0), Some(0));
+        frames.push(&frame, &tree, false);
+        let mut frame = Frame::new(0, lanes(|lane| 9.0 - lane), Mask::from_bits(0b11));
+        assert_eq!(frames.next(&mut frame, &tree, 9.0), Some(1), "the child's own come first");
+        assert_eq!(frames.next(&mut frame, &tree, 5.0), Some(2), "then what was left above");
+        assert_eq!(frames.next(&mut frame, &tree, 9.0), None);
+    }
+}

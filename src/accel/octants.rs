@@ -2,6 +2,7 @@
 
 use super::packet::Packet;
 use super::rays::Rays;
+use super::slab::near_and_far;
 use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions as box tests need them.
@@ -31,11 +32,7 @@ impl Octants {
                 .fold(0, |bits, rays| bits | (down(rays, axis) ^ as_first) & rays.setup.active)
                 != 0
         };
-        Self {
-            mixed: differs(0) || differs(1) || differs(2),
-            negative,
-            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
-            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
-        }
+        let (near, far) = near_and_far(negative);
+        Self { mixed: differs(0) || differs(1) || differs(2), negative, near, far }
     }
 }

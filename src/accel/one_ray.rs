@@ -4,6 +4,7 @@ use super::counters::Count;
 use super::frames::Frame;
 use super::setup::Setup;
 use super::shear_axes;
+use super::slab::near_and_far;
 use super::wide::WideTree;
 use crate::geometry::lanes::RayLanes;
 use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
@@ -74,13 +75,8 @@ impl<'a> OneRay<'a> {
         } else {
             2
         };
-        Self {
-            table,
-            lane,
-            near: axes(|axis| axis + 3 * usize::from(negative[axis])),
-            far: axes(|axis| axis + 3 * usize::from(!negative[axis])),
-            axes: shear_axes(longest, bit(table.negative)),
-        }
+        let (near, far) = near_and_far(negative);
+        Self { table, lane, near, far, axes: shear_axes(longest, bit(table.negative)) }
     }
 
     #[inline(always)]

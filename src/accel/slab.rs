@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::{Bounds, Ray};
 use crate::math::{UNIT_ROUNDOFF, max, max_element, min};
+use crate::simd::axes;
 
 /// A ray prepared for slab tests (report, III.F; Majercik et al. 2018).
 ///
@@ -33,6 +34,14 @@ pub(super) fn planes(bounds: &Bounds) -> Planes {
     [low.x, low.y, low.z, high.x, high.y, high.z]
 }
 
+/// Which of a box's planes a ray meets first on each axis, and which last: by the signs of its
+/// direction.
+#[inline(always)]
+pub(super) fn near_and_far(negative: [bool; 3]) -> ([usize; 3], [usize; 3]) {
+    let plane = |high: bool, axis: usize| axis + 3 * usize::from(high);
+    (axes(|axis| plane(negative[axis], axis)), axes(|axis| plane(!negative[axis], axis)))
+}
+
 /// Bound of all rounding errors between a box's entry and the distance of a primitive in
 /// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
 /// centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
@@ -49,13 +58,13 @@ impl SlabRay {
         // The sign bit, so that −0 goes with its reciprocal −∞.
         let negative = d.to_array().map(f32::is_sign_negative);
         let sign = Vec3::from_array(negative.map(|n| if n { -slack } else { slack }));
-        let low_or_high = |high: [bool; 3]| std::array::from_fn(|i| i + 3 * usize::from(high[i]));
+        let (near, far) = near_and_far(negative);
         Self {
             near_origin: o + sign,
             far_origin: o - sign,
             inv_direction: Vec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z),
-            near: low_or_high(negative),
-            far: low_or_high(negative.map(|n| !n)),
+            near,
+            far,
         }
     }
 

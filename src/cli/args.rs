@@ -204,14 +204,14 @@ pub(super) enum KernelChoice {
 }
 
 impl KernelChoice {
-    const ALL: [Self; 6] = [
-        Self::Auto,
-        Self::Kernel(Kernel::Packet),
-        Self::Kernel(Kernel::Beam),
-        Self::Kernel(Kernel::Single),
-        Self::Kernel(Kernel::Flat),
-        Self::Kernel(Kernel::Scalar),
-    ];
+    const ALL: [Self; 1 + Kernel::ALL.len()] = {
+        let (mut all, mut i) = ([Self::Auto; 1 + Kernel::ALL.len()], 0);
+        while i < Kernel::ALL.len() {
+            all[1 + i] = Self::Kernel(Kernel::ALL[i]);
+            i += 1;
+        }
+        all
+    };
 
     fn name(self) -> &'static str {
         match self {

@@ -7,11 +7,11 @@ use std::io::Write as _;
 use super::args::FiguresArgs;
 use super::progress::ProgressReport;
 use super::record::metadata;
-use super::render::advise_on_build;
-use super::say;
+use super::{advise_on_build, say};
 use crate::engine::{RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Transfer;
+use crate::isa::Isa;
 use crate::machine::Machine;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::{Sampling, Scene};
@@ -94,7 +94,7 @@ pub(super) fn run(args: &FiguresArgs) -> Result<()> {
     let page = args.out.join("index.html");
     check_writable(&page)?;
     if !args.quiet {
-        advise_on_build();
+        advise_on_build(Isa::Avx2);
     }
     let mut rendered = Vec::new();
     for figure in &FIGURES {

@@ -21,6 +21,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use crate::error::{Error, Result};
+use crate::isa::{Isa, compiled_isa, detected_isa};
 use args::{Cli, Command, ScenesCommand};
 
 /// Runs the program with the process's arguments.
@@ -96,6 +97,18 @@ fn say(line: fmt::Arguments<'_>) -> Result<()> {
 fn notice(line: fmt::Arguments<'_>) {
     // There is nowhere to say that standard error is closed.
     let _ = writeln!(io::stderr(), "ptfast: {line}");
+}
+
+/// One line where the build leaves most of the CPU unused, of what instruction sets up to `useful`
+/// make faster.
+fn advise_on_build(useful: Isa) {
+    let (built, has) = (compiled_isa(), detected_isa());
+    if built != Isa::Portable && built < has.min(useful) {
+        notice(format_args!(
+            "built for {built} on a CPU with {has}: rebuild for speed with \
+             RUSTFLAGS=\"-C target-cpu=native\" cargo build --release"
+        ));
+    }
 }
 
 fn report_panics_in_one_line() {

@@ -7,11 +7,11 @@ use std::time::Instant;
 use super::args::{RenderArgs, Switch};
 use super::progress::ProgressReport;
 use super::record::{StepSeconds, metadata, render_record};
-use super::{notice, say};
+use super::{advise_on_build, notice, say};
 use crate::engine::{Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
-use crate::isa::{Isa, compiled_isa, detected_isa};
+use crate::isa::Isa;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::Scene;
 
@@ -32,7 +32,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         check_writable(file)?;
     }
     if !args.quiet {
-        advise_on_build();
+        advise_on_build(Isa::Avx2);
     }
 
     let progress = ProgressReport::new(scene.name(), &settings, args.quiet);
@@ -91,17 +91,6 @@ fn size(args: &RenderArgs, defaults: &RenderSettings) -> (u32, u32) {
         (Some(width), None) => (width, scale(width, defaults.height, defaults.width)),
         (None, Some(height)) => (scale(height, defaults.width, defaults.height), height),
         (None, None) => (defaults.width, defaults.height),
-    }
-}
-
-/// One line where the build leaves most of the CPU unused.
-pub(super) fn advise_on_build() {
-    let (built, has) = (compiled_isa(), detected_isa());
-    if built == Isa::Sse2 && has > Isa::Sse2 {
-        notice(format_args!(
-            "built for {built} on a CPU with {has}: rebuild for speed with \
-             RUSTFLAGS=\"-C target-cpu=native\" cargo build --release"
-        ));
     }
 }
 

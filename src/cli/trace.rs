@@ -6,9 +6,10 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args::{KernelChoice, TraceArgs};
-use super::{notice, say};
+use super::{advise_on_build, notice, say};
 use crate::accel::{Accelerator, Kernel};
 use crate::error::Result;
+use crate::isa::Isa;
 use crate::machine::Machine;
 use crate::output::{check_writable, write_atomically};
 use crate::rayset::{self, Query, RaySet, Replay};
@@ -18,6 +19,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
         check_writable(path)?;
     }
     let sets = rayset::read(&args.dir)?;
+    advise_on_build(Isa::Avx512);
     say(format_args!("scene   {}, {} primitives", sets.scene, sets.geometry.len()))?;
     pin_to_one_core();
     let start = Instant::now();
@@ -106,7 +108,7 @@ fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {
     let (rays, counters) = (set.rays.len(), &replay.counters);
     let a_ray = |count: u64| count as f64 / rays as f64;
     let active = 100.0 * counters.lanes_active as f64 / counters.lanes_issued.max(1) as f64;
-    let work = if *counters == Default::default() {
+    let work = if counters.lanes_issued == 0 {
         String::new()
     } else {
         format!(
@@ -115,8 +117,13 @@ fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {
             a_ray(counters.leaf_tests),
         )
     };
+    let left = match counters.scalar_rays {
+        0 => String::new(),
+        _ if replay.kernel == Kernel::Scalar => String::new(),
+        left => format!(", {left} rays left to scalar"),
+    };
     say(format_args!(
-        "{:<8}{:<8}{:>8.2} Mrays/s  {rays} rays  {} different{work}",
+        "{:<8}{:<8}{:>8.2} Mrays/s  {rays} rays  {} different{work}{left}",
         set.name,
         replay.kernel.name(),
         replay.mrays_per_s,

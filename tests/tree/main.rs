@@ -2,256 +2,17 @@
 //!
 //! With the feature `slow-tests` over ten million rays of each kind, else over a share.
 
+mod check;
+mod rays;
+
 use glam::Vec3;
 use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
 use ptfast::geometry::{Geometry, Hit, Quad, Ray, Sphere, Triangle};
 use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
-use ptfast::math::{cross, length, normalize};
 
-fn vector(random: &mut Stream, size: f32) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| random.between(-size, size)))
-}
-
-/// Spheres (some moving), quads and meshes of triangles that share edges, in a box of side
-/// `2 scale` about `shift`; some of the primitives are there twice.
-fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
-    let mut random = Stream::new(seed);
-    let mut geometry = Geometry::default();
-    while geometry.len() < primitives {
-        let center = shift + vector(&mut random, scale);
-        let again = random.uniform() < 0.1;
-        let kind = random.uniform();
-        {
-            if kind < 0.4 {
-                let motion = if kind < 0.1 { vector(&mut random, 0.2 * scale) } else { Vec3::ZERO };
-                let center1 = center + motion;
-                let radius = scale * random.between(0.01, 0.2);
-                geometry.spheres.push(Sphere { center, center1, radius });
-            } else if kind < 0.7 {
-                let u = vector(&mut random, 0.3 * scale);
-                // Some thin to the limit of what is allowed.
-                let thin = if kind < 0.5 { 0.02 } else { 1.0 };
-                let v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
-                geometry.quads.extend(Quad::new(center, u, v));
-            } else {
-                // A fan about `center`: neighbours share edges and all share a vertex.
-                let rim: Vec<Vec3> =
-                    (0..6).map(|_| center + vector(&mut random, 0.3 * scale)).collect();
-                for i in 0..6 {
-                    let vertices = [center, rim[i], rim[(i + 1) % 6]];
-                    geometry.triangles.push(Triangle { vertices });
-                }
-            }
-        }
-        if again {
-            // Coincident to the bit: the tie goes to the lower index.
-            let Geometry { spheres, quads, triangles } = &mut geometry;
-            spheres.extend_from_within(spheres.len().saturating_sub(1)..);
-            quads.extend_from_within(quads.len().saturating_sub(1)..);
-            triangles.extend_from_within(triangles.len().saturating_sub(3)..);
-        }
-    }
-    geometry
-}
-
-/// A point that rays are aimed at: somewhere, or a vertex, an edge, a silhouette.
-fn target(random: &mut Stream, geometry: &Geometry, origin: Vec3, scale: f32, shift: Vec3) -> Vec3 {
-    let pick = |random: &mut Stream, n: usize| (random.bits() % n as u64) as usize;
-    match pick(random, 6) {
-        0 if !geometry.triangles.is_empty() => {
-            let [a, b, c] = geometry.triangles[pick(random, geometry.triangles.len())].vertices;
-            let t = random.uniform();
-            match pick(random, 3) {
-                0 => a,
-                1 => a * (1.0 - t) + b * t,
-                _ => b * (1.0 - t) + c * t,
-            }
-        }
-        1 if !geometry.quads.is_empty() => {
-            let quad = geometry.quads[pick(random, geometry.quads.len())];
-            quad.q + quad.u * random.uniform() + quad.v * (pick(random, 2) as f32)
-        }
-        2 if !geometry.spheres.is_empty() => {
-            let sphere = geometry.spheres[pick(random, geometry.spheres.len())];
-            let to = sphere.center - origin;
-            let side = normalize(cross(to, vector(random, 1.0)));
-            sphere.center + side * sphere.radius
-        }
-        _ => shift + vector(random, scale),
-    }
-}
-
-/// Ray number `i`: aimed at what is hard to hit, from where it is hard, or in a hard direction.
-fn adversarial(
-    random: &mut Stream,
-    i: usize,
-    geometry: &Geometry,
-    scale: f32,
-    shift: Vec3,
-) -> (Ray, f32) {
-    let mut origin = match i % 3 {
-        0 => shift + uniform_sphere(random.uniform(), random.uniform()) * (scale * 4.0),
-        1 => shift + vector(random, scale),
-        _ => target(random, geometry, shift, scale, shift),
-    };
-    let mut direction = target(random, geometry, origin, scale, shift) - origin;
-    match i % 11 {
-        0 => direction *= 1e-6,
-        1 => direction *= 1e6,
-        2 => direction[i % 3] = 0.0,
-        3 => direction[i % 3] = -0.0,
-        4 => {
-            let axis = i % 3;
-            direction = Vec3::ZERO;
-            direction[axis] = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-            // In the very plane of some box face.
-            if let Some(sphere) = geometry.spheres.first() {
-                let other = (axis + 1) % 3;
-                origin[other] = sphere.center[other] + sphere.radius;
-            }
-        }
-        _ => {}
-    }
-    if i.is_multiple_of(13) && !geometry.triangles.is_empty() {
-        // In the plane of a triangle, or along one of its edges.
-        let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
-        let [a, b, c] = triangle.vertices;
-        let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
-        origin = at(random.between(-2.0, 3.0), random.between(-2.0, 3.0));
-        direction = at(random.uniform(), random.uniform() * 0.5) - origin;
-    }
-    if i.is_multiple_of(17) && !geometry.quads.is_empty() {
-        // Past a corner of a quad, from in front of it.
-        let quad = geometry.quads[i / 17 % geometry.quads.len()];
-        let corner = quad.q + (quad.u + quad.v) * random.between(0.999_999, 1.000_001);
-        origin = corner + quad.normal * scale + vector(random, scale);
-        direction = corner - origin;
-    }
-    let t_max = if i.is_multiple_of(7) { random.uniform() } else { f32::INFINITY };
-    (Ray { origin, direction, time: random.uniform() }, t_max)
-}
-
-/// Rays of one test.
-const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 60_000 };
-/// Rays of one batch.
-const ROUND: usize = 20_000;
-
-fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
-    hit.map(|hit| (hit.primitive, hit.t.to_bits()))
-}
-
-/// Compares every kernel with `oracle`, over rays that `make` makes.
-fn check_kernels(
-    name: &str,
-    geometry: &Geometry,
-    rays: usize,
-    mut make: impl FnMut(usize) -> (Ray, f32),
-    oracle: impl Fn(&Ray, f32) -> Option<Hit>,
-) {
-    let accelerator = Accelerator::new(geometry, (0.0, 1.0));
-    let kernels: Vec<Kernel> = Kernel::ALL
-        .into_iter()
-        .filter(|kernel| *kernel != Kernel::Flat || geometry.len() <= 1000)
-        .collect();
-    let mut hit = 0;
-    for first in (0..rays).step_by(ROUND) {
-        let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
-        for i in first..rays.min(first + ROUND) {
-            let (ray, t_max) = make(i);
-            batch.push(&ray, 0.0, t_max);
-            want.push(oracle(&ray, t_max));
-        }
-        let each = 0..batch.len();
-        for &kernel in &kernels {
-            let (mut closest, mut any) =
-                (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
-            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
-            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
-            for i in each.clone() {
-                let told = || format!("{name}, {kernel:?}: {:?}", batch.get(i));
-                assert_eq!(bits(closest.get(i)), bits(want.get(i)), "{}", told());
-                let occluded = want.get(i).map(|_| Hit { t: 0.0, primitive: 0 });
-                assert_eq!(any.get(i), occluded, "{}", told());
-            }
-        }
-        hit += want.primitive.iter().filter(|p| **p != HitBatch::MISS).count();
-    }
-    assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
-}
-
-/// Rays of which the neighbours are as the kernels for coherent rays want them: bundles of
-/// like rays, by turns from one point, and side by side along one of the axes.
-struct Bundles<'a> {
-    random: Stream,
-    geometry: &'a Geometry,
-    scale: f32,
-    shift: Vec3,
-    base: Ray,
-}
-
-impl<'a> Bundles<'a> {
-    const SIZE: usize = 64;
-
-    fn new(seed: u64, geometry: &'a Geometry, scale: f32, shift: Vec3) -> Self {
-        let base = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
-        Self { random: Stream::new(seed), geometry, scale, shift, base }
-    }
-
-    fn next(&mut self, i: usize) -> (Ray, f32) {
-        let Self { random, geometry, scale, shift, base } = self;
-        let bundle = i / Self::SIZE;
-        if i.is_multiple_of(Self::SIZE) {
-            *base = adversarial(random, bundle, geometry, *scale, *shift).0;
-        }
-        let wide = [1e-6, 1e-3, 0.1][bundle % 3];
-        let mut ray = *base;
-        let length = length(ray.direction);
-        if bundle.is_multiple_of(2) {
-            // To a target near the first ray's, often the very corner of something.
-            let near = target(random, geometry, ray.origin, *scale, *shift) - ray.origin;
-            let to = near * (length / (1e-30 + near.length_squared().sqrt()));
-            ray.direction += (to - ray.direction) * (wide * random.uniform());
-            ray.direction += vector(random, wide * length);
-        } else {
-            ray.origin += vector(random, wide * *scale);
-        }
-        ray.time = random.uniform();
-        // Among them rays that go along an axis or across it, and some that go nowhere.
-        match i {
-            // A zero of the other sign makes a packet of mixed octants: in some bundles only.
-            i if i.is_multiple_of(19) => {
-                let sign = if bundle.is_multiple_of(3) {
-                    i as f32 % 2.0 - 0.5
-                } else {
-                    base.direction[i % 3]
-                };
-                ray.direction[i % 3] = 0.0f32.copysign(sign);
-            }
-            i if i.is_multiple_of(23) => ray.direction = Vec3::ZERO,
-            i if i.is_multiple_of(29) => ray.origin.y = f32::NAN,
-            // Half a packet without rays.
-            i if bundle.is_multiple_of(7) && i % Self::SIZE < 20 => ray.direction = Vec3::ZERO,
-            _ => {}
-        }
-        let t_max = match i % 31 {
-            0 => f32::NAN,
-            1 => 0.0,
-            2 => random.uniform(),
-            _ => f32::INFINITY,
-        };
-        (ray, t_max)
-    }
-}
-
-fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
-    let mut random = Stream::new(99);
-    let make = |i| adversarial(&mut random, i, geometry, scale, shift);
-    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
-    check_kernels(name, geometry, rays, make, oracle);
-    let mut bundles = Bundles::new(98, geometry, scale, shift);
-    check_kernels(name, geometry, rays, |i| bundles.next(i), oracle);
-}
+use check::{RAYS, ROUND, bits, check, check_kernels};
+use rays::{Bundles, adversarial, soup, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
@@ -325,6 +86,35 @@ fn triangles_smaller_than_rounding() {
                 assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
             }
         }
+    }
+}
+
+/// The numbers that say where on a thin quad a ray is are off by the more roundings the thinner it
+/// is, so rays hit a little beyond its tips, outside its box. The slack is for the worst case: with
+/// a roundoff instead of 32 roundoffs × condition this fails, with 32 it does not in 10^7 rays.
+#[test]
+fn tips_of_thin_quads() {
+    let mut random = Stream::new(21);
+    for _ in 0..100 {
+        // Alone of its kind, a quad has a box of its own.
+        let sphere = Sphere::still(Vec3::splat(-1.7), 0.1);
+        let edge = |random: &mut Stream| Vec3::splat(0.5) + vector(random, 0.008);
+        let quad = loop {
+            let (u, v) = (edge(&mut random), edge(&mut random));
+            let quad = Quad::new(vector(&mut random, 0.1), u, v);
+            if let Some(quad) = quad.filter(|quad| quad.condition() > 90.0) {
+                break quad;
+            }
+        };
+        let geometry = Geometry { spheres: vec![sphere], quads: vec![quad], ..Geometry::default() };
+        let make = |_| {
+            let tip = quad.q + quad.u + quad.v;
+            let origin = tip + quad.normal * random.between(0.1, 0.5) + vector(&mut random, 0.2);
+            let beside = (quad.u + quad.v) * random.between(-1e-5, 1e-5);
+            (Ray { origin, direction: tip + beside - origin, time: 0.0 }, f32::INFINITY)
+        };
+        let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+        check_kernels("thin quads", &geometry, RAYS / 50, make, oracle);
     }
 }
 
