@@ -23,7 +23,7 @@ use crate::simd::LANES;
 /// The layouts of a scene's geometry, each made when it is first needed.
 #[derive(Debug)]
 pub struct Accelerator<'a> {
-    geometry: &'a Geometry,
+    pub(super) geometry: &'a Geometry,
     shutter: (f32, f32),
     /// The tree over all but the primitives that span the scene.
     tree: BinaryTree,
@@ -78,16 +78,6 @@ struct Flat {
     extent: Extent,
 }
 
-/// Runs of rays that every kernel is tried on, their length, and how often.
-const TRIAL_RUNS: usize = 32;
-const TRIAL_RUN: usize = 512;
-const TRIALS: usize = 3;
-
-/// Above this, single rays and beams were faster than packets on every set.
-const MOST_IN_PACKET_TREE: usize = 1 << 14;
-/// Above this, every tree was faster than none.
-const MOST_WITHOUT_TREE: usize = 64;
-
 /// A primitive spans the scene where its box has this share of the surface of the scene's.
 const SPANNING_SHARE: f32 = 0.25;
 
@@ -124,43 +114,6 @@ impl<'a> Accelerator<'a> {
             Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
         };
         Layout { bytes, seconds }
-    }
-
-    /// The kernel that is fastest on runs of rays from all over `rays`, found by trying.
-    pub fn choose(&self, any: bool, rays: &RayBatch) -> Kernel {
-        let apart = (rays.len() / TRIAL_RUNS).max(TRIAL_RUN);
-        let runs = (0..rays.len()).step_by(apart);
-        let runs = runs.map(|first| first..rays.len().min(first + TRIAL_RUN));
-        let mut hits = HitBatch::misses(rays.len());
-        let mut fastest = (f64::INFINITY, Kernel::Single);
-        for kernel in Kernel::ALL.into_iter().filter(|kernel| self.may_win(*kernel)) {
-            self.prepare(kernel);
-            for _ in 0..TRIALS {
-                let start = Instant::now();
-                for run in runs.clone() {
-                    if any {
-                        self.occluded(kernel, rays, run, &mut hits);
-                    } else {
-                        self.closest(kernel, rays, run, &mut hits);
-                    }
-                }
-                let seconds = start.elapsed().as_secs_f64();
-                if seconds < fastest.0 {
-                    fastest = (seconds, kernel);
-                }
-            }
-        }
-        fastest.1
-    }
-
-    /// Whether `kernel` is worth trying on so many primitives.
-    pub fn may_win(&self, kernel: Kernel) -> bool {
-        match kernel {
-            Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
-            Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
-            Kernel::Beam | Kernel::Single => true,
-            Kernel::Scalar => false,
-        }
     }
 
     fn scalar(&self) -> &Bvh2 {

@@ -20,6 +20,7 @@ mod rays;
 mod setup;
 mod single;
 mod slab;
+mod trial;
 mod wide;
 
 pub use accelerator::{Accelerator, Layout};

@@ -124,12 +124,12 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     })
 }
 
-/// What the rays of a vector are yet to visit.
-pub(super) struct Above([Frames; LANES]);
+/// What the rays of a vector are yet to visit: of each where they take turns, else of one.
+pub(super) struct Above(Vec<Frames>);
 
 impl Above {
     pub(super) fn new(tree: &WideTree) -> Self {
-        Self(std::array::from_fn(|_| Frames::new(tree)))
+        Self(vec![Frames::new(tree); if tree.in_turn { LANES } else { 1 }])
     }
 
     /// For a ray, or a beam, that goes alone.
