@@ -190,7 +190,7 @@ fn traverse<const ANY: bool, const V: usize>(
             let block = BlockRef::from_bits(child);
             let candidates = beam.candidates(&tree.blocks, block, limit);
             if candidates != 0 {
-                packet.test::<ANY, true, true>(&tree.blocks, block, candidates, count);
+                packet.test::<ANY, true, false>(&tree.blocks, block, candidates, count);
                 limit = packet.farthest(&beam.scales);
             }
         } else {

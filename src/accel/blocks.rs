@@ -111,7 +111,6 @@ pub(super) struct QuadBlock {
     dual_u: [Lanes; 3],
     dual_v: [Lanes; 3],
     pub(super) primitive: Lanes<u32>,
-    pub(super) upright: [Option<UprightQuad>; LANES],
 }
 
 /// Triangles.
@@ -160,6 +159,9 @@ pub(super) struct Blocks {
     pub(super) spheres: Vec<SphereBlock>,
     pub(super) moving_spheres: Vec<MovingSphereBlock>,
     pub(super) quads: Vec<QuadBlock>,
+    /// For each block of quads those that are upright, for packets: single rays have no use
+    /// for them, and should not wait for their memory.
+    pub(super) upright: Vec<[Option<UprightQuad>; LANES]>,
     pub(super) triangles: Vec<TriangleBlock>,
 }
 
@@ -202,10 +204,10 @@ impl Blocks {
                     dual_u: transpose(quads().map(|quad| quad.duals()[0])),
                     dual_v: transpose(quads().map(|quad| quad.duals()[1])),
                     primitive,
-                    upright: std::array::from_fn(|lane| {
-                        quads().nth(lane).and_then(UprightQuad::new)
-                    }),
                 });
+                let mut upright = [const { None }; LANES];
+                upright.iter_mut().zip(quads()).for_each(|(to, quad)| *to = UprightQuad::new(quad));
+                self.upright.push(upright);
                 self.quads.len() - 1
             }
             Kind::Triangle => {
@@ -238,6 +240,7 @@ impl Blocks {
         self.spheres = settle(take(&mut self.spheres));
         self.moving_spheres = settle(take(&mut self.moving_spheres));
         self.quads = settle(take(&mut self.quads));
+        self.upright = settle(take(&mut self.upright));
         self.triangles = settle(take(&mut self.triangles));
     }
 
@@ -257,6 +260,7 @@ impl Blocks {
         size_of_val(&*self.spheres)
             + size_of_val(&*self.moving_spheres)
             + size_of_val(&*self.quads)
+            + size_of_val(&*self.upright)
             + size_of_val(&*self.triangles)
     }
 }

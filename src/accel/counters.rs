@@ -33,7 +33,7 @@ pub struct Counters {
     /// Lanes of both that held a ray that was looking, or a box or primitive to look at.
     pub lanes_active: u64,
     /// Rays that a kernel left to the reference, whose work is not counted: those too wild
-    /// for its box test, or all.
+    /// for its box test; for [`Kernel::Scalar`](super::Kernel::Scalar) every ray.
     pub scalar_rays: u64,
 }
 

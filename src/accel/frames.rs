@@ -27,6 +27,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// For places that no node's children are in yet.
     pub(super) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
 
     /// The children of `node` in the lanes of `entered`, at the distances `entry`: not below 0,
@@ -85,7 +86,7 @@ impl Frames {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
-        // Where none is left in vain: a branch on that costs more.
+        // In vain where none is left: a branch on that costs more.
         if prefetch {
             tree.prefetch(frame.nearest(tree));
         }
@@ -119,16 +120,17 @@ mod tests {
     use crate::math::random::Stream;
     use crate::simd::{Lanes, first_bits};
 
-    fn of_one_node(children: Lanes<u32>) -> WideTree {
-        let nodes = vec![WideNode { planes: [[0.0; LANES]; 6], children }];
-        let blocks = Blocks::default();
-        WideTree { nodes, blocks, depth: 1, is_large: false, in_turn: false }
+    /// Nodes whose children are numbered from 100, 200 and so on.
+    fn tree(nodes: u32) -> WideTree {
+        let children = |node: u32| std::array::from_fn(|lane| 100 * node + lane as u32);
+        let node = |node| WideNode { planes: [[0.0; LANES]; 6], children: children(node) };
+        let (nodes, blocks) = ((1..=nodes).map(node).collect(), Blocks::default());
+        WideTree { nodes, blocks, depth: 3, is_large: false, in_turn: false }
     }
 
-    /// Takes all children of one node, each with the limit that is then in force.
+    /// Takes all children of one node.
     fn order(entry: Lanes, entered: u32, limit: f32) -> Vec<usize> {
-        let children = std::array::from_fn(|lane| 100 + lane as u32);
-        let tree = of_one_node(children);
+        let tree = tree(1);
         let mut frame = Frame::new(0, Float::new(entry), Mask::from_bits(entered));
         let mut frames = Frames::new(&tree);
         std::iter::from_fn(|| frames.next(&mut frame, &tree, limit))
@@ -171,15 +173,30 @@ mod tests {
 
     #[test]
     fn frames_above_are_gone_on_with() {
-        let tree = of_one_node(std::array::from_fn(|lane| lane as u32));
-        let lanes = |f: fn(f32) -> f32| Float::new(std::array::from_fn(|lane| f(lane as f32)));
+        let tree = tree(3);
+        let frame = |node: u32, entry: fn(f32) -> f32, entered: u32| {
+            let entry = Float::new(std::array::from_fn(|lane| entry(lane as f32)));
+            Frame::new(node, entry, Mask::from_bits(entered))
+        };
+        let (up, down) = (|lane: f32| lane, |lane: f32| 9.0 - lane);
         let mut frames = Frames::new(&tree);
-        let mut frame = Frame::new(0, lanes(|lane| lane), Mask::from_bits(0b101));
-        assert_eq!(frames.next(&mut frame, &tree, 9.0), Some(0));
-        frames.push(&frame, &tree, false);
-        let mut frame = Frame::new(0, lanes(|lane| 9.0 - lane), Mask::from_bits(0b11));
-        assert_eq!(frames.next(&mut frame, &tree, 9.0), Some(1), "the child's own come first");
-        assert_eq!(frames.next(&mut frame, &tree, 5.0), Some(2), "then what was left above");
-        assert_eq!(frames.next(&mut frame, &tree, 9.0), None);
+        let mut here = frame(0, up, 0b101);
+        assert_eq!(frames.next(&mut here, &tree, 9.0), Some(100));
+        frames.push(&here, &tree, false);
+        here = frame(1, up, 0b1);
+        assert_eq!(frames.next(&mut here, &tree, 9.0), Some(200));
+        // Nothing is left in it: it takes no place above.
+        frames.push(&here, &tree, false);
+        assert_eq!(frames.top, 1);
+        here = frame(2, down, 0b11);
+        assert_eq!(frames.next(&mut here, &tree, 9.0), Some(301), "the child's own come first");
+        assert_eq!(frames.next(&mut here, &tree, 5.0), Some(102), "then what was left above");
+        assert_eq!(frames.next(&mut here, &tree, 9.0), None);
+
+        here = frame(1, up, 0b11);
+        frames.push(&here, &tree, false);
+        frames.clear();
+        here = frame(2, up, 0);
+        assert_eq!(frames.next(&mut here, &tree, 9.0), None, "nothing of the ray before");
     }
 }

@@ -56,11 +56,10 @@ impl<const V: usize> Packet<V> {
 
     /// Tests the primitives in the lanes of a block whose bits are set, one after the other.
     ///
-    /// Only the speed depends on whether to `ASK` of quads if any ray is near, and on whether
-    /// the block is from a `TREE`: outside, spheres may be huge, and the filter's margin with
-    /// them.
+    /// What to ask before the costly part of a test changes nothing but speed: of quads whether
+    /// any ray is near their plane (`NEAR`), of spheres whether rays leave them (`LEAVE`).
     #[inline(always)]
-    pub(super) fn test<const ANY: bool, const ASK: bool, const TREE: bool>(
+    pub(super) fn test<const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &mut self,
         blocks: &Blocks,
         block: BlockRef,
@@ -79,11 +78,7 @@ impl<const V: usize> Packet<V> {
                     let radius = Float::splat(block.radius[lane]);
                     for rays in &mut self.vectors {
                         let ray = &rays.setup.ray;
-                        let hits = if TREE {
-                            lanes::filtered_sphere::<false>(ray, center, radius)
-                        } else {
-                            lanes::filtered_sphere::<true>(ray, center, radius)
-                        };
+                        let hits = lanes::filtered_sphere::<LEAVE>(ray, center, radius);
                         rays.offer::<ANY>(hits, block.primitive[lane]);
                     }
                 }
@@ -96,7 +91,7 @@ impl<const V: usize> Packet<V> {
                     let radius = Float::splat(block.still.radius[lane]);
                     for rays in &mut self.vectors {
                         let ray = &rays.setup.ray;
-                        let hits = lanes::filtered_sphere::<false>(
+                        let hits = lanes::filtered_sphere::<LEAVE>(
                             ray,
                             center + motion * ray.time,
                             radius,
@@ -106,18 +101,19 @@ impl<const V: usize> Packet<V> {
                 }
             }
             Kind::Quad => {
-                let block = &blocks.quads[block.place()];
+                let (block, upright) =
+                    (&blocks.quads[block.place()], &blocks.upright[block.place()]);
                 for lane in Bits(lanes) {
-                    if let Some(quad) = &block.upright[lane] {
+                    if let Some(quad) = &upright[lane] {
                         for rays in &mut self.vectors {
-                            let hits = lanes::upright_quad::<ASK>(&rays.setup.ray, quad, rays.t);
+                            let hits = lanes::upright_quad::<NEAR>(&rays.setup.ray, quad, rays.t);
                             rays.offer::<ANY>(hits, block.primitive[lane]);
                         }
                         continue;
                     }
                     let quad = block.splat(lane);
                     for rays in &mut self.vectors {
-                        let hits = lanes::quad::<ASK>(&rays.setup.ray, &quad, rays.t);
+                        let hits = lanes::quad::<NEAR>(&rays.setup.ray, &quad, rays.t);
                         rays.offer::<ANY>(hits, block.primitive[lane]);
                     }
                 }
@@ -172,7 +168,8 @@ impl Job<'_> {
         for first in (first..end).step_by(V * LANES) {
             packet.load(self.rays, first, end, self.extent, &mut wild);
             for &block in self.spanning {
-                packet.test::<ANY, ANY, false>(self.blocks, block, block.valid(), count);
+                // Mostly huge: they are near many rays, and leave the filter no choice.
+                packet.test::<ANY, ANY, true>(self.blocks, block, block.valid(), count);
             }
             search(&mut packet, count);
             packet.store::<ANY>(first, end, hits);

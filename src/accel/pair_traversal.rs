@@ -62,9 +62,9 @@ impl<const V: usize> Packet<V> {
         loop {
             if let Some(block) = PairTree::block(next) {
                 if ANY || !MIXED {
-                    self.test::<ANY, true, true>(&tree.blocks, block, block.valid(), count);
+                    self.test::<ANY, true, false>(&tree.blocks, block, block.valid(), count);
                 } else {
-                    self.test::<ANY, false, true>(&tree.blocks, block, block.valid(), count);
+                    self.test::<ANY, false, false>(&tree.blocks, block, block.valid(), count);
                 }
             } else {
                 let node = &tree.nodes[next as usize];

@@ -1,4 +1,4 @@
-//! One ray at a time: against N boxes of a node, against N primitives of a block.
+//! Single rays through wide nodes, and against the N primitives of a block: one by one, or in turn.
 
 use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
@@ -124,7 +124,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     })
 }
 
-/// What the rays of a vector are yet to visit: of each where they take turns, else of one.
+/// What is left to visit above: of every ray of a vector where they take turns, else of one.
 pub(super) struct Above(Vec<Frames>);
 
 impl Above {
@@ -191,8 +191,7 @@ fn trace_one_by_one<const ANY: bool>(
 /// While a ray waits for a block that comes from slow memory, others go on (Kocberber, Falsafi,
 /// Grot 2015, "Asynchronous Memory Access Chaining").
 ///
-/// Departure: rays wait for blocks only. For a wait before each node too, the state that
-/// moves costs more than is gained (`profiling/`).
+/// Departure: rays wait for blocks only. Waits before nodes gain nothing (`profiling/`).
 #[inline(always)]
 fn trace_in_turn<const ANY: bool>(
     tree: &WideTree,

@@ -20,7 +20,10 @@ const MOST_WITHOUT_TREE: usize = 64;
 impl Accelerator<'_> {
     /// The kernel that is fastest on runs of rays from all over `rays`, found by trying.
     pub fn choose(&self, any: bool, rays: &RayBatch) -> Kernel {
-        let apart = (rays.len() / TRIAL_RUNS).max(TRIAL_RUN);
+        if rays.is_empty() {
+            return Kernel::Single;
+        }
+        let apart = rays.len().div_ceil(TRIAL_RUNS).max(TRIAL_RUN);
         let runs = (0..rays.len()).step_by(apart);
         let runs: Vec<Range<usize>> =
             runs.map(|first| first..rays.len().min(first + TRIAL_RUN)).collect();
@@ -46,7 +49,7 @@ impl Accelerator<'_> {
         }
         let total = |i: &usize| seconds[*i].iter().sum::<f64>();
         let fastest = (0..kernels.len()).min_by(|i, j| total(i).total_cmp(&total(j)));
-        fastest.map_or(Kernel::Single, |i| kernels[i])
+        kernels[fastest.expect("some kernels always may win")]
     }
 
     /// Whether `kernel` is worth trying on so many primitives.

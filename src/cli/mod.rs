@@ -99,8 +99,8 @@ fn notice(line: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr(), "ptfast: {line}");
 }
 
-/// One line where the build leaves most of the CPU unused, of what instruction sets up to `useful`
-/// make faster.
+/// One line where a build for this CPU would be faster: where the build falls behind what the CPU
+/// has, up to the instruction set that is still `useful`.
 fn advise_on_build(useful: Isa) {
     let (built, has) = (compiled_isa(), detected_isa());
     if built != Isa::Portable && built < has.min(useful) {

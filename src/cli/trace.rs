@@ -118,9 +118,10 @@ fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {
         )
     };
     let left = match counters.scalar_rays {
-        0 => String::new(),
-        _ if replay.kernel == Kernel::Scalar => String::new(),
-        left => format!(", {left} rays left to scalar"),
+        left if left > 0 && replay.kernel != Kernel::Scalar => {
+            format!(", {left} rays left to scalar")
+        }
+        _ => String::new(),
     };
     say(format_args!(
         "{:<8}{:<8}{:>8.2} Mrays/s  {rays} rays  {} different{work}{left}",

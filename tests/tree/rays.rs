@@ -19,26 +19,32 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
         let center = shift + vector(&mut random, scale);
         let again = random.uniform() < 0.1;
         let kind = random.uniform();
-        {
-            if kind < 0.4 {
-                let motion = if kind < 0.1 { vector(&mut random, 0.2 * scale) } else { Vec3::ZERO };
-                let center1 = center + motion;
-                let radius = scale * random.between(0.01, 0.2);
-                geometry.spheres.push(Sphere { center, center1, radius });
-            } else if kind < 0.7 {
-                let u = vector(&mut random, 0.3 * scale);
-                // Some thin to the limit of what is allowed.
-                let thin = if kind < 0.5 { 0.02 } else { 1.0 };
-                let v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
-                geometry.quads.extend(Quad::new(center, u, v));
-            } else {
-                // A fan about `center`: neighbours share edges and all share a vertex.
-                let rim: Vec<Vec3> =
-                    (0..6).map(|_| center + vector(&mut random, 0.3 * scale)).collect();
-                for i in 0..6 {
-                    let vertices = [center, rim[i], rim[(i + 1) % 6]];
-                    geometry.triangles.push(Triangle { vertices });
-                }
+        if kind < 0.4 {
+            let motion = if kind < 0.1 { vector(&mut random, 0.2 * scale) } else { Vec3::ZERO };
+            let center1 = center + motion;
+            let radius = scale * random.between(0.01, 0.2);
+            geometry.spheres.push(Sphere { center, center1, radius });
+        } else if kind < 0.7 {
+            let mut u = vector(&mut random, 0.3 * scale);
+            // Some thin to the limit of what is allowed.
+            let thin = if kind < 0.5 { 0.02 } else { 1.0 };
+            let mut v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
+            // Some with an edge along an axis, or both.
+            let along = geometry.quads.len() % 3;
+            if kind > 0.6 {
+                (u[along], v) = (0.0, Vec3::AXES[along] * v[along]);
+            }
+            if kind > 0.65 {
+                u[(along + 1) % 3] = 0.0;
+            }
+            geometry.quads.extend(Quad::new(center, u, v));
+        } else {
+            // A fan about `center`: neighbours share edges and all share a vertex.
+            let rim: Vec<Vec3> =
+                (0..6).map(|_| center + vector(&mut random, 0.3 * scale)).collect();
+            for i in 0..6 {
+                let vertices = [center, rim[i], rim[(i + 1) % 6]];
+                geometry.triangles.push(Triangle { vertices });
             }
         }
         if again {

@@ -1,7 +1,8 @@
 //! The primitive tests over lanes: many rays against one primitive, or one ray against many.
 //!
-//! Each function is the scalar test of the same primitive in the same order of operations,
-//! with branches turned into masks. Lanes that hold NaN miss.
+//! Each function finds what the scalar test of the same primitive finds, to the bit: by the same
+//! operations in the same order, with branches turned into masks, or it says why fewer do. Lanes
+//! that hold NaN miss.
 
 mod quad;
 mod sphere;
@@ -21,7 +22,7 @@ pub(crate) struct RayLanes {
     pub(crate) time: Float,
     pub(crate) length2: Float,
     pub(crate) inv_length2: Float,
-    /// Lower ends of the open intervals.
+    /// Lower ends of the open intervals, not below 0.
     pub(crate) t_min: Float,
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn quad<const ASK: bool>(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
     /// The two axes across the edge, and the one along it.
-    pub(crate) axes: [usize; 3],
+    axes: [u8; 3],
     /// Corner, in this order of axes.
     q: [f32; 3],
     /// Across the edge.
@@ -65,7 +65,7 @@ impl UprightQuad {
                 let axes = [across[0], across[1], along];
                 let part = |vector: Vec3| across.map(|axis| vector[axis]);
                 return Some(Self {
-                    axes,
+                    axes: axes.map(|axis| axis as u8),
                     q: axes.map(|axis| quad.q[axis]),
                     normal: part(quad.normal),
                     dual_u: part(u),
@@ -79,7 +79,7 @@ impl UprightQuad {
 
 /// Hits of an upright quad as [`quad`] finds them, with half the work.
 ///
-/// Products with 0 add nothing to a sum, but for the sign of zero, which no comparison sees, or
+/// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero, which no comparison sees, or
 /// for infinite factors: those come with `t` or a coordinate beyond the quad, a miss either way.
 #[inline(always)]
 pub(crate) fn upright_quad<const ASK: bool>(
@@ -88,8 +88,9 @@ pub(crate) fn upright_quad<const ASK: bool>(
     limit: Float,
 ) -> Option<HitLanes> {
     let dot = |a: &[f32; 2], [x, y]: [Float; 2]| Float::splat(a[0]) * x + Float::splat(a[1]) * y;
-    let [x, y, z] = quad.axes;
-    let from = |i: usize| ray.origin[quad.axes[i]] - Float::splat(quad.q[i]);
+    let axes = quad.axes.map(|axis| usize::from(axis) % 3);
+    let [x, y, z] = axes;
+    let from = |i: usize| ray.origin[axes[i]] - Float::splat(quad.q[i]);
     let [fx, fy] = [from(0), from(1)];
     let (dx, dy) = (ray.direction[x], ray.direction[y]);
     let t = -dot(&quad.normal, [fx, fy]) / dot(&quad.normal, [dx, dy]);
