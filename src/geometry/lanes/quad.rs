@@ -43,7 +43,7 @@ pub(crate) fn quad<const ASK: bool>(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
     /// The two axes across the edge, and the one along it.
-    axes: [u8; 3],
+    axes: [usize; 3],
     /// Corner, in this order of axes.
     q: [f32; 3],
     /// Across the edge.
@@ -65,7 +65,7 @@ impl UprightQuad {
                 let axes = [across[0], across[1], along];
                 let part = |vector: Vec3| across.map(|axis| vector[axis]);
                 return Some(Self {
-                    axes: axes.map(|axis| axis as u8),
+                    axes,
                     q: axes.map(|axis| quad.q[axis]),
                     normal: part(quad.normal),
                     dual_u: part(u),
@@ -88,9 +88,8 @@ pub(crate) fn upright_quad<const ASK: bool>(
     limit: Float,
 ) -> Option<HitLanes> {
     let dot = |a: &[f32; 2], [x, y]: [Float; 2]| Float::splat(a[0]) * x + Float::splat(a[1]) * y;
-    let axes = quad.axes.map(|axis| usize::from(axis) % 3);
-    let [x, y, z] = axes;
-    let from = |i: usize| ray.origin[axes[i]] - Float::splat(quad.q[i]);
+    let [x, y, z] = quad.axes;
+    let from = |i: usize| ray.origin[quad.axes[i]] - Float::splat(quad.q[i]);
     let [fx, fy] = [from(0), from(1)];
     let (dx, dy) = (ray.direction[x], ray.direction[y]);
     let t = -dot(&quad.normal, [fx, fy]) / dot(&quad.normal, [dx, dy]);
