@@ -2,6 +2,8 @@
 #![allow(unsafe_code)]
 
 /// Asks for the cache lines of `value`. A hint: nothing is read or written.
+///
+/// Measured: bounces of `mesh:1000000` 3.25 → 3.63 Mrays/s (`profiling/`).
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{HitLanes, RayLanes};
 use crate::geometry::Quad;
-use crate::simd::{Float, Vec3x};
+use crate::simd::{Float, Mask, Vec3x};
 
 /// Quads by what their test needs.
 #[derive(Clone, Copy, Debug)]
@@ -33,9 +33,13 @@ pub(crate) fn quad<const ASK: bool>(
     }
     let p = from_corner + ray.direction * t;
     let (a, b) = (p.dot(quad.dual_u), p.dot(quad.dual_v));
-    let one = Float::splat(1.0);
-    let inside = Float::ZERO.le(a) & a.le(one) & Float::ZERO.le(b) & b.le(one);
-    Some(HitLanes { t, hit: near & inside })
+    Some(HitLanes { t, hit: near & in_unit(a) & in_unit(b) })
+}
+
+/// Where `a` is from 0 to 1.
+#[inline(always)]
+fn in_unit(a: Float) -> Mask {
+    Float::ZERO.le(a) & a.le(Float::splat(1.0))
 }
 
 /// A quad with one edge along an axis and the other across it, as walls, tables and the sides
@@ -79,8 +83,9 @@ impl UprightQuad {
 
 /// Hits of an upright quad as [`quad`] finds them, with half the work.
 ///
-/// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero, which no comparison sees, or
-/// for infinite factors: those come with `t` or a coordinate beyond the quad, a miss either way.
+/// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
+/// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
+/// the quad, a miss either way.
 #[inline(always)]
 pub(crate) fn upright_quad<const ASK: bool>(
     ray: &RayLanes,
@@ -99,7 +104,5 @@ pub(crate) fn upright_quad<const ASK: bool>(
     }
     let a = dot(&quad.dual_u, [fx + dx * t, fy + dy * t]);
     let b = (from(2) + ray.direction[z] * t) * Float::splat(quad.dual_v);
-    let one = Float::splat(1.0);
-    let inside = Float::ZERO.le(a) & a.le(one) & Float::ZERO.le(b) & b.le(one);
-    Some(HitLanes { t, hit: near & inside })
+    Some(HitLanes { t, hit: near & in_unit(a) & in_unit(b) })
 }
