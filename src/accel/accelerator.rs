@@ -121,7 +121,7 @@ impl<'a> Accelerator<'a> {
     }
 
     fn pair(&self) -> &PairTree {
-        self.pair.get(|| PairTree::new(self.geometry, &self.tree))
+        self.pair.get(|| PairTree::new(self.geometry, &self.tree, &self.extent))
     }
 
     fn flat(&self) -> &Flat {

@@ -9,7 +9,7 @@ use crate::simd::{Float, axes};
 pub(super) struct Octants {
     /// Whether they differ from ray to ray on some axis.
     pub(super) mixed: bool,
-    /// Where a ray (where they differ: the first) goes down an axis.
+    /// Whether more of the rays go down an axis than up it.
     pub(super) negative: [bool; 3],
     /// Which of a box's planes it meets first, and last.
     pub(super) near: [usize; 3],
@@ -19,19 +19,14 @@ pub(super) struct Octants {
 impl Octants {
     #[inline(always)]
     pub(super) fn new<const V: usize>(packet: &Packet<V>) -> Self {
-        let first = packet.vectors.iter().find(|rays| rays.setup.active != 0);
-        let first = first.unwrap_or(&packet.vectors[0]);
-        let lane = first.setup.active.trailing_zeros() % 32;
-        let down = |rays: &Rays, axis: usize| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits();
-        let negative = axes(|axis| down(first, axis) >> lane & 1 == 1);
-        let differs = |axis: usize| {
-            let as_first = if negative[axis] { u32::MAX } else { 0 };
-            packet
-                .vectors
-                .iter()
-                .fold(0, |bits, rays| bits | (down(rays, axis) ^ as_first) & rays.setup.active)
-                != 0
+        let count = |of: &dyn Fn(&Rays) -> u32| {
+            let active = |rays: &Rays| (of(rays) & rays.setup.active).count_ones();
+            packet.vectors.iter().map(active).sum::<u32>()
         };
+        let active = count(&|_| u32::MAX);
+        let down = axes(|axis| count(&|rays| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits()));
+        let negative = axes(|axis| 2 * down[axis] > active);
+        let differs = |axis: usize| down[axis] != 0 && down[axis] != active;
         let (near, far) = near_and_far(negative);
         Self { mixed: differs(0) || differs(1) || differs(2), negative, near, far }
     }

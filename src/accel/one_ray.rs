@@ -29,10 +29,10 @@ impl Table {
     #[inline(always)]
     pub(super) fn new(setup: &Setup) -> Self {
         let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
-        let slab = &setup.slab;
+        let (slab, offsets) = (&setup.slab, setup.offsets());
         let by_sign = |axis: usize, negative: usize, positive: usize| {
             let down = slab.inverse[axis].lt(Float::ZERO);
-            down.select(slab.offsets[negative], slab.offsets[positive]).to_array()
+            down.select(offsets[negative], offsets[positive]).to_array()
         };
         Self {
             origin: lanes(setup.ray.origin),

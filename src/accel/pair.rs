@@ -2,15 +2,16 @@
 
 use super::binary::{Below, BinaryTree};
 use super::blocks::{BlockRef, Blocks, Kind};
+use super::setup::Extent;
 use super::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
-/// A node: the boxes of its two children, and what they are.
+/// A node: the boxes of its two children, in one of two forms, and what they are.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct PairNode {
-    pub(super) planes: [Planes; 2],
+    pub(super) boxes: [[f32; 6]; 2],
     /// Places of nodes, or bits of [`BlockRef`]s.
     pub(super) children: [u32; 2],
     /// The axis on which the children's middles differ most, the first being lower.
@@ -18,13 +19,18 @@ pub(super) struct PairNode {
 }
 
 impl PairNode {
-    const EMPTY: Self = Self { planes: [[0.0; 6]; 2], children: [0; 2], axis: 0 };
+    const EMPTY: Self = Self { boxes: [[0.0; 6]; 2], children: [0; 2], axis: 0 };
 }
 
 /// A tree of pair nodes over blocks.
 #[derive(Clone, Debug)]
 pub(super) struct PairTree {
+    /// Boxes as [`Planes`], for rays that all go down the same axes.
     pub(super) nodes: Vec<PairNode>,
+    /// The same nodes, boxes as middles and halves of edges, for others.
+    pub(super) middles: Vec<PairNode>,
+    /// By which the boxes' planes have been moved outward.
+    pub(super) slack: f32,
     pub(super) blocks: Blocks,
     /// A node, a block, or nothing.
     pub(super) root: Option<u32>,
@@ -39,10 +45,16 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 
 impl PairTree {
     /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
-    pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
+    pub(super) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
         let leaf = leaves(geometry, tree);
-        let mut layout =
-            Self { nodes: Vec::new(), blocks: Blocks::default(), root: None, stack: 1 };
+        let mut layout = Self {
+            nodes: Vec::new(),
+            middles: Vec::new(),
+            slack: extent.slack_within(REACH),
+            blocks: Blocks::default(),
+            root: None,
+            stack: 1,
+        };
         if tree.nodes.is_empty() {
             return layout;
         }
@@ -58,7 +70,7 @@ impl PairTree {
                     let sides = if swapped { [first + 1, first] } else { [first, first + 1] };
                     let mut node = PairNode { axis, ..PairNode::EMPTY };
                     for side in [1, 0] {
-                        node.planes[side] = planes(&bounds(sides[side]));
+                        node.boxes[side] = wider(&bounds(sides[side]), layout.slack);
                         open.push((Some((place, side)), sides[side], depth + 1));
                     }
                     layout.nodes.push(node);
@@ -71,12 +83,14 @@ impl PairTree {
                 None => layout.root = Some(reference),
             }
         }
+        let middles = |node: &PairNode| PairNode { boxes: node.boxes.map(middle), ..*node };
+        layout.middles = layout.nodes.iter().map(middles).collect();
         layout
     }
 
     /// Size in memory.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + self.blocks.bytes()
+        size_of_val(&*self.nodes) + size_of_val(&*self.middles) + self.blocks.bytes()
     }
 
     /// Whether `reference` is a block.
@@ -84,6 +98,32 @@ impl PairTree {
     pub(super) fn block(reference: u32) -> Option<BlockRef> {
         (reference & BlockRef::LEAF != 0).then(|| BlockRef::from_bits(reference))
     }
+}
+
+/// How far from all boxes, in sums of the three edges of a box around them, rays may begin whose
+/// slack is in the boxes.
+const REACH: f32 = 4.0;
+
+/// The planes of a box, moved outward by `slack`.
+fn wider(bounds: &Bounds, slack: f32) -> Planes {
+    let mut planes = planes(bounds);
+    for axis in 0..3 {
+        planes[axis] = (planes[axis] - slack).next_down();
+        planes[axis + 3] = (planes[axis + 3] + slack).next_up();
+    }
+    planes
+}
+
+/// The middle and half the edges of a box that holds the one of these planes.
+fn middle(planes: Planes) -> [f32; 6] {
+    let mut sides = [0.0; 6];
+    for axis in 0..3 {
+        let (low, high) = (f64::from(planes[axis]), f64::from(planes[axis + 3]));
+        let middle = (0.5 * (low + high)) as f32;
+        let half = (high - f64::from(middle)).max(f64::from(middle) - low);
+        (sides[axis], sides[axis + 3]) = (middle, (half as f32).next_up());
+    }
+    sides
 }
 
 /// Whether each subtree is best one block.
@@ -120,4 +160,36 @@ fn order(a: &Bounds, b: &Bounds) -> (u32, bool) {
         2
     };
     (axis, apart[axis as usize] < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+    use glam::Vec3;
+
+    #[test]
+    fn boxes_grow_by_the_slack_in_both_forms() {
+        let mut random = Stream::new(8);
+        for round in 0..10_000 {
+            let size = [1e-6, 1.0, 1e6][round % 3];
+            let mut point = || Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
+            let (a, b) = (point(), point());
+            let bounds = Bounds { min: a.min(b), max: a.max(b) };
+            let slack = [0.0, 1e-5, 3.0][round / 3 % 3];
+            let wide = wider(&bounds, slack);
+            let sides = middle(wide);
+            for axis in 0..3 {
+                let exact = |value: f32| f64::from(value);
+                let low = exact(bounds.min[axis]) - exact(slack);
+                let high = exact(bounds.max[axis]) + exact(slack);
+                assert!(exact(wide[axis]) <= low && exact(wide[axis + 3]) >= high);
+                let (middle, half) = (exact(sides[axis]), exact(sides[axis + 3]));
+                assert!(middle - half <= low && middle + half >= high, "{bounds:?} {slack}");
+                // And by little more.
+                let more = 1e-6 * (exact(size) + exact(slack));
+                assert!(middle - half >= low - more && middle + half <= high + more);
+            }
+        }
+    }
 }

@@ -37,6 +37,18 @@ impl Extent {
     }
 }
 
+impl Extent {
+    /// The slack that is enough for rays which begin no farther from all boxes than `reach` times
+    /// the sum of the edges of a box around them.
+    pub(super) fn slack_within(&self, reach: f32) -> f32 {
+        let Bounds { min, max } = self.bounds;
+        let edges = (max - min).element_sum();
+        let coordinate = max_element(min.abs().max(max.abs()));
+        (1.0 + 3.0 * reach) * edges * (SLACK * self.condition)
+            + (coordinate + reach * edges) * (4.0 * UNIT_ROUNDOFF)
+    }
+}
+
 /// A vector of rays with what the tests share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup {
@@ -49,17 +61,22 @@ pub(super) struct Setup {
 }
 
 /// The slab test of [`super::slab`] in the form plane × inverse − offset: one operation a
-/// plane. The slack is in the offsets.
+/// plane.
 ///
 /// Departures from the scalar test:
 /// 1. A component of the direction below 1e-10 of the largest is taken as that, so that no
 ///    product is NaN. This moves a plane by 1e-10 of the scene's size, well within the slack.
 /// 2. The offsets' rounding is bounded by that of the origin, which the slack contains.
+/// 3. Planes move outward by the slack where boxes were made so large ([`super::pair`]), or else in
+///    the offsets ([`Setup::offsets`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabLanes {
     pub(super) inverse: Vec3x,
-    /// For each of a box's [`Planes`](super::slab::Planes).
-    pub(super) offsets: [Float; 6],
+    /// Its magnitude.
+    pub(super) steepness: Vec3x,
+    /// Origin × inverse.
+    pub(super) offset: Vec3x,
+    /// How far planes must move outward.
     pub(super) slack: Float,
 }
 
@@ -129,8 +146,25 @@ impl Setup {
     }
 }
 
+impl Setup {
+    /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low ones
+    /// move down and high ones up, whichever of them is near.
+    #[inline(always)]
+    pub(super) fn offsets(&self) -> [Float; 6] {
+        let SlabLanes { inverse, slack, .. } = self.slab;
+        let low = |axis: usize| (self.ray.origin[axis] + slack) * inverse[axis];
+        let high = |axis: usize| (self.ray.origin[axis] - slack) * inverse[axis];
+        [low(0), low(1), low(2), high(0), high(1), high(2)]
+    }
+}
+
 impl SlabLanes {
-    const NONE: Self = Self { inverse: Vec3x::ZERO, offsets: [Float::ZERO; 6], slack: Float::ZERO };
+    const NONE: Self = Self {
+        inverse: Vec3x::ZERO,
+        steepness: Vec3x::ZERO,
+        offset: Vec3x::ZERO,
+        slack: Float::ZERO,
+    };
 
     #[inline(always)]
     fn new(ray: &RayLanes, largest: Float, far: Float, extent: &Extent) -> Self {
@@ -144,18 +178,10 @@ impl SlabLanes {
             + far * Float::splat(4.0 * UNIT_ROUNDOFF);
         let least = largest * Float::splat(1e-10);
         let Vec3x(direction) = ray.direction;
-        let inverse = axes(|axis| {
-            let clamped = direction[axis].abs().max(least).copysign(direction[axis]);
-            Float::splat(1.0) / clamped
-        });
-        // Low planes move down and high ones up, whichever of them is near.
-        let low = |axis: usize| (origin[axis] + slack) * inverse[axis];
-        let high = |axis: usize| (origin[axis] - slack) * inverse[axis];
-        Self {
-            inverse: Vec3x(inverse),
-            offsets: [low(0), low(1), low(2), high(0), high(1), high(2)],
-            slack,
-        }
+        let steepness = axes(|axis| Float::splat(1.0) / direction[axis].abs().max(least));
+        let inverse = axes(|axis| steepness[axis].copysign(direction[axis]));
+        let offset = axes(|axis| origin[axis] * inverse[axis]);
+        Self { inverse: Vec3x(inverse), steepness: Vec3x(steepness), offset: Vec3x(offset), slack }
     }
 }
 

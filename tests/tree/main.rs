@@ -12,7 +12,7 @@ use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
 
 use check::{RAYS, ROUND, bits, check, check_kernels};
-use rays::{Bundles, adversarial, soup, vector};
+use rays::{Bundles, adversarial, soup, target, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
@@ -261,6 +261,30 @@ fn only_hits_in_the_range_are_written() {
                 assert_eq!(bits(hits.get(i)), bits(want), "{kernel:?}, {range:?}, ray {i}");
             }
         }
+    }
+}
+
+/// From up to 10^5 times the scene's size away, some of a packet's rays and all: boxes that are large
+/// enough for rays from near are not for these.
+#[test]
+fn rays_from_far_away() {
+    for (seed, primitives) in [(13, 60), (14, 300)] {
+        let geometry = soup(seed, primitives, 1.0, Vec3::ZERO);
+        let mut random = Stream::new(6);
+        let make = |i: usize| {
+            let (mut ray, t_max) = adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO);
+            let all = (i / 64).is_multiple_of(3);
+            if all || i.is_multiple_of(5) {
+                let target = target(&mut random, &geometry, ray.origin, 1.0, Vec3::ZERO);
+                let distance = [30.0, 1e2, 1e3, 1e5][i / 64 % 4];
+                let from = uniform_sphere(random.uniform(), random.uniform());
+                ray.origin = target + from * (distance * random.between(0.5, 1.0));
+                ray.direction = (target - ray.origin) * [1.0, 1e-3][i % 2];
+            }
+            (ray, t_max)
+        };
+        let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+        check_kernels("far away", &geometry, RAYS, make, oracle);
     }
 }
 
