@@ -12,7 +12,7 @@ use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
 
 use check::{RAYS, ROUND, bits, check, check_kernels};
-use rays::{Bundles, adversarial, soup, target, vector};
+use rays::{Bundles, adversarial, soup, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
@@ -264,28 +264,39 @@ fn only_hits_in_the_range_are_written() {
     }
 }
 
-/// From up to 10^5 times the scene's size away, some of a packet's rays and all: boxes that are large
-/// enough for rays from near are not for these.
+/// From up to 10^5 times the scene's size away, where boxes that are large enough for rays from near
+/// are not: past corners of triangles. Packets of such a ray and others,
+/// which hide what it misses, and of its like alone.
 #[test]
 fn rays_from_far_away() {
-    for (seed, primitives) in [(13, 60), (14, 300)] {
-        let geometry = soup(seed, primitives, 1.0, Vec3::ZERO);
-        let mut random = Stream::new(6);
-        let make = |i: usize| {
-            let (mut ray, t_max) = adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO);
-            let all = (i / 64).is_multiple_of(3);
-            if all || i.is_multiple_of(5) {
-                let target = target(&mut random, &geometry, ray.origin, 1.0, Vec3::ZERO);
-                let distance = [30.0, 1e2, 1e3, 1e5][i / 64 % 4];
-                let from = uniform_sphere(random.uniform(), random.uniform());
-                ray.origin = target + from * (distance * random.between(0.5, 1.0));
-                ray.direction = (target - ray.origin) * [1.0, 1e-3][i % 2];
-            }
-            (ray, t_max)
-        };
-        let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
-        check_kernels("far away", &geometry, RAYS, make, oracle);
-    }
+    let mut random = Stream::new(6);
+    // A leaf each, the triangle's corners being the box's.
+    let triangles = (0..20).flat_map(|_| {
+        let corner = vector(&mut random, 1.0);
+        let edges = [Vec3::ZERO, Vec3::X, Vec3::Y + Vec3::Z];
+        [Triangle { vertices: edges.map(|edge| corner + edge * 0.05) }; 8]
+    });
+    let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
+    let mut far = Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, time: 0.0 };
+    let make = |i: usize| {
+        let bundle = i / Bundles::SIZE;
+        if i.is_multiple_of(Bundles::SIZE) {
+            let triangle = geometry.triangles[bundle % geometry.triangles.len()];
+            let corner = triangle.vertices[bundle % 3];
+            let distance = [30.0, 1e2, 1e3, 1e5][random.bits() as usize % 4];
+            let from = uniform_sphere(random.uniform(), random.uniform());
+            far.origin = corner + from * (distance * random.between(0.5, 1.0));
+            far.direction = (corner - far.origin) * [1.0, 1e-3][bundle % 2];
+        }
+        match bundle % 3 {
+            0 => (far, f32::INFINITY),
+            _ if i.is_multiple_of(8) => (far, f32::INFINITY),
+            1 => (Ray { direction: Vec3::ZERO, ..far }, f32::INFINITY),
+            _ => adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO),
+        }
+    };
+    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    check_kernels("far away", &geometry, 2 * RAYS, make, oracle);
 }
 
 /// Directions and origins beyond what the vector box tests can do.
