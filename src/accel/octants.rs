@@ -11,7 +11,7 @@ pub(super) struct Octants {
     pub(super) mixed: bool,
     /// Whether more of the rays go down an axis than up it.
     pub(super) negative: [bool; 3],
-    /// Which of a box's planes it meets first, and last.
+    /// Which of a box's planes rays of these signs meet first, and last.
     pub(super) near: [usize; 3],
     pub(super) far: [usize; 3],
 }

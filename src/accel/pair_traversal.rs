@@ -45,11 +45,12 @@ impl Rays {
                     let (half, steepness) = (side(axis + 3), steepness[axis]);
                     (half.free_mul_add(-steepness, middle), half.free_mul_add(steepness, middle))
                 }
-                _ => {
+                FAR => {
                     let meet = |i: usize| side(i).free_mul_sub(inverse[axis], offsets[i]);
                     let (low, high) = (meet(axis), meet(axis + 3));
                     (low.min(high), low.max(high))
                 }
+                _ => unreachable!("one of the three"),
             };
             (entry, exit) = (near.max(entry), far.min(exit));
         }

@@ -16,7 +16,7 @@ pub(super) struct Extent {
     bounds: Bounds,
     /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
     condition: f32,
-    /// Whether no product of the slab test can overflow for a tame ray.
+    /// Whether no product of the slab test can overflow or underflow for a tame ray.
     tame: bool,
     /// Whether there are boxes to test.
     boxes: bool,
@@ -31,13 +31,12 @@ impl Extent {
         // No boxes, no overflow; the farthest distance must still be a number.
         let bounds = if is_empty { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } } else { bounds };
         let tame = max_element(bounds.min.abs()) <= TAME_COORDINATE
-            && max_element(bounds.max.abs()) <= TAME_COORDINATE;
+            && max_element(bounds.max.abs()) <= TAME_COORDINATE
+            && (is_empty || (bounds.max - bounds.min).element_sum() >= TAME_EDGES);
         let triangles = !geometry.triangles.is_empty();
         Self { bounds, condition, tame, boxes: !is_empty, triangles }
     }
-}
 
-impl Extent {
     /// The slack that is enough for rays which begin no farther from all boxes than `reach` times
     /// the sum of the edges of a box around them.
     pub(super) fn slack_within(&self, reach: f32) -> f32 {
@@ -61,18 +60,20 @@ pub(super) struct Setup {
 }
 
 /// The slab test of [`super::slab`] in the form plane × inverse − offset: one operation a
-/// plane.
+/// plane. Or middle × inverse − offset, ∓ half edge × steepness: one more for both planes of an
+/// axis, and no choice between them.
 ///
 /// Departures from the scalar test:
 /// 1. A component of the direction below 1e-10 of the largest is taken as that, so that no
 ///    product is NaN. This moves a plane by 1e-10 of the scene's size, well within the slack.
-/// 2. The offsets' rounding is bounded by that of the origin, which the slack contains.
-/// 3. Planes move outward by the slack where boxes were made so large ([`super::pair`]), or else in
-///    the offsets ([`Setup::offsets`]).
+/// 2. All is rounded, at most, by 3 roundings of the origin and 4 of the farthest distance; the
+///    slack contains 4 of the one and 6 of the other.
+/// 3. Planes move outward by the slack in the boxes that are made so ([`super::pair`]), or else
+///    in the offsets ([`Setup::offsets`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabLanes {
     pub(super) inverse: Vec3x,
-    /// Its magnitude.
+    /// The inverse's magnitude.
     pub(super) steepness: Vec3x,
     /// Origin × inverse.
     pub(super) offset: Vec3x,
@@ -90,9 +91,11 @@ pub(super) struct Shear {
     pub(super) negative: Mask,
 }
 
-/// Largest coordinate, and range of a direction's largest component, for which no product of
-/// the slab test overflows.
+/// Largest coordinate, least sum of the edges of a box around all, and range of a direction's
+/// largest component, for which no product of the slab test overflows, or underflows where it
+/// matters.
 const TAME_COORDINATE: f32 = 1e10;
+const TAME_EDGES: f32 = 1e-20;
 const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
 
 impl Setup {
@@ -144,11 +147,9 @@ impl Setup {
         };
         (setup, real & !tame)
     }
-}
 
-impl Setup {
-    /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low ones
-    /// move down and high ones up, whichever of them is near.
+    /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low
+    /// ones move down and high ones up, whichever of them is near.
     #[inline(always)]
     pub(super) fn offsets(&self) -> [Float; 6] {
         let SlabLanes { inverse, slack, .. } = self.slab;

@@ -264,9 +264,9 @@ fn only_hits_in_the_range_are_written() {
     }
 }
 
-/// From up to 10^5 times the scene's size away, where boxes that are large enough for rays from near
-/// are not: past corners of triangles. Packets of such a ray and others,
-/// which hide what it misses, and of its like alone.
+/// From up to 10^5 times the scene's size away, where boxes that are large enough for rays from
+/// near are not: past corners of triangles. Packets of such a ray and others, which hide what it
+/// misses, and of its like alone.
 #[test]
 fn rays_from_far_away() {
     let mut random = Stream::new(6);
@@ -282,7 +282,7 @@ fn rays_from_far_away() {
         let bundle = i / Bundles::SIZE;
         if i.is_multiple_of(Bundles::SIZE) {
             let triangle = geometry.triangles[bundle % geometry.triangles.len()];
-            let corner = triangle.vertices[bundle % 3];
+            let corner = triangle.vertices[bundle / 3 % 3];
             let distance = [30.0, 1e2, 1e3, 1e5][random.bits() as usize % 4];
             let from = uniform_sphere(random.uniform(), random.uniform());
             far.origin = corner + from * (distance * random.between(0.5, 1.0));
