@@ -64,7 +64,7 @@ impl<const V: usize> Beam<V> {
             let (mut low, mut high, mut near, mut far) =
                 (Float::INFINITY, none, none, Float::INFINITY);
             for (rays, scale) in vectors.iter().zip(beam.scales) {
-                let slope = (rays.inverse(axis) * scale).abs();
+                let slope = rays.steepness(axis) * scale;
                 low = rays.only(slope, Float::INFINITY).min(low);
                 high = rays.only(slope, none).max(high);
                 let (ahead, back) = rays.slab_origins(axis, sign);

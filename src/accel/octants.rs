@@ -19,12 +19,12 @@ pub(super) struct Octants {
 impl Octants {
     #[inline(always)]
     pub(super) fn new<const V: usize>(packet: &Packet<V>) -> Self {
-        let count = |of: &dyn Fn(&Rays) -> u32| {
-            let active = |rays: &Rays| (of(rays) & rays.setup.active).count_ones();
-            packet.vectors.iter().map(active).sum::<u32>()
-        };
-        let active = count(&|_| u32::MAX);
-        let down = axes(|axis| count(&|rays| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits()));
+        let active: u32 = packet.vectors.iter().map(|rays| rays.setup.active.count_ones()).sum();
+        let down = axes(|axis| {
+            let down = |rays: &Rays| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits();
+            let count = |rays: &Rays| (down(rays) & rays.setup.active).count_ones();
+            packet.vectors.iter().map(count).sum::<u32>()
+        });
         let negative = axes(|axis| 2 * down[axis] > active);
         let differs = |axis: usize| down[axis] != 0 && down[axis] != active;
         let (near, far) = near_and_far(negative);

@@ -114,7 +114,7 @@ impl<const V: usize> Packet<V> {
                 count.node(2 * (V * LANES) as u32, entered(left) + entered(right));
                 match (enter_left, enter_right) {
                     (true, true) => {
-                        // Voting loses 1.5% in packets of one vector, wins 3 to 5% in others.
+                        // Voting beats the sign of most rays by up to 2% in packets of two vectors.
                         let right_first = if WAY == MIXED && V > 1 {
                             vote(&left, &right) < 0
                         } else {
@@ -173,16 +173,17 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     job.trace::<ANY, VECTORS, C>(hits, count, |packet, count| {
         let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) else { return };
         let octants = Octants::new(packet);
-        let mut offsets = [[Float::ZERO; 6]; VECTORS];
+        let none = const { &[[Float::ZERO; 6]; VECTORS] };
         if packet.is_far(tree.slack) {
+            let mut offsets = *none;
             for (offsets, rays) in offsets.iter_mut().zip(&packet.vectors) {
                 *offsets = rays.setup.offsets();
             }
             packet.traverse::<ANY, FAR>(tree, root, &octants, &offsets, &mut stack, count);
         } else if octants.mixed {
-            packet.traverse::<ANY, MIXED>(tree, root, &octants, &offsets, &mut stack, count);
+            packet.traverse::<ANY, MIXED>(tree, root, &octants, none, &mut stack, count);
         } else {
-            packet.traverse::<ANY, ALIKE>(tree, root, &octants, &offsets, &mut stack, count);
+            packet.traverse::<ANY, ALIKE>(tree, root, &octants, none, &mut stack, count);
         }
     })
 }

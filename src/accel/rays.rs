@@ -141,7 +141,7 @@ impl Rays {
     #[inline(always)]
     pub(super) fn scale(&self, axis: usize) -> Float {
         let one = Float::splat(1.0);
-        self.only(one / self.setup.slab.inverse[axis].abs(), one)
+        self.only(one / self.setup.slab.steepness[axis], one)
     }
 
     /// `value` of the rays that are there, else `none`.
@@ -156,8 +156,8 @@ impl Rays {
     }
 
     #[inline(always)]
-    pub(super) fn inverse(&self, axis: usize) -> Float {
-        self.setup.slab.inverse[axis]
+    pub(super) fn steepness(&self, axis: usize) -> Float {
+        self.setup.slab.steepness[axis]
     }
 
     /// Origins on an axis of direction `sign`, ahead by the slack and back by it.
