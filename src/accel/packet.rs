@@ -28,7 +28,7 @@ impl<const V: usize> Packet<V> {
         wild: &mut Vec<usize>,
     ) {
         for (v, vector) in self.vectors.iter_mut().enumerate() {
-            *vector = Rays::load(rays, end.min(first + v * LANES), end, extent, wild);
+            vector.load(rays, end.min(first + v * LANES), end, extent, wild);
         }
     }
 

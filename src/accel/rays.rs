@@ -57,20 +57,24 @@ impl Rays {
     pub(super) const NONE: Self =
         Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
 
+    /// Loads rays `first..` of `rays`, those below `end`. Adds those that it leaves to others to
+    /// `wild`.
     #[inline(always)]
     pub(super) fn load(
+        &mut self,
         rays: &RayBatch,
         first: usize,
         end: usize,
         extent: &Extent,
         wild: &mut Vec<usize>,
-    ) -> Self {
-        let (setup, wild_lanes) = Setup::load(rays, first, end, extent);
+    ) {
+        let (t_max, wild_lanes) = self.setup.load(rays, first, end, extent);
         wild.extend(Bits(wild_lanes).map(|lane| first + lane));
-        let active = Mask::from_bits(setup.active);
-        let t = active.select(setup.t_max, Float::splat(f32::NEG_INFINITY));
-        let views = if extent.triangles { Views::new(&setup) } else { Views::NONE };
-        Self { setup, views, t, primitive: Int::splat(HitBatch::MISS) }
+        self.t = self.only(t_max, Float::splat(f32::NEG_INFINITY));
+        self.primitive = Int::splat(HitBatch::MISS);
+        if extent.triangles {
+            self.views = Views::new(&self.setup);
+        }
     }
 
     /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.

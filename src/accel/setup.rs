@@ -12,12 +12,15 @@ use crate::simd::{Float, Mask, Vec3x, axes, first_bits};
 /// What a layout says of its scene that rays must know.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
-    /// Box around all that is in boxes.
-    bounds: Bounds,
+    /// Of a box around all that is in boxes the middle, ...
+    middle: Vec3,
+    /// ... and half the sum of its three edges.
+    half_edges: f32,
     /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
     condition: f32,
-    /// Whether no product of the slab test can overflow or underflow for a tame ray.
-    tame: bool,
+    /// How far from the origin rays may begin for which no product of the slab test can overflow
+    /// or underflow.
+    tame_reach: f32,
     /// Whether there are boxes to test.
     boxes: bool,
     /// Whether there are triangles to test.
@@ -27,24 +30,26 @@ pub(super) struct Extent {
 impl Extent {
     pub(super) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
         let condition = geometry.condition();
-        let is_empty = bounds == Bounds::EMPTY;
-        // No boxes, no overflow; the farthest distance must still be a number.
-        let bounds = if is_empty { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } } else { bounds };
-        let tame = max_element(bounds.min.abs()) <= TAME_COORDINATE
-            && max_element(bounds.max.abs()) <= TAME_COORDINATE
-            && (is_empty || (bounds.max - bounds.min).element_sum() >= TAME_EDGES);
         let triangles = !geometry.triangles.is_empty();
-        Self { bounds, condition, tame, boxes: !is_empty, triangles }
+        let boxes = bounds != Bounds::EMPTY;
+        // No boxes, no overflow.
+        let bounds = if boxes { bounds } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
+        let middle = 0.5 * (bounds.min + bounds.max);
+        let half_edges = (bounds.max - middle).max(middle - bounds.min).element_sum();
+        let is_tame = max_element(bounds.min.abs()) <= TAME_COORDINATE
+            && max_element(bounds.max.abs()) <= TAME_COORDINATE
+            && (!boxes || half_edges >= TAME_EDGES);
+        let tame_reach = if is_tame { TAME_COORDINATE } else { -1.0 };
+        Self { middle, half_edges, condition, tame_reach, boxes, triangles }
     }
 
     /// The slack that is enough for rays which begin no farther from all boxes than `reach` times
     /// the sum of the edges of a box around them.
     pub(super) fn slack_within(&self, reach: f32) -> f32 {
-        let Bounds { min, max } = self.bounds;
-        let edges = (max - min).element_sum();
-        let coordinate = max_element(min.abs().max(max.abs()));
+        let edges = 2.0 * self.half_edges;
+        let coordinates = self.middle.abs().element_sum() + self.half_edges;
         (1.0 + 3.0 * reach) * edges * (SLACK * self.condition)
-            + (coordinate + reach * edges) * (4.0 * UNIT_ROUNDOFF)
+            + (coordinates + 3.0 * reach * edges) * (4.0 * UNIT_ROUNDOFF)
     }
 }
 
@@ -52,7 +57,6 @@ impl Extent {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup {
     pub(super) ray: RayLanes,
-    pub(super) t_max: Float,
     pub(super) slab: SlabLanes,
     pub(super) shear: Shear,
     /// The rays that are there, finite, and have a direction.
@@ -64,7 +68,7 @@ pub(super) struct Setup {
 /// axis, and no choice between them.
 ///
 /// Departures from the scalar test:
-/// 1. A component of the direction below 1e-10 of the largest is taken as that, so that no
+/// 1. A component of the direction below 1e-10 of the sum of all is taken as that, so that no
 ///    product is NaN. This moves a plane by 1e-10 of the scene's size, well within the slack.
 /// 2. All is rounded, at most, by 3 roundings of the origin and 4 of the farthest distance; the
 ///    slack contains 4 of the one and 6 of the other.
@@ -91,61 +95,63 @@ pub(super) struct Shear {
     pub(super) negative: Mask,
 }
 
-/// Largest coordinate, least sum of the edges of a box around all, and range of a direction's
-/// largest component, for which no product of the slab test overflows, or underflows where it
-/// matters.
+/// Largest coordinate, least half of the sum of the edges of a box around all, and range of the
+/// sum of a direction's components, for which no product of the slab test overflows, or underflows
+/// where it matters.
 const TAME_COORDINATE: f32 = 1e10;
 const TAME_EDGES: f32 = 1e-20;
 const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
 
 impl Setup {
-    pub(super) const NONE: Self = Self {
-        ray: RayLanes::NONE,
-        t_max: Float::ZERO,
-        slab: SlabLanes::NONE,
-        shear: Shear::NONE,
-        active: 0,
-    };
+    pub(super) const NONE: Self =
+        Self { ray: RayLanes::NONE, slab: SlabLanes::NONE, shear: Shear::NONE, active: 0 };
 
-    /// Rays `first..` of `rays`, those below `end` active. The second value has the
-    /// bits of rays that are finite but too wild for the slab test.
+    /// Loads rays `first..` of `rays`, those below `end` active, and the ends of their intervals.
+    /// Returns the bits of rays that are finite but too wild for the slab test.
+    ///
+    /// In place, and only what the scene needs: large values that move are copied.
     #[inline(always)]
-    pub(super) fn load(rays: &RayBatch, first: usize, end: usize, extent: &Extent) -> (Self, u32) {
+    pub(super) fn load(
+        &mut self,
+        rays: &RayBatch,
+        first: usize,
+        end: usize,
+        extent: &Extent,
+    ) -> (Float, u32) {
         let load = |array: &Vec<f32>| Float::load(&array[first..]);
         let vector = |arrays: &[Vec<f32>; 3]| Vec3x(axes(|axis| load(&arrays[axis])));
         let (origin, direction) = (vector(&rays.origin), vector(&rays.direction));
         let (time, t_min, t_max) = (load(&rays.time), load(&rays.t_min), load(&rays.t_max));
 
+        // Sums, since the largest of some numbers may hide a NaN.
         let [ax, ay, az] = axes(|axis| direction[axis].abs());
-        let largest = ax.max(ay).max(az);
-        let reach = axes(|axis| origin[axis].abs());
-        let far = reach[0].max(reach[1]).max(reach[2]);
-        // 0 x is 0 where x is finite, else NaN.
-        let zero = |v: Vec3x| v[0] * Float::ZERO + v[1] * Float::ZERO + v[2] * Float::ZERO;
-        let finite = (zero(origin) + zero(direction) + time * Float::ZERO).eq(Float::ZERO);
-        let moves = largest.gt(Float::ZERO);
-        let tame = far.le(Float::splat(TAME_COORDINATE))
-            & largest.ge(Float::splat(TAME_DIRECTION.start))
-            & largest.le(Float::splat(TAME_DIRECTION.end));
-        let tame = if extent.tame { tame.bits() } else { 0 };
+        let speed = ax + ay + az;
+        let far = origin[0].abs() + origin[1].abs() + origin[2].abs();
+        let tame = (far + time.abs()).le(Float::splat(extent.tame_reach))
+            & speed.ge(Float::splat(TAME_DIRECTION.start))
+            & speed.le(Float::splat(TAME_DIRECTION.end));
         // Nothing lies in an interval that is empty or NaN.
-        let real = (finite & moves & t_min.lt(t_max)).bits() & first_bits(end - first);
+        let open = t_min.lt(t_max).bits() & first_bits(end - first);
+        self.active = open & tame.bits();
+        let mut wild = open & !tame.bits();
+        if wild != 0 {
+            // 0 x is 0 where x is finite, else NaN.
+            let zero = |v: Vec3x| v[0] * Float::ZERO + v[1] * Float::ZERO + v[2] * Float::ZERO;
+            let finite = zero(origin) + zero(direction) + time * Float::ZERO;
+            let moves = ax.max(ay).max(az).gt(Float::ZERO);
+            wild &= (finite.eq(Float::ZERO) & moves).bits();
+        }
 
         let length2 = direction.dot(direction);
-        let one = Float::splat(1.0);
-        let ray = RayLanes { origin, direction, time, length2, inv_length2: one / length2, t_min };
-        let setup = Self {
-            ray,
-            t_max,
-            slab: if extent.boxes {
-                SlabLanes::new(&ray, largest, far, extent)
-            } else {
-                SlabLanes::NONE
-            },
-            shear: if extent.triangles { Shear::new(direction, [ax, ay, az]) } else { Shear::NONE },
-            active: real & tame,
-        };
-        (setup, real & !tame)
+        let inv_length2 = Float::splat(1.0) / length2;
+        self.ray = RayLanes { origin, direction, time, length2, inv_length2, t_min };
+        if extent.boxes {
+            self.slab = SlabLanes::new(&self.ray, speed, far, extent);
+        }
+        if extent.triangles {
+            self.shear = Shear::new(direction, [ax, ay, az]);
+        }
+        (t_max, wild)
     }
 
     /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low
@@ -167,18 +173,17 @@ impl SlabLanes {
         slack: Float::ZERO,
     };
 
+    /// Of rays that begin within `far` of the origin, in the sum of the axes, and whose
+    /// direction's components have the sum `speed`.
     #[inline(always)]
-    fn new(ray: &RayLanes, largest: Float, far: Float, extent: &Extent) -> Self {
-        let Vec3x(origin) = ray.origin;
-        let reach = |axis: usize| {
-            let to = |plane: Vec3| (Float::splat(plane[axis]) - origin[axis]).abs();
-            to(extent.bounds.min).max(to(extent.bounds.max))
-        };
-        let farthest = reach(0) + reach(1) + reach(2);
+    fn new(ray: &RayLanes, speed: Float, far: Float, extent: &Extent) -> Self {
+        let (Vec3x(origin), Vec3x(direction)) = (ray.origin, ray.direction);
+        let from_middle = |axis: usize| (origin[axis] - Float::splat(extent.middle[axis])).abs();
+        let farthest =
+            from_middle(0) + from_middle(1) + from_middle(2) + Float::splat(extent.half_edges);
         let slack = farthest * Float::splat(SLACK * extent.condition)
             + far * Float::splat(4.0 * UNIT_ROUNDOFF);
-        let least = largest * Float::splat(1e-10);
-        let Vec3x(direction) = ray.direction;
+        let least = speed * Float::splat(1e-10);
         let steepness = axes(|axis| Float::splat(1.0) / direction[axis].abs().max(least));
         let inverse = axes(|axis| steepness[axis].copysign(direction[axis]));
         let offset = axes(|axis| origin[axis] * inverse[axis]);
