@@ -32,10 +32,10 @@ impl Rays {
         offsets: &[Float; 6],
     ) -> (Float, bool) {
         let SlabLanes { inverse, steepness, offset, .. } = &self.setup.slab;
-        let (mut entry, mut exit) = (self.setup.ray.t_min, self.t);
+        let (mut near, mut far) = ([Float::ZERO; 3], [Float::ZERO; 3]);
         for axis in 0..3 {
             let side = |i: usize| Float::splat(sides[i % 6]);
-            let (near, far) = match WAY {
+            (near[axis], far[axis]) = match WAY {
                 ALIKE => {
                     let meet = |plane: usize| side(plane).free_mul_sub(inverse[axis], offset[axis]);
                     (meet(octants.near[axis]), meet(octants.far[axis]))
@@ -52,8 +52,9 @@ impl Rays {
                 }
                 _ => unreachable!("one of the three"),
             };
-            (entry, exit) = (near.max(entry), far.min(exit));
         }
+        let entry = near[0].max(near[1]).max(near[2].max(self.setup.ray.t_min));
+        let exit = far[0].min(far[1]).min(far[2].min(self.t));
         let entered = entry.le(exit);
         (entered.select(entry, Float::INFINITY), entered.any())
     }
