@@ -13,7 +13,7 @@ use super::counters::{Count, Counters};
 use super::kernel::Kernel;
 use super::packet::Job;
 use super::pair::PairTree;
-use super::pair_traversal;
+use super::pair_traversal::{self, Order};
 use super::setup::Extent;
 use super::single;
 use super::wide::WideTree;
@@ -108,7 +108,9 @@ impl<'a> Accelerator<'a> {
     pub fn prepare(&self, kernel: Kernel) -> Layout {
         let spanning = self.spanning.0.bytes();
         let (bytes, seconds) = match kernel {
-            Kernel::Packet => (self.pair().bytes() + spanning, self.pair.seconds()),
+            Kernel::Packet | Kernel::Octant => {
+                (self.pair().bytes() + spanning, self.pair.seconds())
+            }
             Kernel::Beam | Kernel::Single => (self.wide().bytes() + spanning, self.wide.seconds()),
             Kernel::Flat => (self.flat().blocks.bytes(), self.flat.seconds()),
             Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
@@ -191,14 +193,16 @@ impl<'a> Accelerator<'a> {
         let ends = (range.start, range.end);
         let (blocks, spanning) = (&self.spanning.0, &*self.spanning.1);
         let job = Job { rays, ends, extent: &self.extent, blocks, spanning };
+        let packets = pair_traversal::trace::<ANY, C>;
         let wild = match kernel {
-            Kernel::Packet => pair_traversal::trace::<ANY, C>(Some(self.pair()), &job, hits, count),
+            Kernel::Packet => packets(Some(self.pair()), Order::Given, &job, hits, count),
+            Kernel::Octant => packets(Some(self.pair()), Order::Octants, &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Flat => {
                 let Flat { blocks, all, extent } = self.flat();
                 let job = Job { blocks, spanning: all, extent, ..job };
-                pair_traversal::trace::<ANY, C>(None, &job, hits, count)
+                packets(None, Order::Given, &job, hits, count)
             }
             Kernel::Scalar => range.collect(),
         };

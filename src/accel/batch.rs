@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Hit, Ray};
-use crate::simd::LANES;
+use crate::simd::{Float, LANES, Vec3x, axes};
 
 /// Rays, each with the open interval in which hits count.
 ///
@@ -52,6 +52,20 @@ impl RayBatch {
         self.t_max[index] = t_max;
     }
 
+    /// Rays `first..`, as many as there are lanes; what is beyond the rays is NaN, or of no use.
+    #[inline(always)]
+    pub(super) fn vector(&self, first: usize) -> RayVector {
+        let load = |array: &Vec<f32>| Float::load(&array[first..]);
+        let vector = |arrays: &[Vec<f32>; 3]| Vec3x(axes(|axis| load(&arrays[axis])));
+        RayVector {
+            origin: vector(&self.origin),
+            direction: vector(&self.direction),
+            time: load(&self.time),
+            t_min: load(&self.t_min),
+            t_max: load(&self.t_max),
+        }
+    }
+
     fn arrays(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
         let others = [&mut self.time, &mut self.t_min, &mut self.t_max];
         self.origin.iter_mut().chain(&mut self.direction).chain(others)
@@ -67,6 +81,15 @@ impl RayBatch {
         let ray = Ray { origin, direction, time: self.time[index] };
         (ray, self.t_min[index], self.t_max[index])
     }
+}
+
+/// A vector of rays.
+pub(super) struct RayVector {
+    pub(super) origin: Vec3x,
+    pub(super) direction: Vec3x,
+    pub(super) time: Float,
+    pub(super) t_min: Float,
+    pub(super) t_max: Float,
 }
 
 /// What rays hit: a distance and a primitive each.

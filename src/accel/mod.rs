@@ -16,6 +16,7 @@ mod one_ray;
 mod packet;
 mod pair;
 mod pair_traversal;
+mod queues;
 mod rays;
 mod setup;
 mod single;

@@ -14,23 +14,7 @@ pub(super) struct Packet<const V: usize> {
 }
 
 impl<const V: usize> Packet<V> {
-    const NONE: Self = Self { vectors: [Rays::NONE; V] };
-
-    /// Takes rays `first..`, up to a packet's and below `end`. Adds the rays that it leaves to
-    /// others to `wild`.
-    #[inline(always)]
-    fn load(
-        &mut self,
-        rays: &RayBatch,
-        first: usize,
-        end: usize,
-        extent: &Extent,
-        wild: &mut Vec<usize>,
-    ) {
-        for (v, vector) in self.vectors.iter_mut().enumerate() {
-            vector.load(rays, end.min(first + v * LANES), end, extent, wild);
-        }
-    }
+    pub(super) const NONE: Self = Self { vectors: [Rays::NONE; V] };
 
     /// Writes what was hit. Rays that hit nothing are left as they are.
     #[inline(always)]
@@ -50,6 +34,20 @@ impl<const V: usize> Packet<V> {
                     old_t[lane] = t[lane];
                     old[lane] = primitive[lane];
                 }
+            }
+        }
+    }
+
+    /// Writes what was hit, for each of its rays to the place of `indices`.
+    #[inline(always)]
+    pub(super) fn scatter<const ANY: bool>(&self, indices: &[u32], hits: &mut HitBatch) {
+        for (vector, rays) in self.vectors.iter().enumerate() {
+            let hit = !rays.primitive.eq(Int::splat(HitBatch::MISS)).bits() & first_bits(LANES);
+            let (t, primitive) = (rays.t.to_array(), rays.primitive.to_array());
+            for lane in Bits(hit) {
+                let index = indices[vector * LANES + lane] as usize;
+                hits.t[index] = if ANY { 0.0 } else { t[lane] };
+                hits.primitive[index] = if ANY { 0 } else { primitive[lane] };
             }
         }
     }
@@ -166,14 +164,30 @@ impl Job<'_> {
         // Loaded in place: large values that move are copied.
         let mut packet = Packet::<V>::NONE;
         for first in (first..end).step_by(V * LANES) {
-            packet.load(self.rays, first, end, self.extent, &mut wild);
-            for &block in self.spanning {
-                // Mostly huge: they are near many rays, and leave the filter no choice.
-                packet.test::<ANY, ANY, true>(self.blocks, block, block.valid(), count);
+            for (v, vector) in packet.vectors.iter_mut().enumerate() {
+                let first = end.min(first + v * LANES);
+                let rays = self.rays.vector(first);
+                let wild_bits = vector.load(&rays, first_bits(end - first), self.extent);
+                wild.extend(Bits(wild_bits).map(|lane| first + lane));
             }
-            search(&mut packet, count);
+            self.search_all::<ANY, V, C>(&mut packet, count, &mut search);
             packet.store::<ANY>(first, end, hits);
         }
         wild
+    }
+
+    /// Tests a packet against the spanning blocks, then calls `search`.
+    #[inline(always)]
+    pub(super) fn search_all<const ANY: bool, const V: usize, C: Count>(
+        &self,
+        packet: &mut Packet<V>,
+        count: &mut C,
+        search: &mut impl FnMut(&mut Packet<V>, &mut C),
+    ) {
+        for &block in self.spanning {
+            // Mostly huge: they are near many rays, and leave the filter no choice.
+            packet.test::<ANY, ANY, true>(self.blocks, block, block.valid(), count);
+        }
+        search(packet, count);
     }
 }

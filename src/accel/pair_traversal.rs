@@ -162,16 +162,26 @@ fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
     (0..V).map(|v| before(left[v], right[v]) - before(right[v], left[v])).sum()
 }
 
+/// How rays come into packets.
+#[derive(Clone, Copy)]
+pub(super) enum Order {
+    /// One after the other.
+    Given,
+    /// Those of one octant together.
+    Octants,
+}
+
 /// Takes packets through the tree, if there is one. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: Option<&PairTree>,
+    order: Order,
     job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
     let depth = tree.map_or(0, |tree| tree.stack);
     let mut stack = vec![(0, [Float::ZERO; VECTORS]); depth];
-    job.trace::<ANY, VECTORS, C>(hits, count, |packet, count| {
+    let search = |packet: &mut Packet<VECTORS>, count: &mut C| {
         let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) else { return };
         let octants = Octants::new(packet);
         let none = const { &[[Float::ZERO; 6]; VECTORS] };
@@ -186,5 +196,9 @@ pub(super) fn trace<const ANY: bool, C: Count>(
         } else {
             packet.traverse::<ANY, ALIKE>(tree, root, &octants, none, &mut stack, count);
         }
-    })
+    };
+    match order {
+        Order::Given => job.trace::<ANY, VECTORS, C>(hits, count, search),
+        Order::Octants => job.trace_by_octant::<ANY, C>(hits, count, search),
+    }
 }

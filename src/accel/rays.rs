@@ -1,6 +1,6 @@
 //! A vector of rays and what they have hit.
 
-use super::batch::{HitBatch, RayBatch};
+use super::batch::{HitBatch, RayVector};
 use super::setup::{Extent, Setup};
 use super::shear_axes;
 use crate::geometry::lanes::{self, HitLanes};
@@ -57,24 +57,17 @@ impl Rays {
     pub(super) const NONE: Self =
         Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
 
-    /// Loads rays `first..` of `rays`, those below `end`. Adds those that it leaves to others to
-    /// `wild`.
+    /// Takes the rays whose bits are in `present`. Returns the bits of those that it leaves to
+    /// others.
     #[inline(always)]
-    pub(super) fn load(
-        &mut self,
-        rays: &RayBatch,
-        first: usize,
-        end: usize,
-        extent: &Extent,
-        wild: &mut Vec<usize>,
-    ) {
-        let (t_max, wild_lanes) = self.setup.load(rays, first, end, extent);
-        wild.extend(Bits(wild_lanes).map(|lane| first + lane));
-        self.t = self.only(t_max, Float::splat(f32::NEG_INFINITY));
+    pub(super) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
+        let wild = self.setup.load(rays, present, extent);
+        self.t = self.only(rays.t_max, Float::splat(f32::NEG_INFINITY));
         self.primitive = Int::splat(HitBatch::MISS);
         if extent.triangles {
             self.views = Views::new(&self.setup);
         }
+        wild
     }
 
     /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.

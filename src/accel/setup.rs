@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::batch::RayBatch;
+use super::batch::RayVector;
 use super::slab::SLACK;
 use crate::geometry::lanes::RayLanes;
 use crate::geometry::{Bounds, Geometry};
 use crate::math::{UNIT_ROUNDOFF, max_element};
-use crate::simd::{Float, Mask, Vec3x, axes, first_bits};
+use crate::simd::{Float, Mask, Vec3x, axes};
 
 /// What a layout says of its scene that rays must know.
 #[derive(Clone, Copy, Debug)]
@@ -106,22 +106,13 @@ impl Setup {
     pub(super) const NONE: Self =
         Self { ray: RayLanes::NONE, slab: SlabLanes::NONE, shear: Shear::NONE, active: 0 };
 
-    /// Loads rays `first..` of `rays`, those below `end` active, and the ends of their intervals.
-    /// Returns the bits of rays that are finite but too wild for the slab test.
+    /// Makes `rays` ready, those whose bits are in `present`. Returns the bits of those that are
+    /// finite but too wild for the slab test.
     ///
     /// In place, and only what the scene needs: large values that move are copied.
     #[inline(always)]
-    pub(super) fn load(
-        &mut self,
-        rays: &RayBatch,
-        first: usize,
-        end: usize,
-        extent: &Extent,
-    ) -> (Float, u32) {
-        let load = |array: &Vec<f32>| Float::load(&array[first..]);
-        let vector = |arrays: &[Vec<f32>; 3]| Vec3x(axes(|axis| load(&arrays[axis])));
-        let (origin, direction) = (vector(&rays.origin), vector(&rays.direction));
-        let (time, t_min, t_max) = (load(&rays.time), load(&rays.t_min), load(&rays.t_max));
+    pub(super) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
+        let RayVector { origin, direction, time, t_min, t_max } = *rays;
 
         // Sums, since the largest of some numbers may hide a NaN.
         let [ax, ay, az] = axes(|axis| direction[axis].abs());
@@ -131,7 +122,7 @@ impl Setup {
             & speed.ge(Float::splat(TAME_DIRECTION.start))
             & speed.le(Float::splat(TAME_DIRECTION.end));
         // Nothing lies in an interval that is empty or NaN.
-        let open = t_min.lt(t_max).bits() & first_bits(end - first);
+        let open = t_min.lt(t_max).bits() & present;
         self.active = open & tame.bits();
         let mut wild = open & !tame.bits();
         if wild != 0 {
@@ -151,7 +142,7 @@ impl Setup {
         if extent.triangles {
             self.shear = Shear::new(direction, [ax, ay, az]);
         }
-        (t_max, wild)
+        wild
     }
 
     /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low

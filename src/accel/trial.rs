@@ -8,8 +8,8 @@ use super::batch::{HitBatch, RayBatch};
 use super::kernel::Kernel;
 
 /// Runs of rays that every kernel is tried on, their length, and how often.
-const TRIAL_RUNS: usize = 32;
-const TRIAL_RUN: usize = 512;
+const TRIAL_RUNS: usize = 16;
+const TRIAL_RUN: usize = 2048;
 const TRIALS: usize = 3;
 
 /// Above this, single rays and beams were faster than packets on every set.
@@ -55,7 +55,7 @@ impl Accelerator<'_> {
     /// Whether `kernel` is worth trying on so many primitives.
     pub fn may_win(&self, kernel: Kernel) -> bool {
         match kernel {
-            Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
+            Kernel::Packet | Kernel::Octant => self.geometry.len() <= MOST_IN_PACKET_TREE,
             Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
             Kernel::Beam | Kernel::Single => true,
             Kernel::Scalar => false,

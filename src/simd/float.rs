@@ -57,9 +57,8 @@ impl Float {
     }
 
     /// Lane `places[i]` in each lane i.
-    #[cfg(not(target_feature = "avx512f"))]
     #[inline(always)]
-    pub(super) fn shuffled(self, places: Int) -> Self {
+    pub(crate) fn shuffled(self, places: Int) -> Self {
         Self(self.0.shuffle(places.0))
     }
 

@@ -44,6 +44,12 @@ impl Int {
         *to.first_chunk_mut().expect("a whole vector") = self.to_array();
     }
 
+    /// Lane `places[i]` in each lane i.
+    #[inline(always)]
+    pub(crate) fn shuffled(self, places: Self) -> Self {
+        Self(self.0.shuffle(places.0))
+    }
+
     /// Where the lanes are the same.
     #[inline(always)]
     pub(crate) fn eq(self, other: Self) -> Mask {

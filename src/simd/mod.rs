@@ -9,7 +9,6 @@
 //! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
 //! not: they may only decide where to look.
 
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
 mod compress;
 mod float;
 mod int;
@@ -21,6 +20,7 @@ mod random;
 mod trig;
 mod vec3x;
 
+pub(crate) use compress::places;
 pub(crate) use float::Float;
 pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, first_bits};
