@@ -5,7 +5,7 @@ use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::rays::Rays;
 use super::setup::Extent;
-use crate::geometry::lanes;
+use crate::geometry::lanes::{self, RayLanes};
 use crate::simd::{Bits, Float, Int, LANES, Vec3x, first_bits};
 
 /// A packet on its way.
@@ -74,11 +74,8 @@ impl<const V: usize> Packet<V> {
                 for lane in Bits(lanes) {
                     let center = Vec3x::splat_lane(&block.center, lane);
                     let radius = Float::splat(block.radius[lane]);
-                    for rays in &mut self.vectors {
-                        let ray = &rays.setup.ray;
-                        let hits = lanes::filtered_sphere::<LEAVE>(ray, center, radius);
-                        rays.offer::<ANY>(hits, block.primitive[lane]);
-                    }
+                    let primitive = block.primitive[lane];
+                    self.test_sphere::<ANY, LEAVE>(|_| center, radius, primitive);
                 }
             }
             Kind::MovingSphere => {
@@ -87,15 +84,9 @@ impl<const V: usize> Packet<V> {
                     let center = Vec3x::splat_lane(&block.still.center, lane);
                     let motion = Vec3x::splat_lane(&block.motion, lane);
                     let radius = Float::splat(block.still.radius[lane]);
-                    for rays in &mut self.vectors {
-                        let ray = &rays.setup.ray;
-                        let hits = lanes::filtered_sphere::<LEAVE>(
-                            ray,
-                            center + motion * ray.time,
-                            radius,
-                        );
-                        rays.offer::<ANY>(hits, block.still.primitive[lane]);
-                    }
+                    let center = |ray: &RayLanes| center + motion * ray.time;
+                    let primitive = block.still.primitive[lane];
+                    self.test_sphere::<ANY, LEAVE>(center, radius, primitive);
                 }
             }
             Kind::Quad => {
@@ -123,6 +114,32 @@ impl<const V: usize> Packet<V> {
                         rays.test_triangle::<ANY>(&block.vertices, lane, block.primitive[lane]);
                     }
                 }
+            }
+        }
+    }
+
+    /// Tests a sphere that is at `center` at a ray's time.
+    #[inline(always)]
+    fn test_sphere<const ANY: bool, const LEAVE: bool>(
+        &mut self,
+        center: impl Fn(&RayLanes) -> Vec3x,
+        radius: Float,
+        primitive: u32,
+    ) {
+        let mut near = [0; V];
+        for (near, rays) in near.iter_mut().zip(&self.vectors) {
+            let ray = &rays.setup.ray;
+            *near = lanes::near_sphere(ray, center(ray), radius);
+        }
+        // Asked once for all vectors: mostly none is near, and CPUs learn that.
+        if near.iter().all(|&bits| bits == 0) {
+            return;
+        }
+        for (rays, near) in self.vectors.iter_mut().zip(near) {
+            if near != 0 {
+                let ray = &rays.setup.ray;
+                let hits = lanes::sphere::<LEAVE>(ray, center(ray), radius);
+                rays.offer::<ANY>(hits, primitive);
             }
         }
     }

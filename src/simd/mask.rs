@@ -30,11 +30,6 @@ impl Mask {
         self.0.any()
     }
 
-    #[inline(always)]
-    pub(crate) fn all(self) -> bool {
-        self.0.all()
-    }
-
     /// Bit i is lane i.
     #[inline(always)]
     pub(crate) fn bits(self) -> u32 {
