@@ -146,7 +146,8 @@ impl<const V: usize> Packet<V> {
                 top -= 1;
                 let (reference, entries) = &stack[top];
                 // Pruned only when its entry is strictly beyond the best distance.
-                if (0..V).any(|v| entries[v].le(self.vectors[v].t).any()) {
+                let ahead = |v: usize| entries[v].le(self.vectors[v].t).bits();
+                if (0..V).fold(0, |bits, v| bits | ahead(v)) != 0 {
                     next = *reference;
                     break;
                 }
