@@ -25,6 +25,8 @@ use crate::simd::LANES;
 pub struct Accelerator<'a> {
     pub(super) geometry: &'a Geometry,
     shutter: (f32, f32),
+    /// Box around all primitives.
+    all: Bounds,
     /// The tree over all but the primitives that span the scene.
     tree: BinaryTree,
     /// The primitives that span the scene, which every ray would meet the boxes of.
@@ -86,7 +88,8 @@ impl<'a> Accelerator<'a> {
     /// times of `shutter`.
     pub fn new(geometry: &'a Geometry, shutter: (f32, f32)) -> Self {
         let boxes = geometry.boxes(shutter);
-        let (spanning, others) = spanning(&boxes);
+        let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
+        let (spanning, others) = spanning(&boxes, all.half_area());
         let tree = BinaryTree::new(&boxes, &others);
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let mut blocks = Blocks::default();
@@ -96,7 +99,8 @@ impl<'a> Accelerator<'a> {
             shutter,
             tree,
             spanning: (blocks, references),
-            extent: Extent::new(geometry, bounds),
+            extent: Extent::new(geometry, all, bounds),
+            all,
             scalar: Lazy::default(),
             wide: Lazy::default(),
             pair: Lazy::default(),
@@ -131,7 +135,7 @@ impl<'a> Accelerator<'a> {
             let mut blocks = Blocks::default();
             let each: Vec<u32> = (0..self.geometry.len() as u32).collect();
             let all = blocks.push_all(self.geometry, &each);
-            Flat { blocks, all, extent: Extent::new(self.geometry, Bounds::EMPTY) }
+            Flat { blocks, all, extent: Extent::new(self.geometry, self.all, Bounds::EMPTY) }
         })
     }
 
@@ -224,9 +228,9 @@ impl<'a> Accelerator<'a> {
     }
 }
 
-/// The primitives that span the scene, at most a block, and the others.
-fn spanning(boxes: &[Bounds]) -> (Vec<u32>, Vec<u32>) {
-    let scene = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b)).half_area();
+/// The primitives that span the scene, whose box has half the area `scene`, at most a block, and
+/// the others.
+fn spanning(boxes: &[Bounds], scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =
         (0..boxes.len() as u32).partition(|p| share(p) >= SPANNING_SHARE);

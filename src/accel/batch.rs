@@ -33,9 +33,10 @@ impl RayBatch {
     /// Adds a ray.
     ///
     /// # Panics
-    /// Where `t_min` is below 0.
+    /// Where `t_min` is below 0, or there are 2^32 − 1 rays already.
     pub fn push(&mut self, ray: &Ray, t_min: f32, t_max: f32) {
         assert!(!(t_min < 0.0), "t_min must be 0 or more, is {t_min}");
+        assert!(self.len < u32::MAX as usize, "a batch holds less than 2^32 rays");
         let index = self.len;
         self.len += 1;
         if self.len + LANES > self.time.len() {
@@ -90,6 +91,20 @@ pub(super) struct RayVector {
     pub(super) time: Float,
     pub(super) t_min: Float,
     pub(super) t_max: Float,
+}
+
+impl RayVector {
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [Float; 9] {
+        let (o, d) = (&self.origin, &self.direction);
+        [o[0], o[1], o[2], d[0], d[1], d[2], self.time, self.t_min, self.t_max]
+    }
+
+    /// Of [`RayVector::numbers`].
+    #[inline(always)]
+    pub(super) fn of([ox, oy, oz, dx, dy, dz, time, t_min, t_max]: [Float; 9]) -> Self {
+        Self { origin: Vec3x([ox, oy, oz]), direction: Vec3x([dx, dy, dz]), time, t_min, t_max }
+    }
 }
 
 /// What rays hit: a distance and a primitive each.

@@ -42,7 +42,7 @@ impl<const V: usize> Packet<V> {
     #[inline(always)]
     pub(super) fn scatter<const ANY: bool>(&self, indices: &[u32], hits: &mut HitBatch) {
         for (vector, rays) in self.vectors.iter().enumerate() {
-            let hit = !rays.primitive.eq(Int::splat(HitBatch::MISS)).bits() & first_bits(LANES);
+            let hit = (!rays.primitive.eq(Int::splat(HitBatch::MISS))).bits();
             let (t, primitive) = (rays.t.to_array(), rays.primitive.to_array());
             for lane in Bits(hit) {
                 let index = indices[vector * LANES + lane] as usize;
@@ -126,17 +126,18 @@ impl<const V: usize> Packet<V> {
         radius: Float,
         primitive: u32,
     ) {
-        let mut near = [0; V];
-        for (near, rays) in near.iter_mut().zip(&self.vectors) {
+        let mut missed = [0; V];
+        for (missed, rays) in missed.iter_mut().zip(&self.vectors) {
             let ray = &rays.setup.ray;
-            *near = lanes::near_sphere(ray, center(ray), radius);
+            *missed = lanes::misses_sphere(ray, center(ray), radius);
         }
-        // Asked once for all vectors: mostly none is near, and CPUs learn that.
-        if near.iter().all(|&bits| bits == 0) {
+        // Asked once for all vectors: mostly all miss, and CPUs learn that.
+        let all = first_bits(LANES);
+        if missed.iter().all(|&missed| missed == all) {
             return;
         }
-        for (rays, near) in self.vectors.iter_mut().zip(near) {
-            if near != 0 {
+        for (rays, missed) in self.vectors.iter_mut().zip(missed) {
+            if missed != all {
                 let ray = &rays.setup.ray;
                 let hits = lanes::sphere::<LEAVE>(ray, center(ray), radius);
                 rays.offer::<ANY>(hits, primitive);

@@ -1,4 +1,5 @@
-//! The packet kernel: packets against one box of a pair node at a time.
+//! Packets against one box of a pair node at a time: the kernels `packet` and `octant`, and
+//! without nodes `flat`.
 
 use super::batch::HitBatch;
 use super::counters::Count;

@@ -4,7 +4,7 @@ use super::batch::{HitBatch, RayVector};
 use super::counters::Count;
 use super::packet::{Job, Packet};
 use super::pair_traversal::VECTORS;
-use crate::simd::{Bits, Float, Int, LANES, Vec3x, axes, first_bits, places};
+use crate::simd::{Bits, Float, Int, LANES, axes, first_bits, places};
 
 /// Rays that wait until they fill a packet, and room for a vector more.
 struct Queue {
@@ -19,27 +19,18 @@ const FULL: usize = VECTORS * LANES;
 const ROOM: usize = FULL + LANES;
 
 impl Queue {
-    const EMPTY: Self = Self { numbers: [[f32::NAN; ROOM]; 9], indices: [0; ROOM], len: 0 };
+    const EMPTY: Self = Self { numbers: [[0.0; ROOM]; 9], indices: [0; ROOM], len: 0 };
 
     /// Adds the lanes of `rays` whose bits are set.
     #[inline(always)]
     fn push(&mut self, rays: &RayVector, indices: Int, bits: u32) {
         let places = places(bits);
+        debug_assert!(self.len < FULL, "a full packet is taken off at once");
         // Known to the compiler, no place is checked.
         let at = self.len.min(FULL);
-        let put = |lanes: Float, numbers: &mut [f32; ROOM]| {
-            lanes.shuffled(places).store(&mut numbers[at..]);
-        };
-        let [ox, oy, oz, dx, dy, dz, time, t_min, t_max] = &mut self.numbers;
-        put(rays.origin[0], ox);
-        put(rays.origin[1], oy);
-        put(rays.origin[2], oz);
-        put(rays.direction[0], dx);
-        put(rays.direction[1], dy);
-        put(rays.direction[2], dz);
-        put(rays.time, time);
-        put(rays.t_min, t_min);
-        put(rays.t_max, t_max);
+        for (number, numbers) in rays.numbers().into_iter().zip(&mut self.numbers) {
+            number.shuffled(places).store(&mut numbers[at..]);
+        }
         indices.shuffled(places).store(&mut self.indices[at..]);
         self.len = at + bits.count_ones() as usize;
     }
@@ -47,14 +38,11 @@ impl Queue {
     /// A vector of the rays.
     #[inline(always)]
     fn vector(&self, first: usize) -> RayVector {
-        let load = |i: usize| Float::load(&self.numbers[i][first..]);
-        RayVector {
-            origin: Vec3x([load(0), load(1), load(2)]),
-            direction: Vec3x([load(3), load(4), load(5)]),
-            time: load(6),
-            t_min: load(7),
-            t_max: load(8),
+        let mut numbers = [Float::ZERO; 9];
+        for (number, from) in numbers.iter_mut().zip(&self.numbers) {
+            *number = Float::load(&from[first..]);
         }
+        RayVector::of(numbers)
     }
 
     /// Takes off a packet, of which there is one.
@@ -105,7 +93,7 @@ impl Job<'_> {
         for first in (first..end).step_by(LANES) {
             let rays = self.rays.vector(first);
             let indices = Int::LANE + Int::splat(first as u32);
-            let down = axes(|axis| rays.direction[axis].lt(Float::ZERO).bits());
+            let down = axes(|axis| rays.direction[axis].sign_bits());
             let mut left = first_bits(LANES.min(end - first));
             while left != 0 {
                 let (octant, alike) = octant_of_first(left, down);
@@ -135,5 +123,24 @@ impl Job<'_> {
             trace(all, hits, count);
         }
         wild
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    #[test]
+    fn rays_of_one_octant_are_found() {
+        let mut random = Stream::new(12);
+        for _ in 0..1000 {
+            let down = [(); 3].map(|()| random.bits() as u32 & first_bits(LANES));
+            let octant = |lane: usize| (0..3).map(|axis| (down[axis] >> lane & 1) << axis).sum();
+            let rays = random.bits() as u32 & first_bits(LANES) | 1;
+            let first: u32 = octant(Bits(rays).next().unwrap());
+            let alike = Bits(rays).filter(|&lane| octant(lane) == first).map(|lane| 1 << lane);
+            assert_eq!(octant_of_first(rays, down), (first as usize, alike.sum()));
+        }
     }
 }

@@ -18,8 +18,8 @@ pub(super) struct Extent {
     half_edges: f32,
     /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
     condition: f32,
-    /// How far from the origin rays may begin for which no product of the slab test can overflow
-    /// or underflow.
+    /// How far from the origin, in the sum of the axes, rays may begin for which no product of a
+    /// box's or primitive's test can overflow; below 0 where no ray may.
     tame_reach: f32,
     /// Whether there are boxes to test.
     boxes: bool,
@@ -28,7 +28,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    pub(super) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
+    /// Of a scene whose primitives lie in `all`, those that are in boxes in `bounds`.
+    pub(super) fn new(geometry: &Geometry, all: Bounds, bounds: Bounds) -> Self {
         let condition = geometry.condition();
         let triangles = !geometry.triangles.is_empty();
         let boxes = bounds != Bounds::EMPTY;
@@ -36,9 +37,10 @@ impl Extent {
         let bounds = if boxes { bounds } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
         let middle = 0.5 * (bounds.min + bounds.max);
         let half_edges = (bounds.max - middle).max(middle - bounds.min).element_sum();
-        let is_tame = max_element(bounds.min.abs()) <= TAME_COORDINATE
-            && max_element(bounds.max.abs()) <= TAME_COORDINATE
-            && (!boxes || half_edges >= TAME_EDGES);
+        let is_tame = all == Bounds::EMPTY
+            || max_element(all.min.abs()) <= TAME_COORDINATE
+                && max_element(all.max.abs()) <= TAME_COORDINATE
+                && (!boxes || half_edges >= TAME_EDGES);
         let tame_reach = if is_tame { TAME_COORDINATE } else { -1.0 };
         Self { middle, half_edges, condition, tame_reach, boxes, triangles }
     }
@@ -59,7 +61,7 @@ pub(super) struct Setup {
     pub(super) ray: RayLanes,
     pub(super) slab: SlabLanes,
     pub(super) shear: Shear,
-    /// The rays that are there, finite, and have a direction.
+    /// The rays that are there, tame, and have an interval to look in.
     pub(super) active: u32,
 }
 
@@ -69,7 +71,7 @@ pub(super) struct Setup {
 ///
 /// Departures from the scalar test:
 /// 1. A component of the direction below 1e-10 of the sum of all is taken as that, so that no
-///    product is NaN. This moves a plane by 1e-10 of the scene's size, well within the slack.
+///    product is NaN. This moves a plane by 3e-10 of the farthest distance, well within the slack.
 /// 2. All is rounded, at most, by 3 roundings of the origin and 4 of the farthest distance; the
 ///    slack contains 4 of the one and 6 of the other.
 /// 3. Planes move outward by the slack in the boxes that are made so ([`super::pair`]), or else
@@ -200,5 +202,42 @@ impl Shear {
             longest: [is_x, is_y, !(is_x | is_y)],
             negative,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    /// The slack of [`SlabRay`](super::super::slab::SlabRay), or little more; and no more than
+    /// boxes have that are made for rays from near, where that is where the ray begins.
+    #[test]
+    fn slack_is_that_of_the_reference() {
+        let (mut random, mut within) = (Stream::new(21), 0);
+        for round in 0..10_000 {
+            let size = [1e-6, 1.0, 1e6][round % 3];
+            let mut point =
+                |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
+            let (a, b, shift) = (point(size), point(size), point([0.0, 10.0 * size][round % 2]));
+            let bounds = Bounds { min: a.min(b) + shift, max: a.max(b) + shift };
+            let extent = Extent::new(&Geometry::default(), bounds, bounds);
+            let (origin, reach) = (shift + point(8.0 * size), [1.0, 4.0][round % 2]);
+            let want = SLACK * bounds.farthest_distance(origin)
+                + 4.0 * UNIT_ROUNDOFF * max_element(origin.abs());
+            let lanes = |v: Vec3| Vec3x(axes(|axis| Float::splat(v[axis])));
+            let ray =
+                RayLanes { origin: lanes(origin), direction: lanes(Vec3::ONE), ..RayLanes::NONE };
+            let far = Float::splat(origin.abs().element_sum());
+            let slack = SlabLanes::new(&ray, Float::splat(3.0), far, &extent).slack.first();
+            assert!(slack >= want * (1.0 - 1e-5) && slack <= 3.0 * want, "{slack} {want}");
+            let edges = (bounds.max - bounds.min).element_sum();
+            let away = (bounds.min - origin).max(origin - bounds.max);
+            if max_element(away) <= 0.999 * reach * edges {
+                within += 1;
+                assert!(slack <= extent.slack_within(reach), "{bounds:?} {origin}");
+            }
+        }
+        assert!(within > 1000, "{within} rays from near");
     }
 }

@@ -7,9 +7,10 @@ use super::accelerator::Accelerator;
 use super::batch::{HitBatch, RayBatch};
 use super::kernel::Kernel;
 
-/// Runs of rays that every kernel is tried on, their length, and how often.
-const TRIAL_RUNS: usize = 16;
-const TRIAL_RUN: usize = 2048;
+/// Runs of rays that every kernel is tried on, their length, and how often. As long as waves are,
+/// so that rays which [`Kernel::Octant`] is left with at the end do not count for more than there.
+const TRIAL_RUNS: usize = 8;
+const TRIAL_RUN: usize = 4096;
 const TRIALS: usize = 3;
 
 /// Above this, single rays and beams were faster than packets on every set.

@@ -152,8 +152,8 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
     let geometry = soup(7, 300, 1.0, Vec3::ZERO);
     let tree = Bvh2::new(&geometry, (0.0, 1.0));
     let mut batch = RayBatch::default();
-    batch.push(&Ray { origin: Vec3::ONE, direction: Vec3::NEG_ONE, time: f32::NAN }, 0.0, 9.0);
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        batch.push(&Ray { origin: Vec3::ONE, direction: Vec3::NEG_ONE, time: bad }, 0.0, 9.0);
         for (origin, direction) in [
             (Vec3::splat(bad), Vec3::Z),
             (Vec3::ZERO, Vec3::new(0.0, bad, 0.0)),
@@ -172,8 +172,10 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
     let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
     for kernel in Kernel::ALL {
         let mut hits = HitBatch::misses(batch.len());
-        accelerator.closest(kernel, &batch, 0..batch.len(), &mut hits);
+        let counters = accelerator.count(kernel, false, &batch, 0..batch.len(), &mut hits);
         assert_eq!(hits, HitBatch::misses(batch.len()), "{kernel:?}");
+        let left = if kernel == Kernel::Scalar { batch.len() as u64 } else { 0 };
+        assert_eq!(counters.scalar_rays, left, "{kernel:?} leaves none of them to the reference");
     }
 }
 
@@ -229,7 +231,7 @@ fn no_ray_escapes_a_closed_mesh() {
             };
             batch.push(&Ray { origin, direction: target - origin, time: 0.0 }, 0.0, f32::INFINITY);
         }
-        for kernel in [Kernel::Packet, Kernel::Beam, Kernel::Single, Kernel::Scalar] {
+        for kernel in Kernel::ALL.into_iter().filter(|&kernel| kernel != Kernel::Flat) {
             let mut hits = HitBatch::misses(ROUND);
             accelerator.closest(kernel, &batch, 0..ROUND, &mut hits);
             let escaped = (0..ROUND).find(|&i| hits.get(i).is_none());
@@ -254,11 +256,16 @@ fn only_hits_in_the_range_are_written() {
         for kernel in Kernel::ALL {
             let mut hits = sentinel.clone();
             accelerator.closest(kernel, &batch, range.clone(), &mut hits);
+            let mut occluded = sentinel.clone();
+            accelerator.occluded(kernel, &batch, range.clone(), &mut occluded);
             for i in 0..100 {
                 let (ray, t_min, t_max) = batch.get(i);
                 let hit = geometry.closest_by_brute_force(&ray, t_min, t_max);
-                let want = hit.filter(|_| range.contains(&i)).or(sentinel.get(i));
-                assert_eq!(bits(hits.get(i)), bits(want), "{kernel:?}, {range:?}, ray {i}");
+                let want = hit.filter(|_| range.contains(&i));
+                let closest = want.or(sentinel.get(i));
+                assert_eq!(bits(hits.get(i)), bits(closest), "{kernel:?}, {range:?}, ray {i}");
+                let any = want.map(|_| Hit { t: 0.0, primitive: 0 }).or(sentinel.get(i));
+                assert_eq!(bits(occluded.get(i)), bits(any), "{kernel:?}, {range:?}, ray {i}");
             }
         }
     }
@@ -310,6 +317,7 @@ fn wild_rays_hit_what_they_should() {
             0 => ray.direction *= 1e-17,
             1 => ray.direction *= 1e16,
             2 => ray.direction[i / 5 % 3] *= 1e-30,
+            3 => ray.origin -= ray.direction.normalize_or(Vec3::X) * 1e11,
             _ => {}
         }
         (ray, t_max)
@@ -317,15 +325,28 @@ fn wild_rays_hit_what_they_should() {
     let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
     check_kernels("wild", &geometry, RAYS / 10, make, oracle);
 
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
-    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z * 1e16, time: 0.0 };
-    let (mut batch, mut hits) = (RayBatch::default(), HitBatch::misses(2));
-    batch.push(&ray, 0.0, f32::INFINITY);
-    batch.push(&Ray { direction: Vec3::Z, ..ray }, 0.0, f32::INFINITY);
-    for kernel in Kernel::ALL {
-        let counters = accelerator.count(kernel, false, &batch, 0..2, &mut hits);
-        let left = if kernel == Kernel::Scalar { 2 } else { 1 };
-        assert_eq!(counters.scalar_rays, left, "{kernel:?}");
+    let tame = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
+    let mut batch = RayBatch::default();
+    for ray in [
+        tame,
+        Ray { direction: Vec3::Z * 1e16, ..tame },
+        Ray { direction: Vec3::Z * 1e-16, ..tame },
+        Ray { origin: Vec3::Y * 1e11, ..tame },
+        Ray { time: -1e11, ..tame },
+    ] {
+        batch.push(&ray, 0.0, f32::INFINITY);
+    }
+    // What spans the scene counts too.
+    let mut huge = geometry.clone();
+    huge.spheres.push(Sphere::still(Vec3::X * 1e12, 1e12));
+    for (geometry, wild) in [(&geometry, 4), (&huge, 5), (&soup(9, 20, 1e12, Vec3::ZERO), 5)] {
+        let accelerator = Accelerator::new(geometry, (0.0, 1.0));
+        for kernel in Kernel::ALL {
+            let mut hits = HitBatch::misses(batch.len());
+            let counters = accelerator.count(kernel, false, &batch, 0..batch.len(), &mut hits);
+            let left = if kernel == Kernel::Scalar { batch.len() as u64 } else { wild };
+            assert_eq!(counters.scalar_rays, left, "{kernel:?}");
+        }
     }
 }
 

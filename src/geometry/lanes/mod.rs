@@ -9,7 +9,7 @@ mod sphere;
 mod triangle;
 
 pub(crate) use quad::{QuadLanes, UprightQuad, quad, upright_quad};
-pub(crate) use sphere::{near_sphere, sphere};
+pub(crate) use sphere::{misses_sphere, sphere};
 pub(crate) use triangle::shear_triangles;
 
 use crate::simd::{Float, Mask, Vec3x};
@@ -102,8 +102,7 @@ mod tests {
         let one = |lane: usize| Primitive::Sphere(&spheres[lane]);
         compare(sphere::<false>(&ray, lanes(&centers), radius), &one);
         compare(sphere::<true>(&ray, lanes(&centers), radius), &one);
-        // None is hit but those that rays come near.
-        let near = Mask::from_bits(near_sphere(&ray, lanes(&centers), radius));
+        let near = !Mask::from_bits(misses_sphere(&ray, lanes(&centers), radius));
         let hits = sphere::<false>(&ray, lanes(&centers), radius);
         compare(hits.map(|HitLanes { t, hit }| HitLanes { t, hit: hit & near }), &one);
 

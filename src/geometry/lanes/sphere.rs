@@ -8,7 +8,7 @@ use crate::simd::{Float, Vec3x};
 /// lane comes near.
 ///
 /// With `ASK`, rays that are outside and go away are ruled out before a root is taken: worth it
-/// where [`near_sphere`]'s margin has not done so, that is for huge spheres, or without it.
+/// where [`misses_sphere`]'s margin has not done so, that is for huge spheres, or without it.
 #[inline(always)]
 pub(crate) fn sphere<const ASK: bool>(
     ray: &RayLanes,
@@ -36,14 +36,13 @@ pub(crate) fn sphere<const ASK: bool>(
     Some(HitLanes { t, hit: real & t.gt(ray.t_min) })
 }
 
-/// Lanes whose rays come near spheres: all that [`sphere`] has hits for, and few others. In free
+/// Lanes whose rays surely miss spheres: most of those for which [`sphere`] has no hit. In free
 /// arithmetic, half the work of the test: for lanes of which mostly none comes near.
 ///
 /// With `f` known exactly, r² − l·l is off by less than 13 roundings of f·f here, by less than 16
 /// in the test; a ray that is surely outside and goes away hits nothing at distances above 0.
-/// Where f·f overflows, the test's distances do too: NaN is near nothing.
 #[inline(always)]
-pub(crate) fn near_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> u32 {
+pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let f2 = fz.free_mul_add(fz, fy.free_mul_add(fy, fx * fx));
@@ -55,5 +54,5 @@ pub(crate) fn near_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> u32 {
     let inside = f2.free_mul_add(Float::splat(-1.0 + 64.0 * UNIT_ROUNDOFF), radius2);
     let toward = away.min(Float::ZERO);
     let discriminant = (toward * ray.inv_length2).free_mul_add(toward, inside);
-    discriminant.ge(Float::ZERO).bits()
+    discriminant.lt(Float::ZERO).bits()
 }
