@@ -13,16 +13,19 @@ use crate::scene::{Light, Scene};
 pub(super) struct LightSample {
     /// Of unit length.
     pub(super) direction: Vec3,
-    /// To the light's surface: what a shadow ray must cross freely.
+    /// What a shadow ray must cross freely: the way to the light, but for its last 10⁻⁴.
     ///
-    /// It is what the light's own test gives for the shadow ray, so that the light never
-    /// shadows itself and no epsilon is needed.
-    pub(super) distance: f32,
+    /// There lie the light itself, with what rounding does to its distance in this or another
+    /// program, and surfaces that are flush with it.
+    pub(super) reach: f32,
     /// Density of the direction per unit solid angle.
     pub(super) pdf: f32,
     /// Whether the direction meets the light's front.
     pub(super) front: bool,
 }
+
+/// The part of the way to a light that has to be free, as in pbrt (Pharr et al. 2023, 6.8.6).
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// A sample of `light` as seen from `from`; `None` where it cannot be seen.
 pub(super) fn sample(
@@ -44,7 +47,8 @@ pub(super) fn sample(
             let pdf = pdf.unwrap_or_else(|| area_pdf(quad, &ray, distance));
             let visible = distance > 0.0 && distance.is_finite() && pdf > 0.0 && pdf.is_finite();
             let front = dot(quad.normal, ray.direction) < 0.0;
-            visible.then_some(LightSample { direction: ray.direction, distance, pdf, front })
+            let reach = distance * SHADOW_REACH;
+            visible.then_some(LightSample { direction: ray.direction, reach, pdf, front })
         }
         (Primitive::Triangle(_), _) => None,
     }
@@ -99,10 +103,57 @@ fn sample_sphere(sphere: &Sphere, from: Vec3, time: f32, u: f32, v: f32) -> Ligh
         .intersect(&PreparedRay::new(&ray), 0.0, f32::INFINITY)
         // At the silhouette rounding may miss the sphere, which is then as far as its centre.
         .unwrap_or_else(|| dot(cone.to_center, direction));
-    LightSample { direction, distance, pdf: cone.pdf(), front: cone.one_minus_cos.is_some() }
+    let front = cone.one_minus_cos.is_some();
+    LightSample { direction, reach: distance * SHADOW_REACH, pdf: cone.pdf(), front }
 }
 
 /// Density per unit solid angle of points uniform on `quad`, at `distance` along `ray`.
 fn area_pdf(quad: &Quad, ray: &Ray, distance: f32) -> f32 {
     distance * distance / (quad.area() * dot(quad.normal, ray.direction).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    /// What a program with other rounding finds: the light beyond the reach of every shadow ray.
+    #[test]
+    fn shadow_rays_end_just_before_their_light() {
+        let mut random = Stream::new(3);
+        for (name, extent) in [("cornell", 555.0), ("checker", 20.0)] {
+            let scene = Scene::load(name).unwrap();
+            let mut checked = 0;
+            for light in scene.lights() {
+                for _ in 0..100_000 {
+                    let [x, y, z, u, v] = [(); 5].map(|()| random.uniform());
+                    let from = Vec3::new(x, y, z) * extent;
+                    let Some(sample) = sample(&scene, light, from, 0.0, (u, v)) else { continue };
+                    let (origin, direction) = (from.as_dvec3(), sample.direction.as_dvec3());
+                    let distance = match scene.geometry().get(light.primitive) {
+                        Primitive::Quad(quad) => {
+                            let normal = quad.u.as_dvec3().cross(quad.v.as_dvec3());
+                            normal.dot(quad.q.as_dvec3() - origin) / normal.dot(direction)
+                        }
+                        Primitive::Sphere(sphere) => {
+                            let to_center = sphere.center.as_dvec3() - origin;
+                            let ahead = to_center.dot(direction);
+                            let aside2 = to_center.dot(to_center) - ahead * ahead;
+                            let radius2 = f64::from(sphere.radius).powi(2);
+                            // From inside, and at the silhouette where rounding is root of ε.
+                            if ahead * ahead < radius2 || radius2 - aside2 < 1e-3 * radius2 {
+                                continue;
+                            }
+                            ahead - (radius2 - aside2).sqrt()
+                        }
+                        Primitive::Triangle(_) => unreachable!("triangles are not sampled"),
+                    };
+                    let free = f64::from(sample.reach) / distance;
+                    assert!(0.9998 < free && free < 1.0, "{name} {from}: {free}");
+                    checked += 1;
+                }
+            }
+            assert!(checked > 50_000, "{name}: {checked}");
+        }
+    }
 }

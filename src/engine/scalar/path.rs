@@ -150,7 +150,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let choice = randoms.one(Dimension::LIGHT_CHOICE) * lights.len() as f32;
         let light = &lights[(choice as usize).min(lights.len() - 1)];
         let sample = light::sample(self.scene, light, from, time, randoms.two(Dimension::LIGHT));
-        let Some(LightSample { direction, distance, pdf, front }) = sample else {
+        let Some(LightSample { direction, reach, pdf, front }) = sample else {
             return Vec3::ZERO;
         };
         let emitted = light.emission.radiance(front);
@@ -160,7 +160,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         }
         self.rays.shadow += 1;
         let shadow = Ray { origin: from, direction, time };
-        if self.intersect.occluded(&shadow, distance, segment) {
+        if self.intersect.occluded(&shadow, reach, segment) {
             return Vec3::ZERO;
         }
         let pdf = pdf * self.light_choice_pdf();
