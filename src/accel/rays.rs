@@ -4,7 +4,7 @@ use super::batch::{HitBatch, RayVector};
 use super::setup::{Extent, Setup};
 use super::shear_axes;
 use crate::geometry::lanes::{self, HitLanes};
-use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, axes};
+use crate::simd::{Bits, Float, Int, Lanes, Mask, axes};
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
@@ -78,19 +78,18 @@ impl Rays {
         lane: usize,
         primitive: u32,
     ) {
-        let (mut t, mut hit) = ([0.0; LANES], 0);
+        let (mut t, mut hit) = (Float::ZERO, 0);
         for view in &self.views.views[..self.views.count] {
             let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
             let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
             let sheared = lanes::shear_triangles(origin, self.setup.shear.shear, vertices);
             let candidates = sheared.candidates(view.rays);
             if candidates != 0 {
-                sheared.decide(candidates, |lane, distance| t[lane] = distance);
+                t = Mask::from_bits(candidates).select(sheared.distances(candidates), t);
                 hit |= candidates;
             }
         }
         if hit != 0 {
-            let t = Float::new(t);
             let hit = Mask::from_bits(hit) & t.gt(self.setup.ray.t_min);
             self.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
         }

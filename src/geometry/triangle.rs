@@ -39,6 +39,17 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 
+/// [`distance`] without a branch, for vectors.
+#[inline(always)]
+pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
+    let [u, v, w] = weights(sheared);
+    let some_negative = (u < 0.0) | (v < 0.0) | (w < 0.0);
+    let some_positive = (u > 0.0) | (v > 0.0) | (w > 0.0);
+    let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
+    let t = ((u * a + v * b + w * c) / (u + v + w)) as f32;
+    if some_negative & some_positive { f32::NAN } else { t }
+}
+
 impl Triangle {
     /// The ray becomes the z-axis by a shear that all triangles share, and an edge of two
     /// triangles gives both the same edge function but for its sign, so no ray slips between

@@ -2,7 +2,7 @@
 
 use crate::geometry::triangle;
 use crate::math::UNIT_ROUNDOFF;
-use crate::simd::{Bits, Float, Lanes, Mask, Vec3x, axes};
+use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
 /// Vertices as their rays see them: sideways, sideways, ahead.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +42,32 @@ pub(crate) fn shear_triangles(
     ShearedTriangles { vertices, candidates: !mixed }
 }
 
+/// Up to so many lanes are decided one by one, more all at once.
+const MOST_ALONE: u32 = LANES as u32 / 8;
+
 impl ShearedTriangles {
     /// The lanes, among those of `valid`, that cannot be ruled out.
     #[inline(always)]
     pub(crate) fn candidates(&self, valid: u32) -> u32 {
         self.candidates.bits() & valid
+    }
+
+    /// Distances in the lanes of `candidates`, NaN for misses; in others, anything.
+    #[inline(always)]
+    pub(crate) fn distances(&self, candidates: u32) -> Float {
+        let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));
+        let sheared = |lane: usize| axes(|i| axes(|axis| lanes[i][axis][lane]));
+        let mut distances = [0.0; LANES];
+        if candidates.count_ones() > MOST_ALONE {
+            for (lane, t) in distances.iter_mut().enumerate() {
+                *t = triangle::distance_by_select(sheared(lane));
+            }
+        } else {
+            for lane in Bits(candidates) {
+                distances[lane] = triangle::distance(sheared(lane));
+            }
+        }
+        Float::new(distances)
     }
 
     /// Calls `visit` with each candidate's lane and distance, NaN for a miss.
