@@ -27,14 +27,13 @@ pub(crate) fn shear_triangles(
         [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2], shear[2] * p[2]]
     });
     let [a, b, c] = vertices;
-    // The error of a b − c d is below that of its two products and its difference, together
-    // 2.1 roundings of the larger product (fused: 1.1); the tiny number is for underflow.
-    let margin = Float::splat(3.0 * UNIT_ROUNDOFF);
-    let tiny = Float::splat(1e-36);
+    // a b − c d is off by the roundings of two products (fused: one) and of their difference, in
+    // all less than 5 of what no product exceeds; the tiny number is for underflow.
+    let most = |axis: usize| a[axis].abs().max(b[axis].abs()).max(c[axis].abs());
+    let margin = Float::splat(5.0 * UNIT_ROUNDOFF);
+    let error = (most(0) * most(1)).free_mul_add(margin, Float::splat(1e-36));
     let edge = |from: [Float; 3], to: [Float; 3]| {
-        let subtrahend = from[1] * to[0];
-        let value = from[0].free_mul_sub(to[1], subtrahend);
-        let error = subtrahend.abs().free_mul_add(margin, tiny) + value.abs() * margin;
+        let value = from[0].free_mul_sub(to[1], from[1] * to[0]);
         (value.gt(error), value.lt(-error))
     };
     let ((up, un), (vp, vn), (wp, wn)) = (edge(b, c), edge(c, a), edge(a, b));
