@@ -138,15 +138,18 @@ mod tests {
         let mut distances = [f32::NAN; LANES];
         let all = crate::simd::first_bits(LANES);
         sheared.decide(sheared.candidates(all), |lane, t| distances[lane] = t);
+        let at_once = sheared.distances(all).to_array();
         for (lane, triangle) in triangles.iter().enumerate() {
             let scalar = triangle.intersect(&prepared[0], f32::NEG_INFINITY, f32::INFINITY);
-            let vector = Some(distances[lane]).filter(|t| t.is_finite());
-            assert_eq!(
-                vector.map(f32::to_bits),
-                scalar.map(f32::to_bits),
-                "{triangle:?} {:?}",
-                rays[0]
-            );
+            for vector in [distances[lane], at_once[lane]] {
+                let vector = Some(vector).filter(|t| t.is_finite());
+                assert_eq!(
+                    vector.map(f32::to_bits),
+                    scalar.map(f32::to_bits),
+                    "{triangle:?} {:?}",
+                    rays[0]
+                );
+            }
         }
     }
 
