@@ -228,8 +228,8 @@ impl<'a> Accelerator<'a> {
     }
 }
 
-/// The primitives that span the scene, whose box has half the area `scene`, at most a block, and
-/// the others.
+/// The primitives that span the scene, at most a block, and the others. `scene` is half the area of
+/// its box.
 fn spanning(boxes: &[Bounds], scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =

@@ -6,7 +6,8 @@ use std::ops::AddAssign;
 pub(super) trait Count {
     /// A node was visited for `active` of `issued` lanes: rays or children.
     fn node(&mut self, issued: u32, active: u32);
-    /// Primitives were tested against rays in `issued` lanes, of which `active` mattered.
+    /// A primitive was tested against rays in `issued` lanes, or a ray against primitives, of which
+    /// `active` mattered.
     fn leaf(&mut self, issued: u32, active: u32);
     /// So many rays were left to the reference.
     fn left(&mut self, rays: usize);
@@ -26,11 +27,12 @@ impl Count for () {
 pub struct Counters {
     /// Nodes visited.
     pub node_visits: u64,
-    /// Vector tests of primitives.
+    /// Primitives tested against a vector of rays, or vectors of primitives against a ray.
     pub leaf_tests: u64,
     /// Lanes of both.
     pub lanes_issued: u64,
-    /// Lanes of both that held a ray that was looking, or a box or primitive to look at.
+    /// Lanes of both that were of use: where a ray entered a box, where a ray was looking when
+    /// the test of a leaf began, where a primitive was.
     pub lanes_active: u64,
     /// Rays that a kernel left to the reference, whose work is not counted: those too wild
     /// for its box test; for [`Kernel::Scalar`](super::Kernel::Scalar) every ray.

@@ -78,7 +78,7 @@ impl Rays {
         lane: usize,
         primitive: u32,
     ) {
-        let (mut t, mut hit) = (Float::ZERO, 0);
+        let (mut t, mut decided) = (Float::ZERO, 0);
         for view in &self.views.views[..self.views.count] {
             let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
             let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
@@ -86,11 +86,11 @@ impl Rays {
             let candidates = sheared.candidates(view.rays);
             if candidates != 0 {
                 t = Mask::from_bits(candidates).select(sheared.distances(candidates), t);
-                hit |= candidates;
+                decided |= candidates;
             }
         }
-        if hit != 0 {
-            let hit = Mask::from_bits(hit) & t.gt(self.setup.ray.t_min);
+        if decided != 0 {
+            let hit = Mask::from_bits(decided) & t.gt(self.setup.ray.t_min);
             self.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
         }
     }

@@ -21,6 +21,8 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     let sets = rayset::read(&args.dir)?;
     advise_on_build(Isa::Avx512);
     say(format_args!("scene   {}, {} primitives", sets.scene, sets.geometry.len()))?;
+    // Pinned, the process sees one core.
+    let machine = Machine::this();
     pin_to_one_core();
     let start = Instant::now();
     let accelerator = Accelerator::new(&sets.geometry, (0.0, 1.0));
@@ -46,7 +48,6 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
         }
     }
     if let Some(path) = &args.json {
-        let machine = Machine::this();
         let record = json!({
             "schema": 1, "machine": machine, "scene": sets.scene, "kernels": rows
         });

@@ -18,7 +18,7 @@ pub struct Replay {
     pub counters: Counters,
 }
 
-/// Rays traced with one call, as many as a wave of paths.
+/// Rays traced with one call.
 const BATCH: usize = 16_384;
 
 /// Traces `set` through each of `kernels`, `repetitions` (1 or more) times in turn.

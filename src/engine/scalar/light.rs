@@ -16,7 +16,7 @@ pub(super) struct LightSample {
     /// What a shadow ray must cross freely: the way to the light, but for its last 10⁻⁴.
     ///
     /// There lie the light itself, with what rounding does to its distance in this or another
-    /// program, and surfaces that are flush with it.
+    /// program (but for grazing rays and silhouettes), and surfaces that are flush with it.
     pub(super) reach: f32,
     /// Density of the direction per unit solid angle.
     pub(super) pdf: f32,
@@ -121,35 +121,54 @@ mod tests {
     #[test]
     fn shadow_rays_end_just_before_their_light() {
         let mut random = Stream::new(3);
-        for (name, extent) in [("cornell", 555.0), ("checker", 20.0)] {
-            let scene = Scene::load(name).unwrap();
+        let tilted = r#"(
+            camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40),
+            materials: {"lamp": light(radiance: (1, 1, 1))},
+            primitives: [
+                quad(q: (343, 300, 332), u: (-130, 37, 11), v: (13, 20, -105), material: "lamp"),
+                moving_sphere(center: (50, 40, 30), center1: (60, 45, 30), radius: 40, material: "lamp"),
+            ],
+        )"#;
+        let scenes = [
+            ("cornell", Scene::load("cornell"), 555.0),
+            ("checker", Scene::load("checker"), 20.0),
+            ("tilted", Scene::from_ron(tilted), 555.0),
+        ];
+        for (name, scene, extent) in scenes {
+            let scene = scene.unwrap();
             let mut checked = 0;
             for light in scene.lights() {
                 for _ in 0..100_000 {
-                    let [x, y, z, u, v] = [(); 5].map(|()| random.uniform());
+                    let [x, y, z, u, v, time] = [(); 6].map(|()| random.uniform());
                     let from = Vec3::new(x, y, z) * extent;
-                    let Some(sample) = sample(&scene, light, from, 0.0, (u, v)) else { continue };
+                    let Some(sample) = sample(&scene, light, from, time, (u, v)) else { continue };
                     let (origin, direction) = (from.as_dvec3(), sample.direction.as_dvec3());
                     let distance = match scene.geometry().get(light.primitive) {
                         Primitive::Quad(quad) => {
-                            let normal = quad.u.as_dvec3().cross(quad.v.as_dvec3());
+                            let normal = quad.u.as_dvec3().cross(quad.v.as_dvec3()).normalize();
+                            // Grazing rays see the plane's rounding magnified.
+                            if normal.dot(direction).abs() < 0.01 {
+                                continue;
+                            }
                             normal.dot(quad.q.as_dvec3() - origin) / normal.dot(direction)
                         }
                         Primitive::Sphere(sphere) => {
-                            let to_center = sphere.center.as_dvec3() - origin;
+                            let to_center = sphere.center_at(time).as_dvec3() - origin;
                             let ahead = to_center.dot(direction);
                             let aside2 = to_center.dot(to_center) - ahead * ahead;
                             let radius2 = f64::from(sphere.radius).powi(2);
                             // From inside, and at the silhouette where rounding is root of ε.
-                            if ahead * ahead < radius2 || radius2 - aside2 < 1e-3 * radius2 {
+                            if to_center.dot(to_center) < radius2
+                                || radius2 - aside2 < 0.01 * radius2
+                            {
                                 continue;
                             }
                             ahead - (radius2 - aside2).sqrt()
                         }
                         Primitive::Triangle(_) => unreachable!("triangles are not sampled"),
                     };
-                    let free = f64::from(sample.reach) / distance;
-                    assert!(0.9998 < free && free < 1.0, "{name} {from}: {free}");
+                    let short = 1.0 - f64::from(sample.reach) / distance;
+                    assert!((short - 1e-4).abs() < 5e-5, "{name} {from}: {short:e}");
                     checked += 1;
                 }
             }

@@ -139,9 +139,10 @@ mod tests {
         let all = crate::simd::first_bits(LANES);
         sheared.decide(sheared.candidates(all), |lane, t| distances[lane] = t);
         let at_once = sheared.distances(all).to_array();
+        let alone = |lane: usize| sheared.distances(1 << lane).to_array()[lane];
         for (lane, triangle) in triangles.iter().enumerate() {
             let scalar = triangle.intersect(&prepared[0], f32::NEG_INFINITY, f32::INFINITY);
-            for vector in [distances[lane], at_once[lane]] {
+            for vector in [distances[lane], at_once[lane], alone(lane)] {
                 let vector = Some(vector).filter(|t| t.is_finite());
                 assert_eq!(
                     vector.map(f32::to_bits),

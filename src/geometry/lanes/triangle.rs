@@ -12,9 +12,9 @@ pub(crate) struct ShearedTriangles {
 }
 
 /// Triangles filtered, then decided (contract, rule 1): f32 edge functions whose sign is sure
-/// reject nearly all lanes, the rest are decided one by one in f64.
+/// reject nearly all lanes, the rest are decided in f64.
 ///
-/// `origin` and `vertices` are in the order of [`super::PreparedRay`]'s axes, and `shear` is
+/// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear` is
 /// what takes the rays' directions to (0, 0, 1) there.
 #[inline(always)]
 pub(crate) fn shear_triangles(
@@ -41,7 +41,7 @@ pub(crate) fn shear_triangles(
     ShearedTriangles { vertices, candidates: !mixed }
 }
 
-/// Up to so many lanes are decided one by one, more all at once.
+/// Up to so many lanes are decided one by one, more all at once. Twice as many: 1% less on v3.
 const MOST_ALONE: u32 = LANES as u32 / 8;
 
 impl ShearedTriangles {
