@@ -16,6 +16,8 @@ pub const MAX_PRIMITIVES: usize = 1 << 25;
 pub const MAX_ROWS: usize = 1 << 26;
 /// Largest file of a scene or mesh, in bytes.
 pub const MAX_FILE: u64 = 1 << 32;
+/// Largest number of rays of each kind in a ray set: 12 GB of files.
+pub const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of threads.
 pub const MAX_THREADS: u32 = 4096;
 

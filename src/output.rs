@@ -35,6 +35,18 @@ pub fn check_writable(path: &Path) -> Result<()> {
     temporary_beside(path).map(drop).map_err(Error::io(path, "write"))
 }
 
+/// Finds out whether files can be written into `folder`, or into the nearest one above it that is
+/// there, so that a long run need not end in vain. Leaves nothing behind.
+///
+/// # Errors
+/// Where they cannot.
+pub fn check_folder(folder: &Path) -> Result<()> {
+    let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
+    // A name that no one has given to anything.
+    let file = there.join(".ptfast-check");
+    temporary_beside(&file).map(drop).map_err(Error::io(folder, "make the folder"))
+}
+
 /// The file that `path` stands for, and an empty temporary file in its folder.
 fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile)> {
     let target = resolve(path)?;

@@ -249,6 +249,11 @@ fn targets_that_cannot_be_written() {
     fails(here, &json, 74, &["nosuch/record.json: cannot write"]);
     let figures = ["figures", "--out", "file"];
     fails(here, &figures, 74, &["file: cannot make the folder"]);
+    let rays = |out| ["rays", "--scene", "cloud:9000000", "--max-rays", "200000000", "--out", out];
+    fails(here, &rays("file"), 74, &["file: cannot make the folder"]);
+    fails(here, &rays("file/set"), 74, &["file/set: cannot make the folder"]);
+    let many = ["rays", "--scene", "spheres", "--max-rays", "9999999999", "--out", "set"];
+    fails(here, &many, 2, &["9999999999", "2048..=268435456"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::accel::Kernel;
 use crate::engine::Engine;
 use crate::image::Transfer;
-use crate::limits::{MAX_DEPTH, MAX_SIDE, MAX_SPP, MAX_THREADS};
+use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::scene::Sampling;
 
 /// A CPU path tracer: same seed, same bits.
@@ -172,7 +172,7 @@ pub(super) struct RaysArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     pub(super) spp: Option<u32>,
     /// Largest number of rays of each kind, kept in runs of 2048 spread over the render
-    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..))]
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..=MAX_RAYS))]
     pub(super) max_rays: u64,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -2,13 +2,16 @@
 
 use super::args::RaysArgs;
 use super::say;
+use crate::accel::HitBatch;
 use crate::engine::RenderSettings;
 use crate::error::Result;
 use crate::limits::MAX_SPP;
+use crate::output::check_folder;
 use crate::rayset;
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
+    check_folder(&args.out)?;
     let scene = Scene::load(&args.scene)?;
     let mut settings = RenderSettings { seed: args.seed, ..RenderSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);
@@ -26,8 +29,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
         settings.sampling.name()
     ))?;
     for set in &sets.sets {
-        let hits =
-            set.hits.primitive.iter().filter(|p| **p != crate::accel::HitBatch::MISS).count();
+        let hits = set.hits.primitive.iter().filter(|p| **p != HitBatch::MISS).count();
         let share = 100.0 * hits as f64 / set.rays.len() as f64;
         say(format_args!("{:<7} {} rays, {share:.1}% hit", set.name, set.rays.len()))?;
     }

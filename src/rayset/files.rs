@@ -46,7 +46,7 @@ struct SetEntry {
 /// # Errors
 /// Where the folder cannot be written.
 pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
+    fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
     for (_, name, _) in KINDS {
