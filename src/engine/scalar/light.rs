@@ -156,7 +156,8 @@ mod tests {
                             let to_center = sphere.center_at(time).as_dvec3() - origin;
                             let ahead = to_center.dot(direction);
                             let aside2 = to_center.dot(to_center) - ahead * ahead;
-                            let radius2 = f64::from(sphere.radius).powi(2);
+                            let radius = f64::from(sphere.radius);
+                            let radius2 = radius * radius;
                             // From inside, and at the silhouette where rounding is root of ε.
                             if to_center.dot(to_center) < radius2
                                 || radius2 - aside2 < 0.01 * radius2
