@@ -7,8 +7,8 @@ use ptfast::math::random::Stream;
 
 use crate::rays::{Bundles, adversarial};
 
-/// Rays of one test.
-pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 60_000 };
+/// Rays of one kind of scene.
+pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
 /// Rays of one batch.
 pub(crate) const ROUND: usize = 20_000;
 
@@ -55,11 +55,13 @@ pub(crate) fn check_kernels(
     assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
 }
 
+/// Compares every kernel with brute force, over `rays` rays: half of them each for itself, half in
+/// bundles.
 pub(crate) fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
     let mut random = Stream::new(99);
     let make = |i| adversarial(&mut random, i, geometry, scale, shift);
     let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
-    check_kernels(name, geometry, rays, make, oracle);
+    check_kernels(name, geometry, rays / 2, make, oracle);
     let mut bundles = Bundles::new(98, geometry, scale, shift);
-    check_kernels(name, geometry, rays, |i| bundles.next(i), oracle);
+    check_kernels(name, geometry, rays / 2, |i| bundles.next(i), oracle);
 }

@@ -29,7 +29,7 @@ fn random_and_adversarial_rays() {
         (8, 100, 1e6, Vec3::ZERO),
     ] {
         let geometry = soup(seed, primitives, scale, shift);
-        check(&format!("soup {seed}"), &geometry, RAYS, scale, shift);
+        check(&format!("soup {seed}"), &geometry, RAYS / 4, scale, shift);
     }
 }
 
@@ -97,7 +97,7 @@ fn tips_of_thin_quads() {
             (Ray { origin, direction: tip + beside - origin, time: 0.0 }, f32::INFINITY)
         };
         let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
-        check_kernels("thin quads", &geometry, RAYS / 50, make, oracle);
+        check_kernels("thin quads", &geometry, RAYS / 100, make, oracle);
     }
 }
 
@@ -124,9 +124,9 @@ fn generated_scenes() {
         }
         let make = |i| adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
         let oracle = |ray: &Ray, t_max| tree.closest(geometry, ray, 0.0, t_max);
-        check_kernels(name, geometry, RAYS, make, oracle);
+        check_kernels(name, geometry, RAYS / 2, make, oracle);
         let mut bundles = Bundles::new(18, geometry, scale, Vec3::ZERO);
-        check_kernels(name, geometry, RAYS, |i| bundles.next(i), oracle);
+        check_kernels(name, geometry, RAYS / 2, |i| bundles.next(i), oracle);
     }
 }
 

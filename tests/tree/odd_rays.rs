@@ -108,7 +108,7 @@ fn rays_from_far_away() {
         }
     };
     let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
-    check_kernels("far away", &geometry, 2 * RAYS, make, oracle);
+    check_kernels("far away", &geometry, RAYS, make, oracle);
 }
 
 /// Directions and origins beyond what the vector box tests can do.
