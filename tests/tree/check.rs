@@ -4,6 +4,7 @@ use glam::Vec3;
 use ptfast::accel::{Accelerator, HitBatch, Kernel, RayBatch};
 use ptfast::geometry::{Geometry, Hit, Ray};
 use ptfast::math::random::Stream;
+use rayon::prelude::*;
 
 use crate::rays::{Bundles, adversarial};
 
@@ -21,19 +22,20 @@ pub(crate) fn check_kernels(
     name: &str,
     geometry: &Geometry,
     rays: usize,
-    mut make: impl FnMut(usize) -> (Ray, f32),
-    oracle: impl Fn(&Ray, f32) -> Option<Hit>,
+    mut make: impl FnMut(usize) -> (Ray, f32) + Send,
+    oracle: impl Fn(&Ray, f32) -> Option<Hit> + Sync,
 ) {
     let accelerator = Accelerator::new(geometry, (0.0, 1.0));
     let kernels: Vec<Kernel> = Kernel::ALL
         .into_iter()
         .filter(|kernel| *kernel != Kernel::Flat || geometry.len() <= 1000)
         .collect();
-    let mut hit = 0;
-    for first in (0..rays).step_by(ROUND) {
+    let rounds = (0..rays)
+        .step_by(ROUND)
+        .map(|first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>());
+    let check_round = |rays: Vec<(Ray, f32)>| {
         let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
-        for i in first..rays.min(first + ROUND) {
-            let (ray, t_max) = make(i);
+        for (ray, t_max) in rays {
             batch.push(&ray, 0.0, t_max);
             want.push(oracle(&ray, t_max));
         }
@@ -50,8 +52,10 @@ pub(crate) fn check_kernels(
                 assert_eq!(any.get(i), occluded, "{}", told());
             }
         }
-        hit += want.primitive.iter().filter(|p| **p != HitBatch::MISS).count();
-    }
+        want.primitive.iter().filter(|p| **p != HitBatch::MISS).count()
+    };
+    // Rays are made one after the other, from one stream; rounds of them are independent.
+    let hit: usize = rounds.par_bridge().map(check_round).sum();
     assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
 }
 
