@@ -42,9 +42,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// Where they cannot.
 pub fn check_folder(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
-    // A name that no one has given to anything.
-    let file = there.join(".ptfast-check");
-    temporary_beside(&file).map(drop).map_err(Error::io(folder, "make the folder"))
+    temporary_in(there).map(drop).map_err(Error::io(folder, "make the folder"))
 }
 
 /// The file that `path` stands for, and an empty temporary file in its folder.
@@ -54,6 +52,12 @@ fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    let file = temporary_in(folder)?;
+    Ok((target, file))
+}
+
+/// An empty temporary file in `folder`.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".ptfast-").suffix(".tmp");
     #[cfg(unix)]
@@ -64,8 +68,7 @@ fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile
     }
     // The crate's errors speak of the temporary file's name, which says nothing.
     fs::metadata(folder)?;
-    let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
-    Ok((target, file))
+    builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))
 }
 
 /// The file that `path` stands for: links are followed, folders and devices refused.

@@ -22,7 +22,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     advise_on_build(Isa::Avx512);
     say(format_args!("scene   {}, {} primitives", sets.scene, sets.geometry.len()))?;
     // Pinned, the process sees one core.
-    let machine = Machine::this();
+    let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
     let start = Instant::now();
     let accelerator = Accelerator::new(&sets.geometry, (0.0, 1.0));
@@ -47,7 +47,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
             }));
         }
     }
-    if let Some(path) = &args.json {
+    if let Some((path, machine)) = record {
         let record = json!({
             "schema": 1, "machine": machine, "scene": sets.scene, "kernels": rows
         });

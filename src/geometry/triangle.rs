@@ -34,9 +34,7 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     if some_negative && some_positive {
         return f32::NAN;
     }
-    let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
-    // A ray that sees no area has weights 0 and t NaN.
-    ((u * a + v * b + w * c) / (u + v + w)) as f32
+    ahead([u, v, w], sheared)
 }
 
 /// [`distance`] without a branch, for vectors. Ray by ray the branch gains 4%.
@@ -45,9 +43,16 @@ pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);
     let some_negative = (u < 0.0) | (v < 0.0) | (w < 0.0);
     let some_positive = (u > 0.0) | (v > 0.0) | (w > 0.0);
-    let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
-    let t = ((u * a + v * b + w * c) / (u + v + w)) as f32;
+    let t = ahead([u, v, w], sheared);
     if some_negative & some_positive { f32::NAN } else { t }
+}
+
+/// Distance of the point with these weights.
+#[inline(always)]
+fn ahead([u, v, w]: [f64; 3], sheared: Sheared) -> f32 {
+    let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
+    // A ray that sees no area has weights 0 and t NaN.
+    ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 
 impl Triangle {

@@ -14,8 +14,8 @@ pub(crate) struct ShearedTriangles {
 /// Triangles filtered, then decided (contract, rule 1): f32 edge functions whose sign is sure
 /// reject nearly all lanes, the rest are decided in f64.
 ///
-/// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear` is
-/// what takes the rays' directions to (0, 0, 1) there.
+/// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear`
+/// is what takes the rays' directions to (0, 0, 1) there.
 #[inline(always)]
 pub(crate) fn shear_triangles(
     origin: [Float; 3],
