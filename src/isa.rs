@@ -118,9 +118,35 @@ mod x86 {
         edx7: u32,
         eax7_1: u32,
         ecx_ext: u32,
-        /// Bytes that the operating system saves: 576 without AVX, 832 with it, 2688 or
-        /// more with AVX-512 (leaf 0xD; XGETBV would say it too, but needs `unsafe`).
-        saved_state: u32,
+        /// What of the registers the operating system saves at a change of threads.
+        saved: Saved,
+    }
+
+    /// The register sets that the operating system has enabled, by the size of the area in which
+    /// it saves them (SDM vol. 1, 13.4 and 13.5; AMD's APM vol. 2, 11.5). XGETBV would name them,
+    /// but needs `unsafe`. Protection keys lie behind AVX-512 there: a system that enables them
+    /// and disables AVX-512 is not told apart.
+    #[derive(Clone, Copy, Default)]
+    struct Saved {
+        avx: bool,
+        avx512: bool,
+    }
+
+    impl Saved {
+        fn read() -> Self {
+            let area = __cpuid_count(0xD, 0).ebx;
+            let has = |component| {
+                let part = __cpuid_count(0xD, component);
+                is_within(area, part.eax, part.ebx)
+            };
+            Self { avx: has(2), avx512: has(7) }
+        }
+    }
+
+    /// Whether a part of `size` bytes at `offset` lies within an area of `area` bytes. A CPU
+    /// chooses the offsets, and gives 0 bytes to what it does not have.
+    pub(super) fn is_within(area: u32, size: u32, offset: u32) -> bool {
+        size > 0 && offset.saturating_add(size) <= area
     }
 
     /// `Some(name)` for the first feature that is compiled in and whose bit is 0.
@@ -149,15 +175,15 @@ mod x86 {
                 edx7: leaf7.map_or(0, |leaf| leaf.edx),
                 eax7_1: leaf7_1.map_or(0, |leaf| leaf.eax),
                 ecx_ext: extended.map_or(0, |leaf| leaf.ecx),
-                saved_state: if xsave { __cpuid_count(0xD, 0).ebx } else { 0 },
+                saved: if xsave { Saved::read() } else { Saved::default() },
             }
         }
 
         pub(super) fn isa(&self) -> Isa {
             let has = |register: u32, bits: &[u32]| bits.iter().all(|bit| register >> bit & 1 == 1);
-            if self.saved_state < 832 || !has(self.ebx7, &[5]) || !has(self.ecx1, &[12, 28]) {
+            if !self.saved.avx || !has(self.ebx7, &[5]) || !has(self.ecx1, &[12, 28]) {
                 Isa::Sse2
-            } else if self.saved_state < 2688 || !has(self.ebx7, &[16, 17, 28, 30, 31]) {
+            } else if !self.saved.avx512 || !has(self.ebx7, &[16, 17, 28, 30, 31]) {
                 Isa::Avx2
             } else {
                 Isa::Avx512
@@ -199,15 +225,17 @@ mod x86 {
                 "cmpxchg16b": ecx1, 13;
                 "sse4.1": ecx1, 19;
                 "sse4.2": ecx1, 20;
+                "sse4a": ecx_ext, 6;
+                "tbm": ecx_ext, 21;
                 "movbe": ecx1, 22;
                 "popcnt": ecx1, 23;
                 "aes": ecx1, 25;
                 "sse2": edx1, 26;
             }
-            if cfg!(target_feature = "avx512f") && self.saved_state < 2688 {
+            if cfg!(target_feature = "avx512f") && !self.saved.avx512 {
                 return Some("avx512f enabled by the operating system");
             }
-            if cfg!(target_feature = "avx") && self.saved_state < 832 {
+            if cfg!(target_feature = "avx") && !self.saved.avx {
                 return Some("avx enabled by the operating system");
             }
             None
@@ -237,6 +265,18 @@ mod tests {
         assert_eq!(missing_feature(), None);
         assert!(detected_isa() >= compiled_isa(), "{} {}", detected_isa(), compiled_isa());
         assert!(!cpu_name().is_empty());
+    }
+
+    /// Where AVX-512's registers are saved, as Sapphire Rapids (MPX's place left free) and Zen 5 say.
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn saved_registers_are_found_where_each_cpu_puts_them() {
+        use x86::is_within;
+        for (offset, with_avx512, with_keys) in [(1664, 2688, 2696), (1408, 2432, 2440)] {
+            assert!(is_within(with_avx512, 1024, offset) && is_within(with_keys, 1024, offset));
+            assert!(!is_within(832, 1024, offset));
+        }
+        assert!(!is_within(2696, 0, 0) && !is_within(0, 256, 576));
     }
 
     /// std folds to `true` what is compiled in: only a build for SSE2 tests all of this.
