@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 
 use super::{Bounds, PreparedRay, Ray, Surface};
 use crate::math::trig::{acos, atan2};
-use crate::math::{UNIT_ROUNDOFF, dot, max, max_element, normalize};
+use crate::math::{UNIT_ROUNDOFF, clamp, dot, max, max_element, normalize};
 
 /// A sphere whose centre moves linearly from `center` at time 0 to `center1` at time 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,8 @@ impl Sphere {
     /// With `f` from the centre to the origin and `l` the part of it perpendicular to the
     /// ray, the discriminant is r² − l·l: no cancellation for far or huge spheres (Haines
     /// et al. 2019, "Precision Improvements for Ray/Sphere Intersection"). The root whose
-    /// terms would cancel is taken as the product of the roots over the other.
+    /// terms would cancel is taken as the product of the roots over the other, which is no
+    /// nearer to 0: along a tangent from the surface both are rounding, and so is their quotient.
     #[inline(always)]
     pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let ray = &prepared.ray;
@@ -55,7 +56,8 @@ impl Sphere {
         }
         let q = b + (prepared.length2 * discriminant).sqrt().copysign(b);
         let c = dot(f, f) - self.radius * self.radius;
-        let (by_product, by_sum) = (c / q, q * prepared.inv_length2);
+        let by_sum = q * prepared.inv_length2;
+        let by_product = clamp(c / q, -by_sum.abs(), by_sum.abs());
         let (near, far) = if b > 0.0 { (by_product, by_sum) } else { (by_sum, by_product) };
         let t = if near > t_min { near } else { far };
         (t > t_min && t < t_max).then_some(t)
@@ -162,6 +164,31 @@ mod tests {
                 assert!((chord - want).abs() <= bound, "{chord} {want}");
             }
         }
+    }
+
+    /// Tangents from points that are on the sphere but for rounding, inside or out.
+    #[test]
+    fn hits_are_on_the_sphere() {
+        let mut random = Stream::new(7);
+        let (mut hits, rays) = (0, 500_000);
+        for _ in 0..rays {
+            let [x, y, z] = [(); 3].map(|()| random.between(-100.0, 100.0));
+            let sphere = Sphere::still(Vec3::new(x, y, z), random.between(1.0, 21.0));
+            let normal = uniform_sphere(random.uniform(), random.uniform());
+            let aside = random.between(-1.0, 1.0) * 4.0 * f32::EPSILON;
+            let origin = sphere.center + normal * (sphere.radius * (1.0 + aside));
+            let any = uniform_sphere(random.uniform(), random.uniform());
+            let up = random.between(-1.0, 1.0) * 4.0 * f32::EPSILON;
+            let ray = ray(origin, any - normal * (dot(any, normal) + up));
+            let Some(t) = hit(&sphere, &ray) else { continue };
+            hits += 1;
+            let point = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(t);
+            let radius = f64::from(sphere.radius);
+            let off = (point - sphere.center.as_dvec3()).length() - radius;
+            // The origin's own rounding is of its coordinates.
+            assert!(off.abs() < 1e-6 * radius + 2e-5, "{off}: {sphere:?} {ray:?}");
+        }
+        assert!(hits > rays / 4, "{hits}");
     }
 
     #[test]

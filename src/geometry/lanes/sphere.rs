@@ -29,7 +29,9 @@ pub(crate) fn sphere<const ASK: bool>(
         return None;
     }
     let q = b + (ray.length2 * discriminant).sqrt().copysign(b);
-    let (by_product, by_sum) = (c / q, q * ray.inv_length2);
+    let by_sum = q * ray.inv_length2;
+    let most = by_sum.abs();
+    let by_product = (c / q).max(-most).min(most);
     let ahead = b.gt(Float::ZERO);
     let (near, far) = (ahead.select(by_product, by_sum), ahead.select(by_sum, by_product));
     let t = near.gt(ray.t_min).select(near, far);
