@@ -10,20 +10,38 @@ use crate::rays::{Bundles, adversarial};
 
 /// Rays of one kind of scene.
 pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
-/// Rays of one batch.
-pub(crate) const ROUND: usize = 20_000;
+/// Rays of one batch: whole bundles.
+pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
 
 pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
     hit.map(|hit| (hit.primitive, hit.t.to_bits()))
 }
 
-/// Compares every kernel with `oracle`, over rays that `make` makes.
+/// The interval in which ray number `i`, made for distances up to `t_max`, is looked along: of half
+/// the rays one that begins or ends at or beside their hit.
+fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
+    let Some(Hit { t, .. }) = hit else { return (0.0, t_max) };
+    // Beams have to begin above 0 as a whole.
+    match (i / Bundles::SIZE % 4, i % 8) {
+        (2, 0..2) | (3, 0) => (t, t_max),
+        (2, 2..4) => (t.next_up(), t_max),
+        (2, 4..6) => (t.next_down(), t_max),
+        (2, _) | (3, 1) => (0.5 * t, t_max),
+        (3, 2) => (0.0, t),
+        (3, 3) => (0.0, t.next_up()),
+        (3, 4) => (t.next_down(), t.next_up()),
+        _ => (0.0, t_max),
+    }
+}
+
+/// Compares every kernel with `oracle`, over rays that `make` makes, each with the end of its
+/// interval.
 pub(crate) fn check_kernels(
     name: &str,
     geometry: &Geometry,
     rays: usize,
     mut make: impl FnMut(usize) -> (Ray, f32) + Send,
-    oracle: impl Fn(&Ray, f32) -> Option<Hit> + Sync,
+    oracle: impl Fn(&Ray, f32, f32) -> Option<Hit> + Sync,
 ) {
     let accelerator = Accelerator::new(geometry, (0.0, 1.0));
     let kernels: Vec<Kernel> = Kernel::ALL
@@ -35,9 +53,11 @@ pub(crate) fn check_kernels(
         .map(|first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>());
     let check_round = |rays: Vec<(Ray, f32)>| {
         let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
-        for (ray, t_max) in rays {
-            batch.push(&ray, 0.0, t_max);
-            want.push(oracle(&ray, t_max));
+        for (i, (ray, t_max)) in rays.into_iter().enumerate() {
+            let hit = oracle(&ray, 0.0, t_max);
+            let (t_min, end) = interval(i, t_max, hit);
+            batch.push(&ray, t_min, end);
+            want.push(if (t_min, end) == (0.0, t_max) { hit } else { oracle(&ray, t_min, end) });
         }
         let each = 0..batch.len();
         for &kernel in &kernels {
@@ -64,7 +84,7 @@ pub(crate) fn check_kernels(
 pub(crate) fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
     let mut random = Stream::new(99);
     let make = |i| adversarial(&mut random, i, geometry, scale, shift);
-    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
     check_kernels(name, geometry, rays / 2, make, oracle);
     let mut bundles = Bundles::new(98, geometry, scale, shift);
     check_kernels(name, geometry, rays / 2, |i| bundles.next(i), oracle);

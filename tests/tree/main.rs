@@ -96,7 +96,7 @@ fn tips_of_thin_quads() {
             let beside = (quad.u + quad.v) * random.between(-1e-5, 1e-5);
             (Ray { origin, direction: tip + beside - origin, time: 0.0 }, f32::INFINITY)
         };
-        let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+        let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
         check_kernels("thin quads", &geometry, RAYS / 100, make, oracle);
     }
 }
@@ -123,7 +123,7 @@ fn generated_scenes() {
             assert_eq!(bits(tree.closest(geometry, &ray, 0.0, t_max)), bits(want), "{ray:?}");
         }
         let make = |i| adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
-        let oracle = |ray: &Ray, t_max| tree.closest(geometry, ray, 0.0, t_max);
+        let oracle = |ray: &Ray, t_min, t_max| tree.closest(geometry, ray, t_min, t_max);
         check_kernels(name, geometry, RAYS / 2, make, oracle);
         let mut bundles = Bundles::new(18, geometry, scale, Vec3::ZERO);
         check_kernels(name, geometry, RAYS / 2, |i| bundles.next(i), oracle);

@@ -107,7 +107,7 @@ fn rays_from_far_away() {
             _ => adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO),
         }
     };
-    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
     check_kernels("far away", &geometry, RAYS, make, oracle);
 }
 
@@ -127,7 +127,7 @@ fn wild_rays_hit_what_they_should() {
         }
         (ray, t_max)
     };
-    let oracle = |ray: &Ray, t_max| geometry.closest_by_brute_force(ray, 0.0, t_max);
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
     check_kernels("wild", &geometry, RAYS / 10, make, oracle);
 
     let tame = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
@@ -172,10 +172,17 @@ fn intervals_are_open() {
     }
     let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
     for kernel in Kernel::ALL {
-        let mut hits = HitBatch::misses(batch.len());
+        let (mut hits, mut any) = (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
         accelerator.closest(kernel, &batch, 0..batch.len(), &mut hits);
+        accelerator.occluded(kernel, &batch, 0..batch.len(), &mut any);
         for i in 0..batch.len() {
             assert_eq!(bits(hits.get(i)), bits(want.get(i)), "{kernel:?} {:?}", batch.get(i));
+            assert_eq!(
+                any.get(i).is_some(),
+                want.get(i).is_some(),
+                "{kernel:?} {:?}",
+                batch.get(i)
+            );
         }
     }
 }

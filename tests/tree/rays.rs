@@ -1,10 +1,10 @@
 //! Primitives that are hard to lay out, and rays that are hard to trace.
 
 use glam::Vec3;
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use ptfast::geometry::{Bounds, Geometry, Quad, Ray, Sphere, Triangle};
 use ptfast::math::random::Stream;
 use ptfast::math::warp::uniform_sphere;
-use ptfast::math::{cross, length, normalize};
+use ptfast::math::{cross, dot, length, normalize};
 
 pub(crate) fn vector(random: &mut Stream, size: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.between(-size, size)))
@@ -58,7 +58,8 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
     geometry
 }
 
-/// A point that rays are aimed at: somewhere, or a vertex, an edge, a silhouette.
+/// A point that rays are aimed at: somewhere, or a vertex, an edge, a silhouette, or a corner, an
+/// edge or a face of a primitive's box.
 pub(crate) fn target(
     random: &mut Stream,
     geometry: &Geometry,
@@ -66,8 +67,7 @@ pub(crate) fn target(
     scale: f32,
     shift: Vec3,
 ) -> Vec3 {
-    let pick = |random: &mut Stream, n: usize| (random.bits() % n as u64) as usize;
-    match pick(random, 6) {
+    match pick(random, 7) {
         0 if !geometry.triangles.is_empty() => {
             let [a, b, c] = geometry.triangles[pick(random, geometry.triangles.len())].vertices;
             let t = random.uniform();
@@ -87,8 +87,25 @@ pub(crate) fn target(
             let side = normalize(cross(to, vector(random, 1.0)));
             sphere.center + side * sphere.radius
         }
+        3 if !geometry.is_empty() => {
+            let Bounds { min, max } = random_box(random, geometry);
+            Vec3::from_array(std::array::from_fn(|axis| match pick(random, 3) {
+                0 => min[axis],
+                1 => max[axis],
+                _ => random.between(min[axis], max[axis]),
+            }))
+        }
         _ => shift + vector(random, scale),
     }
+}
+
+fn pick(random: &mut Stream, n: usize) -> usize {
+    (random.bits() % n as u64) as usize
+}
+
+/// A primitive's box.
+fn random_box(random: &mut Stream, geometry: &Geometry) -> Bounds {
+    geometry.get(pick(random, geometry.len()) as u32).bounds(0.0, 1.0)
 }
 
 /// Ray number `i`: aimed at what is hard to hit, from where it is hard, or in a hard direction.
@@ -99,6 +116,7 @@ pub(crate) fn adversarial(
     scale: f32,
     shift: Vec3,
 ) -> (Ray, f32) {
+    let time = random.uniform();
     let mut origin = match i % 3 {
         0 => shift + uniform_sphere(random.uniform(), random.uniform()) * (scale * 4.0),
         1 => shift + vector(random, scale),
@@ -106,18 +124,21 @@ pub(crate) fn adversarial(
     };
     let mut direction = target(random, geometry, origin, scale, shift) - origin;
     match i % 11 {
-        0 => direction *= 1e-6,
-        1 => direction *= 1e6,
+        0 => direction *= [1e-6, 1e6][i % 2],
+        // 2⁻²⁰ to 2²⁰.
+        1 => direction *= f32::from_bits((107 + random.bits() as u32 % 41) << 23),
         2 => direction[i % 3] = 0.0,
         3 => direction[i % 3] = -0.0,
         4 => {
             let axis = i % 3;
             direction = Vec3::ZERO;
             direction[axis] = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-            // In the very plane of some box face.
-            if let Some(sphere) = geometry.spheres.first() {
-                let other = (axis + 1) % 3;
-                origin[other] = sphere.center[other] + sphere.radius;
+            // In the very plane of some box face, or of two.
+            if !geometry.is_empty() {
+                let faces = random_box(random, geometry);
+                for other in [(axis + 1) % 3, (axis + 2) % 3].into_iter().take(1 + i / 11 % 2) {
+                    origin[other] = [faces.min, faces.max][pick(random, 2)][other];
+                }
             }
         }
         _ => {}
@@ -137,8 +158,17 @@ pub(crate) fn adversarial(
         origin = corner + quad.normal * scale + vector(random, scale);
         direction = corner - origin;
     }
+    if i.is_multiple_of(19) && !geometry.spheres.is_empty() {
+        // A tangent from the surface of a sphere, but for a few roundings.
+        let sphere = geometry.spheres[pick(random, geometry.spheres.len())];
+        let normal = uniform_sphere(random.uniform(), random.uniform());
+        let few = |random: &mut Stream| random.between(-4.0, 4.0) * f32::EPSILON;
+        origin = sphere.center_at(time) + normal * (sphere.radius * (1.0 + few(random)));
+        let any = vector(random, scale);
+        direction = any - normal * (dot(any, normal) * (1.0 + few(random)));
+    }
     let t_max = if i.is_multiple_of(7) { random.uniform() } else { f32::INFINITY };
-    (Ray { origin, direction, time: random.uniform() }, t_max)
+    (Ray { origin, direction, time }, t_max)
 }
 
 /// Rays of which the neighbours are as the kernels for coherent rays want them: bundles of
