@@ -20,11 +20,6 @@ pub enum Isa {
 }
 
 impl Isa {
-    /// f32 lanes of the packets that the instruction set is given.
-    pub fn lanes(self) -> u32 {
-        if self == Self::Avx512 { 16 } else { 8 }
-    }
-
     /// The name in records.
     pub fn name(self) -> &'static str {
         match self {

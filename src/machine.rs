@@ -5,6 +5,7 @@ use std::fs;
 use serde::Serialize;
 
 use crate::isa::{compiled_isa, cpu_name};
+use crate::simd::LANES;
 
 /// Where and with what a figure was measured.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -15,7 +16,7 @@ pub struct Machine {
     pub cores: usize,
     /// Instruction set that the program was compiled for.
     pub isa: &'static str,
-    /// f32 lanes of its packets.
+    /// f32 lanes of its vectors.
     pub lanes: u32,
     /// Operating system and kernel.
     pub os: String,
@@ -35,7 +36,7 @@ impl Machine {
             cpu: cpu_name(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             isa: compiled_isa().name(),
-            lanes: compiled_isa().lanes(),
+            lanes: LANES as u32,
             os: format!("{} {}", std::env::consts::OS, kernel.trim()).trim().to_owned(),
             rustc: env!("PTFAST_RUSTC"),
             flags: env!("PTFAST_FLAGS"),

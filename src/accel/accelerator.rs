@@ -10,8 +10,8 @@ use super::binary::BinaryTree;
 use super::blocks::{BlockRef, Blocks};
 use super::bvh2::Bvh2;
 use super::counters::{Count, Counters};
+use super::job::Job;
 use super::kernel::Kernel;
-use super::packet::Job;
 use super::pair::PairTree;
 use super::pair_traversal::{self, Order};
 use super::setup::Extent;
@@ -122,6 +122,11 @@ impl<'a> Accelerator<'a> {
         Layout { bytes, seconds }
     }
 
+    /// Size of what layouts are made from, which is kept.
+    pub fn tree_bytes(&self) -> usize {
+        self.tree.bytes()
+    }
+
     fn scalar(&self) -> &Bvh2 {
         self.scalar.get(|| Bvh2::new(self.geometry, self.shutter))
     }
@@ -212,17 +217,24 @@ impl<'a> Accelerator<'a> {
         };
         count.left(wild.len());
         for index in wild {
-            self.trace_scalar::<ANY>(rays, index, hits);
+            self.trace_scalar::<ANY>(rays, index, hits, count);
         }
     }
 
-    fn trace_scalar<const ANY: bool>(&self, rays: &RayBatch, index: usize, hits: &mut HitBatch) {
+    fn trace_scalar<const ANY: bool>(
+        &self,
+        rays: &RayBatch,
+        index: usize,
+        hits: &mut HitBatch,
+        count: &mut impl Count,
+    ) {
+        let (tree, geometry) = (self.scalar(), self.geometry);
         let (ray, t_min, t_max) = rays.get(index);
         if ANY {
-            if self.scalar().occluded(self.geometry, &ray, t_min, t_max) {
+            if tree.count_occluded(geometry, &ray, t_min, t_max, count) {
                 (hits.t[index], hits.primitive[index]) = (0.0, 0);
             }
-        } else if let Some(hit) = self.scalar().closest(self.geometry, &ray, t_min, t_max) {
+        } else if let Some(hit) = tree.count_closest(geometry, &ray, t_min, t_max, count) {
             (hits.t[index], hits.primitive[index]) = (hit.t, hit.primitive);
         }
     }

@@ -46,6 +46,11 @@ const BUILD: BvhBuildParams = BvhBuildParams {
 const MANY: usize = 1 << 15;
 
 impl BinaryTree {
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes)
+    }
+
     /// The tree over `primitives`, whose boxes are `boxes[primitive]`.
     pub(super) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         if primitives.is_empty() {

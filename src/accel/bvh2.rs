@@ -1,6 +1,9 @@
 //! The binary bounding volume hierarchy of the scalar engine: one ray, two boxes a step.
 
+use glam::Vec3;
+
 use super::binary::{Below, BinaryTree};
+use super::counters::Count;
 use super::slab::{Planes, SlabRay, planes};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 
@@ -115,9 +118,27 @@ impl Bvh2 {
 
     /// The closest hit in the open interval `(t_min, t_max)`; ties go to the lowest index.
     pub fn closest(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
+        self.count_closest(geometry, ray, t_min, t_max, &mut ())
+    }
+
+    /// Whether anything is hit in the open interval `(t_min, t_max)`.
+    pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
+        self.count_occluded(geometry, ray, t_min, t_max, &mut ())
+    }
+
+    /// As [`Self::closest`]; `count` is told the work.
+    #[inline]
+    pub(super) fn count_closest(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_min: f32,
+        t_max: f32,
+        count: &mut impl Count,
+    ) -> Option<Hit> {
         let prepared = PreparedRay::new(ray);
         let mut best = None;
-        self.traverse(ray, t_min, t_max, |primitive, limit| {
+        self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
             // A hit at the very limit still counts where its index is lower.
             let (limit_or_tie, best_primitive) = match best {
                 Some(Hit { t, primitive }) => (f32::next_up(t), primitive),
@@ -139,11 +160,19 @@ impl Bvh2 {
         size_of_val(&*self.nodes) + size_of_val(&*self.primitives)
     }
 
-    /// Whether anything is hit in the open interval `(t_min, t_max)`.
-    pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
+    /// As [`Self::occluded`]; `count` is told the work.
+    #[inline]
+    pub(super) fn count_occluded(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_min: f32,
+        t_max: f32,
+        count: &mut impl Count,
+    ) -> bool {
         let prepared = PreparedRay::new(ray);
         let mut occluded = false;
-        self.traverse(ray, t_min, t_max, |primitive, limit| {
+        self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
             occluded |= geometry.get(primitive).intersect(&prepared, t_min, t_max).is_some();
             // No box is entered before −∞: the traversal ends.
             if occluded { f32::NEG_INFINITY } else { limit }
@@ -154,9 +183,15 @@ impl Bvh2 {
     /// Calls `visit` with the primitives in boxes that the ray enters within the limit,
     /// nearer boxes first. `visit` returns the new limit.
     #[inline]
-    fn traverse(&self, ray: &Ray, t_min: f32, t_max: f32, mut visit: impl FnMut(u32, f32) -> f32) {
-        // NaN and infinite rays hit nothing; they must not visit every leaf to find out.
-        if self.nodes.is_empty() || !ray.is_finite() {
+    fn traverse(
+        &self,
+        ray: &Ray,
+        (t_min, t_max): (f32, f32),
+        count: &mut impl Count,
+        mut visit: impl FnMut(u32, f32) -> f32,
+    ) {
+        // Rays that are none hit nothing; they must not visit every leaf to find out.
+        if self.nodes.is_empty() || !ray.is_finite() || ray.direction == Vec3::ZERO {
             return;
         }
         let slab = SlabRay::new(ray, &self.bounds, self.condition);
@@ -177,12 +212,14 @@ impl Bvh2 {
             if node.count > 0 {
                 let first = node.first as usize;
                 for &primitive in &self.primitives[first..first + node.count as usize] {
+                    count.leaf(1, 1);
                     limit = visit(primitive, limit);
                 }
             } else {
                 let children = (node.first, node.first + 1);
                 let left = enter(&self.nodes[children.0 as usize], limit);
                 let right = enter(&self.nodes[children.1 as usize], limit);
+                count.node(2, u32::from(left.is_some()) + u32::from(right.is_some()));
                 next = match (left, right) {
                     (Some(l), Some(r)) if l <= r => {
                         stack[top] = (children.1, r);

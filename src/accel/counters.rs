@@ -25,7 +25,7 @@ impl Count for () {
 /// How often what was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counters {
-    /// Nodes visited.
+    /// Nodes visited: by the reference with both children.
     pub node_visits: u64,
     /// Primitives tested against a vector of rays, or vectors of primitives against a ray.
     pub leaf_tests: u64,
@@ -34,7 +34,7 @@ pub struct Counters {
     /// Lanes of both that were of use: where a ray entered a box, where a ray was looking when
     /// the test of a leaf began, where a primitive was.
     pub lanes_active: u64,
-    /// Rays that a kernel left to the reference, whose work is not counted: those too wild
+    /// Rays that a kernel left to the reference, whose work is counted as well: those too wild
     /// for its box test; for [`Kernel::Scalar`](super::Kernel::Scalar) every ray.
     pub scalar_rays: u64,
 }

@@ -10,6 +10,7 @@ mod counters;
 mod frames;
 mod group;
 mod huge_pages;
+mod job;
 mod kernel;
 mod octants;
 mod one_ray;
@@ -29,15 +30,3 @@ pub use batch::{HitBatch, RayBatch};
 pub use bvh2::Bvh2;
 pub use counters::Counters;
 pub use kernel::Kernel;
-
-/// The axes of [`crate::geometry::PreparedRay`].
-#[inline(always)]
-fn shear_axes(longest: usize, negative: bool) -> [usize; 3] {
-    const NEXT: [usize; 3] = [1, 2, 0];
-    const LAST: [usize; 3] = [2, 0, 1];
-    if negative {
-        [LAST[longest % 3], NEXT[longest % 3], longest % 3]
-    } else {
-        [NEXT[longest % 3], LAST[longest % 3], longest % 3]
-    }
-}

@@ -3,10 +3,10 @@
 use super::counters::Count;
 use super::frames::Frame;
 use super::setup::Setup;
-use super::shear_axes;
 use super::slab::near_and_far;
 use super::wide::WideTree;
 use crate::geometry::lanes::RayLanes;
+use crate::geometry::shear_axes;
 use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
 
 /// Rays made ready, to be taken lane by lane.

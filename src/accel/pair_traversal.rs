@@ -3,8 +3,9 @@
 
 use super::batch::HitBatch;
 use super::counters::Count;
+use super::job::Job;
 use super::octants::Octants;
-use super::packet::{Job, Packet};
+use super::packet::Packet;
 use super::pair::PairTree;
 use super::rays::Rays;
 use super::setup::SlabLanes;

@@ -2,7 +2,8 @@
 
 use super::batch::{HitBatch, RayVector};
 use super::counters::Count;
-use super::packet::{Job, Packet};
+use super::job::Job;
+use super::packet::Packet;
 use super::pair_traversal::VECTORS;
 use crate::simd::{Bits, Float, Int, LANES, axes, first_bits, places};
 

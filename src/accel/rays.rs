@@ -2,8 +2,8 @@
 
 use super::batch::{HitBatch, RayVector};
 use super::setup::{Extent, Setup};
-use super::shear_axes;
 use crate::geometry::lanes::{self, HitLanes};
+use crate::geometry::shear_axes;
 use crate::simd::{Bits, Float, Int, Lanes, Mask, axes};
 
 /// A vector of rays and their closest hits so far.

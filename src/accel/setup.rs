@@ -208,22 +208,30 @@ impl Shear {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Quad;
+    use crate::math::max;
     use crate::math::random::Stream;
 
     /// The slack of [`SlabRay`](super::super::slab::SlabRay), or little more; and no more than
     /// boxes have that are made for rays from near, where that is where the ray begins.
     #[test]
     fn slack_is_that_of_the_reference() {
-        let (mut random, mut within) = (Stream::new(21), 0);
+        let (mut random, mut within, mut conditions) = (Stream::new(21), 0, 1.0);
         for round in 0..10_000 {
             let size = [1e-6, 1.0, 1e6][round % 3];
             let mut point =
                 |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
             let (a, b, shift) = (point(size), point(size), point([0.0, 10.0 * size][round % 2]));
             let bounds = Bounds { min: a.min(b) + shift, max: a.max(b) + shift };
-            let extent = Extent::new(&Geometry::default(), bounds, bounds);
+            // By turns without a quad and with a thin one.
+            let thin = (Vec3::X, Vec3::X + Vec3::Y * (0.02 + 0.01 * (round % 50) as f32));
+            let quads = Quad::new(Vec3::ZERO, thin.0, thin.1).into_iter().take(round % 2).collect();
+            let geometry = Geometry { quads, ..Geometry::default() };
+            let condition = geometry.condition();
+            conditions = max(conditions, condition);
+            let extent = Extent::new(&geometry, bounds, bounds);
             let (origin, reach) = (shift + point(8.0 * size), [1.0, 4.0][round % 2]);
-            let want = SLACK * bounds.farthest_distance(origin)
+            let want = SLACK * condition * bounds.farthest_distance(origin)
                 + 4.0 * UNIT_ROUNDOFF * max_element(origin.abs());
             let lanes = |v: Vec3| Vec3x(axes(|axis| Float::splat(v[axis])));
             let ray =
@@ -239,5 +247,6 @@ mod tests {
             }
         }
         assert!(within > 1000, "{within} rays from near");
+        assert!(conditions > 10.0, "no quad as thin as {conditions}");
     }
 }

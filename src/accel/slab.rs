@@ -95,6 +95,18 @@ mod tests {
         SlabRay::new(&ray, &bounds, 1.0).enter(&planes, 0.0, f32::INFINITY)
     }
 
+    /// Hits on thin quads are off by more roundings, and boxes reach as much farther.
+    #[test]
+    fn slack_grows_with_the_condition() {
+        let bounds = Bounds { min: Vec3::ONE, max: Vec3::splat(2.0) };
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
+        for condition in [1.0, 8.0, 100.0] {
+            let slab = SlabRay::new(&ray, &bounds, condition);
+            let want = SLACK * condition * bounds.farthest_distance(Vec3::ZERO);
+            assert_eq!((slab.near_origin.z, slab.far_origin.z), (want, -want));
+        }
+    }
+
     #[test]
     fn boxes_are_entered_or_missed() {
         let entry = enter(Vec3::ZERO, Vec3::ONE).unwrap();

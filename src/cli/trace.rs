@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args::{KernelChoice, TraceArgs};
-use super::{advise_on_build, notice, say};
+use super::{advise_on_build, notice, printable, say};
 use crate::accel::{Accelerator, Kernel};
 use crate::error::Result;
 use crate::isa::Isa;
@@ -20,7 +20,8 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     }
     let sets = rayset::read(&args.dir)?;
     advise_on_build(Isa::Avx512);
-    say(format_args!("scene   {}, {} primitives", sets.scene, sets.geometry.len()))?;
+    let name = printable(&sets.scene);
+    say(format_args!("scene   {name}, {} primitives", sets.geometry.len()))?;
     // Pinned, the process sees one core.
     let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
@@ -95,13 +96,17 @@ fn say_build(
     primitives: usize,
 ) -> Result<()> {
     let (layout, name) = (accelerator.prepare(kernel), kernel.name());
-    let bytes = layout.bytes as f64 / primitives.max(1) as f64;
+    let each = |bytes: usize| bytes as f64 / primitives.max(1) as f64;
     // The reference has a tree of its own, over all primitives.
-    let tree = if kernel == Kernel::Scalar { 0.0 } else { tree };
+    let (tree, kept) = match kernel {
+        Kernel::Scalar => (0.0, String::new()),
+        _ => (tree, format!(" + {:.1} of the tree", each(accelerator.tree_bytes()))),
+    };
     say(format_args!(
-        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {bytes:.1} bytes a primitive",
+        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {:.1} bytes a primitive{kept}",
         tree + layout.seconds,
         layout.seconds,
+        each(layout.bytes),
     ))
 }
 

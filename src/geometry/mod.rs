@@ -13,6 +13,7 @@ mod triangle;
 
 pub use bounds::Bounds;
 pub use quad::Quad;
+pub(crate) use ray::shear_axes;
 pub use ray::{Hit, PreparedRay, Ray};
 pub use sphere::Sphere;
 pub use triangle::Triangle;

@@ -52,8 +52,6 @@ impl PreparedRay {
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let length2 = dot(d, d);
-        // Longest axis last; the first two swapped where the direction points down it,
-        // so that the winding of triangles is kept (Woop et al. 2013).
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
         let longest = if ax > ay {
             if ax > az { 0 } else { 2 }
@@ -62,17 +60,27 @@ impl PreparedRay {
         } else {
             2
         };
-        let (mut first, mut second) = ((longest + 1) % 3, (longest + 2) % 3);
-        if d[longest] < 0.0 {
-            std::mem::swap(&mut first, &mut second);
-        }
+        let axes @ [first, second, longest] = shear_axes(longest, d[longest] < 0.0);
         let inv = 1.0 / d[longest];
         Self {
             ray: *ray,
             length2,
             inv_length2: 1.0 / length2,
-            axes: [first, second, longest],
+            axes,
             shear: Vec3::new(d[first] * inv, d[second] * inv, inv),
         }
     }
+}
+
+/// The axes in the order in which triangles are seen: the one along which a direction is longest
+/// last, the first two swapped where it points down that, so that the winding of triangles is kept
+/// (Woop et al. 2013).
+#[inline(always)]
+pub(crate) fn shear_axes(longest: usize, negative: bool) -> [usize; 3] {
+    const NEXT: [usize; 3] = [1, 2, 0];
+    const LAST: [usize; 3] = [2, 0, 1];
+    // Known to be below 3, no axis is checked again.
+    let longest = longest % 3;
+    let (next, last) = (NEXT[longest], LAST[longest]);
+    if negative { [last, next, longest] } else { [next, last, longest] }
 }

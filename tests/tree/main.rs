@@ -3,6 +3,7 @@
 //! With the feature `slow-tests` over ten million rays of each kind, else over a share.
 
 mod check;
+mod counters;
 mod odd_geometry;
 mod odd_rays;
 mod rays;
@@ -153,10 +154,12 @@ fn no_ray_escapes_a_closed_mesh() {
             };
             batch.push(&Ray { origin, direction: target - origin, time: 0.0 }, 0.0, f32::INFINITY);
         }
-        for kernel in Kernel::ALL.into_iter().filter(|&kernel| kernel != Kernel::Flat) {
+        for kernel in Kernel::ALL {
+            // It takes too long for all of them.
+            let each = 0..if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
             let mut hits = HitBatch::misses(ROUND);
-            accelerator.closest(kernel, &batch, 0..ROUND, &mut hits);
-            let escaped = (0..ROUND).find(|&i| hits.get(i).is_none());
+            accelerator.closest(kernel, &batch, each.clone(), &mut hits);
+            let escaped = each.into_iter().find(|&i| hits.get(i).is_none());
             assert_eq!(escaped, None, "{kernel:?}: {:?}", escaped.map(|i| batch.get(i)));
         }
     }

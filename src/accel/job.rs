@@ -1,0 +1,65 @@
+//! The loop over packets, whatever is done with each.
+
+use super::batch::{HitBatch, RayBatch};
+use super::blocks::{BlockRef, Blocks};
+use super::counters::Count;
+use super::packet::Packet;
+use super::setup::Extent;
+use crate::simd::{Bits, LANES, first_bits};
+
+/// Rays to be traced, and what every one of them is tested against.
+pub(super) struct Job<'a> {
+    pub(super) rays: &'a RayBatch,
+    /// The first of the rays, and the end.
+    pub(super) ends: (usize, usize),
+    pub(super) extent: &'a Extent,
+    /// Blocks that every ray is tested against before the tree.
+    pub(super) blocks: &'a Blocks,
+    pub(super) spanning: &'a [BlockRef],
+}
+
+impl Job<'_> {
+    /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`.
+    /// Returns the rays that it leaves to others, which are too wild for the box test.
+    #[inline(always)]
+    pub(super) fn trace<const ANY: bool, const V: usize, C: Count>(
+        &self,
+        hits: &mut HitBatch,
+        count: &mut C,
+        mut search: impl FnMut(&mut Packet<V>, &mut C),
+    ) -> Vec<usize> {
+        let (first, end) = self.ends;
+        let mut wild = Vec::new();
+        // Loaded in place: large values that move are copied.
+        let mut packet = Packet::<V>::NONE;
+        for first in (first..end).step_by(V * LANES) {
+            for (v, vector) in packet.vectors.iter_mut().enumerate() {
+                let first = end.min(first + v * LANES);
+                let rays = self.rays.vector(first);
+                let wild_bits = vector.load(&rays, first_bits(end - first), self.extent);
+                wild.extend(Bits(wild_bits).map(|lane| first + lane));
+            }
+            self.search_all::<ANY, V, C>(&mut packet, count, &mut search);
+            packet.store::<ANY>(first, end, hits);
+        }
+        wild
+    }
+
+    /// Tests a packet against the spanning blocks, then calls `search`.
+    #[inline(always)]
+    pub(super) fn search_all<const ANY: bool, const V: usize, C: Count>(
+        &self,
+        packet: &mut Packet<V>,
+        count: &mut C,
+        search: &mut impl FnMut(&mut Packet<V>, &mut C),
+    ) {
+        if packet.vectors.iter().all(|rays| rays.setup.active == 0) {
+            return;
+        }
+        for &block in self.spanning {
+            // Mostly huge: they are near many rays, and leave the filter no choice.
+            packet.test::<ANY, ANY, true>(self.blocks, block, block.valid(), count);
+        }
+        search(packet, count);
+    }
+}

@@ -1,0 +1,106 @@
+//! Counters count: where the work is known beforehand, and where it must add up.
+
+use glam::Vec3;
+use ptfast::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Ray, Sphere};
+use ptfast::math::random::Stream;
+
+use crate::rays::{adversarial, soup};
+
+fn batch(geometry: &Geometry, rays: usize) -> RayBatch {
+    let mut random = Stream::new(41);
+    let mut batch = RayBatch::default();
+    for i in 0..rays {
+        let (mut ray, _) = adversarial(&mut random, i, geometry, 1.0, Vec3::ZERO);
+        if ray.direction == Vec3::ZERO {
+            ray.direction = Vec3::Z;
+        }
+        batch.push(&ray, 0.0, f32::INFINITY);
+    }
+    batch
+}
+
+/// `flat` tests every ray against every primitive, whatever it hits.
+#[test]
+fn flat_tests_everything() {
+    let geometry = soup(42, 50, 1.0, Vec3::ZERO);
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    for rays in [1, 7, 16, 33, 1000] {
+        let batch = batch(&geometry, rays);
+        let mut hits = HitBatch::misses(rays);
+        let count = accelerator.count(Kernel::Flat, false, &batch, 0..rays, &mut hits);
+        let primitives = geometry.len() as u64;
+        assert_eq!(count.lanes_active, rays as u64 * primitives);
+        assert_eq!((count.node_visits, count.scalar_rays), (0, 0));
+        // Whole packets are issued, of one vector or of more.
+        let vectors = count.leaf_tests / primitives;
+        assert_eq!(count.leaf_tests, vectors * primitives);
+        let lanes = count.lanes_issued / count.leaf_tests;
+        assert_eq!(count.lanes_issued, lanes * count.leaf_tests);
+        assert!([8, 16].contains(&lanes), "{lanes} lanes");
+        assert!(vectors * lanes >= rays as u64 && vectors * lanes < rays as u64 + 32, "{vectors}");
+    }
+}
+
+/// Kernels that take rays one by one do for all what they do for each.
+#[test]
+fn work_adds_up() {
+    let rays = 500;
+    for primitives in [1, 50, 3000] {
+        let geometry = soup(43, primitives, 1.0, Vec3::ZERO);
+        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        let batch = batch(&geometry, rays);
+        for (kernel, any) in [
+            (Kernel::Single, false),
+            (Kernel::Single, true),
+            (Kernel::Scalar, false),
+            (Kernel::Scalar, true),
+        ] {
+            let count = |range| {
+                let mut hits = HitBatch::misses(rays);
+                accelerator.count(kernel, any, &batch, range, &mut hits)
+            };
+            let each: Vec<Counters> = (0..rays).map(|i| count(i..i + 1)).collect();
+            let sum = |of: fn(&Counters) -> u64| each.iter().map(of).sum::<u64>();
+            let all = count(0..rays);
+            assert_eq!(all.node_visits, sum(|c| c.node_visits), "{kernel:?}");
+            assert_eq!(all.lanes_active, sum(|c| c.lanes_active), "{kernel:?}");
+            assert_eq!(all.scalar_rays, sum(|c| c.scalar_rays), "{kernel:?}");
+            assert!(all.lanes_active > 0 && all.lanes_active <= all.lanes_issued, "{kernel:?}");
+            // Spanning primitives are tested by the packet, which may have lanes without a ray.
+            assert!(all.leaf_tests <= sum(|c| c.leaf_tests), "{kernel:?}");
+        }
+    }
+}
+
+/// Two spheres far apart, and rays at one of them: a node and a leaf.
+#[test]
+fn a_node_and_a_leaf() {
+    let spheres = [0.0, 10.0].map(|at| Sphere::still(Vec3::splat(at), 0.5));
+    let geometry = Geometry { spheres: spheres.into(), ..Geometry::default() };
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let mut batch = RayBatch::default();
+    for i in 0..64 {
+        let origin = Vec3::new(0.001 * i as f32, 0.0, -5.0);
+        batch.push(&Ray { origin, direction: Vec3::Z, time: 0.0 }, 0.0, f32::INFINITY);
+    }
+    let count = |kernel| {
+        let mut hits = HitBatch::misses(64);
+        let count = accelerator.count(kernel, false, &batch, 0..64, &mut hits);
+        assert_eq!(hits.primitive, [0; 64]);
+        count
+    };
+    let single = count(Kernel::Single);
+    assert_eq!((single.node_visits, single.leaf_tests), (64, 64));
+    // One child of many is entered, one primitive is in its block.
+    assert_eq!(single.lanes_active, 128);
+    let scalar = count(Kernel::Scalar);
+    assert_eq!((scalar.node_visits, scalar.leaf_tests), (64, 64));
+    assert_eq!((scalar.lanes_issued, scalar.lanes_active), (64 * 3, 128));
+    let packet = count(Kernel::Packet);
+    let lanes = packet.lanes_issued / (2 * packet.node_visits + packet.leaf_tests);
+    assert_eq!(packet.lanes_active, 128, "each ray is in one box of two and tested once");
+    assert!([8, 16, 32].contains(&lanes), "{packet:?}");
+    let beam = count(Kernel::Beam);
+    assert_eq!(beam.node_visits, beam.node_visits.clamp(1, 8), "a node a beam");
+}
