@@ -49,6 +49,7 @@ pub mod error;
 pub mod film;
 pub mod geometry;
 pub mod image;
+mod input;
 pub mod isa;
 pub mod limits;
 pub mod machine;

@@ -290,10 +290,30 @@ fn damaged_ray_sets_are_refused() {
     );
     let rename =
         |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "../abc").into();
-    damage("manifest.json", rename, 65, &["manifest.json:sets[1]: must be primary"]);
+    damage("manifest.json", rename, 65, &["manifest.json:sets[1]: the name must be primary"]);
+    let twice =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "primary").into();
+    damage("manifest.json", twice, 65, &["manifest.json:sets[1]: each set must be there once"]);
+    let kind =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("closest", "occluded").into();
+    damage("manifest.json", kind, 65, &["manifest.json:sets[0]: primary and bounce must be"]);
+    let none = |b: &mut Vec<u8>| {
+        let text = String::from_utf8_lossy(b);
+        let (before, rest) = text.split_once("\"sets\":[").unwrap();
+        let (_, after) = rest.split_once(']').unwrap();
+        *b = format!("{before}\"sets\":[]{after}").into();
+    };
+    damage("manifest.json", none, 65, &["manifest.json:sets: there must be one at least"]);
+    damage("manifest.json", |b| b[3] = 0xff, 65, &["manifest.json: not UTF-8 text"]);
     damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
     fs::remove_file(here.join("set/bounce.range")).unwrap();
     fails(here, &trace, 74, &["bounce.range: cannot read"]);
+    #[cfg(target_os = "linux")]
+    {
+        fs::remove_file(here.join("set/quads.f32")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", here.join("set/quads.f32")).unwrap();
+        fails(here, &trace, 74, &["quads.f32: cannot read: it is a device or pipe"]);
+    }
 }
 
 #[test]

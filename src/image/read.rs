@@ -8,6 +8,7 @@ use image::{DynamicImage, ImageError, ImageReader, Limits};
 
 use super::{Image, Transfer};
 use crate::error::{Error, Result};
+use crate::input;
 
 /// PNG text key under which ptfast notes the transfer curve.
 pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
@@ -18,9 +19,7 @@ const MAX_SIDE: u32 = 65_536;
 const MAX_BYTES: u64 = 4 << 30;
 
 pub(super) fn read(path: &Path) -> Result<Image> {
-    if path.is_dir() {
-        return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
-    }
+    input::length(path)?;
     let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
     let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
     let bad = |message: String| Error::input(path.display().to_string(), "", message);

@@ -12,6 +12,7 @@ use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use crate::input::{self, read_text};
 use crate::output::write_atomically;
 
 /// The file that is written last, and so says that the folder is complete.
@@ -129,7 +130,7 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// that cannot be.
 pub fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
-    let text = fs::read_to_string(&path).map_err(Error::io(&path, "read"))?;
+    let text = read_text(&path, "a manifest")?;
     let manifest: Manifest = serde_json::from_str(&text).map_err(|error| {
         let place = format!("{}:{}", error.line(), error.column());
         let message = error.to_string();
@@ -137,19 +138,33 @@ pub fn read(folder: &Path) -> Result<RaySets> {
         Error::input(path.display().to_string(), place, message)
     })?;
     let geometry = read_geometry(folder, &manifest.counts)?;
-    for (index, entry) in manifest.sets.iter().enumerate() {
-        let known = KINDS.iter().any(|(_, name, _)| *name == entry.name);
-        let again = manifest.sets[..index].iter().any(|other| other.name == entry.name);
-        if !known || again || entry.rays == 0 {
-            let message = "must be primary, bounce or shadow, each once and with rays";
-            let place = format!("sets[{index}]");
-            return Err(Error::input(path.display().to_string(), place, message));
-        }
-    }
+    check_entries(&manifest.sets)
+        .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;
     let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, geometry.len()));
     let sets = sets.collect::<Result<Vec<RaySet>>>()?;
     let Manifest { scene, seed, image, .. } = manifest;
     Ok(RaySets { scene, seed, image, geometry, sets })
+}
+
+/// `Err` says which place of the manifest is wrong, and what would be right.
+fn check_entries(sets: &[SetEntry]) -> Result<(), (String, &'static str)> {
+    if sets.is_empty() {
+        return Err(("sets".to_owned(), "there must be one at least"));
+    }
+    for (index, entry) in sets.iter().enumerate() {
+        let known = KINDS.iter().find(|(_, name, _)| *name == entry.name);
+        let again = sets[..index].iter().any(|other| other.name == entry.name);
+        let message = match known {
+            Some(_) if again || entry.rays == 0 => "each set must be there once and have rays",
+            Some((.., query)) if *query != entry.kind => {
+                "primary and bounce must be closest, shadow occluded"
+            }
+            Some(_) => continue,
+            None => "the name must be primary, bounce or shadow",
+        };
+        return Err((format!("sets[{index}]"), message));
+    }
+    Ok(())
 }
 
 fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
@@ -236,7 +251,7 @@ fn read_set(folder: &Path, entry: &SetEntry, primitives: usize) -> Result<RaySet
 fn read_records<const N: usize>(folder: &Path, file: &str, count: usize) -> Result<Vec<[f32; N]>> {
     let path = folder.join(file);
     // Asked first: what is not as long as it should be is not read at all.
-    let found = fs::metadata(&path).map_err(Error::io(&path, "read"))?.len();
+    let found = input::length(&path)?;
     if Some(found) != (count as u64).checked_mul(4 * N as u64) {
         let record = 4 * N;
         let message =

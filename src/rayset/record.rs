@@ -101,3 +101,48 @@ fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMu
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ray;
+
+    /// The order that other programs are promised, by plain loops.
+    #[test]
+    fn rays_come_in_the_order_that_is_promised() {
+        let scene = Scene::load("cornell").unwrap();
+        // Two waves, and tiles that are cut off at either edge.
+        let (width, height, spp) = (37, 29, 5);
+        let settings = RenderSettings { width, height, spp, ..RenderSettings::of(&scene) };
+        let recorder = PathRecorder::new(&scene, settings.clone()).unwrap();
+        let mut paths = Vec::new();
+        for top in (0..height).step_by(8) {
+            for left in (0..width).step_by(8) {
+                for sample in 0..spp {
+                    for y in top..height.min(top + 8) {
+                        for x in left..width.min(left + 8) {
+                            paths.push(recorder.path(x, y, sample));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(paths.len() > 4096 && paths.len() < 2 * 4096);
+        let sets = record(&scene, &settings, u64::MAX).unwrap();
+        for (set, (kind, name, _)) in sets.sets.iter().zip(KINDS) {
+            assert_eq!(set.name, name);
+            let mut want: Vec<(Ray, f32, f32)> = Vec::new();
+            for wave in paths.chunks(4096) {
+                for segment in 1..=settings.depth {
+                    let rays = wave.iter().flatten();
+                    let rays = rays.filter(|ray| ray.kind == kind && ray.segment == segment);
+                    want.extend(rays.map(|traced| (traced.ray, 0.0, traced.t_max)));
+                }
+            }
+            assert!(want.len() > 4096, "{name}");
+            let found: Vec<_> = (0..set.rays.len()).map(|i| set.rays.get(i)).collect();
+            assert_eq!(found, want, "{name}");
+        }
+        assert_eq!(sets.sets.len(), 3);
+    }
+}

@@ -7,8 +7,9 @@ use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
 use super::place::Places;
-use super::{Scene, file, flat, parse, resolve};
+use super::{Scene, flat, parse, resolve};
 use crate::error::{Error, Result, suggestion};
+use crate::input::read_text;
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -94,7 +95,7 @@ impl Source {
             }
             Self::File(path, form) => {
                 let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-                (path.display().to_string(), folder, *form, file::read_text(path)?)
+                (path.display().to_string(), folder, *form, read_text(path, "a scene file")?)
             }
         };
         let (file, places) = match form {

@@ -5,9 +5,10 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::place::{MAX_COORDINATE, angles};
-use super::{file, obj, ply};
+use super::{obj, ply};
 use crate::error::{Error, Result};
 use crate::geometry::Triangle;
+use crate::input::read_bytes;
 use crate::math::precise::rotate;
 
 /// A mesh as its file says it, indices in range and coordinates finite.
@@ -44,7 +45,7 @@ impl Mesh {
             }
         };
         let name = path.display().to_string();
-        let mesh = parse(&name, &file::read_bytes(path)?)?;
+        let mesh = parse(&name, &read_bytes(path)?)?;
         if mesh.triangles.is_empty() {
             return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
         }
@@ -52,6 +53,10 @@ impl Mesh {
     }
 
     /// The triangles that have an area, placed. Computed in f64 and rounded once.
+    ///
+    /// No ray slips between triangles that share an edge as a whole. Where vertices of one mesh lie
+    /// on an edge of a neighbour (T-junctions), rays may, and a triangle without area that fills the
+    /// crack is left out: it has no normal.
     ///
     /// # Errors
     /// A vertex that is too far away, or no triangle with an area.
@@ -74,7 +79,6 @@ impl Mesh {
             .triangles
             .iter()
             .map(|indices| Triangle { vertices: indices.map(|index| vertices[index as usize]) });
-        // Meshes have some without area; they cannot be seen.
         let placed: Vec<_> = triangles.filter(|triangle| !triangle.is_degenerate()).collect();
         if placed.is_empty() {
             return Err("no triangle has an area as it is placed".to_owned());

@@ -4,7 +4,6 @@ mod boxes;
 mod builtin;
 mod camera;
 mod description;
-mod file;
 mod flat;
 mod generate;
 mod hash;

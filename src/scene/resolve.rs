@@ -279,7 +279,7 @@ fn add(
                     )));
                 };
                 let triangle = Triangle { vertices: [a, b, c] };
-                // Meshes have some; they cannot be seen.
+                // Meshes have some; they have no normal.
                 if !triangle.is_degenerate() {
                     geometry.triangles.push(triangle);
                 }

@@ -80,6 +80,41 @@ mod tests {
             same(x.copysign(y), |i| a[i].copysign(b[i]));
             same(x.min(y), |i| math::min(a[i], b[i]));
             same(x.max(y), |i| math::max(a[i], b[i]));
+            let c = numbers(&mut random);
+            let (either, fused) = (Float::new(c), cfg!(target_feature = "fma"));
+            let wide = |i: usize, sign: f64| {
+                (f64::from(a[i]) * f64::from(b[i]) + sign * f64::from(c[i])) as f32
+            };
+            // Of ordinary numbers: one rounding of what f64 has nearly exactly, or two.
+            let ordinary =
+                |i: usize| [a[i], b[i], c[i]].iter().all(|x| (1e-3..4.0).contains(&x.abs()));
+            for (sum, sign) in [(x.free_mul_add(y, either), 1.0), (x.free_mul_sub(y, either), -1.0)]
+            {
+                for (i, value) in
+                    sum.to_array().into_iter().enumerate().filter(|&(i, _)| ordinary(i))
+                {
+                    let (one, two) = (wide(i, f64::from(sign)), a[i] * b[i] + sign * c[i]);
+                    let near = (value - one).abs() <= one.abs() * f32::EPSILON;
+                    assert!(if fused { near } else { value == two }, "{value} {one} {two}");
+                }
+            }
+            let (u, v) = (Vec3x([x, y, either]), Vec3x([y, either, x]));
+            let at =
+                |i: usize| (glam::Vec3::new(a[i], b[i], c[i]), glam::Vec3::new(b[i], c[i], a[i]));
+            for axis in 0..3 {
+                same((u + v)[axis], |i| (at(i).0 + at(i).1)[axis]);
+                same((u - v)[axis], |i| (at(i).0 - at(i).1)[axis]);
+                same((u * y)[axis], |i| (at(i).0 * b[i])[axis]);
+                let splat = Vec3x::splat_lane(&[a, b, c], 1);
+                same(splat[axis], |_| [a, b, c][axis][1]);
+                same(Vec3x::new(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
+            }
+            same(u.dot(v), |i| math::dot(at(i).0, at(i).1));
+            let mut memory = [7.0; LANES + 1];
+            Float::load(&c).store(&mut memory);
+            same(Float::load(&memory), |i| c[i]);
+            assert_eq!(memory[LANES], 7.0, "no lane beyond is written");
+            same(Float::splat(a[0]), |_| a[0]);
             let places: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
             same(Float::gather(&a, Int::new(places)), |i| a[places[i] as usize]);
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
@@ -98,6 +133,9 @@ mod tests {
                 assert_eq!(mask.bits(), bits);
                 assert_eq!(Mask::from_bits(bits).bits(), bits);
                 assert_eq!((!mask).bits(), bits ^ first_bits(LANES));
+                let other = x.lt(either);
+                assert_eq!((mask & other).bits(), bits & other.bits());
+                assert_eq!((mask | other).bits(), bits | other.bits());
                 assert_eq!(mask.any(), bits != 0);
                 assert_eq!(Bits(bits).map(|lane| 1 << lane).sum::<u32>(), bits);
             }
@@ -118,21 +156,27 @@ mod tests {
                 std::array::from_fn(|_| random.bits() as u32 % 3),
             );
             let equal = Int::new(p).eq(Int::new(q));
-            let (x, y) = (random.bits() as u32, random.bits() as u32);
-            let (v, w) = (Int::splat(x), Int::splat(y));
-            for (vector, scalar) in [
-                (v + w, x.wrapping_add(y)),
-                (v * w, x.wrapping_mul(y)),
-                (v & w, x & y),
-                (v | w, x | y),
-                (v ^ w, x ^ y),
-                (v.shifted_down(y % 32), x >> (y % 32)),
-                (v.shifted_up(y % 32), x << (y % 32)),
-                (Float::from_bits(v).to_bits(), x),
-            ] {
-                assert_eq!(vector.to_array(), [scalar; LANES]);
+            let x: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
+            let y: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
+            let (v, w, by) = (Int::new(x), Int::new(y), y[0] % 32);
+            type Scalar<'a> = &'a dyn Fn(usize) -> u32;
+            let operations: [(Int, Scalar); 9] = [
+                (v + w, &|i| x[i].wrapping_add(y[i])),
+                (v * w, &|i| x[i].wrapping_mul(y[i])),
+                (v & w, &|i| x[i] & y[i]),
+                (v | w, &|i| x[i] | y[i]),
+                (v ^ w, &|i| x[i] ^ y[i]),
+                (v.shifted_down(by), &|i| x[i] >> by),
+                (v.shifted_up(by), &|i| x[i] << by),
+                (Float::from_bits(v).to_bits(), &|i| x[i]),
+                (Int::splat(x[1]), &|_| x[1]),
+            ];
+            for (vector, scalar) in operations {
+                for (i, value) in vector.to_array().into_iter().enumerate() {
+                    assert_eq!(value, scalar(i));
+                }
             }
-            same(Int::splat(x >> 1).to_float(), |_| (x >> 1) as f32);
+            same(v.shifted_down(1).to_float(), |i| (x[i] >> 1) as f32);
             assert_eq!(Some(Int::new(p).least()), p.into_iter().min());
             let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {

@@ -1,4 +1,4 @@
-//! Reading the files that scenes are made of.
+//! Reading files, refusing what is none.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -7,11 +7,11 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::limits::MAX_FILE;
 
-/// The content of a file.
+/// The length of a file in bytes.
 ///
 /// # Errors
-/// Where there is none, or something else, or it is larger than any scene is.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+/// Where there is none, or something else.
+pub(crate) fn length(path: &Path) -> Result<u64> {
     // Reading a folder says so only on some systems, reading a pipe might never end.
     let kind = fs::metadata(path).map_err(Error::io(path, "read"))?;
     if kind.is_dir() {
@@ -22,20 +22,30 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
             "it is a device or pipe, not a file",
         )));
     }
-    if kind.len() > MAX_FILE {
-        let message = format!("at most {MAX_FILE} bytes can be read, it has {}", kind.len());
+    Ok(kind.len())
+}
+
+/// The content of a file.
+///
+/// # Errors
+/// As [`length`], and where it is larger than any file of a scene is.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let length = length(path)?;
+    if length > MAX_FILE {
+        let message = format!("at most {MAX_FILE} bytes can be read, it has {length}");
         return Err(Error::input(path.display().to_string(), "", message));
     }
     fs::read(path).map_err(Error::io(path, "read"))
 }
 
-/// The content of a text file.
+/// The content of a text file, which is `what`.
 ///
 /// # Errors
 /// As [`read_bytes`], and where it is not UTF-8.
-pub(super) fn read_text(path: &Path) -> Result<String> {
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String> {
     let text = String::from_utf8(read_bytes(path)?).map_err(|_| {
-        Error::input(path.display().to_string(), "", "not UTF-8 text, a scene file is")
+        let message = format!("not UTF-8 text, {what} is");
+        Error::input(path.display().to_string(), "", message)
     })?;
     // Some editors begin UTF-8 with a byte order mark.
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
