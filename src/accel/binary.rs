@@ -101,6 +101,35 @@ impl BinaryTree {
         Self { nodes }
     }
 
+    /// Whether each subtree is best a leaf: where it holds at most `most` primitives of one kind, and
+    /// testing them is expected to cost no more than visiting its nodes at `node_cost` tests each.
+    pub(super) fn leaves<K: Copy + PartialEq>(
+        &self,
+        node_cost: f32,
+        most: u32,
+        kind_of: impl Fn(u32) -> K,
+    ) -> Vec<bool> {
+        let mut leaf = vec![true; self.nodes.len()];
+        // Cost, number of primitives, and their kind if it is but one.
+        let mut subtrees: Vec<(f32, u32, Option<K>)> = vec![(0.0, 0, None); self.nodes.len()];
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            let area = node.bounds.half_area();
+            subtrees[index] = match node.below {
+                Below::Primitive(primitive) => (area, 1, Some(kind_of(primitive))),
+                Below::Children(first) => {
+                    let [left, right] = [first, first + 1].map(|child| subtrees[child as usize]);
+                    let count = left.1 + right.1;
+                    let kind = left.2.filter(|_| left.2 == right.2);
+                    let as_node = area * node_cost + left.0 + right.0;
+                    let as_leaf = area * count as f32;
+                    leaf[index] = kind.is_some() && count <= most && as_leaf <= as_node;
+                    (if leaf[index] { as_leaf } else { as_node }, count, kind)
+                }
+            };
+        }
+        leaf
+    }
+
     /// The primitives below node `index`.
     pub(super) fn primitives(&self, index: u32) -> Vec<u32> {
         let (mut primitives, mut open) = (Vec::new(), vec![index]);

@@ -36,7 +36,7 @@ impl Node {
 }
 
 /// A leaf holds at most so many primitives.
-const LEAF: usize = 4;
+const LEAF: u32 = 4;
 
 /// Largest number of inner nodes on a way from the root down.
 fn depth(nodes: &[Node]) -> usize {
@@ -63,25 +63,10 @@ impl Bvh2 {
         Self::of(geometry, &BinaryTree::new(&boxes, &each))
     }
 
-    /// The layout of `tree`. A subtree becomes a leaf where testing its primitives is expected
-    /// to cost no more than visiting its nodes, a box being as costly as a primitive.
+    /// The layout of `tree`, where visiting a node is as costly as testing a primitive.
     pub(super) fn of(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
-        let mut costs = vec![(0.0, 1); tree.nodes.len()];
-        let mut leaf = vec![true; tree.nodes.len()];
-        for (index, node) in tree.nodes.iter().enumerate().rev() {
-            let area = node.bounds.half_area();
-            costs[index] = match node.below {
-                Below::Primitive(_) => (area, 1),
-                Below::Children(first) => {
-                    let [left, right] = [first, first + 1].map(|child| costs[child as usize]);
-                    let count: usize = left.1 + right.1;
-                    let (as_node, as_leaf) = (area + left.0 + right.0, area * count as f32);
-                    leaf[index] = count <= LEAF && as_leaf <= as_node;
-                    (if leaf[index] { as_leaf } else { as_node }, count)
-                }
-            };
-        }
+        let leaf = tree.leaves(1.0, LEAF, |_| ());
         let mut layout = Self {
             nodes: Vec::new(),
             primitives: Vec::new(),

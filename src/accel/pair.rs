@@ -46,7 +46,7 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 impl PairTree {
     /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
-        let leaf = leaves(geometry, tree);
+        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| Kind::of(geometry.get(primitive)));
         let mut layout = Self {
             nodes: Vec::new(),
             middles: Vec::new(),
@@ -124,28 +124,6 @@ fn middle(planes: Planes) -> [f32; 6] {
         (sides[axis], sides[axis + 3]) = (middle, (half as f32).next_up());
     }
     sides
-}
-
-/// Whether each subtree is best one block.
-fn leaves(geometry: &Geometry, tree: &BinaryTree) -> Vec<bool> {
-    let mut leaf = vec![true; tree.nodes.len()];
-    // Cost, number of primitives, and their kind if it is but one.
-    let mut subtrees: Vec<(f32, u32, Option<Kind>)> = vec![(0.0, 0, None); tree.nodes.len()];
-    for (index, node) in tree.nodes.iter().enumerate().rev() {
-        let area = node.bounds.half_area();
-        subtrees[index] = match node.below {
-            Below::Primitive(primitive) => (area, 1, Some(Kind::of(geometry.get(primitive)))),
-            Below::Children(first) => {
-                let [left, right] = [first, first + 1].map(|child| subtrees[child as usize]);
-                let count = left.1 + right.1;
-                let kind = left.2.filter(|_| left.2 == right.2);
-                let (as_node, as_leaf) = (area * NODE_COST + left.0 + right.0, area * count as f32);
-                leaf[index] = kind.is_some() && count <= LEAF && as_leaf <= as_node;
-                (if leaf[index] { as_leaf } else { as_node }, count, kind)
-            }
-        };
-    }
-    leaf
 }
 
 /// The axis on which the middles of two boxes differ most, and whether the second is lower.
