@@ -5,7 +5,7 @@ use std::mem::take;
 use glam::Vec3;
 
 use super::huge_pages::settle;
-use crate::geometry::lanes::{QuadLanes, UprightQuad};
+use crate::geometry::lanes::{QuadLanes, SpecialQuad};
 use crate::geometry::{Geometry, Primitive};
 use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
 
@@ -159,9 +159,9 @@ pub(super) struct Blocks {
     pub(super) spheres: Vec<SphereBlock>,
     pub(super) moving_spheres: Vec<MovingSphereBlock>,
     pub(super) quads: Vec<QuadBlock>,
-    /// For each block of quads those that are upright, for packets: single rays have no use
+    /// For each block of quads those that need less work, for packets: single rays have no use
     /// for them, and should not wait for their memory.
-    pub(super) upright: Vec<[Option<UprightQuad>; LANES]>,
+    pub(super) special: Vec<[Option<SpecialQuad>; LANES]>,
     pub(super) triangles: Vec<TriangleBlock>,
 }
 
@@ -205,9 +205,9 @@ impl Blocks {
                     dual_v: transpose(quads().map(|quad| quad.duals()[1])),
                     primitive,
                 });
-                let mut upright = [const { None }; LANES];
-                upright.iter_mut().zip(quads()).for_each(|(to, quad)| *to = UprightQuad::new(quad));
-                self.upright.push(upright);
+                let mut special = [const { None }; LANES];
+                special.iter_mut().zip(quads()).for_each(|(to, quad)| *to = SpecialQuad::new(quad));
+                self.special.push(special);
                 self.quads.len() - 1
             }
             Kind::Triangle => {
@@ -240,7 +240,7 @@ impl Blocks {
         self.spheres = settle(take(&mut self.spheres));
         self.moving_spheres = settle(take(&mut self.moving_spheres));
         self.quads = settle(take(&mut self.quads));
-        self.upright = settle(take(&mut self.upright));
+        self.special = settle(take(&mut self.special));
         self.triangles = settle(take(&mut self.triangles));
     }
 
@@ -260,7 +260,7 @@ impl Blocks {
         size_of_val(&*self.spheres)
             + size_of_val(&*self.moving_spheres)
             + size_of_val(&*self.quads)
-            + size_of_val(&*self.upright)
+            + size_of_val(&*self.special)
             + size_of_val(&*self.triangles)
     }
 }

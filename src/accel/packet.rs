@@ -89,12 +89,12 @@ impl<const V: usize> Packet<V> {
                 }
             }
             Kind::Quad => {
-                let (block, upright) =
-                    (&blocks.quads[block.place()], &blocks.upright[block.place()]);
+                let (block, special) =
+                    (&blocks.quads[block.place()], &blocks.special[block.place()]);
                 for lane in Bits(lanes) {
-                    if let Some(quad) = &upright[lane] {
+                    if let Some(quad) = &special[lane] {
                         for rays in &mut self.vectors {
-                            let hits = lanes::upright_quad::<NEAR>(&rays.setup.ray, quad, rays.t);
+                            let hits = quad.hits::<NEAR>(&rays.setup.ray, rays.t);
                             rays.offer::<ANY>(hits, block.primitive[lane]);
                         }
                         continue;

@@ -101,10 +101,9 @@ impl Rays {
         let Some(HitLanes { t, hit }) = hits else { return };
         let closer = hit & t.lt(self.t);
         if ANY {
-            if closer.any() {
-                self.t = closer.select(Float::splat(f32::NEG_INFINITY), self.t);
-                self.primitive = Int::select(closer, Int::splat(0), self.primitive);
-            }
+            // No branch on whether there is one: no CPU could foretell it.
+            self.t = closer.select(Float::splat(f32::NEG_INFINITY), self.t);
+            self.primitive = Int::select(closer, Int::splat(0), self.primitive);
             return;
         }
         let ties = (hit & t.eq(self.t)).bits();

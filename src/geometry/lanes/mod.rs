@@ -8,7 +8,7 @@ mod quad;
 mod sphere;
 mod triangle;
 
-pub(crate) use quad::{QuadLanes, UprightQuad, quad, upright_quad};
+pub(crate) use quad::{QuadLanes, SpecialQuad, quad};
 pub(crate) use sphere::{misses_sphere, sphere};
 pub(crate) use triangle::shear_triangles;
 
@@ -117,12 +117,12 @@ mod tests {
         compare(quad::<true>(&ray, &quad_lanes, Float::splat(f32::INFINITY)), &each);
         compare(quad::<false>(&ray, &quad_lanes, Float::splat(f32::INFINITY)), &each);
 
-        // One upright quad, all rays.
+        // One special quad, all rays.
         for one in quads {
-            let Some(upright) = UprightQuad::new(one) else { continue };
-            let hits = upright_quad::<false>(&ray, &upright, Float::splat(f32::INFINITY));
+            let Some(special) = SpecialQuad::new(one) else { continue };
+            let hits = special.hits::<false>(&ray, Float::splat(f32::INFINITY));
             compare(hits, &|_| Primitive::Quad(one));
-            let asked = upright_quad::<true>(&ray, &upright, Float::splat(f32::INFINITY));
+            let asked = special.hits::<true>(&ray, Float::splat(f32::INFINITY));
             compare(asked, &|_| Primitive::Quad(one));
         }
 
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn lanes_agree_with_scalars() {
-        let (mut random, mut uprights) = (Stream::new(77), 0);
+        let (mut random, mut uprights, mut aligned) = (Stream::new(77), 0, 0);
         for round in 0..20_000 {
             let rays: Vec<Ray> = (0..LANES)
                 .map(|_| Ray {
@@ -186,13 +186,18 @@ mod tests {
                         break quad;
                     }
                 };
-                uprights += usize::from(UprightQuad::new(&quad).is_some());
+                match SpecialQuad::new(&quad) {
+                    Some(SpecialQuad::Aligned(_)) => aligned += 1,
+                    Some(SpecialQuad::Upright(_)) => uprights += 1,
+                    None => {}
+                }
                 primitives.quads.push(quad);
                 let vertices = [(); 3].map(|()| vector(&mut random));
                 primitives.triangles.push(Triangle { vertices });
             }
             check(&rays, &primitives, if round % 3 == 0 { 0.5 } else { 0.0 });
         }
-        assert!(uprights > 10_000 * LANES, "{uprights} upright quads");
+        assert!(uprights > 3000 * LANES, "{uprights} upright quads");
+        assert!(aligned > 2000 * LANES, "{aligned} aligned quads");
     }
 }

@@ -42,8 +42,82 @@ fn in_unit(a: Float) -> Mask {
     Float::ZERO.le(a) & a.le(Float::splat(1.0))
 }
 
-/// A quad with one edge along an axis and the other across it, as walls, tables and the sides
-/// of boxes that are turned about an axis: four of its numbers are 0.
+/// A quad of whose numbers many are 0, and which is tested by less work.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SpecialQuad {
+    /// Both edges are along axes.
+    Aligned(AlignedQuad),
+    /// One edge is along an axis, the other across it.
+    Upright(UprightQuad),
+}
+
+impl SpecialQuad {
+    /// `quad`, if it is such a one.
+    pub(crate) fn new(quad: &Quad) -> Option<Self> {
+        let aligned = AlignedQuad::new(quad).map(Self::Aligned);
+        aligned.or_else(|| UprightQuad::new(quad).map(Self::Upright))
+    }
+
+    /// Hits as [`quad`] finds them.
+    ///
+    /// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
+    /// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
+    /// the quad, a miss either way.
+    #[inline(always)]
+    pub(crate) fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
+        match self {
+            Self::Aligned(quad) => quad.hits::<ASK>(ray, limit),
+            Self::Upright(quad) => quad.hits::<ASK>(ray, limit),
+        }
+    }
+}
+
+/// A quad with both edges along axes, as walls and tables: its plane is met where one coordinate is
+/// its corner's, and each edge asks for one more.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AlignedQuad {
+    /// The axis across, and those of the edges.
+    axes: [usize; 3],
+    /// Corner, in this order of axes.
+    q: [f32; 3],
+    /// Along each edge.
+    duals: [f32; 2],
+}
+
+impl AlignedQuad {
+    fn new(quad: &Quad) -> Option<Self> {
+        let along = |v: Vec3| {
+            let axis = (0..3).find(|&axis| v[axis] != 0.0)?;
+            (0..3).all(|other| other == axis || v[other] == 0.0).then_some(axis)
+        };
+        let [dual_u, dual_v] = quad.duals();
+        let axes = [along(quad.normal)?, along(dual_u)?, along(dual_v)?];
+        // Signs of the normal cancel in its distance, other factors might round.
+        (quad.normal[axes[0]].abs() == 1.0).then(|| Self {
+            axes,
+            q: axes.map(|axis| quad.q[axis]),
+            duals: [dual_u[axes[1]], dual_v[axes[2]]],
+        })
+    }
+
+    #[inline(always)]
+    fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
+        let from = |i: usize| ray.origin[self.axes[i]] - Float::splat(self.q[i]);
+        let t = -from(0) / ray.direction[self.axes[0]];
+        let near = t.gt(ray.t_min) & t.le(limit);
+        if ASK && !near.any() {
+            return None;
+        }
+        let at = |i: usize| {
+            let p = from(i) + ray.direction[self.axes[i]] * t;
+            p * Float::splat(self.duals[i - 1])
+        };
+        Some(HitLanes { t, hit: near & in_unit(at(1)) & in_unit(at(2)) })
+    }
+}
+
+/// A quad with one edge along an axis and the other across it, as the sides of boxes that are
+/// turned about an axis: four of its numbers are 0, and it is tested by half the work.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
     /// The two axes across the edge, and the one along it.
@@ -58,8 +132,7 @@ pub(crate) struct UprightQuad {
 }
 
 impl UprightQuad {
-    /// `quad`, if it is such a one.
-    pub(crate) fn new(quad: &Quad) -> Option<Self> {
+    fn new(quad: &Quad) -> Option<Self> {
         let [u, v] = quad.duals();
         let turns = [(u, v), (v, u)].into_iter().flat_map(|duals| (0..3).map(move |m| (duals, m)));
         for ((u, v), along) in turns {
@@ -79,30 +152,22 @@ impl UprightQuad {
         }
         None
     }
-}
 
-/// Hits of an upright quad as [`quad`] finds them, with half the work.
-///
-/// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
-/// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
-/// the quad, a miss either way.
-#[inline(always)]
-pub(crate) fn upright_quad<const ASK: bool>(
-    ray: &RayLanes,
-    quad: &UprightQuad,
-    limit: Float,
-) -> Option<HitLanes> {
-    let dot = |a: &[f32; 2], [x, y]: [Float; 2]| Float::splat(a[0]) * x + Float::splat(a[1]) * y;
-    let [x, y, z] = quad.axes;
-    let from = |i: usize| ray.origin[quad.axes[i]] - Float::splat(quad.q[i]);
-    let [fx, fy] = [from(0), from(1)];
-    let (dx, dy) = (ray.direction[x], ray.direction[y]);
-    let t = -dot(&quad.normal, [fx, fy]) / dot(&quad.normal, [dx, dy]);
-    let near = t.gt(ray.t_min) & t.le(limit);
-    if ASK && !near.any() {
-        return None;
+    #[inline(always)]
+    fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
+        let dot =
+            |a: &[f32; 2], [x, y]: [Float; 2]| Float::splat(a[0]) * x + Float::splat(a[1]) * y;
+        let [x, y, z] = self.axes;
+        let from = |i: usize| ray.origin[self.axes[i]] - Float::splat(self.q[i]);
+        let [fx, fy] = [from(0), from(1)];
+        let (dx, dy) = (ray.direction[x], ray.direction[y]);
+        let t = -dot(&self.normal, [fx, fy]) / dot(&self.normal, [dx, dy]);
+        let near = t.gt(ray.t_min) & t.le(limit);
+        if ASK && !near.any() {
+            return None;
+        }
+        let a = dot(&self.dual_u, [fx + dx * t, fy + dy * t]);
+        let b = (from(2) + ray.direction[z] * t) * Float::splat(self.dual_v);
+        Some(HitLanes { t, hit: near & in_unit(a) & in_unit(b) })
     }
-    let a = dot(&quad.dual_u, [fx + dx * t, fy + dy * t]);
-    let b = (from(2) + ray.direction[z] * t) * Float::splat(quad.dual_v);
-    Some(HitLanes { t, hit: near & in_unit(a) & in_unit(b) })
 }
