@@ -119,8 +119,8 @@ mod x86 {
 
     /// The register sets that the operating system has enabled, by the size of the area in which
     /// it saves them (SDM vol. 1, 13.4 and 13.5; AMD's APM vol. 2, 11.5). XGETBV would name them,
-    /// but needs `unsafe`. Protection keys lie behind AVX-512 there: a system that enables them
-    /// and disables AVX-512 is not told apart.
+    /// but needs `unsafe`. A system that disables AVX-512, or AVX, and enables what lies behind it
+    /// there (protection keys, AMX's tiles) is not told apart.
     #[derive(Clone, Copy, Default)]
     struct Saved {
         avx: bool,
@@ -262,13 +262,13 @@ mod tests {
         assert!(!cpu_name().is_empty());
     }
 
-    /// Where AVX-512's registers are saved, as Sapphire Rapids (MPX's place left free) and Zen 5 say.
+    /// AVX-512's place as Sapphire Rapids (where MPX's is left free) and Zen 5 say it.
     #[test]
     #[cfg(target_arch = "x86_64")]
     fn saved_registers_are_found_where_each_cpu_puts_them() {
         use x86::is_within;
-        for (offset, with_avx512, with_keys) in [(1664, 2688, 2696), (1408, 2432, 2440)] {
-            assert!(is_within(with_avx512, 1024, offset) && is_within(with_keys, 1024, offset));
+        for (offset, with_avx512, with_more) in [(1664, 2688, 11_008), (1408, 2432, 2440)] {
+            assert!(is_within(with_avx512, 1024, offset) && is_within(with_more, 1024, offset));
             assert!(!is_within(832, 1024, offset));
         }
         assert!(!is_within(2696, 0, 0) && !is_within(0, 256, 576));

@@ -14,7 +14,7 @@ pub const MAX_GENERATED: u32 = 1 << 24;
 pub const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of rows of an element of a PLY file.
 pub const MAX_ROWS: usize = 1 << 26;
-/// Largest file of a scene or mesh, in bytes.
+/// Largest file of a scene or mesh, or manifest of a ray set, in bytes.
 pub const MAX_FILE: u64 = 1 << 32;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub const MAX_RAYS: u64 = 1 << 28;

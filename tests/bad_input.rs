@@ -313,6 +313,8 @@ fn damaged_ray_sets_are_refused() {
         fs::remove_file(here.join("set/quads.f32")).unwrap();
         std::os::unix::fs::symlink("/dev/zero", here.join("set/quads.f32")).unwrap();
         fails(here, &trace, 74, &["quads.f32: cannot read: it is a device or pipe"]);
+        let compare = ["compare", "/dev/zero", "b.png"];
+        fails(here, &compare, 74, &["/dev/zero: cannot read: it is a device or pipe"]);
     }
 }
 

@@ -101,8 +101,9 @@ impl BinaryTree {
         Self { nodes }
     }
 
-    /// Whether each subtree is best a leaf: where it holds at most `most` primitives of one kind, and
-    /// testing them is expected to cost no more than visiting its nodes at `node_cost` tests each.
+    /// Whether each subtree is best a leaf: where it holds at most `most` primitives of one kind,
+    /// and testing them is expected to cost no more than visiting its nodes, each of which costs
+    /// `node_cost` tests.
     pub(super) fn leaves<K: Copy + PartialEq>(
         &self,
         node_cost: f32,

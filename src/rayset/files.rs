@@ -126,8 +126,8 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// Reads the ray sets in `folder`.
 ///
 /// # Errors
-/// Where a file is missing, has not the length that the manifest says, or holds a primitive
-/// that cannot be.
+/// Where a file is missing, has not the length that the manifest says, or holds a primitive that
+/// cannot be, and where the manifest names no set, or one that cannot be.
 pub fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
     let text = read_text(&path, "a manifest")?;

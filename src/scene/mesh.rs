@@ -54,9 +54,9 @@ impl Mesh {
 
     /// The triangles that have an area, placed. Computed in f64 and rounded once.
     ///
-    /// No ray slips between triangles that share an edge as a whole. Where vertices of one mesh lie
-    /// on an edge of a neighbour (T-junctions), rays may, and a triangle without area that fills the
-    /// crack is left out: it has no normal.
+    /// No ray slips between triangles that share an edge as a whole. Where a vertex lies on an edge
+    /// of a neighbour (T-junctions), rays may, and a triangle without area that fills the crack is
+    /// left out: it has no normal.
     ///
     /// # Errors
     /// A vertex that is too far away, or no triangle with an area.

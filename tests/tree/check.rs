@@ -17,12 +17,16 @@ pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
     hit.map(|hit| (hit.primitive, hit.t.to_bits()))
 }
 
-/// The interval in which ray number `i`, made for distances up to `t_max`, is looked along: of half
-/// the rays one that begins or ends at or beside their hit.
+/// The interval in which ray number `i`, made for distances up to `t_max`, is looked along: in every
+/// fourth pair of bundles one that begins above 0, mostly at or beside the ray's hit, and in as many
+/// a mixture of such and of those that end there.
 fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
-    let Some(Hit { t, .. }) = hit else { return (0.0, t_max) };
-    // Beams have to begin above 0 as a whole.
-    match (i / Bundles::SIZE % 4, i % 8) {
+    let pair = i / Bundles::SIZE / 2 % 4;
+    let Some(Hit { t, .. }) = hit else {
+        // Beams begin above 0 only where all their rays do.
+        return if pair == 2 { (1e-3, t_max) } else { (0.0, t_max) };
+    };
+    match (pair, i % 8) {
         (2, 0..2) | (3, 0) => (t, t_max),
         (2, 2..4) => (t.next_up(), t_max),
         (2, 4..6) => (t.next_down(), t_max),
@@ -57,9 +61,9 @@ pub(crate) fn check_kernels(
         }
         let each = 0..batch.len();
         for kernel in Kernel::ALL {
-            // It takes too long for all rays of large scenes.
+            // It takes too long for all rays of large scenes: a bundle of each kind of interval.
             let share = kernel == Kernel::Flat && geometry.len() > 1000;
-            let each = if share { 0..Bundles::SIZE.min(batch.len()) } else { each.clone() };
+            let each = if share { 0..batch.len().min(8 * Bundles::SIZE) } else { each.clone() };
             let (mut closest, mut any) =
                 (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
             accelerator.closest(kernel, &batch, each.clone(), &mut closest);

@@ -124,6 +124,13 @@ mod tests {
             compare(hits, &|_| Primitive::Quad(one));
             let asked = special.hits::<true>(&ray, Float::splat(f32::INFINITY));
             compare(asked, &|_| Primitive::Quad(one));
+            let near = special.hits::<true>(&ray, Float::splat(1.0));
+            for lane in 0..LANES {
+                let limit = 1.0f32.next_up();
+                let scalar = Primitive::Quad(one).intersect(&prepared[lane], t_min, limit);
+                let is_hit = near.is_some_and(|hits| hits.hit.bits() >> lane & 1 == 1);
+                assert_eq!(is_hit, scalar.is_some(), "{one:?} {:?}", rays[lane]);
+            }
         }
 
         // The axes are shared: one ray, all triangles.

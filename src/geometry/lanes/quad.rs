@@ -58,11 +58,12 @@ impl SpecialQuad {
         aligned.or_else(|| UprightQuad::new(quad).map(Self::Upright))
     }
 
-    /// Hits as [`quad`] finds them.
+    /// Hits as [`quad`] finds them, of rays whose coordinates do not overflow on the way to the
+    /// plane: kernels leave others to the reference.
     ///
-    /// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
-    /// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
-    /// the quad, a miss either way.
+    /// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of
+    /// zero, which no comparison sees, or for infinite factors: those come with `t` or a coordinate
+    /// beyond the quad, a miss either way.
     #[inline(always)]
     pub(crate) fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
         match self {
