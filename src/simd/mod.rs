@@ -16,9 +16,10 @@ mod mask;
 mod prefetch;
 #[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
 mod random;
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
 mod trig;
 mod vec3x;
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+mod warp;
 
 pub(crate) use compress::places;
 pub(crate) use float::Float;
@@ -110,6 +111,18 @@ mod tests {
                 same(Vec3x::new(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
             }
             same(u.dot(v), |i| math::dot(at(i).0, at(i).1));
+            let (turned, front) = u.face_forward(v);
+            for axis in 0..3 {
+                same((u * v)[axis], |i| (at(i).0 * at(i).1)[axis]);
+                same((-u)[axis], |i| -at(i).0[axis]);
+                same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
+                same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
+                same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);
+            }
+            same(u.max_element(), |i| math::max_element(at(i).0));
+            let fronts: u32 =
+                (0..LANES).map(|i| u32::from(math::face_forward(at(i).0, at(i).1).1) << i).sum();
+            assert_eq!(front.bits(), fronts);
             let mut memory = [7.0; LANES + 1];
             Float::load(&c).store(&mut memory);
             same(Float::load(&memory), |i| c[i]);

@@ -1,8 +1,10 @@
 //! Vectors of glam's Vec3, in contract order.
 
-use std::ops::{Add, Index, Mul, Sub};
+use std::ops::{Add, Index, Mul, Neg, Sub};
 
-use super::{Float, Lanes};
+use glam::Vec3;
+
+use super::{Float, Lanes, Mask};
 
 /// `f` of each axis. Unlike `[0, 1, 2].map(f)` it is inlined however large the values.
 #[inline(always)]
@@ -33,6 +35,52 @@ impl Vec3x {
     pub(crate) fn dot(self, other: Self) -> Float {
         let ([ax, ay, az], [bx, by, bz]) = (self.0, other.0);
         ax * bx + ay * by + az * bz
+    }
+}
+
+/// What shading asks for.
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+impl Vec3x {
+    /// `v` in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(v: Vec3) -> Self {
+        Self(axes(|axis| Float::splat(v[axis])))
+    }
+
+    /// `yes` where `mask` is true, else `no`.
+    #[inline(always)]
+    pub(crate) fn select(mask: Mask, yes: Self, no: Self) -> Self {
+        Self(axes(|axis| mask.select(yes[axis], no[axis])))
+    }
+
+    /// [`crate::math::normalize`].
+    #[inline(always)]
+    pub(crate) fn normalize(self) -> Self {
+        self * (Float::splat(1.0) / self.dot(self).sqrt())
+    }
+
+    /// [`crate::math::max_element`].
+    #[inline(always)]
+    pub(crate) fn max_element(self) -> Float {
+        self[0].max(self[1]).max(self[2])
+    }
+
+    /// [`crate::math::face_forward`].
+    #[inline(always)]
+    pub(crate) fn face_forward(self, direction: Self) -> (Self, Mask) {
+        let front = direction.dot(self).lt(Float::ZERO);
+        (Self::select(front, self, -self), front)
+    }
+
+    /// [`crate::math::orthonormal_basis`].
+    #[inline(always)]
+    pub(crate) fn orthonormal_basis(self) -> (Self, Self) {
+        let Self([x, y, z]) = self;
+        let one = Float::splat(1.0);
+        let sign = z.ge(Float::ZERO).select(one, -one);
+        let a = -one / (sign + z);
+        let b = x * y * a;
+        (Self([one + sign * (x * x * a), sign * b, -(sign * x)]), Self([b, sign + y * y * a, -y]))
     }
 }
 
@@ -69,5 +117,23 @@ impl Mul<Float> for Vec3x {
     #[inline(always)]
     fn mul(self, by: Float) -> Self {
         Self(axes(|axis| self.0[axis] * by))
+    }
+}
+
+impl Mul for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, by: Self) -> Self {
+        Self(axes(|axis| self.0[axis] * by.0[axis]))
+    }
+}
+
+impl Neg for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(axes(|axis| -self.0[axis]))
     }
 }
