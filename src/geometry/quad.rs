@@ -103,6 +103,11 @@ impl Quad {
         [self.dual_u, self.dual_v]
     }
 
+    /// Spawn offset of every point of the quad.
+    pub(crate) fn offset(&self) -> f32 {
+        self.offset
+    }
+
     /// Area.
     pub fn area(&self) -> f32 {
         self.area

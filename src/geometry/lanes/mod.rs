@@ -6,6 +6,8 @@
 
 mod quad;
 mod sphere;
+#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
+mod surface;
 mod triangle;
 
 pub(crate) use quad::{QuadLanes, SpecialQuad, quad};
