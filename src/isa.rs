@@ -144,10 +144,16 @@ mod x86 {
         size > 0 && offset.saturating_add(size) <= area
     }
 
+    /// Whether a bit is set, by instructions that every CPU has: the black box keeps the compiler
+    /// from one of BMI1, which it takes where the build is for Zen, and old CPUs lack.
+    fn is_set(register: u32, bit: u32) -> bool {
+        std::hint::black_box(register & (1 << bit)) != 0
+    }
+
     /// `Some(name)` for the first feature that is compiled in and whose bit is 0.
     macro_rules! first_missing {
         ($($feature:tt: $register:expr, $bit:literal;)*) => {
-            $(if cfg!(target_feature = $feature) && $register >> $bit & 1 == 0 {
+            $(if cfg!(target_feature = $feature) && !is_set($register, $bit) {
                 return Some($feature);
             })*
         };
@@ -161,7 +167,7 @@ mod x86 {
             let leaf7_1 = leaf7.filter(|leaf| leaf.eax >= 1).map(|_| __cpuid_count(7, 1));
             let extended = (__cpuid(0x8000_0000).eax >= 0x8000_0001).then(|| __cpuid(0x8000_0001));
             // OSXSAVE: the operating system has enabled XSAVE.
-            let xsave = highest >= 0xD && leaf1.ecx >> 27 & 1 == 1;
+            let xsave = highest >= 0xD && is_set(leaf1.ecx, 27);
             Self {
                 ecx1: leaf1.ecx,
                 edx1: leaf1.edx,
@@ -175,7 +181,7 @@ mod x86 {
         }
 
         pub(super) fn isa(&self) -> Isa {
-            let has = |register: u32, bits: &[u32]| bits.iter().all(|bit| register >> bit & 1 == 1);
+            let has = |register: u32, bits: &[u32]| bits.iter().all(|&bit| is_set(register, bit));
             if !self.saved.avx || !has(self.ebx7, &[5]) || !has(self.ecx1, &[12, 28]) {
                 Isa::Sse2
             } else if !self.saved.avx512 || !has(self.ebx7, &[16, 17, 28, 30, 31]) {
