@@ -83,46 +83,6 @@ mod tests {
             same(x.max(y), |i| math::max(a[i], b[i]));
             let c = numbers(&mut random);
             let either = Float::new(c);
-            let wide = |i: usize, sign: f64| {
-                (f64::from(a[i]) * f64::from(b[i]) + sign * f64::from(c[i])) as f32
-            };
-            // Of ordinary numbers: one rounding of what f64 has nearly exactly, or two.
-            let ordinary =
-                |i: usize| [a[i], b[i], c[i]].iter().all(|x| (1e-3..4.0).contains(&x.abs()));
-            for (sum, sign) in [(x.free_mul_add(y, either), 1.0), (x.free_mul_sub(y, either), -1.0)]
-            {
-                for (i, value) in
-                    sum.to_array().into_iter().enumerate().filter(|&(i, _)| ordinary(i))
-                {
-                    let (one, two) = (wide(i, f64::from(sign)), a[i] * b[i] + sign * c[i]);
-                    let near = (value - one).abs() <= one.abs() * f32::EPSILON;
-                    assert!(near || value == two, "{value} {one} {two}");
-                }
-            }
-            let (u, v) = (Vec3x([x, y, either]), Vec3x([y, either, x]));
-            let at =
-                |i: usize| (glam::Vec3::new(a[i], b[i], c[i]), glam::Vec3::new(b[i], c[i], a[i]));
-            for axis in 0..3 {
-                same((u + v)[axis], |i| (at(i).0 + at(i).1)[axis]);
-                same((u - v)[axis], |i| (at(i).0 - at(i).1)[axis]);
-                same((u * y)[axis], |i| (at(i).0 * b[i])[axis]);
-                let splat = Vec3x::splat_lane(&[a, b, c], 1);
-                same(splat[axis], |_| [a, b, c][axis][1]);
-                same(Vec3x::new(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
-            }
-            same(u.dot(v), |i| math::dot(at(i).0, at(i).1));
-            let (turned, front) = u.face_forward(v);
-            for axis in 0..3 {
-                same((u * v)[axis], |i| (at(i).0 * at(i).1)[axis]);
-                same((-u)[axis], |i| -at(i).0[axis]);
-                same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
-                same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
-                same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);
-            }
-            same(u.max_element(), |i| math::max_element(at(i).0));
-            let fronts: u32 =
-                (0..LANES).map(|i| u32::from(math::face_forward(at(i).0, at(i).1).1) << i).sum();
-            assert_eq!(front.bits(), fronts);
             let mut memory = [7.0; LANES + 1];
             Float::load(&c).store(&mut memory);
             same(Float::load(&memory), |i| c[i]);
@@ -152,6 +112,63 @@ mod tests {
                 assert_eq!(mask.any(), bits != 0);
                 assert_eq!(Bits(bits).map(|lane| 1 << lane).sum::<u32>(), bits);
             }
+        }
+    }
+
+    /// One rounding of what f64 has nearly exactly, or two, for ordinary numbers.
+    #[test]
+    fn free_operations_round_once_or_twice() {
+        let mut random = Stream::new(3);
+        for _ in 0..20_000 {
+            let [a, b, c] = [(); 3].map(|()| numbers(&mut random));
+            let [x, y, z] = [a, b, c].map(Float::new);
+            let wide = |i: usize, sign: f32| {
+                (f64::from(a[i]) * f64::from(b[i]) + f64::from(sign * c[i])) as f32
+            };
+            let ordinary =
+                |i: usize| [a[i], b[i], c[i]].iter().all(|x| (1e-3..4.0).contains(&x.abs()));
+            for (sum, sign) in [(x.free_mul_add(y, z), 1.0), (x.free_mul_sub(y, z), -1.0)] {
+                for (i, value) in
+                    sum.to_array().into_iter().enumerate().filter(|&(i, _)| ordinary(i))
+                {
+                    let (one, two) = (wide(i, sign), a[i] * b[i] + sign * c[i]);
+                    let near = (value - one).abs() <= one.abs() * f32::EPSILON;
+                    assert!(near || value == two, "{value} {one} {two}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn vectors_are_those_of_scalars() {
+        let mut random = Stream::new(4);
+        for _ in 0..20_000 {
+            let [a, b, c] = [(); 3].map(|()| numbers(&mut random));
+            let [x, y, z] = [a, b, c].map(Float::new);
+            let (u, v) = (Vec3x([x, y, z]), Vec3x([y, z, x]));
+            let at =
+                |i: usize| (glam::Vec3::new(a[i], b[i], c[i]), glam::Vec3::new(b[i], c[i], a[i]));
+            for axis in 0..3 {
+                same((u + v)[axis], |i| (at(i).0 + at(i).1)[axis]);
+                same((u - v)[axis], |i| (at(i).0 - at(i).1)[axis]);
+                same((u * y)[axis], |i| (at(i).0 * b[i])[axis]);
+                let splat = Vec3x::splat_lane(&[a, b, c], 1);
+                same(splat[axis], |_| [a, b, c][axis][1]);
+                same(Vec3x::new(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
+            }
+            same(u.dot(v), |i| math::dot(at(i).0, at(i).1));
+            let (turned, front) = u.face_forward(v);
+            for axis in 0..3 {
+                same((u * v)[axis], |i| (at(i).0 * at(i).1)[axis]);
+                same((-u)[axis], |i| -at(i).0[axis]);
+                same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
+                same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
+                same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);
+            }
+            same(u.max_element(), |i| math::max_element(at(i).0));
+            let fronts: u32 =
+                (0..LANES).map(|i| u32::from(math::face_forward(at(i).0, at(i).1).1) << i).sum();
+            assert_eq!(front.bits(), fronts);
         }
     }
 

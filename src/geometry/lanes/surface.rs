@@ -67,26 +67,32 @@ pub(crate) fn surfaces(geometry: &Geometry, hits: &HitPoints, present: u32) -> S
     found
 }
 
-/// `N` numbers of a primitive for each lane of `lanes`; 0 in others.
+/// `N` vectors and a number for each lane of `lanes`; 0 in others.
 #[inline(always)]
-fn gather<const N: usize>(lanes: u32, of: impl Fn(usize) -> [f32; N]) -> [Float; N] {
-    let mut numbers = [[0.0; LANES]; N];
+fn gather<const N: usize>(
+    lanes: u32,
+    of: impl Fn(usize) -> ([Vec3; N], f32),
+) -> ([Vec3x; N], Float) {
+    let (mut vectors, mut numbers) = ([[[0.0; LANES]; 3]; N], [0.0; LANES]);
     for lane in Bits(lanes) {
-        for (number, value) in numbers.iter_mut().zip(of(lane)) {
-            number[lane] = value;
+        let (from, number) = of(lane);
+        for (vector, from) in vectors.iter_mut().zip(from) {
+            for axis in 0..3 {
+                vector[axis][lane] = from[axis];
+            }
         }
+        numbers[lane] = number;
     }
-    numbers.map(Float::new)
+    (vectors.map(|vector| Vec3x::new(&vector)), Float::new(numbers))
 }
 
 #[inline(always)]
 fn sphere_surfaces(spheres: &[Sphere], hits: &HitPoints, lanes: u32) -> SurfaceLanes {
-    let [cx, cy, cz, mx, my, mz, radius] = gather(lanes, |lane| {
+    let ([center, motion], radius) = gather(lanes, |lane| {
         let sphere = &spheres[hits.primitive[lane] as usize];
-        let (Vec3 { x, y, z }, motion) = (sphere.center, sphere.motion());
-        [x, y, z, motion.x, motion.y, motion.z, sphere.radius]
+        ([sphere.center, sphere.motion()], sphere.radius)
     });
-    let center = Vec3x([cx, cy, cz]) + Vec3x([mx, my, mz]) * hits.time;
+    let center = center + motion * hits.time;
     let normal = (hits.origin + hits.direction * hits.t - center).normalize();
     let far = Vec3x(axes(|axis| center[axis].abs())).max_element();
     let extent = far.max(radius);
@@ -100,39 +106,14 @@ fn sphere_surfaces(spheres: &[Sphere], hits: &HitPoints, lanes: u32) -> SurfaceL
 
 #[inline(always)]
 fn quad_surfaces(quads: &[Quad], first: usize, hits: &HitPoints, lanes: u32) -> SurfaceLanes {
-    let numbers = gather(lanes, |lane| {
+    let ([q, u, v, normal, dual_u, dual_v], offset) = gather(lanes, |lane| {
         let quad = &quads[hits.primitive[lane] as usize - first];
         let [dual_u, dual_v] = quad.duals();
-        let [q, u, v, n, du, dv] =
-            [quad.q, quad.u, quad.v, quad.normal, dual_u, dual_v].map(|v| v.to_array());
-        [
-            q[0],
-            q[1],
-            q[2],
-            u[0],
-            u[1],
-            u[2],
-            v[0],
-            v[1],
-            v[2],
-            n[0],
-            n[1],
-            n[2],
-            du[0],
-            du[1],
-            du[2],
-            dv[0],
-            dv[1],
-            dv[2],
-            quad.offset(),
-        ]
+        ([quad.q, quad.u, quad.v, quad.normal, dual_u, dual_v], quad.offset())
     });
-    let vector = |i: usize| Vec3x([numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]]);
-    let [q, u, v, normal, dual_u, dual_v] =
-        [vector(0), vector(1), vector(2), vector(3), vector(4), vector(5)];
     let p = (hits.origin - q) + hits.direction * hits.t;
     let (a, b) = (p.dot(dual_u), p.dot(dual_v));
-    SurfaceLanes { point: q + (u * a + v * b), normal, offset: numbers[18] }
+    SurfaceLanes { point: q + (u * a + v * b), normal, offset }
 }
 
 /// One by one: they are in f64.
@@ -141,14 +122,13 @@ fn triangle_surfaces(geometry: &Geometry, hits: &HitPoints, lanes: u32) -> Surfa
     let vector = |v: Vec3x| axes(|axis| v[axis].to_array());
     let (origin, direction) = (vector(hits.origin), vector(hits.direction));
     let (time, t) = (hits.time.to_array(), hits.t.to_array());
-    let [px, py, pz, nx, ny, nz, offset] = gather(lanes, |lane| {
+    let ([point, normal], offset) = gather(lanes, |lane| {
         let at = |v: &[Lanes; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         let ray = Ray { origin: at(&origin), direction: at(&direction), time: time[lane] };
         let surface = geometry.get(hits.primitive[lane]).surface(&ray, t[lane]);
-        let (p, n) = (surface.point, surface.normal);
-        [p.x, p.y, p.z, n.x, n.y, n.z, surface.offset]
+        ([surface.point, surface.normal], surface.offset)
     });
-    SurfaceLanes { point: Vec3x([px, py, pz]), normal: Vec3x([nx, ny, nz]), offset }
+    SurfaceLanes { point, normal, offset }
 }
 
 #[cfg(test)]
