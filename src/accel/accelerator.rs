@@ -10,6 +10,7 @@ use super::binary::BinaryTree;
 use super::blocks::{BlockRef, Blocks};
 use super::bvh2::Bvh2;
 use super::counters::{Count, Counters};
+use super::flat::Flat;
 use super::job::Job;
 use super::kernel::Kernel;
 use super::pair::PairTree;
@@ -72,14 +73,6 @@ impl<T> Lazy<T> {
     }
 }
 
-/// All primitives, without boxes.
-#[derive(Debug)]
-struct Flat {
-    blocks: Blocks,
-    all: Vec<BlockRef>,
-    extent: Extent,
-}
-
 /// A primitive spans the scene where its box has this share of the surface of the scene's.
 const SPANNING_SHARE: f32 = 0.25;
 
@@ -116,7 +109,7 @@ impl<'a> Accelerator<'a> {
                 (self.pair().bytes() + spanning, self.pair.seconds())
             }
             Kernel::Beam | Kernel::Single => (self.wide().bytes() + spanning, self.wide.seconds()),
-            Kernel::Flat => (self.flat().blocks.bytes(), self.flat.seconds()),
+            Kernel::Flat => (self.flat().bytes(), self.flat.seconds()),
             Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
         };
         Layout { bytes, seconds }
@@ -136,12 +129,7 @@ impl<'a> Accelerator<'a> {
     }
 
     fn flat(&self) -> &Flat {
-        self.flat.get(|| {
-            let mut blocks = Blocks::default();
-            let each: Vec<u32> = (0..self.geometry.len() as u32).collect();
-            let all = blocks.push_all(self.geometry, &each);
-            Flat { blocks, all, extent: Extent::new(self.geometry, self.all, Bounds::EMPTY) }
-        })
+        self.flat.get(|| Flat::new(self.geometry, self.all))
     }
 
     fn wide(&self) -> &WideTree {
@@ -204,15 +192,11 @@ impl<'a> Accelerator<'a> {
         let job = Job { rays, ends, extent: &self.extent, blocks, spanning };
         let packets = pair_traversal::trace::<ANY, C>;
         let wild = match kernel {
-            Kernel::Packet => packets(Some(self.pair()), Order::Given, &job, hits, count),
-            Kernel::Octant => packets(Some(self.pair()), Order::Octants, &job, hits, count),
+            Kernel::Packet => packets(self.pair(), Order::Given, &job, hits, count),
+            Kernel::Octant => packets(self.pair(), Order::Octants, &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
-            Kernel::Flat => {
-                let Flat { blocks, all, extent } = self.flat();
-                let job = Job { blocks, spanning: all, extent, ..job };
-                packets(None, Order::Given, &job, hits, count)
-            }
+            Kernel::Flat => self.flat().trace::<ANY, C>(&job, hits, count),
             Kernel::Scalar => range.collect(),
         };
         count.left(wild.len());

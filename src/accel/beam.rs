@@ -20,6 +20,7 @@ use super::octants::Octants;
 use super::packet::Packet;
 use super::rays::Rays;
 use super::single::{Above, trace_each};
+use super::slab::near_and_far;
 use super::wide::WideTree;
 use crate::simd::{Float, LANES, Mask, axes};
 
@@ -45,9 +46,10 @@ impl<const V: usize> Beam<V> {
     fn new(packet: &Packet<V>, octants: &Octants) -> Option<Self> {
         let vectors = &packet.vectors;
         let longest = vectors.iter().find_map(Rays::longest_axis_of_first)?;
+        let (near, far) = near_and_far(octants.negative);
         let mut beam = Self {
-            near: octants.near,
-            far: octants.far,
+            near,
+            far,
             slopes: [[Float::ZERO; 2]; 3],
             near_offsets: [[Float::ZERO; 2]; 3],
             far_offsets: [[Float::ZERO; 2]; 3],

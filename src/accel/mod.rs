@@ -7,6 +7,7 @@ mod binary;
 mod blocks;
 mod bvh2;
 mod counters;
+mod flat;
 mod frames;
 mod group;
 mod huge_pages;

@@ -2,18 +2,14 @@
 
 use super::packet::Packet;
 use super::rays::Rays;
-use super::slab::near_and_far;
 use crate::simd::{Float, axes};
 
-/// The signs of the rays' directions as box tests need them.
+/// The signs of the rays' directions.
 pub(super) struct Octants {
     /// Whether they differ from ray to ray on some axis.
     pub(super) mixed: bool,
     /// Whether more of the rays go down an axis than up it.
     pub(super) negative: [bool; 3],
-    /// Which of a box's planes rays of these signs meet first, and last.
-    pub(super) near: [usize; 3],
-    pub(super) far: [usize; 3],
 }
 
 impl Octants {
@@ -27,7 +23,6 @@ impl Octants {
         });
         let negative = axes(|axis| 2 * down[axis] > active);
         let differs = |axis: usize| down[axis] != 0 && down[axis] != active;
-        let (near, far) = near_and_far(negative);
-        Self { mixed: differs(0) || differs(1) || differs(2), negative, near, far }
+        Self { mixed: differs(0) || differs(1) || differs(2), negative }
     }
 }

@@ -4,7 +4,7 @@ use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::rays::Rays;
-use crate::geometry::lanes::{self, RayLanes};
+use crate::geometry::lanes::{self, HitLanes, RayLanes, SpecialQuad};
 use crate::simd::{Bits, Float, Int, LANES, Vec3x, first_bits};
 
 /// A packet on its way.
@@ -21,15 +21,15 @@ impl<const V: usize> Packet<V> {
         for (vector, rays) in self.vectors.iter().enumerate() {
             let first = end.min(first + vector * LANES);
             let (old_t, old) = (&mut hits.t[first..end], &mut hits.primitive[first..end]);
-            let miss = rays.primitive.eq(Int::splat(HitBatch::MISS));
-            let (t, found) =
+            let hit = rays.found::<ANY>();
+            let (t, primitive) =
                 if ANY { (Float::ZERO, Int::splat(0)) } else { (rays.t, rays.primitive) };
             if old.len() >= LANES {
-                Int::select(miss, Int::load(old), found).store(old);
-                miss.select(Float::load(old_t), t).store(old_t);
+                Int::select(hit, primitive, Int::load(old)).store(old);
+                hit.select(t, Float::load(old_t)).store(old_t);
             } else {
-                let (t, primitive) = (t.to_array(), found.to_array());
-                for lane in Bits(!miss.bits() & first_bits(old.len())) {
+                let (t, primitive) = (t.to_array(), primitive.to_array());
+                for lane in Bits(hit.bits() & first_bits(old.len())) {
                     old_t[lane] = t[lane];
                     old[lane] = primitive[lane];
                 }
@@ -41,9 +41,9 @@ impl<const V: usize> Packet<V> {
     #[inline(always)]
     pub(super) fn scatter<const ANY: bool>(&self, indices: &[u32], hits: &mut HitBatch) {
         for (vector, rays) in self.vectors.iter().enumerate() {
-            let hit = (!rays.primitive.eq(Int::splat(HitBatch::MISS))).bits();
+            let hit = rays.found::<ANY>();
             let (t, primitive) = (rays.t.to_array(), rays.primitive.to_array());
-            for lane in Bits(hit) {
+            for lane in Bits(hit.bits()) {
                 let index = indices[vector * LANES + lane] as usize;
                 hits.t[index] = if ANY { 0.0 } else { t[lane] };
                 hits.primitive[index] = if ANY { 0 } else { primitive[lane] };
@@ -92,17 +92,23 @@ impl<const V: usize> Packet<V> {
                 let (block, special) =
                     (&blocks.quads[block.place()], &blocks.special[block.place()]);
                 for lane in Bits(lanes) {
-                    if let Some(quad) = &special[lane] {
-                        for rays in &mut self.vectors {
-                            let hits = quad.hits::<NEAR>(&rays.setup.ray, rays.t);
-                            rays.offer::<ANY>(hits, block.primitive[lane]);
+                    let primitive = block.primitive[lane];
+                    // Told apart here, once for all vectors.
+                    match special[lane] {
+                        Some(SpecialQuad::Aligned(quad)) => {
+                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
                         }
-                        continue;
-                    }
-                    let quad = block.splat(lane);
-                    for rays in &mut self.vectors {
-                        let hits = lanes::quad::<NEAR>(&rays.setup.ray, &quad, rays.t);
-                        rays.offer::<ANY>(hits, block.primitive[lane]);
+                        Some(SpecialQuad::Level(quad)) => {
+                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
+                        }
+                        Some(SpecialQuad::Upright(quad)) => {
+                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
+                        }
+                        None => {
+                            let quad = block.splat(lane);
+                            let hits = |ray: &RayLanes, t| lanes::quad::<NEAR>(ray, &quad, t);
+                            self.test_quad::<ANY>(hits, primitive);
+                        }
                     }
                 }
             }
@@ -114,6 +120,19 @@ impl<const V: usize> Packet<V> {
                     }
                 }
             }
+        }
+    }
+
+    /// Tests a quad that rays hit as `hits` tells, up to a distance.
+    #[inline(always)]
+    fn test_quad<const ANY: bool>(
+        &mut self,
+        hits: impl Fn(&RayLanes, Float) -> Option<HitLanes>,
+        primitive: u32,
+    ) {
+        for rays in &mut self.vectors {
+            let hits = hits(&rays.setup.ray, rays.t);
+            rays.offer::<ANY>(hits, primitive);
         }
     }
 

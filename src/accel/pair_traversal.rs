@@ -1,5 +1,4 @@
-//! Packets against one box of a pair node at a time: the kernels `packet` and `octant`, and
-//! without nodes `flat`.
+//! Packets against one box of a pair node at a time: the kernels `packet` and `octant`.
 
 use super::batch::HitBatch;
 use super::counters::Count;
@@ -9,6 +8,7 @@ use super::packet::Packet;
 use super::pair::PairTree;
 use super::rays::Rays;
 use super::setup::SlabLanes;
+use super::slab::near_and_far;
 use crate::simd::{Float, LANES};
 
 /// Vectors of rays in the packets of this kernel: 8 rays, or 32 with AVX-512.
@@ -24,23 +24,27 @@ const FAR: u8 = 2;
 /// For packets that are [`FAR`], what [`Setup::offsets`](super::setup::Setup::offsets) tells.
 type Offsets<const V: usize> = [[Float; 6]; V];
 
+/// For packets that are [`ALIKE`], the planes that their rays meet first on each axis, and last.
+type Meets = ([usize; 3], [usize; 3]);
+
 impl Rays {
     /// Where the rays enter a box: +∞ for those that do not up to their closest hit.
     #[inline(always)]
     fn enter<const WAY: u8>(
         &self,
         sides: &[f32; 6],
-        octants: &Octants,
+        meets: &Meets,
         offsets: &[Float; 6],
     ) -> (Float, bool) {
         let SlabLanes { inverse, steepness, offset, .. } = &self.setup.slab;
+        let (near_planes, far_planes) = meets;
         let (mut near, mut far) = ([Float::ZERO; 3], [Float::ZERO; 3]);
         for axis in 0..3 {
             let side = |i: usize| Float::splat(sides[i % 6]);
             (near[axis], far[axis]) = match WAY {
                 ALIKE => {
                     let meet = |plane: usize| side(plane).free_mul_sub(inverse[axis], offset[axis]);
-                    (meet(octants.near[axis]), meet(octants.far[axis]))
+                    (meet(near_planes[axis]), meet(far_planes[axis]))
                 }
                 MIXED => {
                     let middle = side(axis).free_mul_sub(inverse[axis], offset[axis]);
@@ -67,13 +71,13 @@ impl<const V: usize> Packet<V> {
     fn enter<const WAY: u8>(
         &self,
         sides: &[f32; 6],
-        octants: &Octants,
+        meets: &Meets,
         offsets: &Offsets<V>,
     ) -> ([Float; V], bool) {
         let (mut entries, mut some) = ([Float::ZERO; V], false);
         for ((rays, entry), offsets) in self.vectors.iter().zip(&mut entries).zip(offsets) {
             let any;
-            (*entry, any) = rays.enter::<WAY>(sides, octants, offsets);
+            (*entry, any) = rays.enter::<WAY>(sides, meets, offsets);
             some |= any;
         }
         (entries, some)
@@ -97,6 +101,7 @@ impl<const V: usize> Packet<V> {
         stack: &mut [(u32, [Float; V])],
         count: &mut impl Count,
     ) {
+        let meets = near_and_far(octants.negative);
         let (mut top, mut next) = (0, root);
         loop {
             if let Some(block) = PairTree::block(next) {
@@ -108,8 +113,8 @@ impl<const V: usize> Packet<V> {
             } else {
                 let nodes = if WAY == MIXED { &tree.middles } else { &tree.nodes };
                 let node = &nodes[next as usize];
-                let (left, enter_left) = self.enter::<WAY>(&node.boxes[0], octants, offsets);
-                let (right, enter_right) = self.enter::<WAY>(&node.boxes[1], octants, offsets);
+                let (left, enter_left) = self.enter::<WAY>(&node.boxes[0], &meets, offsets);
+                let (right, enter_right) = self.enter::<WAY>(&node.boxes[1], &meets, offsets);
                 let entered = |entries: [Float; V]| {
                     let lanes = |entry: Float| entry.lt(Float::INFINITY).bits().count_ones();
                     entries.iter().map(|entry| lanes(*entry)).sum::<u32>()
@@ -174,18 +179,17 @@ pub(super) enum Order {
     Octants,
 }
 
-/// Takes packets through the tree, if there is one. Returns the rays that it leaves to others.
+/// Takes packets through the tree. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
-    tree: Option<&PairTree>,
+    tree: &PairTree,
     order: Order,
     job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let depth = tree.map_or(0, |tree| tree.stack);
-    let mut stack = vec![(0, [Float::ZERO; VECTORS]); depth];
+    let mut stack = vec![(0, [Float::ZERO; VECTORS]); tree.stack];
     let search = |packet: &mut Packet<VECTORS>, count: &mut C| {
-        let Some((tree, root)) = tree.and_then(|tree| Some((tree, tree.root?))) else { return };
+        let Some(root) = tree.root else { return };
         let octants = Octants::new(packet);
         let none = const { &[[Float::ZERO; 6]; VECTORS] };
         if packet.is_far(tree.slack) {

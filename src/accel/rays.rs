@@ -14,7 +14,7 @@ pub(super) struct Rays {
     /// Distance of the closest hit, at first the end of the interval; −∞ for rays that look
     /// for nothing (more).
     pub(super) t: Float,
-    /// Its primitive; [`HitBatch::MISS`] before there is one.
+    /// Its primitive; [`HitBatch::MISS`] before there is one, and where any hit will do.
     pub(super) primitive: Int,
 }
 
@@ -95,15 +95,30 @@ impl Rays {
         }
     }
 
+    /// Which rays have hit something.
+    #[inline(always)]
+    pub(super) fn found<const ANY: bool>(&self) -> Mask {
+        if ANY {
+            self.t.eq(Float::splat(f32::NEG_INFINITY)) & Mask::from_bits(self.setup.active)
+        } else {
+            !self.primitive.eq(Int::splat(HitBatch::MISS))
+        }
+    }
+
+    /// Lets rays that have hit something, whatever it is, look for nothing more.
+    #[inline(always)]
+    pub(super) fn end(&mut self, hit: Mask) {
+        // No branch on whether there is one: no CPU could foretell it.
+        self.t = hit.select(Float::splat(f32::NEG_INFINITY), self.t);
+    }
+
     /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
     #[inline(always)]
     pub(super) fn offer<const ANY: bool>(&mut self, hits: Option<HitLanes>, primitive: u32) {
         let Some(HitLanes { t, hit }) = hits else { return };
         let closer = hit & t.lt(self.t);
         if ANY {
-            // No branch on whether there is one: no CPU could foretell it.
-            self.t = closer.select(Float::splat(f32::NEG_INFINITY), self.t);
-            self.primitive = Int::select(closer, Int::splat(0), self.primitive);
+            self.end(closer);
             return;
         }
         let ties = (hit & t.eq(self.t)).bits();

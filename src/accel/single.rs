@@ -153,16 +153,19 @@ pub(super) fn trace_each<const ANY: bool, const V: usize>(
     for rays in &mut packet.vectors {
         let mut best = BestLanes { t: rays.t.to_array(), primitive: rays.primitive.to_array() };
         let table = Table::new(&rays.setup);
-        let lanes = Bits(rays.setup.active).filter(|&lane| !(ANY && best.lane(lane).found()));
-        // Collected: `best` changes.
-        let lanes = Bits(lanes.fold(0, |bits, lane| bits | 1 << lane));
+        let ended = if ANY { rays.found::<ANY>().bits() } else { 0 };
+        let lanes = Bits(rays.setup.active & !ended);
         if tree.in_turn {
             trace_in_turn::<ANY>(tree, &table, lanes, &mut best, above, count);
         } else {
             trace_one_by_one::<ANY>(tree, &table, lanes, &mut best, above.first(), count);
         }
-        rays.t = Float::new(best.t);
-        rays.primitive = Int::new(best.primitive);
+        let primitive = Int::new(best.primitive);
+        if ANY {
+            rays.end(!primitive.eq(Int::splat(HitBatch::MISS)));
+        } else {
+            (rays.t, rays.primitive) = (Float::new(best.t), primitive);
+        }
     }
 }
 

@@ -56,6 +56,18 @@ impl Int {
         Mask(Register::from_bits(self.0.simd_eq(other.0)))
     }
 
+    /// Where the lanes are no larger.
+    #[inline(always)]
+    pub(crate) fn le(self, other: Self) -> Mask {
+        self.eq(Self(self.0.min(other.0)))
+    }
+
+    /// The larger of each lane.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+
     #[inline(always)]
     pub(crate) fn to_array(self) -> Lanes<u32> {
         self.0.to_array()

@@ -122,16 +122,28 @@ mod tests {
         // One special quad, all rays.
         for one in quads {
             let Some(special) = SpecialQuad::new(one) else { continue };
-            let hits = special.hits::<false>(&ray, Float::splat(f32::INFINITY));
-            compare(hits, &|_| Primitive::Quad(one));
-            let asked = special.hits::<true>(&ray, Float::splat(f32::INFINITY));
-            compare(asked, &|_| Primitive::Quad(one));
-            let near = special.hits::<true>(&ray, Float::splat(1.0));
-            for lane in 0..LANES {
-                let limit = 1.0f32.next_up();
-                let scalar = Primitive::Quad(one).intersect(&prepared[lane], t_min, limit);
-                let is_hit = near.is_some_and(|hits| hits.hit.bits() >> lane & 1 == 1);
-                assert_eq!(is_hit, scalar.is_some(), "{one:?} {:?}", rays[lane]);
+            let hits = |ask: bool, limit: f32| {
+                let limit = Float::splat(limit);
+                match (special, ask) {
+                    (SpecialQuad::Aligned(quad), false) => quad.hits::<false>(&ray, limit),
+                    (SpecialQuad::Aligned(quad), true) => quad.hits::<true>(&ray, limit),
+                    (SpecialQuad::Level(quad), false) => quad.hits::<false>(&ray, limit),
+                    (SpecialQuad::Level(quad), true) => quad.hits::<true>(&ray, limit),
+                    (SpecialQuad::Upright(quad), false) => quad.hits::<false>(&ray, limit),
+                    (SpecialQuad::Upright(quad), true) => quad.hits::<true>(&ray, limit),
+                }
+            };
+            compare(hits(false, f32::INFINITY), &|_| Primitive::Quad(one));
+            compare(hits(true, f32::INFINITY), &|_| Primitive::Quad(one));
+            match hits(true, 1.0) {
+                Some(hits) => compare(Some(hits), &|_| Primitive::Quad(one)),
+                None => {
+                    let hit = |ray| {
+                        let limit = 1.0f32.next_up();
+                        Primitive::Quad(one).intersect(ray, t_min, limit)
+                    };
+                    assert!(prepared.iter().all(|ray| hit(ray).is_none()), "{one:?} {rays:?}");
+                }
             }
         }
 
@@ -165,7 +177,7 @@ mod tests {
 
     #[test]
     fn lanes_agree_with_scalars() {
-        let (mut random, mut uprights, mut aligned) = (Stream::new(77), 0, 0);
+        let (mut random, mut uprights, mut aligned, mut level) = (Stream::new(77), 0, 0, 0);
         for round in 0..20_000 {
             let rays: Vec<Ray> = (0..LANES)
                 .map(|_| Ray {
@@ -179,15 +191,19 @@ mod tests {
                 let (center, motion) = (vector(&mut random), vector(&mut random));
                 let radius = crate::math::max(number(&mut random).abs(), 1e-3);
                 primitives.spheres.push(Sphere { center, center1: center + motion, radius });
-                // Some along axes, some upright, some not.
-                let (along, zeros) = (random.bits() as usize % 3, random.bits() as usize % 3);
+                // Some along axes, some level, some upright, some nothing.
+                let (along, zeros) = (random.bits() as usize % 3, random.bits() as usize % 4);
                 let quad = loop {
                     let (mut u, mut v) = (vector(&mut random), vector(&mut random));
                     if zeros > 0 {
                         u[along] = 0.0;
-                        v = Vec3::AXES[along] * v[along];
                     }
-                    if zeros > 1 {
+                    match zeros {
+                        0 => {}
+                        1 => v[along] = -0.0,
+                        _ => v = Vec3::AXES[along] * v[along],
+                    }
+                    if zeros > 2 {
                         u[(along + 1) % 3] = -0.0;
                     }
                     let (u, v) = if random.bits() % 2 == 0 { (u, v) } else { (v, u) };
@@ -197,6 +213,7 @@ mod tests {
                 };
                 match SpecialQuad::new(&quad) {
                     Some(SpecialQuad::Aligned(_)) => aligned += 1,
+                    Some(SpecialQuad::Level(_)) => level += 1,
                     Some(SpecialQuad::Upright(_)) => uprights += 1,
                     None => {}
                 }
@@ -208,5 +225,6 @@ mod tests {
         }
         assert!(uprights > 3000 * LANES, "{uprights} upright quads");
         assert!(aligned > 2000 * LANES, "{aligned} aligned quads");
+        assert!(level > 2000 * LANES, "{level} level quads");
     }
 }

@@ -1,0 +1,47 @@
+//! Packets against every primitive, without boxes: the kernel `flat`.
+
+use super::batch::HitBatch;
+use super::blocks::{BlockRef, Blocks};
+use super::counters::Count;
+use super::job::Job;
+use super::setup::Extent;
+use crate::geometry::{Bounds, Geometry};
+use crate::simd::LANES;
+
+/// Vectors of rays in a packet: 32 rays, among which a primitive's numbers are shared.
+const VECTORS: usize = 32 / LANES;
+
+/// All primitives, without boxes.
+#[derive(Debug)]
+pub(super) struct Flat {
+    blocks: Blocks,
+    all: Vec<BlockRef>,
+    extent: Extent,
+}
+
+impl Flat {
+    /// Of a scene whose primitives lie in `bounds`.
+    pub(super) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
+        let mut blocks = Blocks::default();
+        let each: Vec<u32> = (0..geometry.len() as u32).collect();
+        let all = blocks.push_all(geometry, &each);
+        Self { blocks, all, extent: Extent::new(geometry, bounds, Bounds::EMPTY) }
+    }
+
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.blocks.bytes()
+    }
+
+    /// Tests the rays of `job` against all. Returns the rays that it leaves to others.
+    pub(super) fn trace<const ANY: bool, C: Count>(
+        &self,
+        job: &Job<'_>,
+        hits: &mut HitBatch,
+        count: &mut C,
+    ) -> Vec<usize> {
+        let Self { blocks, all, extent } = self;
+        let job = Job { blocks, spanning: all, extent, ..*job };
+        job.trace::<ANY, VECTORS, C>(hits, count, |_, _| {})
+    }
+}
