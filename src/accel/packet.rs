@@ -4,7 +4,7 @@ use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::rays::Rays;
-use crate::geometry::lanes::{self, HitLanes, RayLanes, SpecialQuad};
+use crate::geometry::lanes::{self, HitLanes, QuadTest, RayLanes, SpecialQuad};
 use crate::simd::{Bits, Float, Int, LANES, Vec3x, first_bits};
 
 /// A packet on its way.
@@ -94,21 +94,17 @@ impl<const V: usize> Packet<V> {
                 for lane in Bits(lanes) {
                     let primitive = block.primitive[lane];
                     // Told apart here, once for all vectors.
-                    match special[lane] {
+                    match &special[lane] {
                         Some(SpecialQuad::Aligned(quad)) => {
-                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
+                            self.test_quad::<ANY, NEAR>(quad, primitive);
                         }
                         Some(SpecialQuad::Level(quad)) => {
-                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
+                            self.test_quad::<ANY, NEAR>(quad, primitive);
                         }
                         Some(SpecialQuad::Upright(quad)) => {
-                            self.test_quad::<ANY>(|ray, t| quad.hits::<NEAR>(ray, t), primitive);
+                            self.test_quad::<ANY, NEAR>(quad, primitive);
                         }
-                        None => {
-                            let quad = block.splat(lane);
-                            let hits = |ray: &RayLanes, t| lanes::quad::<NEAR>(ray, &quad, t);
-                            self.test_quad::<ANY>(hits, primitive);
-                        }
+                        None => self.test_quad::<ANY, NEAR>(&block.splat(lane), primitive),
                     }
                 }
             }
@@ -123,16 +119,43 @@ impl<const V: usize> Packet<V> {
         }
     }
 
-    /// Tests a quad that rays hit as `hits` tells, up to a distance.
+    /// Tests a quad.
     #[inline(always)]
-    fn test_quad<const ANY: bool>(
+    fn test_quad<const ANY: bool, const NEAR: bool>(
         &mut self,
-        hits: impl Fn(&RayLanes, Float) -> Option<HitLanes>,
+        quad: &(impl QuadTest + Copy),
         primitive: u32,
     ) {
-        for rays in &mut self.vectors {
-            let hits = hits(&rays.setup.ray, rays.t);
-            rays.offer::<ANY>(hits, primitive);
+        // A copy stays in registers while vectors change, and costs more where there is but one.
+        let copy;
+        let quad = if V == 1 {
+            quad
+        } else {
+            copy = *quad;
+            &copy
+        };
+        // Hits do not look at the limit: each quad would wait for the one before.
+        if !NEAR {
+            for rays in &mut self.vectors {
+                let ray = &rays.setup.ray;
+                let t = quad.distance(ray);
+                let hit = t.gt(ray.t_min) & quad.contains(ray, t);
+                rays.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+            }
+            return;
+        }
+        // All divisions first, then one question for all: no vector waits for another.
+        let (mut distances, mut near) = ([Float::ZERO; V], false);
+        for (t, rays) in distances.iter_mut().zip(&self.vectors) {
+            *t = quad.distance(&rays.setup.ray);
+            near |= (t.gt(rays.setup.ray.t_min) & t.le(rays.t)).any();
+        }
+        if near {
+            for (rays, t) in self.vectors.iter_mut().zip(distances) {
+                let ray = &rays.setup.ray;
+                let hit = t.gt(ray.t_min) & quad.contains(ray, t);
+                rays.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::job::Job;
 use super::one_ray::{OneRay, Table};
 use super::packet::Packet;
 use super::wide::WideTree;
-use crate::geometry::lanes::{self, HitLanes};
+use crate::geometry::lanes::{self, HitLanes, QuadTest};
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, axes};
 
 /// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
@@ -89,8 +89,13 @@ fn test(
         }
         Kind::Quad => {
             let block = &blocks.quads[block.place()];
-            let hits = lanes::quad::<true>(&one.ray(), &block.lanes(), Float::splat(best.t));
-            best.offer_lanes(hits, &block.primitive);
+            let (ray, quads) = (one.ray(), block.lanes());
+            let t = quads.distance(&ray);
+            let near = t.gt(ray.t_min) & t.le(Float::splat(best.t));
+            if near.any() {
+                let hit = near & quads.contains(&ray, t);
+                best.offer_lanes(Some(HitLanes { t, hit }), &block.primitive);
+            }
         }
         Kind::Triangle => {
             let valid = block.valid();

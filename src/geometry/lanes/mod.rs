@@ -10,7 +10,7 @@ mod sphere;
 mod surface;
 mod triangle;
 
-pub(crate) use quad::{QuadLanes, SpecialQuad, quad};
+pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
 pub(crate) use sphere::{misses_sphere, sphere};
 pub(crate) use triangle::shear_triangles;
 
@@ -115,36 +115,20 @@ mod tests {
             dual_u: of(&|quad| quad.duals()[0]),
             dual_v: of(&|quad| quad.duals()[1]),
         };
-        let each = |lane: usize| Primitive::Quad(&quads[lane]);
-        compare(quad::<true>(&ray, &quad_lanes, Float::splat(f32::INFINITY)), &each);
-        compare(quad::<false>(&ray, &quad_lanes, Float::splat(f32::INFINITY)), &each);
-
+        let hits = |quad: &dyn QuadTest| {
+            let t = quad.distance(&ray);
+            Some(HitLanes { t, hit: t.gt(ray.t_min) & quad.contains(&ray, t) })
+        };
+        compare(hits(&quad_lanes), &|lane| Primitive::Quad(&quads[lane]));
         // One special quad, all rays.
         for one in quads {
-            let Some(special) = SpecialQuad::new(one) else { continue };
-            let hits = |ask: bool, limit: f32| {
-                let limit = Float::splat(limit);
-                match (special, ask) {
-                    (SpecialQuad::Aligned(quad), false) => quad.hits::<false>(&ray, limit),
-                    (SpecialQuad::Aligned(quad), true) => quad.hits::<true>(&ray, limit),
-                    (SpecialQuad::Level(quad), false) => quad.hits::<false>(&ray, limit),
-                    (SpecialQuad::Level(quad), true) => quad.hits::<true>(&ray, limit),
-                    (SpecialQuad::Upright(quad), false) => quad.hits::<false>(&ray, limit),
-                    (SpecialQuad::Upright(quad), true) => quad.hits::<true>(&ray, limit),
-                }
+            let hits = match &SpecialQuad::new(one) {
+                Some(SpecialQuad::Aligned(quad)) => hits(quad),
+                Some(SpecialQuad::Level(quad)) => hits(quad),
+                Some(SpecialQuad::Upright(quad)) => hits(quad),
+                None => continue,
             };
-            compare(hits(false, f32::INFINITY), &|_| Primitive::Quad(one));
-            compare(hits(true, f32::INFINITY), &|_| Primitive::Quad(one));
-            match hits(true, 1.0) {
-                Some(hits) => compare(Some(hits), &|_| Primitive::Quad(one)),
-                None => {
-                    let hit = |ray| {
-                        let limit = 1.0f32.next_up();
-                        Primitive::Quad(one).intersect(ray, t_min, limit)
-                    };
-                    assert!(prepared.iter().all(|ray| hit(ray).is_none()), "{one:?} {rays:?}");
-                }
-            }
+            compare(hits, &|_| Primitive::Quad(one));
         }
 
         // The axes are shared: one ray, all triangles.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{HitLanes, RayLanes};
+use super::RayLanes;
 use crate::geometry::Quad;
 use crate::simd::{Float, Int, Mask, Vec3x};
 
@@ -15,31 +15,28 @@ pub(crate) struct QuadLanes {
     pub(crate) dual_v: Vec3x,
 }
 
-/// Hits of quads above `t_min`.
+/// The two halves of a quad's test: the second is for hits that the first leaves to look at.
 ///
-/// With `ASK`, `None` where no lane meets a plane there and up to `limit`, found by a branch: it
-/// pays where lanes are alike, and costs more than it saves where they go all ways. Hits do not
-/// look at `limit`: it would make each quad wait for the one before.
-#[inline(always)]
-pub(crate) fn quad<const ASK: bool>(
-    ray: &RayLanes,
-    quad: &QuadLanes,
-    limit: Float,
-) -> Option<HitLanes> {
-    // The scalar test has the corner and the ray change places; signs do not round.
-    let to_corner = quad.q - ray.origin;
-    let t = quad.normal.dot(to_corner) / quad.normal.dot(ray.direction);
-    let above = above::<ASK>(ray, t, limit)?;
-    let p = ray.direction * t - to_corner;
-    let inside = in_unit_square(p.dot(quad.dual_u), p.dot(quad.dual_v));
-    Some(HitLanes { t, hit: above & inside })
+/// The scalar test has corners and origins change places; signs do not round.
+pub(crate) trait QuadTest {
+    /// Where rays meet the plane.
+    fn distance(&self, ray: &RayLanes) -> Float;
+
+    /// Whether they meet it within the quad, there at `t`.
+    fn contains(&self, ray: &RayLanes, t: Float) -> Mask;
 }
 
-/// Where `t` is above `t_min`; with `ASK`, `None` where nowhere there and up to `limit`.
-#[inline(always)]
-fn above<const ASK: bool>(ray: &RayLanes, t: Float, limit: Float) -> Option<Mask> {
-    let above = t.gt(ray.t_min);
-    if ASK && !(above & t.le(limit)).any() { None } else { Some(above) }
+impl QuadTest for QuadLanes {
+    #[inline(always)]
+    fn distance(&self, ray: &RayLanes) -> Float {
+        self.normal.dot(self.q - ray.origin) / self.normal.dot(ray.direction)
+    }
+
+    #[inline(always)]
+    fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
+        let p = ray.direction * t - (self.q - ray.origin);
+        in_unit_square(p.dot(self.dual_u), p.dot(self.dual_v))
+    }
 }
 
 /// Where `a` and `b` are from 0 to 1.
@@ -56,9 +53,9 @@ fn in_unit_square(a: Float, b: Float) -> Mask {
     }
 }
 
-/// A quad of whose numbers many are 0, and which is tested by less work: its `hits` are those that
-/// [`quad`] finds, of rays whose coordinates do not overflow on the way to the plane. Kernels leave
-/// others to the reference.
+/// A quad of whose numbers many are 0, and which is tested by less work: it finds what
+/// [`QuadLanes`] find, for rays whose coordinates do not overflow on the way to the plane. Kernels
+/// leave others to the reference.
 ///
 /// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
 /// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
@@ -110,16 +107,19 @@ impl AlignedQuad {
             duals: [dual_u[axes[1]], dual_v[axes[2]]],
         })
     }
+}
+
+impl QuadTest for AlignedQuad {
+    #[inline(always)]
+    fn distance(&self, ray: &RayLanes) -> Float {
+        to_corner(&self.axes, &self.q, ray, 0) / ray.direction[self.axes[0]]
+    }
 
     #[inline(always)]
-    pub(crate) fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
-        let Self { axes, q, duals } = *self;
-        let to_corner = |i: usize| Float::splat(q[i]) - ray.origin[axes[i]];
-        let t = to_corner(0) / ray.direction[axes[0]];
-        let above = above::<ASK>(ray, t, limit)?;
-        let p = |i: usize| ray.direction[axes[i]] * t - to_corner(i);
-        let along = |i: usize| p(i) * Float::splat(duals[i - 1]);
-        Some(HitLanes { t, hit: above & in_unit_square(along(1), along(2)) })
+    fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
+        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
+        let [dual_u, dual_v] = self.duals;
+        in_unit_square(p(1) * Float::splat(dual_u), p(2) * Float::splat(dual_v))
     }
 }
 
@@ -151,16 +151,19 @@ impl LevelQuad {
             dual_v: in_plane(dual_v),
         })
     }
+}
+
+impl QuadTest for LevelQuad {
+    #[inline(always)]
+    fn distance(&self, ray: &RayLanes) -> Float {
+        to_corner(&self.axes, &self.q, ray, 0) / ray.direction[self.axes[0]]
+    }
 
     #[inline(always)]
-    pub(crate) fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
-        let Self { axes, q, dual_u, dual_v } = *self;
-        let to_corner = |i: usize| Float::splat(q[i]) - ray.origin[axes[i]];
-        let t = to_corner(0) / ray.direction[axes[0]];
-        let above = above::<ASK>(ray, t, limit)?;
-        let p = |i: usize| ray.direction[axes[i]] * t - to_corner(i);
+    fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
+        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
         let p = [p(1), p(2)];
-        Some(HitLanes { t, hit: above & in_unit_square(dot(dual_u, p), dot(dual_v, p)) })
+        in_unit_square(dot(self.dual_u, p), dot(self.dual_v, p))
     }
 }
 
@@ -200,19 +203,34 @@ impl UprightQuad {
         }
         None
     }
+}
+
+impl QuadTest for UprightQuad {
+    #[inline(always)]
+    fn distance(&self, ray: &RayLanes) -> Float {
+        let to_corner = |i: usize| to_corner(&self.axes, &self.q, ray, i);
+        let direction = |i: usize| ray.direction[self.axes[i]];
+        dot(self.normal, [to_corner(0), to_corner(1)])
+            / dot(self.normal, [direction(0), direction(1)])
+    }
 
     #[inline(always)]
-    pub(crate) fn hits<const ASK: bool>(&self, ray: &RayLanes, limit: Float) -> Option<HitLanes> {
-        let Self { axes, q, normal, dual_u, dual_v } = *self;
-        let to_corner = |i: usize| Float::splat(q[i]) - ray.origin[axes[i]];
-        let direction = |i: usize| ray.direction[axes[i]];
-        let t =
-            dot(normal, [to_corner(0), to_corner(1)]) / dot(normal, [direction(0), direction(1)]);
-        let above = above::<ASK>(ray, t, limit)?;
-        let p = |i: usize| direction(i) * t - to_corner(i);
-        let (a, b) = (dot(dual_u, [p(0), p(1)]), p(2) * Float::splat(dual_v));
-        Some(HitLanes { t, hit: above & in_unit_square(a, b) })
+    fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
+        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
+        in_unit_square(dot(self.dual_u, [p(0), p(1)]), p(2) * Float::splat(self.dual_v))
     }
+}
+
+/// Number `i` of the way from the origin to a corner, on axes in another order.
+#[inline(always)]
+fn to_corner(axes: &[usize; 3], q: &[f32; 3], ray: &RayLanes, i: usize) -> Float {
+    Float::splat(q[i]) - ray.origin[axes[i]]
+}
+
+/// Number `i` of the way from the corner to where rays are at `t`.
+#[inline(always)]
+fn from_corner(axes: &[usize; 3], q: &[f32; 3], ray: &RayLanes, t: Float, i: usize) -> Float {
+    ray.direction[axes[i]] * t - to_corner(axes, q, ray, i)
 }
 
 #[inline(always)]
