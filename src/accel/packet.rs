@@ -127,13 +127,8 @@ impl<const V: usize> Packet<V> {
         primitive: u32,
     ) {
         // A copy stays in registers while vectors change, and costs more where there is but one.
-        let copy;
-        let quad = if V == 1 {
-            quad
-        } else {
-            copy = *quad;
-            &copy
-        };
+        let copy = *quad;
+        let quad = if V == 1 { quad } else { &copy };
         // Hits do not look at the limit: each quad would wait for the one before.
         if !NEAR {
             for rays in &mut self.vectors {
