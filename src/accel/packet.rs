@@ -5,7 +5,7 @@ use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
 use super::rays::Rays;
 use crate::geometry::lanes::{self, HitLanes, QuadTest, RayLanes, SpecialQuad};
-use crate::simd::{Bits, Float, Int, LANES, Vec3x, first_bits};
+use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, first_bits};
 
 /// A packet on its way.
 pub(super) struct Packet<const V: usize> {
@@ -64,7 +64,7 @@ impl<const V: usize> Packet<V> {
         count: &mut impl Count,
     ) {
         for rays in &self.vectors {
-            let looking = rays.t.ge(Float::ZERO).bits().count_ones();
+            let looking = rays.looking().count_ones();
             (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
         }
         match block.kind() {
@@ -129,27 +129,30 @@ impl<const V: usize> Packet<V> {
         // A copy stays in registers while vectors change, and costs more where there is but one.
         let copy = *quad;
         let quad = if V == 1 { quad } else { &copy };
-        // Hits do not look at the limit: each quad would wait for the one before.
+        // Only `offer` looks at what is closest so far: asked in here, each quad would wait for the
+        // one before.
+        let offer = |rays: &mut Rays, t: Float| {
+            let ray = &rays.setup.ray;
+            let hit = t.gt(ray.t_min) & quad.contains(ray, t);
+            rays.offer::<ANY>(HitLanes { t, hit }, primitive);
+        };
         if !NEAR {
+            // Dividing first, as below, loses where nothing is asked.
             for rays in &mut self.vectors {
-                let ray = &rays.setup.ray;
-                let t = quad.distance(ray);
-                let hit = t.gt(ray.t_min) & quad.contains(ray, t);
-                rays.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+                let t = quad.distance(&rays.setup.ray);
+                offer(rays, t);
             }
             return;
         }
         // All divisions first, then one question for all: no vector waits for another.
-        let (mut distances, mut near) = ([Float::ZERO; V], false);
+        let (mut distances, mut near) = ([Float::ZERO; V], Mask::NONE);
         for (t, rays) in distances.iter_mut().zip(&self.vectors) {
             *t = quad.distance(&rays.setup.ray);
-            near |= (t.gt(rays.setup.ray.t_min) & t.le(rays.t)).any();
+            near = near | (t.gt(rays.setup.ray.t_min) & t.le(rays.t));
         }
-        if near {
+        if near.any() {
             for (rays, t) in self.vectors.iter_mut().zip(distances) {
-                let ray = &rays.setup.ray;
-                let hit = t.gt(ray.t_min) & quad.contains(ray, t);
-                rays.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+                offer(rays, t);
             }
         }
     }
@@ -175,8 +178,9 @@ impl<const V: usize> Packet<V> {
         for (rays, missed) in self.vectors.iter_mut().zip(missed) {
             if missed != all {
                 let ray = &rays.setup.ray;
-                let hits = lanes::sphere::<LEAVE>(ray, center(ray), radius);
-                rays.offer::<ANY>(hits, primitive);
+                if let Some(hits) = lanes::sphere::<LEAVE>(ray, center(ray), radius) {
+                    rays.offer::<ANY>(hits, primitive);
+                }
             }
         }
     }

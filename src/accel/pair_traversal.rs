@@ -11,7 +11,7 @@ use super::setup::SlabLanes;
 use super::slab::near_and_far;
 use crate::simd::{Float, LANES};
 
-/// Vectors of rays in the packets of this kernel: 8 rays, or 32 with AVX-512.
+/// Vectors of rays in the packets of these kernels: 8 rays, or 32 with AVX-512.
 pub(super) const VECTORS: usize = LANES / 8;
 
 /// How the rays of a packet are tested against boxes: where all go down the same axes, ...
@@ -24,8 +24,9 @@ const FAR: u8 = 2;
 /// For packets that are [`FAR`], what [`Setup::offsets`](super::setup::Setup::offsets) tells.
 type Offsets<const V: usize> = [[Float; 6]; V];
 
-/// For packets that are [`ALIKE`], the planes that their rays meet first on each axis, and last.
-type Meets = ([usize; 3], [usize; 3]);
+/// For packets that are [`ALIKE`], the planes of a box that their rays meet first on each axis, and
+/// last.
+type NearAndFar = ([usize; 3], [usize; 3]);
 
 impl Rays {
     /// Where the rays enter a box: +∞ for those that do not up to their closest hit.
@@ -33,18 +34,18 @@ impl Rays {
     fn enter<const WAY: u8>(
         &self,
         sides: &[f32; 6],
-        meets: &Meets,
+        planes: &NearAndFar,
         offsets: &[Float; 6],
     ) -> (Float, bool) {
         let SlabLanes { inverse, steepness, offset, .. } = &self.setup.slab;
-        let (near_planes, far_planes) = meets;
+        let (first, last) = planes;
         let (mut near, mut far) = ([Float::ZERO; 3], [Float::ZERO; 3]);
         for axis in 0..3 {
             let side = |i: usize| Float::splat(sides[i % 6]);
             (near[axis], far[axis]) = match WAY {
                 ALIKE => {
                     let meet = |plane: usize| side(plane).free_mul_sub(inverse[axis], offset[axis]);
-                    (meet(near_planes[axis]), meet(far_planes[axis]))
+                    (meet(first[axis]), meet(last[axis]))
                 }
                 MIXED => {
                     let middle = side(axis).free_mul_sub(inverse[axis], offset[axis]);
@@ -71,13 +72,13 @@ impl<const V: usize> Packet<V> {
     fn enter<const WAY: u8>(
         &self,
         sides: &[f32; 6],
-        meets: &Meets,
+        planes: &NearAndFar,
         offsets: &Offsets<V>,
     ) -> ([Float; V], bool) {
         let (mut entries, mut some) = ([Float::ZERO; V], false);
         for ((rays, entry), offsets) in self.vectors.iter().zip(&mut entries).zip(offsets) {
             let any;
-            (*entry, any) = rays.enter::<WAY>(sides, meets, offsets);
+            (*entry, any) = rays.enter::<WAY>(sides, planes, offsets);
             some |= any;
         }
         (entries, some)
@@ -101,7 +102,7 @@ impl<const V: usize> Packet<V> {
         stack: &mut [(u32, [Float; V])],
         count: &mut impl Count,
     ) {
-        let meets = near_and_far(octants.negative);
+        let planes = near_and_far(octants.negative);
         let (mut top, mut next) = (0, root);
         loop {
             if let Some(block) = PairTree::block(next) {
@@ -113,8 +114,8 @@ impl<const V: usize> Packet<V> {
             } else {
                 let nodes = if WAY == MIXED { &tree.middles } else { &tree.nodes };
                 let node = &nodes[next as usize];
-                let (left, enter_left) = self.enter::<WAY>(&node.boxes[0], &meets, offsets);
-                let (right, enter_right) = self.enter::<WAY>(&node.boxes[1], &meets, offsets);
+                let (left, enter_left) = self.enter::<WAY>(&node.boxes[0], &planes, offsets);
+                let (right, enter_right) = self.enter::<WAY>(&node.boxes[1], &planes, offsets);
                 let entered = |entries: [Float; V]| {
                     let lanes = |entry: Float| entry.lt(Float::INFINITY).bits().count_ones();
                     entries.iter().map(|entry| lanes(*entry)).sum::<u32>()

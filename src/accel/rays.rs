@@ -91,14 +91,21 @@ impl Rays {
         }
         if decided != 0 {
             let hit = Mask::from_bits(decided) & t.gt(self.setup.ray.t_min);
-            self.offer::<ANY>(Some(HitLanes { t, hit }), primitive);
+            self.offer::<ANY>(HitLanes { t, hit }, primitive);
         }
     }
 
-    /// Which rays have hit something.
+    /// The rays that look for hits: distances of such are above 0.
+    #[inline(always)]
+    pub(super) fn looking(&self) -> u32 {
+        self.t.ge(Float::ZERO).bits()
+    }
+
+    /// The rays that have hit something.
     #[inline(always)]
     pub(super) fn found<const ANY: bool>(&self) -> Mask {
         if ANY {
+            // −∞ is also the distance of rays that are not there.
             self.t.eq(Float::splat(f32::NEG_INFINITY)) & Mask::from_bits(self.setup.active)
         } else {
             !self.primitive.eq(Int::splat(HitBatch::MISS))
@@ -114,8 +121,8 @@ impl Rays {
 
     /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
     #[inline(always)]
-    pub(super) fn offer<const ANY: bool>(&mut self, hits: Option<HitLanes>, primitive: u32) {
-        let Some(HitLanes { t, hit }) = hits else { return };
+    pub(super) fn offer<const ANY: bool>(&mut self, hits: HitLanes, primitive: u32) {
+        let HitLanes { t, hit } = hits;
         let closer = hit & t.lt(self.t);
         if ANY {
             self.end(closer);

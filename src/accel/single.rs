@@ -158,8 +158,7 @@ pub(super) fn trace_each<const ANY: bool, const V: usize>(
     for rays in &mut packet.vectors {
         let mut best = BestLanes { t: rays.t.to_array(), primitive: rays.primitive.to_array() };
         let table = Table::new(&rays.setup);
-        let ended = if ANY { rays.found::<ANY>().bits() } else { 0 };
-        let lanes = Bits(rays.setup.active & !ended);
+        let lanes = Bits(rays.looking());
         if tree.in_turn {
             trace_in_turn::<ANY>(tree, &table, lanes, &mut best, above, count);
         } else {

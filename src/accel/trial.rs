@@ -15,8 +15,8 @@ const TRIALS: usize = 3;
 
 /// Above this, single rays and beams were faster than packets on every set.
 const MOST_IN_PACKET_TREE: usize = 1 << 14;
-/// Above this, every tree was faster than none.
-const MOST_WITHOUT_TREE: usize = 64;
+/// Above this, some tree was faster than none on every set; bounces in a cloud of 256 spheres are not.
+const MOST_WITHOUT_TREE: usize = 512;
 
 impl Accelerator<'_> {
     /// The kernel that is fastest on runs of rays from all over `rays`, found by trying.

@@ -190,12 +190,13 @@ mod tests {
             let y: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
             let (v, w, by) = (Int::new(x), Int::new(y), y[0] % 32);
             type Scalar<'a> = &'a dyn Fn(usize) -> u32;
-            let operations: [(Int, Scalar); 9] = [
+            let operations: [(Int, Scalar); 10] = [
                 (v + w, &|i| x[i].wrapping_add(y[i])),
                 (v * w, &|i| x[i].wrapping_mul(y[i])),
                 (v & w, &|i| x[i] & y[i]),
                 (v | w, &|i| x[i] | y[i]),
                 (v ^ w, &|i| x[i] ^ y[i]),
+                (v.max(w), &|i| x[i].max(y[i])),
                 (v.shifted_down(by), &|i| x[i] >> by),
                 (v.shifted_up(by), &|i| x[i] << by),
                 (Float::from_bits(v).to_bits(), &|i| x[i]),
@@ -210,6 +211,8 @@ mod tests {
             assert_eq!(Some(Int::new(p).least()), p.into_iter().min());
             let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {
+                assert_eq!(v.le(w).bits() >> i & 1 == 1, x[i] <= y[i]);
+                assert_eq!(Int::new(p).le(Int::new(q)).bits() >> i & 1 == 1, p[i] <= q[i]);
                 assert_eq!(equal.bits() >> i & 1 == 1, p[i] == q[i]);
                 assert_eq!(chosen[i], if p[i] == q[i] { 9 } else { q[i] });
             }

@@ -29,10 +29,15 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
             // Some thin to the limit of what is allowed.
             let thin = if kind < 0.5 { 0.02 } else { 1.0 };
             let mut v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
-            // Some with an edge along an axis, or both.
+            // Some across an axis, with an edge along one, or both.
             let along = geometry.quads.len() % 3;
-            if kind > 0.6 {
-                (u[along], v) = (0.0, Vec3::AXES[along] * v[along]);
+            if kind > 0.56 {
+                u[along] = 0.0;
+                v = if kind > 0.6 {
+                    Vec3::AXES[along] * v[along]
+                } else {
+                    v - Vec3::AXES[along] * v[along]
+                };
             }
             if kind > 0.65 {
                 u[(along + 1) % 3] = 0.0;

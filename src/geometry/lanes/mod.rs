@@ -1,7 +1,7 @@
 //! The primitive tests over lanes: many rays against one primitive, or one ray against many.
 //!
 //! Each function finds what the scalar test of the same primitive finds, to the bit: by the same
-//! operations in the same order, with branches turned into masks, or it says why fewer do. Lanes
+//! operations in the same order, with branches turned into masks, or it says why others do. Lanes
 //! that hold NaN miss.
 
 mod quad;
@@ -175,7 +175,7 @@ mod tests {
                 let (center, motion) = (vector(&mut random), vector(&mut random));
                 let radius = crate::math::max(number(&mut random).abs(), 1e-3);
                 primitives.spheres.push(Sphere { center, center1: center + motion, radius });
-                // Some along axes, some level, some upright, some nothing.
+                // Some along axes, some level, some upright, some none of these.
                 let (along, zeros) = (random.bits() as usize % 3, random.bits() as usize % 4);
                 let quad = loop {
                     let (mut u, mut v) = (vector(&mut random), vector(&mut random));

@@ -15,9 +15,9 @@ pub(crate) struct QuadLanes {
     pub(crate) dual_v: Vec3x,
 }
 
-/// The two halves of a quad's test: the second is for hits that the first leaves to look at.
+/// The two halves of a quad's test: the second matters where the distance is in a ray's interval.
 ///
-/// The scalar test has corners and origins change places; signs do not round.
+/// The scalar test takes origin − corner, these take corner − origin: signs differ, and do not round.
 pub(crate) trait QuadTest {
     /// Where rays meet the plane.
     fn distance(&self, ray: &RayLanes) -> Float;
@@ -42,20 +42,26 @@ impl QuadTest for QuadLanes {
 /// Where `a` and `b` are from 0 to 1.
 #[inline(always)]
 fn in_unit_square(a: Float, b: Float) -> Mask {
-    if cfg!(target_feature = "avx512f") {
-        // As integers the bits of such floats are the least, but for −0, which this makes 0. Four
-        // comparisons of floats cost more here, and less elsewhere (`profiling/`).
-        let bits = |x: Float| (x + Float::ZERO).to_bits();
-        bits(a).max(bits(b)).le(Int::splat(1.0f32.to_bits()))
-    } else {
-        let in_unit = |x: Float| Float::ZERO.le(x) & x.le(Float::splat(1.0));
-        in_unit(a) & in_unit(b)
-    }
+    // Either is slower where the other is faster (`profiling/`).
+    if cfg!(target_feature = "avx512f") { in_square_as_bits(a, b) } else { in_square(a, b) }
+}
+
+#[inline(always)]
+fn in_square(a: Float, b: Float) -> Mask {
+    let in_unit = |x: Float| Float::ZERO.le(x) & x.le(Float::splat(1.0));
+    in_unit(a) & in_unit(b)
+}
+
+/// As integers the bits of floats from 0 to 1 are the least, but for −0, which this makes 0.
+#[inline(always)]
+fn in_square_as_bits(a: Float, b: Float) -> Mask {
+    let bits = |x: Float| (x + Float::ZERO).to_bits();
+    bits(a).max(bits(b)).le(Int::splat(1.0f32.to_bits()))
 }
 
 /// A quad of whose numbers many are 0, and which is tested by less work: it finds what
-/// [`QuadLanes`] find, for rays whose coordinates do not overflow on the way to the plane. Kernels
-/// leave others to the reference.
+/// [`QuadLanes`] find, for rays that begin where corner − origin does not overflow. Kernels leave
+/// others to the reference.
 ///
 /// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
 /// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
@@ -64,7 +70,7 @@ fn in_unit_square(a: Float, b: Float) -> Mask {
 pub(crate) enum SpecialQuad {
     /// Both edges are along axes.
     Aligned(AlignedQuad),
-    /// The plane is across an axis, the edges are along none.
+    /// The plane is across an axis, at most one edge is along one.
     Level(LevelQuad),
     /// One edge is along an axis, the other across it.
     Upright(UprightQuad),
@@ -123,8 +129,8 @@ impl QuadTest for AlignedQuad {
     }
 }
 
-/// A quad whose plane lies across an axis, and its edges as they will, as the lids of boxes that
-/// are turned about an axis.
+/// A quad whose plane is across an axis, with edges in any direction, as the lids of boxes that are
+/// turned about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelQuad {
     /// The axis across, and those in the plane.
@@ -236,4 +242,27 @@ fn from_corner(axes: &[usize; 3], q: &[f32; 3], ray: &RayLanes, t: Float, i: usi
 #[inline(always)]
 fn dot(a: [f32; 2], [x, y]: [Float; 2]) -> Float {
     Float::splat(a[0]) * x + Float::splat(a[1]) * y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::LANES;
+
+    #[test]
+    fn both_ways_of_asking_agree() {
+        let (tiny, one) = (f32::from_bits(1), 1.0f32);
+        let values = [0.0, tiny, f32::MIN_POSITIVE, 0.5, one.next_down(), one, one.next_up(), 2.0];
+        let values: Vec<f32> =
+            values.into_iter().chain([f32::INFINITY, f32::NAN]).flat_map(|x| [x, -x]).collect();
+        for &a in &values {
+            for &b in &values {
+                let is_in = (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b);
+                let all = if is_in { crate::simd::first_bits(LANES) } else { 0 };
+                let (va, vb) = (Float::splat(a), Float::splat(b));
+                assert_eq!(in_square(va, vb).bits(), all, "{a} {b}");
+                assert_eq!(in_square_as_bits(va, vb).bits(), all, "{a} {b}");
+            }
+        }
+    }
 }
