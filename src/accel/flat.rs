@@ -4,12 +4,9 @@ use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks};
 use super::counters::Count;
 use super::job::Job;
+use super::packet::VECTORS;
 use super::setup::Extent;
 use crate::geometry::{Bounds, Geometry};
-use crate::simd::LANES;
-
-/// Vectors of rays in a packet: 32 rays, among which a primitive's numbers are shared.
-const VECTORS: usize = 32 / LANES;
 
 /// All primitives, without boxes.
 #[derive(Debug)]

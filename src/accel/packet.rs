@@ -7,6 +7,10 @@ use super::rays::Rays;
 use crate::geometry::lanes::{self, HitLanes, QuadTest, RayLanes, SpecialQuad};
 use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, first_bits};
 
+/// Vectors of rays in the packets of most kernels: 32 rays, which share a primitive's numbers and
+/// the questions that CPUs cannot foretell the answers of.
+pub(super) const VECTORS: usize = 32 / LANES;
+
 /// A packet on its way.
 pub(super) struct Packet<const V: usize> {
     pub(super) vectors: [Rays; V],
@@ -126,9 +130,8 @@ impl<const V: usize> Packet<V> {
         quad: &(impl QuadTest + Copy),
         primitive: u32,
     ) {
-        // A copy stays in registers while vectors change, and costs more where there is but one.
-        let copy = *quad;
-        let quad = if V == 1 { quad } else { &copy };
+        // A copy stays in registers while vectors change.
+        let quad = *quad;
         // Only `offer` looks at what is closest so far: asked in here, each quad would wait for the
         // one before.
         let offer = |rays: &mut Rays, t: Float| {

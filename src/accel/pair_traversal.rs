@@ -4,15 +4,12 @@ use super::batch::HitBatch;
 use super::counters::Count;
 use super::job::Job;
 use super::octants::Octants;
-use super::packet::Packet;
+use super::packet::{Packet, VECTORS};
 use super::pair::PairTree;
 use super::rays::Rays;
 use super::setup::SlabLanes;
 use super::slab::near_and_far;
 use crate::simd::{Float, LANES};
-
-/// Vectors of rays in the packets of these kernels: 8 rays, or 32 with AVX-512.
-pub(super) const VECTORS: usize = LANES / 8;
 
 /// How the rays of a packet are tested against boxes: where all go down the same axes, ...
 const ALIKE: u8 = 0;
@@ -123,8 +120,8 @@ impl<const V: usize> Packet<V> {
                 count.node(2 * (V * LANES) as u32, entered(left) + entered(right));
                 match (enter_left, enter_right) {
                     (true, true) => {
-                        // Voting beats the sign of most rays by up to 2% in packets of two vectors.
-                        let right_first = if WAY == MIXED && V > 1 {
+                        // Voting beats the sign of most rays by up to 2%.
+                        let right_first = if WAY == MIXED {
                             vote(&left, &right) < 0
                         } else {
                             octants.negative[node.axis as usize % 3]

@@ -3,8 +3,7 @@
 use super::batch::{HitBatch, RayVector};
 use super::counters::Count;
 use super::job::Job;
-use super::packet::Packet;
-use super::pair_traversal::VECTORS;
+use super::packet::{Packet, VECTORS};
 use crate::simd::{Bits, Float, Int, LANES, axes, first_bits, places};
 
 /// Rays that wait until they fill a packet, and room for a vector more.
