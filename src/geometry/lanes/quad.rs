@@ -86,14 +86,49 @@ impl SpecialQuad {
     }
 }
 
+/// A quad's corner, on axes in an order of its own.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    axes: [usize; 3],
+    q: [f32; 3],
+}
+
+impl Corner {
+    fn new(quad: &Quad, axes: [usize; 3]) -> Self {
+        Self { axes, q: axes.map(|axis| quad.q[axis]) }
+    }
+
+    /// Number `i` of rays' directions.
+    #[inline(always)]
+    fn direction(&self, ray: &RayLanes, i: usize) -> Float {
+        ray.direction[self.axes[i]]
+    }
+
+    /// Number `i` of the way from the origin to the corner.
+    #[inline(always)]
+    fn ahead(&self, ray: &RayLanes, i: usize) -> Float {
+        Float::splat(self.q[i]) - ray.origin[self.axes[i]]
+    }
+
+    /// Number `i` of the way from the corner to where rays are at `t`.
+    #[inline(always)]
+    fn beyond(&self, ray: &RayLanes, t: Float, i: usize) -> Float {
+        self.direction(ray, i) * t - self.ahead(ray, i)
+    }
+
+    /// Where rays meet the plane across the first axis.
+    #[inline(always)]
+    fn distance_across(&self, ray: &RayLanes) -> Float {
+        self.ahead(ray, 0) / self.direction(ray, 0)
+    }
+}
+
 /// A quad with both edges along axes, as walls and tables: its plane is met where one coordinate is
 /// its corner's, and each edge asks for one more.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlignedQuad {
-    /// The axis across, and those of the edges.
-    axes: [usize; 3],
-    /// Corner, in this order of axes.
-    q: [f32; 3],
+    /// On the axis across, and those of the edges.
+    corner: Corner,
     /// Along each edge.
     duals: [f32; 2],
 }
@@ -108,8 +143,7 @@ impl AlignedQuad {
         let axes = [along(quad.normal)?, along(dual_u)?, along(dual_v)?];
         // Signs of the normal cancel in its distance, other factors might round.
         (quad.normal[axes[0]].abs() == 1.0).then(|| Self {
-            axes,
-            q: axes.map(|axis| quad.q[axis]),
+            corner: Corner::new(quad, axes),
             duals: [dual_u[axes[1]], dual_v[axes[2]]],
         })
     }
@@ -118,12 +152,12 @@ impl AlignedQuad {
 impl QuadTest for AlignedQuad {
     #[inline(always)]
     fn distance(&self, ray: &RayLanes) -> Float {
-        to_corner(&self.axes, &self.q, ray, 0) / ray.direction[self.axes[0]]
+        self.corner.distance_across(ray)
     }
 
     #[inline(always)]
     fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
-        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
+        let p = |i: usize| self.corner.beyond(ray, t, i);
         let [dual_u, dual_v] = self.duals;
         in_unit_square(p(1) * Float::splat(dual_u), p(2) * Float::splat(dual_v))
     }
@@ -133,10 +167,8 @@ impl QuadTest for AlignedQuad {
 /// turned about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelQuad {
-    /// The axis across, and those in the plane.
-    axes: [usize; 3],
-    /// Corner, in this order of axes.
-    q: [f32; 3],
+    /// On the axis across, and those in the plane.
+    corner: Corner,
     /// In the plane.
     dual_u: [f32; 2],
     dual_v: [f32; 2],
@@ -151,8 +183,7 @@ impl LevelQuad {
         let is_level =
             in_plane(quad.normal) == [0.0; 2] && dual_u[across] == 0.0 && dual_v[across] == 0.0;
         is_level.then(|| Self {
-            axes,
-            q: axes.map(|axis| quad.q[axis]),
+            corner: Corner::new(quad, axes),
             dual_u: in_plane(dual_u),
             dual_v: in_plane(dual_v),
         })
@@ -162,12 +193,12 @@ impl LevelQuad {
 impl QuadTest for LevelQuad {
     #[inline(always)]
     fn distance(&self, ray: &RayLanes) -> Float {
-        to_corner(&self.axes, &self.q, ray, 0) / ray.direction[self.axes[0]]
+        self.corner.distance_across(ray)
     }
 
     #[inline(always)]
     fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
-        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
+        let p = |i: usize| self.corner.beyond(ray, t, i);
         let p = [p(1), p(2)];
         in_unit_square(dot(self.dual_u, p), dot(self.dual_v, p))
     }
@@ -177,10 +208,8 @@ impl QuadTest for LevelQuad {
 /// turned about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
-    /// The two axes across the edge, and the one along it.
-    axes: [usize; 3],
-    /// Corner, in this order of axes.
-    q: [f32; 3],
+    /// On the two axes across the edge, and the one along it.
+    corner: Corner,
     /// Across the edge.
     normal: [f32; 2],
     dual_u: [f32; 2],
@@ -199,8 +228,7 @@ impl UprightQuad {
                 let axes = [across[0], across[1], along];
                 let part = |vector: Vec3| across.map(|axis| vector[axis]);
                 return Some(Self {
-                    axes,
-                    q: axes.map(|axis| quad.q[axis]),
+                    corner: Corner::new(quad, axes),
                     normal: part(quad.normal),
                     dual_u: part(u),
                     dual_v: v[along],
@@ -214,29 +242,16 @@ impl UprightQuad {
 impl QuadTest for UprightQuad {
     #[inline(always)]
     fn distance(&self, ray: &RayLanes) -> Float {
-        let to_corner = |i: usize| to_corner(&self.axes, &self.q, ray, i);
-        let direction = |i: usize| ray.direction[self.axes[i]];
-        dot(self.normal, [to_corner(0), to_corner(1)])
-            / dot(self.normal, [direction(0), direction(1)])
+        let Self { corner, normal, .. } = self;
+        dot(*normal, [corner.ahead(ray, 0), corner.ahead(ray, 1)])
+            / dot(*normal, [corner.direction(ray, 0), corner.direction(ray, 1)])
     }
 
     #[inline(always)]
     fn contains(&self, ray: &RayLanes, t: Float) -> Mask {
-        let p = |i: usize| from_corner(&self.axes, &self.q, ray, t, i);
+        let p = |i: usize| self.corner.beyond(ray, t, i);
         in_unit_square(dot(self.dual_u, [p(0), p(1)]), p(2) * Float::splat(self.dual_v))
     }
-}
-
-/// Number `i` of the way from the origin to a corner, on axes in another order.
-#[inline(always)]
-fn to_corner(axes: &[usize; 3], q: &[f32; 3], ray: &RayLanes, i: usize) -> Float {
-    Float::splat(q[i]) - ray.origin[axes[i]]
-}
-
-/// Number `i` of the way from the corner to where rays are at `t`.
-#[inline(always)]
-fn from_corner(axes: &[usize; 3], q: &[f32; 3], ray: &RayLanes, t: Float, i: usize) -> Float {
-    ray.direction[axes[i]] * t - to_corner(axes, q, ray, i)
 }
 
 #[inline(always)]
