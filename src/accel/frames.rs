@@ -4,7 +4,7 @@
 //! visit takes out the least. So nothing is sorted, and there is no branch on how many there
 //! are, which no CPU could foretell. A key is the distance at which its child is entered, as
 //! the bits of a float not below 0, whose order is that of integers, with the child's lane in
-//! the last of them.
+//! the last of them. Leaves that share a block are taken out together.
 
 use super::wide::WideTree;
 use crate::simd::{Float, Int, LANES, Mask};
@@ -39,7 +39,8 @@ impl Frame {
         Self { keys, least: keys.least(), node }
     }
 
-    /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`.
+    /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`,
+    /// and with it the leaves that share its block.
     #[inline(always)]
     fn take(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
         // As integers with a sign: a limit below 0 is below every key.
@@ -47,8 +48,9 @@ impl Frame {
             return None;
         }
         let child = self.nearest(tree);
-        let nearest = self.keys.eq(Int::splat(self.least));
-        self.keys = Int::select(nearest, Int::splat(NONE), self.keys);
+        let children = Int::new(tree.nodes[self.node as usize].children);
+        let taken = children.eq(Int::splat(child));
+        self.keys = Int::select(taken, Int::splat(NONE), self.keys);
         self.least = self.keys.least();
         Some(child)
     }
@@ -198,5 +200,17 @@ mod tests {
         frames.clear();
         here = frame(2, up, 0);
         assert_eq!(frames.next(&mut here, &tree, 9.0), None, "nothing of the ray before");
+    }
+
+    #[test]
+    fn leaves_that_share_a_block_are_taken_together() {
+        let mut tree = tree(1);
+        tree.nodes[0].children[2] = 100;
+        tree.nodes[0].children[5] = 100;
+        let entry = Float::new(std::array::from_fn(|lane| lane as f32));
+        let mut frame = Frame::new(0, entry, Mask::from_bits(0b11_1110));
+        let mut frames = Frames::new(&tree);
+        let visits: Vec<u32> = std::iter::from_fn(|| frames.next(&mut frame, &tree, 9.0)).collect();
+        assert_eq!(visits, [101, 100, 103, 104]);
     }
 }

@@ -6,6 +6,7 @@ mod beam;
 mod binary;
 mod blocks;
 mod bvh2;
+mod collapse;
 mod counters;
 mod flat;
 mod frames;
