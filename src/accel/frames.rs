@@ -6,6 +6,7 @@
 //! the bits of a float not below 0, whose order is that of integers, with the child's lane in
 //! the last of them. Leaves that share a block are taken out together.
 
+use super::blocks::BlockRef;
 use super::wide::WideTree;
 use crate::simd::{Float, Int, LANES, Mask};
 
@@ -55,8 +56,16 @@ impl Frame {
         Some(child)
     }
 
+    /// Takes out the nearest child where it is a node and entered up to `limit`.
     #[inline(always)]
-    fn nearest(&self, tree: &WideTree) -> u32 {
+    pub(super) fn take_node(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
+        let is_node = self.nearest(tree) & BlockRef::LEAF == 0;
+        if is_node { self.take(tree, limit) } else { None }
+    }
+
+    /// The nearest child, or any if none is left.
+    #[inline(always)]
+    pub(super) fn nearest(&self, tree: &WideTree) -> u32 {
         tree.nodes[self.node as usize].children[(self.least & LANE) as usize]
     }
 }

@@ -8,6 +8,7 @@ mod blocks;
 mod bvh2;
 mod collapse;
 mod counters;
+mod descent;
 mod flat;
 mod frames;
 mod group;

@@ -3,6 +3,7 @@
 use super::batch::HitBatch;
 use super::blocks::{BlockRef, Blocks, Kind};
 use super::counters::Count;
+use super::descent::Descent;
 use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::one_ray::{OneRay, Table};
@@ -182,10 +183,12 @@ fn trace_one_by_one<const ANY: bool>(
     above: &mut Frames,
     count: &mut impl Count,
 ) {
+    let mut descent = Descent::NONE;
+    descent.descend(tree, table, lanes, &best.t, count);
     for lane in lanes {
         let one = OneRay::new(table, lane);
         let mut closest = best.lane(lane);
-        let mut walk = Walk::new(tree, &one, closest.t, above, count);
+        let mut walk = Walk { frame: descent.resume(tree, lane, above) };
         while let Some(block) = walk.next(tree, &one, closest.t, above, tree.is_large, count) {
             test(&tree.blocks, block, &one, &mut closest, count);
             if ANY && closest.found() {
