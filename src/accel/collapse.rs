@@ -59,7 +59,8 @@ impl<'a> Collapse<'a> {
         let count = left.count + right.count;
         let kind = left.kind.filter(|_| left.kind == right.kind);
         let is_leaf = kind.is_some() && count <= LANES as u32;
-        // A visit costs the same, be it of a node or of a leaf.
+        // A visit costs the same, be it of a node or of a leaf, whoever shares its block: other
+        // costs gained nothing (`profiling/`).
         let mut costs = [area + if is_leaf { 0.0 } else { self.split(first, LANES).0 }; SHARES];
         for shares in 2..=SHARES {
             let least = costs[shares - 2];
@@ -119,7 +120,7 @@ impl<'a> Collapse<'a> {
     /// block.
     pub(super) fn runs<'c>(&'c self, children: &'c [u32]) -> impl Iterator<Item = &'c [u32]> {
         let subtree = |child: u32| &self.subtrees[child as usize];
-        // Primitives of the run so far.
+        // Primitives of the run so far: neighbours are asked about in order.
         let mut filled = children.first().map_or(0, |&child| subtree(child).count);
         children.chunk_by(move |&before, &child| {
             let (before, child) = (subtree(before), subtree(child));
@@ -139,12 +140,16 @@ mod tests {
     use crate::math::random::Stream;
     use glam::Vec3;
 
-    /// Spheres and quads, close together.
+    /// Still and moving spheres, and quads, close together.
     fn mixture(spheres: usize, quads: usize) -> Geometry {
         let mut random = Stream::new(14);
         let mut point = || Vec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));
         let quad = |q: Vec3| Quad::new(q, Vec3::X * 0.1, Vec3::Y * 0.1).expect("a quad");
-        let spheres = (0..spheres).map(|_| Sphere::still(point(), 0.05)).collect();
+        let sphere = |i: usize, center: Vec3| Sphere {
+            center1: center + Vec3::X * if i.is_multiple_of(3) { 0.1 } else { 0.0 },
+            ..Sphere::still(center, 0.05)
+        };
+        let spheres = (0..spheres).map(|i| sphere(i, point())).collect();
         let quads = (0..quads).map(|_| quad(point())).collect();
         Geometry { spheres, quads, triangles: Vec::new() }
     }
@@ -157,7 +162,13 @@ mod tests {
             let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds(0.0, 1.0)).collect();
             let tree = BinaryTree::new(&boxes, &all);
             let collapse = Collapse::new(&geometry, &tree);
-            let kind_of = |leaf: u32| Kind::of(geometry.get(tree.primitives(leaf)[0]));
+            let kind_of = |leaf: u32| {
+                let mut kinds: Vec<Kind> =
+                    tree.primitives(leaf).iter().map(|&p| Kind::of(geometry.get(p))).collect();
+                kinds.dedup();
+                assert_eq!(kinds.len(), 1);
+                kinds[0]
+            };
             let size_of = |run: &[u32]| -> usize {
                 run.iter().map(|&child| tree.primitives(child).len()).sum()
             };

@@ -1,7 +1,6 @@
 //! The first levels of a wide tree, for all rays of a vector together: each goes on to its nearest
-//! child, level by level, so that none waits for another's memory, or for a branch that no CPU
-//! could foretell. From there rays go alone ([`super::single`]), and visit what they would have
-//! visited.
+//! child, level by level, so that their waits for memory and for branches overlap. From there rays
+//! go alone ([`super::single`]), and visit what they would have visited.
 
 use super::counters::Count;
 use super::frames::{Frame, Frames};
@@ -37,22 +36,24 @@ impl Descent {
     ) {
         let Self { frames, lowest } = self;
         for lane in lanes {
+            lowest[lane] = 0;
             frames[0][lane] = OneRay::new(table, lane).enter(tree, 0, limits[lane], count);
             if tree.is_large {
                 tree.prefetch(frames[0][lane].nearest(tree));
             }
         }
-        if tree.is_large {
-            for level in 1..LEVELS {
-                for lane in lanes {
-                    if lowest[lane] + 1 == level
-                        && let Some(node) = frames[level - 1][lane].take_node(tree, limits[lane])
-                    {
-                        let one = OneRay::new(table, lane);
-                        frames[level][lane] = one.enter(tree, node, limits[lane], count);
-                        lowest[lane] = level;
-                        tree.prefetch(frames[level][lane].nearest(tree));
-                    }
+        if !tree.is_large {
+            return;
+        }
+        for level in 1..LEVELS {
+            for lane in lanes {
+                if lowest[lane] + 1 == level
+                    && let Some(node) = frames[level - 1][lane].take_node(tree, limits[lane])
+                {
+                    let one = OneRay::new(table, lane);
+                    frames[level][lane] = one.enter(tree, node, limits[lane], count);
+                    lowest[lane] = level;
+                    tree.prefetch(frames[level][lane].nearest(tree));
                 }
             }
         }
@@ -67,5 +68,89 @@ impl Descent {
             above.push(&frames[lane], tree, false);
         }
         self.frames[lowest][lane]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::RayBatch;
+    use crate::accel::binary::BinaryTree;
+    use crate::accel::blocks::BlockRef;
+    use crate::accel::counters::Counters;
+    use crate::accel::setup::{Extent, Setup};
+    use crate::geometry::{Bounds, Geometry, Ray, Sphere};
+    use crate::math::random::Stream;
+    use crate::simd::first_bits;
+    use glam::Vec3;
+
+    /// All that a ray visits from `frame` on, if it hits nothing.
+    fn visits(
+        tree: &WideTree,
+        one: &OneRay<'_>,
+        limit: f32,
+        mut frame: Frame,
+        above: &mut Frames,
+        count: &mut Counters,
+    ) -> Vec<u32> {
+        let mut visits = Vec::new();
+        while let Some(child) = above.next(&mut frame, tree, limit) {
+            visits.push(child);
+            if child & BlockRef::LEAF == 0 {
+                above.push(&frame, tree, false);
+                frame = one.enter(tree, child, limit, count);
+            }
+        }
+        visits
+    }
+
+    #[test]
+    fn rays_visit_what_they_visit_alone() {
+        let mut random = Stream::new(23);
+        let mut point = |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
+        let spheres = (0..LANES.pow(3)).map(|_| Sphere::still(point(1.0), 0.1)).collect();
+        let geometry = Geometry { spheres, ..Geometry::default() };
+        let boxes = geometry.boxes((0.0, 1.0));
+        let all = boxes.iter().fold(Bounds::EMPTY, |all, bounds| all.union(*bounds));
+        let primitives: Vec<u32> = (0..geometry.len() as u32).collect();
+        let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives));
+        let extent = Extent::new(&geometry, all, all);
+        let mut above = Frames::new(&tree);
+        // Used again, as it would be left by others.
+        let mut descent = Descent::NONE;
+        let mut reached = [0; LEVELS];
+        for round in 0..200 {
+            tree.is_large = round % 4 > 0;
+            let mut batch = RayBatch::default();
+            for _ in 0..LANES {
+                let ray = Ray { origin: point(1.5), direction: point(1.0), time: 0.0 };
+                batch.push(&ray, 0.0, f32::INFINITY);
+            }
+            let mut setup = Setup::NONE;
+            assert_eq!(setup.load(&batch.vector(0), first_bits(LANES), &extent), 0);
+            let table = Table::new(&setup);
+            let limits: Lanes = std::array::from_fn(|lane| match (lane + round) % 4 {
+                0 => f32::NEG_INFINITY,
+                1 => 1.0,
+                _ => f32::INFINITY,
+            });
+            let lanes = first_bits(LANES) & !(1 << (round % LANES));
+            let (mut together, mut alone) = (Counters::default(), Counters::default());
+            descent.descend(&tree, &table, Bits(lanes), &limits, &mut together);
+            for lane in Bits(lanes) {
+                let (one, limit) = (OneRay::new(&table, lane), limits[lane]);
+                above.clear();
+                let root = one.enter(&tree, 0, limit, &mut alone);
+                let want = visits(&tree, &one, limit, root, &mut above, &mut alone);
+                let lowest = descent.lowest[lane];
+                reached[lowest] += 1;
+                let frame = descent.resume(&tree, lane, &mut above);
+                let rest = visits(&tree, &one, limit, frame, &mut above, &mut together);
+                assert_eq!(want[lowest..], rest);
+                assert!(want[..lowest].iter().all(|node| node & BlockRef::LEAF == 0));
+            }
+            assert_eq!(together, alone);
+        }
+        assert!(reached.iter().all(|&rays| rays > 20), "{reached:?}");
     }
 }

@@ -17,6 +17,7 @@ mod job;
 mod kernel;
 mod octants;
 mod one_ray;
+mod one_ray_blocks;
 mod packet;
 mod pair;
 mod pair_traversal;

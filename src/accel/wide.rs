@@ -57,8 +57,8 @@ const LARGE: usize = 1 << 20;
 impl WideTree {
     /// The layout of `tree`.
     ///
-    /// Leaves of a node that fit into one block share it: each has its own box, and a visit of
-    /// one is a visit of all. Blocks of a million spheres are then 14 in 16 full instead of 5.
+    /// Neighbouring leaves of a kind share a block where they fit: each has its own box, and a
+    /// visit of one is a visit of all. A million spheres take half the memory so (`profiling/`).
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut layout = Self {
             nodes: Vec::new(),
@@ -79,18 +79,19 @@ impl WideTree {
             children.clear();
             collapse.children(index, &mut children);
             let mut lane = 0;
-            for siblings in collapse.runs(&children) {
-                let child = if collapse.is_leaf(siblings[0]) {
-                    let primitives = siblings.iter().flat_map(|&leaf| tree.primitives(leaf));
-                    layout.blocks.push(geometry, &mut primitives.collect::<Vec<_>>()).bits()
+            for run in collapse.runs(&children) {
+                let child = if collapse.is_leaf(run[0]) {
+                    let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
+                    let mut primitives: Vec<u32> = leaves.collect();
+                    layout.blocks.push(geometry, &mut primitives).bits()
                 } else {
                     let below = layout.nodes.len();
                     layout.nodes.push(WideNode::EMPTY);
-                    open.push((below, siblings[0], depth + 1));
+                    open.push((below, run[0], depth + 1));
                     below as u32
                 };
-                for &sibling in siblings {
-                    let bounds = &tree.nodes[sibling as usize].bounds;
+                for &index in run {
+                    let bounds = &tree.nodes[index as usize].bounds;
                     layout.nodes[place].set(lane, bounds, child);
                     lane += 1;
                 }
