@@ -23,8 +23,8 @@ impl Descent {
     pub(super) const NONE: Self =
         Self { frames: [[Frame::NONE; LANES]; LEVELS], lowest: [0; LANES] };
 
-    /// Takes the rays of `lanes`, which look for hits up to `limits`, down from the root. In place:
-    /// large values that are returned are copied.
+    /// Takes the rays of `lanes`, which look for hits up to `limits`, down from the root: once, from
+    /// [`Self::NONE`]. In place, since large values that are returned are copied.
     #[inline(always)]
     pub(super) fn descend(
         &mut self,
@@ -36,7 +36,6 @@ impl Descent {
     ) {
         let Self { frames, lowest } = self;
         for lane in lanes {
-            lowest[lane] = 0;
             frames[0][lane] = OneRay::new(table, lane).enter(tree, 0, limits[lane], count);
             if tree.is_large {
                 tree.prefetch(frames[0][lane].nearest(tree));
@@ -116,8 +115,6 @@ mod tests {
         let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives));
         let extent = Extent::new(&geometry, all, all);
         let mut above = Frames::new(&tree);
-        // Used again, as it would be left by others.
-        let mut descent = Descent::NONE;
         let mut reached = [0; LEVELS];
         for round in 0..200 {
             tree.is_large = round % 4 > 0;
@@ -136,6 +133,7 @@ mod tests {
             });
             let lanes = first_bits(LANES) & !(1 << (round % LANES));
             let (mut together, mut alone) = (Counters::default(), Counters::default());
+            let mut descent = Descent::NONE;
             descent.descend(&tree, &table, Bits(lanes), &limits, &mut together);
             for lane in Bits(lanes) {
                 let (one, limit) = (OneRay::new(&table, lane), limits[lane]);
