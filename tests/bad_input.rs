@@ -304,10 +304,20 @@ fn damaged_ray_sets_are_refused() {
         *b = format!("{before}\"sets\":[]{after}").into();
     };
     damage("manifest.json", none, 65, &["manifest.json:sets: there must be one at least"]);
+    let many = |b: &mut Vec<u8>| {
+        *b = String::from_utf8_lossy(b).replace("\"quads\":0", "\"quads\":40000000").into();
+    };
+    damage("manifest.json", many, 65, &["manifest.json:counts: there can be 33554432 primitives"]);
     damage("manifest.json", |b| b[3] = 0xff, 65, &["manifest.json: not UTF-8 text"]);
     damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
     fs::remove_file(here.join("set/bounce.range")).unwrap();
     fails(here, &trace, 74, &["bounce.range: cannot read"]);
+    // Where something moves, rays have a time.
+    let rays = ["rays", "--scene", "spacetime", "--out", "set", "--spp", "1", "--max-rays", "2048"];
+    assert!(common::ptfast(here, &rays).status.success());
+    assert!(common::ptfast(here, &trace).status.success());
+    fs::remove_file(here.join("set/bounce.time")).unwrap();
+    fails(here, &trace, 74, &["bounce.time: cannot read"]);
     #[cfg(target_os = "linux")]
     {
         fs::remove_file(here.join("set/quads.f32")).unwrap();

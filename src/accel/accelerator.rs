@@ -44,8 +44,8 @@ pub struct Accelerator<'a> {
 pub struct Layout {
     /// Size in memory.
     pub bytes: usize,
-    /// Time that making it took, that of the tree that all but [`Kernel::Scalar`] share not
-    /// included.
+    /// Time that making it took, that of the tree which all but [`Kernel::Scalar`] and
+    /// [`Kernel::Flat`] share not included.
     pub seconds: f64,
 }
 

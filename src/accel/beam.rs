@@ -111,7 +111,13 @@ impl<const V: usize> Beam<V> {
 
     /// The lanes of a block whose primitives' boxes the beam cannot miss.
     #[inline(always)]
-    fn candidates(&self, blocks: &Blocks, block: BlockRef, limit: Float) -> u32 {
+    fn candidates(
+        &self,
+        blocks: &Blocks,
+        block: BlockRef,
+        limit: Float,
+        count: &mut impl Count,
+    ) -> u32 {
         let (low, high) = match block.kind() {
             Kind::Sphere => {
                 let block = &blocks.spheres[block.place()];
@@ -132,7 +138,9 @@ impl<const V: usize> Beam<V> {
         let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
         let (_, entered) =
             self.enter(axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])), limit);
-        entered.bits() & block.valid()
+        let candidates = entered.bits() & block.valid();
+        count.boxes(LANES as u32, candidates.count_ones());
+        candidates
     }
 }
 
@@ -191,7 +199,7 @@ fn traverse<const ANY: bool, const V: usize>(
     while let Some(child) = above.next(&mut frame, tree, limit.first()) {
         if child & BlockRef::LEAF != 0 {
             let block = BlockRef::from_bits(child);
-            let candidates = beam.candidates(&tree.blocks, block, limit);
+            let candidates = beam.candidates(&tree.blocks, block, limit, count);
             if candidates != 0 {
                 packet.test::<ANY, true, false>(&tree.blocks, block, candidates, count);
                 limit = packet.farthest(&beam.scales);

@@ -9,6 +9,8 @@ pub(super) trait Count {
     /// A primitive was tested against rays in `issued` lanes, or a ray against primitives, of which
     /// `active` mattered.
     fn leaf(&mut self, issued: u32, active: u32);
+    /// The boxes of a block's primitives were tested against a beam.
+    fn boxes(&mut self, issued: u32, active: u32);
     /// So many rays were left to the reference.
     fn left(&mut self, rays: usize);
 }
@@ -19,6 +21,8 @@ impl Count for () {
     #[inline(always)]
     fn leaf(&mut self, _: u32, _: u32) {}
     #[inline(always)]
+    fn boxes(&mut self, _: u32, _: u32) {}
+    #[inline(always)]
     fn left(&mut self, _: usize) {}
 }
 
@@ -27,11 +31,12 @@ impl Count for () {
 pub struct Counters {
     /// Nodes visited: by the reference with both children.
     pub node_visits: u64,
-    /// Primitives tested against a vector of rays, or vectors of primitives against a ray.
+    /// Primitives tested against a vector of rays, or vectors of primitives against a ray. Rays that
+    /// go along different axes are tested against a triangle one axis after the other.
     pub leaf_tests: u64,
-    /// Lanes of both.
+    /// Lanes of both, and of the boxes in blocks that a beam was tested against.
     pub lanes_issued: u64,
-    /// Lanes of both that were of use: where a ray entered a box, where a ray was looking when
+    /// Lanes that were of use: where a ray or a beam entered a box, where a ray was looking when
     /// the test of a leaf began, where a primitive was.
     pub lanes_active: u64,
     /// Rays that a kernel left to the reference, whose work is counted as well: those too wild
@@ -48,6 +53,11 @@ impl Count for Counters {
 
     fn leaf(&mut self, issued: u32, active: u32) {
         self.leaf_tests += 1;
+        self.lanes_issued += u64::from(issued);
+        self.lanes_active += u64::from(active);
+    }
+
+    fn boxes(&mut self, issued: u32, active: u32) {
         self.lanes_issued += u64::from(issued);
         self.lanes_active += u64::from(active);
     }

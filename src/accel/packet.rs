@@ -67,9 +67,12 @@ impl<const V: usize> Packet<V> {
         lanes: u32,
         count: &mut impl Count,
     ) {
-        for rays in &self.vectors {
-            let looking = rays.looking().count_ones();
-            (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
+        // Triangles are counted where they are tested: once for each axis that rays go along.
+        if block.kind() != Kind::Triangle {
+            for rays in &self.vectors {
+                let looking = rays.looking().count_ones();
+                (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
+            }
         }
         match block.kind() {
             Kind::Sphere => {
@@ -115,8 +118,9 @@ impl<const V: usize> Packet<V> {
             Kind::Triangle => {
                 let block = &blocks.triangles[block.place()];
                 for lane in Bits(lanes) {
+                    let primitive = block.primitive[lane];
                     for rays in &mut self.vectors {
-                        rays.test_triangle::<ANY>(&block.vertices, lane, block.primitive[lane]);
+                        rays.test_triangle::<ANY>(&block.vertices, lane, primitive, count);
                     }
                 }
             }

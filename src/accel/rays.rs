@@ -1,10 +1,11 @@
 //! A vector of rays and what they have hit.
 
 use super::batch::{HitBatch, RayVector};
+use super::counters::Count;
 use super::setup::{Extent, Setup};
 use crate::geometry::lanes::{self, HitLanes};
 use crate::geometry::shear_axes;
-use crate::simd::{Bits, Float, Int, Lanes, Mask, axes};
+use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, axes};
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
@@ -77,9 +78,12 @@ impl Rays {
         vertices: &[[Lanes; 3]; 3],
         lane: usize,
         primitive: u32,
+        count: &mut impl Count,
     ) {
+        let looking = self.looking();
         let (mut t, mut decided) = (Float::ZERO, 0);
         for view in &self.views.views[..self.views.count] {
+            count.leaf(LANES as u32, (looking & view.rays).count_ones());
             let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
             let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
             let sheared = lanes::shear_triangles(origin, self.setup.shear.shear, vertices);

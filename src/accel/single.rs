@@ -82,8 +82,10 @@ fn trace_one_by_one<const ANY: bool>(
     for lane in lanes {
         let one = OneRay::new(table, lane);
         let mut closest = best.lane(lane);
-        let mut walk = Walk { frame: descent.resume(tree, lane, above) };
-        while let Some(block) = walk.next(tree, &one, closest.t, above, tree.is_large, count) {
+        let mut frame = descent.resume(tree, lane, above);
+        while let Some(block) =
+            next_block(&mut frame, tree, &one, closest.t, above, tree.is_large, count)
+        {
             test(&tree.blocks, block, &one, &mut closest, count);
             if ANY && closest.found() {
                 break;
@@ -111,17 +113,18 @@ fn trace_in_turn<const ANY: bool>(
     for lane in lanes {
         let one = OneRay::new(table, lane);
         let (t, above) = (best.t[lane], &mut above.0[lane]);
-        let mut walk = Walk::new(tree, &one, t, above, count);
-        if let Some(block) = walk.next(tree, &one, t, above, false, count) {
+        above.clear();
+        let mut frame = one.enter(tree, 0, t, count);
+        if let Some(block) = next_block(&mut frame, tree, &one, t, above, false, count) {
             tree.blocks.prefetch(block);
-            waiting[rays] = Waiting { lane, walk, block };
+            waiting[rays] = Waiting { lane, frame, block };
             rays += 1;
         }
     }
     while rays > 0 {
         let mut left = 0;
         for i in 0..rays {
-            let Waiting { lane, mut walk, block } = waiting[i];
+            let Waiting { lane, mut frame, block } = waiting[i];
             let one = OneRay::new(table, lane);
             let (mut closest, above) = (best.lane(lane), &mut above.0[lane]);
             test(&tree.blocks, block, &one, &mut closest, count);
@@ -129,9 +132,10 @@ fn trace_in_turn<const ANY: bool>(
             if ANY && closest.found() {
                 continue;
             }
-            if let Some(block) = walk.next(tree, &one, closest.t, above, false, count) {
+            let t = closest.t;
+            if let Some(block) = next_block(&mut frame, tree, &one, t, above, false, count) {
                 tree.blocks.prefetch(block);
-                waiting[left] = Waiting { lane, walk, block };
+                waiting[left] = Waiting { lane, frame, block };
                 left += 1;
             }
         }
@@ -143,52 +147,33 @@ fn trace_in_turn<const ANY: bool>(
 #[derive(Clone, Copy)]
 struct Waiting {
     lane: usize,
-    walk: Walk,
+    /// The children of the node where it is.
+    frame: Frame,
     block: BlockRef,
 }
 
 impl Waiting {
-    const NONE: Self = Self { lane: 0, walk: Walk { frame: Frame::NONE }, block: BlockRef::NONE };
+    const NONE: Self = Self { lane: 0, frame: Frame::NONE, block: BlockRef::NONE };
 }
 
-/// A ray's way through the tree.
-#[derive(Clone, Copy)]
-struct Walk {
-    /// The children of the node where it is.
-    frame: Frame,
-}
-
-impl Walk {
-    #[inline(always)]
-    fn new(
-        tree: &WideTree,
-        one: &OneRay<'_>,
-        limit: f32,
-        above: &mut Frames,
-        count: &mut impl Count,
-    ) -> Self {
-        above.clear();
-        Self { frame: one.enter(tree, 0, limit, count) }
-    }
-
-    /// The next block in a box that the ray enters up to `limit`, nearer boxes first.
-    #[inline(always)]
-    fn next(
-        &mut self,
-        tree: &WideTree,
-        one: &OneRay<'_>,
-        limit: f32,
-        above: &mut Frames,
-        prefetch: bool,
-        count: &mut impl Count,
-    ) -> Option<BlockRef> {
-        loop {
-            let child = above.next(&mut self.frame, tree, limit)?;
-            if child & BlockRef::LEAF != 0 {
-                return Some(BlockRef::from_bits(child));
-            }
-            above.push(&self.frame, tree, prefetch);
-            self.frame = one.enter(tree, child, limit, count);
+/// The next block in a box that a ray enters up to `limit`, nearer boxes first. `frame` has the
+/// children of the node where the ray is.
+#[inline(always)]
+fn next_block(
+    frame: &mut Frame,
+    tree: &WideTree,
+    one: &OneRay<'_>,
+    limit: f32,
+    above: &mut Frames,
+    prefetch: bool,
+    count: &mut impl Count,
+) -> Option<BlockRef> {
+    loop {
+        let child = above.next(frame, tree, limit)?;
+        if child & BlockRef::LEAF != 0 {
+            return Some(BlockRef::from_bits(child));
         }
+        above.push(frame, tree, prefetch);
+        *frame = one.enter(tree, child, limit, count);
     }
 }

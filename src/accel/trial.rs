@@ -15,7 +15,7 @@ const TRIALS: usize = 3;
 
 /// Above this, single rays and beams were faster than packets on every set.
 const MOST_IN_PACKET_TREE: usize = 1 << 14;
-/// Above this, some tree was faster than none on every set; bounces in a cloud of 256 spheres are not.
+/// Above this, some tree was faster than none on every set; with 256 spheres none is, on bounces.
 const MOST_WITHOUT_TREE: usize = 512;
 
 impl Accelerator<'_> {

@@ -97,9 +97,9 @@ fn say_build(
 ) -> Result<()> {
     let (layout, name) = (accelerator.prepare(kernel), kernel.name());
     let each = |bytes: usize| bytes as f64 / primitives.max(1) as f64;
-    // The reference has a tree of its own, over all primitives.
+    // The reference has a tree of its own, over all primitives; one kernel has none.
     let (tree, kept) = match kernel {
-        Kernel::Scalar => (0.0, String::new()),
+        Kernel::Scalar | Kernel::Flat => (0.0, String::new()),
         _ => (tree, format!(" + {:.1} of the tree", each(accelerator.tree_bytes()))),
     };
     say(format_args!(

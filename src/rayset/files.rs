@@ -13,6 +13,7 @@ use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
 use crate::input::{self, read_text};
+use crate::limits::MAX_PRIMITIVES;
 use crate::output::write_atomically;
 
 /// The file that is written last, and so says that the folder is complete.
@@ -65,7 +66,7 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     write_floats(&folder.join("quads.f32"), quads_f32)?;
     let triangles_f32 = triangles.iter().flat_map(|t| t.vertices).flat_map(|v| v.to_array());
     write_floats(&folder.join("triangles.f32"), triangles_f32)?;
-    let moving = spheres.iter().any(|sphere| sphere.center != sphere.center1);
+    let moving = moves(&sets.geometry);
     for set in &sets.sets {
         let file = |extension: &str| folder.join(format!("{}.{extension}", set.name));
         let rays = &set.rays;
@@ -105,6 +106,11 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     })
 }
 
+/// Whether the moment of a ray matters.
+fn moves(geometry: &Geometry) -> bool {
+    geometry.spheres.iter().any(|sphere| sphere.center != sphere.center1)
+}
+
 /// Removes a file of an older set, if there is one.
 fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
@@ -137,19 +143,33 @@ pub fn read(folder: &Path) -> Result<RaySets> {
         let message = message.split(" at line ").next().unwrap_or_default();
         Error::input(path.display().to_string(), place, message)
     })?;
-    let geometry = read_geometry(folder, &manifest.counts)?;
-    check_entries(&manifest.sets)
+    check_counts(&manifest.counts)
+        .and_then(|()| check_entries(&manifest.sets))
         .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;
-    let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, geometry.len()));
+    let geometry = read_geometry(folder, &manifest.counts)?;
+    let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, &geometry));
     let sets = sets.collect::<Result<Vec<RaySet>>>()?;
     let Manifest { scene, seed, image, .. } = manifest;
     Ok(RaySets { scene, seed, image, geometry, sets })
 }
 
 /// `Err` says which place of the manifest is wrong, and what would be right.
-fn check_entries(sets: &[SetEntry]) -> Result<(), (String, &'static str)> {
+fn check_counts(counts: &Counts) -> Result<(), (String, String)> {
+    let Counts { spheres, quads, triangles } = *counts;
+    let all = spheres.saturating_add(quads).saturating_add(triangles);
+    match all <= MAX_PRIMITIVES {
+        true => Ok(()),
+        false => Err((
+            "counts".to_owned(),
+            format!("there can be {MAX_PRIMITIVES} primitives at most, not {all}"),
+        )),
+    }
+}
+
+/// As [`check_counts`].
+fn check_entries(sets: &[SetEntry]) -> Result<(), (String, String)> {
     if sets.is_empty() {
-        return Err(("sets".to_owned(), "there must be one at least"));
+        return Err(("sets".to_owned(), "there must be one at least".to_owned()));
     }
     for (index, entry) in sets.iter().enumerate() {
         let known = KINDS.iter().find(|(_, name, _)| *name == entry.name);
@@ -162,7 +182,7 @@ fn check_entries(sets: &[SetEntry]) -> Result<(), (String, &'static str)> {
             Some(_) => continue,
             None => "the name must be primary, bounce or shadow",
         };
-        return Err((format!("sets[{index}]"), message));
+        return Err((format!("sets[{index}]"), message.to_owned()));
     }
     Ok(())
 }
@@ -206,11 +226,13 @@ fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
     Ok(geometry)
 }
 
-fn read_set(folder: &Path, entry: &SetEntry, primitives: usize) -> Result<RaySet> {
+fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RaySet> {
+    let primitives = geometry.len();
     let name = |extension: &str| format!("{}.{extension}", entry.name);
     let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
     let range = read_records::<2>(folder, &name("range"), entry.rays)?;
-    let time = if folder.join(name("time")).exists() {
+    // Only where nothing moves it may be missing.
+    let time = if moves(geometry) || folder.join(name("time")).exists() {
         read_records::<1>(folder, &name("time"), entry.rays)?
     } else {
         vec![[0.0]; entry.rays]

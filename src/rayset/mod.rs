@@ -12,6 +12,19 @@
 //! | `<set>.range` | 2 f32 a ray: t_min, t_max |
 //! | `<set>.time` | 1 f32 a ray; absent when nothing moves |
 //! | `<set>.hits` | 8 bytes a ray: t as f32 (+∞ for a miss), primitive as u32 (all ones) |
+//!
+//! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles. A shadow ray that is
+//! occluded has primitive 0, and t means nothing. Paths go by tiles of 8 × 8 pixels row by row, in a
+//! tile sample by sample, in a sample row by row; bounces by waves of 4096 paths, segment by
+//! segment. The manifest is
+//!
+//! ```json
+//! {"scene": "spheres", "seed": 1, "image": [1280, 720],
+//!  "counts": {"spheres": 488, "quads": 0, "triangles": 0},
+//!  "sets": [{"name": "primary", "kind": "closest", "rays": 2097152}]}
+//! ```
+//!
+//! with `kind` `closest` or, for shadow rays, `occluded`.
 
 mod files;
 mod record;

@@ -90,6 +90,7 @@ mod tests {
             same(Float::splat(a[0]), |_| a[0]);
             let places: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
             same(Float::gather(&a, Int::new(places)), |i| a[places[i] as usize]);
+            same(x.shuffled(Int::new(places)), |i| a[places[i] as usize]);
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
             type Compare = fn(&f32, &f32) -> bool;
             let comparisons: [(Mask, Compare); 5] = [
@@ -164,6 +165,9 @@ mod tests {
                 same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
                 same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
                 same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);
+                same(Vec3x::select(front, u, v)[axis], |i| {
+                    if front.bits() >> i & 1 == 1 { at(i).0[axis] } else { at(i).1[axis] }
+                });
             }
             same(u.max_element(), |i| math::max_element(at(i).0));
             let fronts: u32 =
@@ -208,6 +212,11 @@ mod tests {
                 }
             }
             same(v.shifted_down(1).to_float(), |i| (x[i] >> 1) as f32);
+            let mut memory = [7; LANES + 1];
+            Int::load(&x).store(&mut memory);
+            assert_eq!((&memory[..LANES], memory[LANES]), (&x[..], 7), "no lane beyond is written");
+            let turned = v.shuffled(Int::new(y.map(|place| place % LANES as u32)));
+            assert_eq!(turned.to_array(), y.map(|place| x[place as usize % LANES]));
             assert_eq!(Some(Int::new(p).least()), p.into_iter().min());
             let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use ptfast::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere};
+use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
 use ptfast::math::random::Stream;
 
 use crate::rays::{adversarial, soup};
@@ -23,7 +23,9 @@ fn batch(geometry: &Geometry, rays: usize) -> RayBatch {
 /// `flat` tests every ray against every primitive, whatever it hits.
 #[test]
 fn flat_tests_everything() {
-    let geometry = soup(42, 50, 1.0, Vec3::ZERO);
+    let mut geometry = soup(42, 50, 1.0, Vec3::ZERO);
+    // They are tested an axis at a time.
+    geometry.triangles.clear();
     let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
     for rays in [1, 7, 16, 33, 1000] {
         let batch = batch(&geometry, rays);
@@ -39,6 +41,32 @@ fn flat_tests_everything() {
         assert_eq!(count.lanes_issued, lanes * count.leaf_tests);
         assert!([8, 16].contains(&lanes), "{lanes} lanes");
         assert!(vectors * lanes >= rays as u64 && vectors * lanes < rays as u64 + 32, "{vectors}");
+    }
+}
+
+/// Rays along different axes are tested against a triangle axis by axis: a vector of one axis once,
+/// a vector of all six ways six times.
+#[test]
+fn triangles_are_tested_for_each_axis() {
+    let vertices = [Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::Y + Vec3::Z];
+    let geometry = Geometry { triangles: vec![Triangle { vertices }], ..Geometry::default() };
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let count = |ways: usize, rays: usize| {
+        let mut batch = RayBatch::default();
+        for i in 0..rays {
+            let way = i % ways;
+            let direction = Vec3::AXES[way % 3] * if way < 3 { 1.0 } else { -1.0 };
+            batch.push(&Ray { origin: Vec3::ZERO, direction, time: 0.0 }, 0.0, f32::INFINITY);
+        }
+        let mut hits = HitBatch::misses(rays);
+        accelerator.count(Kernel::Flat, false, &batch, 0..rays, &mut hits)
+    };
+    for ways in [1, 2, 6] {
+        let counters = count(ways, 96);
+        let lanes = counters.lanes_issued / counters.leaf_tests;
+        assert!([8, 16].contains(&lanes), "{lanes} lanes");
+        assert_eq!(counters.leaf_tests, ways as u64 * 96 / lanes, "{ways} ways");
+        assert_eq!(counters.lanes_active, 96, "{ways} ways");
     }
 }
 
@@ -103,5 +131,10 @@ fn a_node_and_a_leaf() {
     assert_eq!((single.node_visits, single.leaf_tests), (64, 64));
     // One child of many is entered, one primitive is in its block.
     assert_eq!(single.lanes_active, 128);
-    assert_eq!(count(Kernel::Beam).node_visits, 1, "one beam");
+    let beam = count(Kernel::Beam);
+    assert_eq!(beam.node_visits, 1, "one beam");
+    // One child of many is entered, by one primitive's box of many, and all rays are tested.
+    assert_eq!(beam.lanes_active, 1 + 1 + 64);
+    let boxes = beam.lanes_issued - 64;
+    assert!([2 * 8, 2 * 16].contains(&boxes), "{boxes} lanes of boxes");
 }

@@ -1,6 +1,7 @@
 //! Every kernel finds what trying every primitive finds: same primitive, same distance bits.
 //!
-//! With the feature `slow-tests` over ten million rays of each kind, else over a share.
+//! With the feature `slow-tests` over ten million rays of each kind of scene, else over a share. Of
+//! more than ten thousand primitives the oracle is the reference tree, see [`generated_scenes`].
 
 mod check;
 mod counters;
@@ -19,18 +20,21 @@ use rays::{Bundles, adversarial, soup, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
+    // As they are, scaled, shifted: of each kind at least `RAYS`.
     for (seed, primitives, scale, shift) in [
         (1, 3, 1.0, Vec3::ZERO),
         (2, 60, 1.0, Vec3::ZERO),
-        (3, 300, 100.0, Vec3::new(5.0, 3.0, -2.0)),
         (4, 300, 1e-3, Vec3::ZERO),
         (5, 300, 1e5, Vec3::ZERO),
-        (6, 300, 1.0, Vec3::new(1000.0, -3000.0, 200.0)),
         (7, 100, 1e-6, Vec3::ZERO),
         (8, 100, 1e6, Vec3::ZERO),
+        (3, 300, 100.0, Vec3::new(5.0, 3.0, -2.0)),
+        (6, 300, 1.0, Vec3::new(1000.0, -3000.0, 200.0)),
+        (9, 100, 1.0, Vec3::new(-1e5, 3e4, 0.0)),
+        (10, 100, 1.0, Vec3::new(1e6, 1e6, -1e6)),
     ] {
         let geometry = soup(seed, primitives, scale, shift);
-        check(&format!("soup {seed}"), &geometry, RAYS / 4, scale, shift);
+        check(&format!("soup {seed}"), &geometry, RAYS / 2, scale, shift);
     }
 }
 
@@ -57,10 +61,18 @@ fn triangles_smaller_than_rounding() {
         });
         let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
         let tree = Bvh2::new(&geometry, (0.0, 0.0));
-        for _ in 0..20_000 {
+        let mut make = |i: usize| {
             let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
-            let direction = vector(&mut random, 20.0 * size) - origin;
-            let ray = Ray { origin, direction, time: 0.0 };
+            let [a, b, c] = geometry.triangles[i % 200].vertices;
+            let to = match i % 2 {
+                0 => vector(&mut random, 20.0 * size),
+                // Of the three edges, or near.
+                _ => [a, b, c][i / 2 % 3] * 0.5 + [b, c, a][i / 2 % 3] * 0.5,
+            };
+            (Ray { origin, direction: to - origin, time: 0.0 }, f32::INFINITY)
+        };
+        for i in 0..20_000 {
+            let (ray, _) = make(i);
             let want = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
             assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
             // And no hit far beside the triangle.
@@ -70,6 +82,8 @@ fn triangles_smaller_than_rounding() {
                 assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
             }
         }
+        let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+        check_kernels("smaller than rounding", &geometry, RAYS / 4, make, oracle);
     }
 }
 
@@ -106,12 +120,19 @@ fn tips_of_thin_quads() {
 /// itself compared with brute force on some rays of the same scene.
 #[test]
 fn generated_scenes() {
-    for (name, scale) in [("cloud:60000", 30.0), ("mesh:61440", 4.0)] {
+    for (name, scale, shift) in [
+        ("cloud:60000", 30.0, Vec3::ZERO),
+        ("mesh:61440", 4.0, Vec3::ZERO),
+        ("mesh:61440", 4.0, Vec3::new(700.0, -30.0, 9000.0)),
+    ] {
         let scene = ptfast::Scene::load(name).unwrap();
         let mut geometry = scene.geometry().clone();
+        for vertex in geometry.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices) {
+            *vertex += shift;
+        }
         if name.starts_with("mesh") {
             // Single rays take turns there, and meet blocks of every kind.
-            let others = soup(11, 300, 0.5 * scale, Vec3::ZERO);
+            let others = soup(11, 300, 0.5 * scale, shift);
             geometry.spheres.extend(others.spheres);
             geometry.quads.extend(others.quads);
         }
@@ -122,48 +143,74 @@ fn generated_scenes() {
         let tree = Bvh2::new(geometry, (0.0, 1.0));
         let mut random = Stream::new(17);
         for i in 0..RAYS / 100 {
-            let (ray, t_max) = adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
+            let (ray, t_max) = adversarial(&mut random, i, geometry, scale, shift);
             let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
             assert_eq!(bits(tree.closest(geometry, &ray, 0.0, t_max)), bits(want), "{ray:?}");
         }
-        let make = |i| adversarial(&mut random, i, geometry, scale, Vec3::ZERO);
+        let make = |i| adversarial(&mut random, i, geometry, scale, shift);
         let oracle = |ray: &Ray, t_min, t_max| tree.closest(geometry, ray, t_min, t_max);
         check_kernels(name, geometry, RAYS / 2, make, oracle);
-        let mut bundles = Bundles::new(18, geometry, scale, Vec3::ZERO);
+        let mut bundles = Bundles::new(18, geometry, scale, shift);
         check_kernels(name, geometry, RAYS / 2, |i| bundles.next(i), oracle);
     }
 }
 
-/// Rays from within a closed mesh, aimed at its vertices and edges as well.
+/// Rays from within closed meshes, a regular one and one of thin and tiny triangles; each for itself
+/// and in bundles; aimed at vertices and edges as well.
 #[test]
 fn no_ray_escapes_a_closed_mesh() {
     let scene = ptfast::Scene::load("mesh:1").unwrap();
     // All but the floor: one icosphere.
-    let triangles = scene.geometry().triangles[..20_480].to_vec();
-    let geometry = Geometry { triangles, ..Geometry::default() };
-    let middle = geometry.triangles.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0])
-        / geometry.triangles.len() as f32;
+    let regular = scene.geometry().triangles[..20_480].to_vec();
+    let middle =
+        regular.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0]) / regular.len() as f32;
+    // Its points pushed about, the same wherever a point is used, and all pressed flat.
+    let pushed = |vertex: Vec3| {
+        let words = vertex.to_array().map(|x| u64::from(x.to_bits()));
+        let mut random =
+            Stream::new(words[0] ^ words[1].rotate_left(20) ^ words[2].rotate_left(40));
+        let away = (vertex - middle) * random.between(0.8, 1.25);
+        middle + away * Vec3::new(1.0, 0.7, 1.9)
+    };
+    let irregular = regular.iter().map(|t| Triangle { vertices: t.vertices.map(pushed) }).collect();
+    for (name, triangles) in [("regular", regular), ("irregular", irregular)] {
+        escapes(name, Geometry { triangles, ..Geometry::default() }, middle);
+    }
+}
+
+fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
     let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
     let mut random = Stream::new(31);
+    let (mut origin, mut target) = (middle, middle);
     for _ in (0..RAYS).step_by(ROUND) {
         let mut batch = RayBatch::default();
         for i in 0..ROUND {
-            let origin = middle + vector(&mut random, 0.2);
-            let [a, b, c] = geometry.triangles[(random.bits() % 20_480) as usize].vertices;
-            let target = match i % 3 {
-                0 => a,
-                1 => b + (c - b) * random.uniform(),
-                _ => middle + vector(&mut random, 1.0),
-            };
-            batch.push(&Ray { origin, direction: target - origin, time: 0.0 }, 0.0, f32::INFINITY);
+            // By turns bundles of rays, and rays that have nothing in common.
+            let bundled = (i / Bundles::SIZE).is_multiple_of(2);
+            if !bundled || i.is_multiple_of(Bundles::SIZE) {
+                origin = middle + vector(&mut random, 0.2);
+                let [a, b, c] = geometry.triangles[(random.bits() % 20_480) as usize].vertices;
+                target = match i / Bundles::SIZE % 3 {
+                    0 => a,
+                    1 => b + (c - b) * random.uniform(),
+                    _ => middle + vector(&mut random, 1.0),
+                };
+            }
+            let beside = vector(&mut random, if bundled && i % 4 > 0 { 0.01 } else { 0.0 });
+            let direction = target + beside - origin;
+            batch.push(&Ray { origin, direction, time: 0.0 }, 0.0, f32::INFINITY);
         }
         for kernel in Kernel::ALL {
             // It takes too long for all of them.
             let each = 0..if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
-            let mut hits = HitBatch::misses(ROUND);
-            accelerator.closest(kernel, &batch, each.clone(), &mut hits);
-            let escaped = each.into_iter().find(|&i| hits.get(i).is_none());
-            assert_eq!(escaped, None, "{kernel:?}: {:?}", escaped.map(|i| batch.get(i)));
+            let (mut closest, mut any) = (HitBatch::misses(ROUND), HitBatch::misses(ROUND));
+            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
+            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
+            for hits in [closest, any] {
+                let escaped = each.clone().find(|&i| hits.get(i).is_none());
+                let told = escaped.map(|i| batch.get(i));
+                assert_eq!(escaped, None, "{name}, {kernel:?}: {told:?}");
+            }
         }
     }
 }

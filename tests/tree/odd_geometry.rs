@@ -111,7 +111,7 @@ fn nested_degenerate_and_crowded_geometry() {
             }
         }
     }
-    check("nested", &geometry, RAYS / 4, 1.0, Vec3::ZERO);
+    check("nested", &geometry, RAYS, 1.0, Vec3::ZERO);
 
     let sphere = Sphere::still(Vec3::ONE, 0.3);
     let quad = Quad::new(Vec3::ZERO, Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.0, 0.2, 0.3)).unwrap();
@@ -121,7 +121,7 @@ fn nested_degenerate_and_crowded_geometry() {
         quads: vec![quad; 200],
         triangles: vec![Triangle { vertices }; 200],
     };
-    check("crowd", &crowd, RAYS / 4, 1.0, Vec3::ZERO);
+    check("crowd", &crowd, RAYS, 1.0, Vec3::ZERO);
 }
 
 /// A primitive that spans the scene, and one other: a tree of one leaf.
