@@ -8,25 +8,27 @@ fn frames(criterion: &mut Criterion) {
     group.sample_size(10);
     for name in ptfast::scene::BUILTIN_NAMES {
         let scene = Scene::load(name).expect("built-in scenes are good");
-        let settings = RenderSettings {
-            width: 160,
-            height: 90,
-            spp: 4,
-            threads: 1,
-            engine: Engine::Scalar,
-            ..RenderSettings::of(&scene)
-        };
-        let renderer = Renderer::new(&scene, settings).expect("the settings are in range");
-        let first = renderer.render().expect("one thread can be started");
-        let hash = first.image.hash();
-        group.throughput(Throughput::Elements(first.rays.total()));
-        group.bench_function(format!("{name}/scalar"), |bencher| {
-            bencher.iter(|| {
-                let render = renderer.render().expect("one thread can be started");
-                // A wrong answer is never a fast one.
-                assert_eq!(render.image.hash(), hash);
+        for engine in Engine::ALL {
+            let settings = RenderSettings {
+                width: 160,
+                height: 90,
+                spp: 16,
+                threads: 1,
+                engine,
+                ..RenderSettings::of(&scene)
+            };
+            let renderer = Renderer::new(&scene, settings).expect("the settings are in range");
+            let first = renderer.render().expect("one thread can be started");
+            let hash = first.image.hash();
+            group.throughput(Throughput::Elements(first.rays.total()));
+            group.bench_function(format!("{name}/{}", engine.name()), |bencher| {
+                bencher.iter(|| {
+                    let render = renderer.render().expect("one thread can be started");
+                    // A wrong answer is never a fast one.
+                    assert_eq!(render.image.hash(), hash);
+                });
             });
-        });
+        }
     }
     group.finish();
 }

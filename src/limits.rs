@@ -18,6 +18,8 @@ pub const MAX_ROWS: usize = 1 << 26;
 pub const MAX_FILE: u64 = 1 << 32;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub const MAX_RAYS: u64 = 1 << 28;
+/// Largest number of paths of a wave.
+pub const MAX_WAVE: u32 = 1 << 20;
 /// Largest number of threads.
 pub const MAX_THREADS: u32 = 4096;
 

@@ -35,7 +35,7 @@ fn render_writes_image_record_and_summary() {
         assert!(!record["machine"][field].is_null(), "machine.{field}");
     }
     let want = serde_json::json!({
-        "scene": "cornell", "engine": "scalar", "sampling": "mis", "sampler": "independent",
+        "scene": "cornell", "engine": "wavefront", "sampling": "mis", "sampler": "independent",
         "width": 20, "height": 20, "spp": 3, "depth": 50, "seed": 7, "non_finite": 0,
     });
     for (field, value) in want.as_object().unwrap() {
@@ -47,6 +47,13 @@ fn render_writes_image_record_and_summary() {
     assert_eq!(record["rays"]["primary"], 20 * 20 * 3);
     assert!(record["rays"]["bounce"].as_u64().unwrap() > 1000);
     assert!(record["rays"]["shadow"].as_u64().unwrap() > 1000);
+    for stage in ["generate", "extend", "sort", "shade", "connect", "accumulate"] {
+        assert!(record["stages"][stage].as_f64().unwrap() > 0.0, "stages.{stage}");
+    }
+    assert_eq!(
+        record["endings"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>(),
+        1200
+    );
     for rate in ["mrays_per_s", "msamples_per_s", "peak_rss_bytes", "threads"] {
         assert!(record[rate].as_f64().unwrap() > 0.0, "{rate}");
     }
@@ -266,4 +273,37 @@ fn the_rays_of_a_render_are_recorded_all() {
     let counts: Vec<u64> = sets.sets.iter().map(|set| set.rays.len() as u64).collect();
     let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().rays;
     assert_eq!(counts, [rays.primary, rays.bounce, rays.shadow]);
+}
+
+/// A record's plan can be given back; what is none is refused.
+#[test]
+fn plans_are_given_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let base = ["render", "--scene", "cornell", "--width", "30", "--spp", "4", "-o", "a.png"];
+    let with = |more: &[&str]| ptfast(here, &[&base[..], more].concat());
+    let first = with(&["--json", "a.json", "--wave-size", "100", "--stats"]);
+    assert!(first.status.success(), "{}", stderr(&first));
+    let again = with(&["--plan", "a.json", "--stats"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    assert!(stderr(&again).contains("plan: waves of 100,"), "{}", stderr(&again));
+    // All but the lines with seconds.
+    let counts = |output| -> Vec<String> {
+        let counted = |line: &&str| line.starts_with("ended") || line.starts_with("rays");
+        stdout(output).lines().filter(counted).map(str::to_owned).collect()
+    };
+    assert_eq!(counts(&first), counts(&again));
+    for (text, place) in [
+        ("{", "bad.json:1:"),
+        ("{\"plan\": 3}", "bad.json:plan: "),
+        (
+            "{\"wave_size\": 0, \"tile_size\": 8, \"segments\": []}",
+            "bad.json:plan: wave_size must be",
+        ),
+    ] {
+        fs::write(here.join("bad.json"), text).unwrap();
+        let bad = with(&["--plan", "bad.json"]);
+        assert_eq!(bad.status.code(), Some(65), "{text}");
+        assert!(stderr(&bad).contains(place), "{}", stderr(&bad));
+    }
 }

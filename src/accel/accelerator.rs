@@ -115,6 +115,11 @@ impl<'a> Accelerator<'a> {
         Layout { bytes, seconds }
     }
 
+    /// A box around the primitives, but for those that span the scene unless they all do.
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.tree.nodes.first().map_or(self.all, |root| root.bounds)
+    }
+
     /// Size of what layouts are made from, which is kept.
     pub fn tree_bytes(&self) -> usize {
         self.tree.bytes()

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Float, LANES, Vec3x, axes};
+use crate::simd::{Float, LANES, Vec3x, axes, places};
 
 /// Rays, each with the open interval in which hits count.
 ///
@@ -53,9 +53,35 @@ impl RayBatch {
         self.t_max[index] = t_max;
     }
 
+    /// No rays, and room for `capacity`.
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
+        let mut batch = Self::default();
+        let padded = (capacity + LANES).next_multiple_of(LANES);
+        batch.arrays().for_each(|array| array.resize(padded, f32::NAN));
+        batch
+    }
+
+    /// Takes all rays away.
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Adds the rays of the lanes whose bits are set, for which there must be room.
+    #[inline(always)]
+    pub(crate) fn append(&mut self, rays: &RayVector, bits: u32) {
+        let (places, first) = (places(bits), self.len);
+        let mut to = self.arrays();
+        for number in rays.numbers() {
+            let array = to.next().expect("as many arrays as numbers");
+            number.shuffled(places).store(&mut array[first..]);
+        }
+        drop(to);
+        self.len += bits.count_ones() as usize;
+    }
+
     /// Rays `first..`, as many as there are lanes; what is beyond the rays is NaN, or of no use.
     #[inline(always)]
-    pub(super) fn vector(&self, first: usize) -> RayVector {
+    pub(crate) fn vector(&self, first: usize) -> RayVector {
         let load = |array: &Vec<f32>| Float::load(&array[first..]);
         let vector = |arrays: &[Vec<f32>; 3]| Vec3x(axes(|axis| load(&arrays[axis])));
         RayVector {
@@ -85,12 +111,12 @@ impl RayBatch {
 }
 
 /// A vector of rays.
-pub(super) struct RayVector {
-    pub(super) origin: Vec3x,
-    pub(super) direction: Vec3x,
-    pub(super) time: Float,
-    pub(super) t_min: Float,
-    pub(super) t_max: Float,
+pub(crate) struct RayVector {
+    pub(crate) origin: Vec3x,
+    pub(crate) direction: Vec3x,
+    pub(crate) time: Float,
+    pub(crate) t_min: Float,
+    pub(crate) t_max: Float,
 }
 
 impl RayVector {

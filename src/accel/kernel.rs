@@ -1,7 +1,8 @@
 //! The ways of finding hits. All give the same bits.
 
 /// A way of finding what rays hit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Kernel {
     /// Packets of rays against the boxes of a binary tree, one by one.
     Packet,

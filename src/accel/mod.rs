@@ -30,6 +30,7 @@ mod trial;
 mod wide;
 
 pub use accelerator::{Accelerator, Layout};
+pub(crate) use batch::RayVector;
 pub use batch::{HitBatch, RayBatch};
 pub use bvh2::Bvh2;
 pub use counters::Counters;

@@ -6,9 +6,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::accel::Kernel;
-use crate::engine::Engine;
+use crate::engine::{Engine, Pin};
 use crate::image::Transfer;
-use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS};
+use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS, MAX_WAVE};
 use crate::scene::Sampling;
 
 /// A CPU path tracer: same seed, same bits.
@@ -74,7 +74,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     pub(super) threads: Option<u32>,
     /// Engine; the image does not depend on it
-    #[arg(long, value_name = "ENGINE", default_value = Engine::Scalar.name(), value_parser = named(&Engine::ALL, Engine::name))]
+    #[arg(long, value_name = "ENGINE", default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
     pub(super) engine: Engine,
     /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
     #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
@@ -86,9 +86,20 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) gamma: Transfer,
     /// Side of the tiles that work is handed out in; the image does not depend on it
-    #[arg(long, value_name = "PIXELS", default_value_t = 32, hide = true,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
-    pub(super) tile_size: u32,
+    #[arg(long, value_name = "PIXELS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub(super) tile_size: Option<u32>,
+    /// Paths that a worker traces at once; the image does not depend on it
+    #[arg(long, value_name = "PATHS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WAVE)))]
+    pub(super) wave_size: Option<u32>,
+    /// Whether threads stay on one core each; auto: where there is one for each core
+    #[arg(long, value_name = "PIN", default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
+    pub(super) pin: Pin,
+    /// Work as a plan says, which --json wrote, instead of finding one by measuring
+    #[arg(long, value_name = "FILE")]
+    pub(super) plan: Option<PathBuf>,
+    /// Print exact counts of what was done, and the time of each stage
+    #[arg(long)]
+    pub(super) stats: bool,
     /// Write a record of the render as JSON
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,

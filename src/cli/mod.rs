@@ -8,6 +8,7 @@ mod rays;
 mod record;
 mod render;
 mod scenes;
+mod stats;
 mod trace;
 
 use std::fmt;

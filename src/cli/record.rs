@@ -1,9 +1,9 @@
 //! The record of a render, as scripts read it, and the text kept in image files.
 
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::engine::{Render, RenderSettings};
+use crate::engine::{Pinned, Render, RenderSettings, Renderer, Stage};
 use crate::image::Metadata;
 use crate::machine::{Machine, peak_rss_bytes};
 use crate::scene::Scene;
@@ -21,10 +21,11 @@ pub(super) struct StepSeconds {
 pub(super) fn render_record(
     scene: &Scene,
     settings: &RenderSettings,
+    renderer: &Renderer<'_>,
     render: &Render,
     hash: &str,
     seconds: StepSeconds,
-) -> serde_json::Value {
+) -> Value {
     let samples = render.rays.primary as f64;
     json!({
         "schema": 1,
@@ -53,6 +54,12 @@ pub(super) fn render_record(
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
         "non_finite": render.non_finite.count,
+        "pinned": render.pinned == Pinned::Yes,
+        "plan": renderer.plan(),
+        "endings": Value::from_iter(render.endings.each()),
+        "stages": Value::from_iter(
+            Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),
+        ),
     })
 }
 

@@ -8,9 +8,10 @@ use super::args::{RenderArgs, Switch};
 use super::progress::ProgressReport;
 use super::record::{StepSeconds, metadata, render_record};
 use super::{advise_on_build, notice, say};
-use crate::engine::{Render, RenderSettings, Renderer};
+use crate::engine::{Pinned, Plan, Render, RenderSettings, Renderer, SegmentPlan};
 use crate::error::{Error, Result};
 use crate::image::Format;
+use crate::input::read_text;
 use crate::isa::Isa;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::Scene;
@@ -22,7 +23,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let scene = Scene::load(&args.scene)?;
     let load = start.elapsed().as_secs_f64();
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
-    let settings = settings(args, &scene);
+    let settings = settings(args, &scene)?;
     let renderer = Renderer::new(&scene, settings.clone())?;
     if args.json.as_ref() == Some(&output) {
         let message = format!("{}: the image and the record need two files", output.display());
@@ -35,10 +36,16 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         advise_on_build(Isa::Avx2);
     }
 
+    if let Some(plan) = renderer.plan().filter(|_| !args.quiet) {
+        notice(format_args!("{}", describe(plan)));
+    }
     let progress = ProgressReport::new(scene.name(), &settings, args.quiet);
     let render = renderer.render_observed(&progress);
     progress.finish();
     let render = render?;
+    if render.pinned == Pinned::Failed {
+        notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
+    }
 
     let hash = render.image.hash();
     let writing = Instant::now();
@@ -50,10 +57,28 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write: writing.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.json {
-        let record = render_record(&scene, &settings, &render, &hash, seconds);
+        let record = render_record(&scene, &settings, &renderer, &render, &hash, seconds);
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
     }
+    if args.stats {
+        super::stats::print(&render)?;
+    }
     summarize(&scene, &settings, &render, &hash, seconds, &output)
+}
+
+/// A plan in a line.
+fn describe(plan: &Plan) -> String {
+    let segment = |(number, plan): (usize, &SegmentPlan)| {
+        let order = if plan.ordered { "ordered " } else { "" };
+        format!("{}: {order}{}, shadows {}", number + 1, plan.closest.name(), plan.occluded.name())
+    };
+    let segments: Vec<String> = plan.segments.iter().enumerate().map(segment).collect();
+    format!(
+        "plan: waves of {}, tiles of {}; segment {}",
+        plan.wave_size,
+        plan.tile_size,
+        segments.join("; ")
+    )
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
@@ -63,10 +88,10 @@ fn default_output(scene: &str) -> PathBuf {
     PathBuf::from(stem.replace(':', "-")).with_added_extension("png")
 }
 
-fn settings(args: &RenderArgs, scene: &Scene) -> RenderSettings {
+fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     let defaults = RenderSettings::of(scene);
     let (width, height) = size(args, &defaults);
-    RenderSettings {
+    Ok(RenderSettings {
         width,
         height,
         spp: args.spp.unwrap_or(defaults.spp),
@@ -76,8 +101,29 @@ fn settings(args: &RenderArgs, scene: &Scene) -> RenderSettings {
         roulette: args.roulette == Switch::On,
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
-        tile_size: args.tile_size,
-    }
+        pin: args.pin,
+        tile_size: args.tile_size.unwrap_or(0),
+        wave_size: args.wave_size.unwrap_or(0),
+        plan: args.plan.as_deref().map(read_plan).transpose()?,
+        count: args.stats,
+    })
+}
+
+/// The plan in a file, which is a plan or the record of a render.
+fn read_plan(path: &Path) -> Result<Plan> {
+    let text = read_text(path, "a plan")?;
+    let bad = |error: serde_json::Error| {
+        let place = format!("{}:{}", error.line(), error.column());
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        Error::input(path.display().to_string(), place, message)
+    };
+    let record: serde_json::Value = serde_json::from_str(&text).map_err(bad)?;
+    let plan = record.get("plan").unwrap_or(&record);
+    let plan: Plan = serde_json::from_value(plan.clone())
+        .map_err(|error| Error::input(path.display().to_string(), "plan", error.to_string()))?;
+    plan.check().map_err(|message| Error::input(path.display().to_string(), "plan", message))?;
+    Ok(plan)
 }
 
 /// One side given: the other follows in the scene's proportion.

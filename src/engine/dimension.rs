@@ -1,13 +1,42 @@
 //! Names of the random numbers of a path, so that none is used twice.
 
 use crate::math::random::PathKey;
+use crate::simd::Float;
+use crate::simd::random::PathKeys;
 
 /// The random numbers of one block: block 0 is the camera's, block k ≥ 1 that of the vertex
 /// at the end of the path's k-th segment.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Randoms {
-    key: PathKey,
+pub(crate) struct Randoms<K = PathKey> {
+    key: K,
     first: u32,
+}
+
+/// The key of a path, or of a path a lane.
+pub(crate) trait Key {
+    /// A number, or one a lane.
+    type Number;
+
+    /// In `[0, 1)`.
+    fn uniform(&self, dimension: u32) -> Self::Number;
+}
+
+impl Key for PathKey {
+    type Number = f32;
+
+    #[inline]
+    fn uniform(&self, dimension: u32) -> f32 {
+        Self::uniform(*self, dimension)
+    }
+}
+
+impl Key for PathKeys {
+    type Number = Float;
+
+    #[inline(always)]
+    fn uniform(&self, dimension: u32) -> Float {
+        Self::uniform(self, dimension)
+    }
 }
 
 /// Dimensions of a block.
@@ -39,28 +68,28 @@ impl Dimension {
     pub(crate) const ROULETTE: Self = Self(9);
 }
 
-impl Randoms {
+impl<K: Key> Randoms<K> {
     /// The numbers of block `block` of the path `key`.
-    #[inline]
-    pub(crate) fn new(key: PathKey, block: u32) -> Self {
+    #[inline(always)]
+    pub(crate) fn new(key: K, block: u32) -> Self {
         Self { key, first: block * BLOCK }
     }
 
     /// One number in `[0, 1)`.
-    #[inline]
-    pub(crate) fn one(&self, dimension: Dimension) -> f32 {
+    #[inline(always)]
+    pub(crate) fn one(&self, dimension: Dimension) -> K::Number {
         self.key.uniform(self.first + dimension.0)
     }
 
     /// Two numbers in `[0, 1)`.
-    #[inline]
-    pub(crate) fn two(&self, Dimension(d): Dimension) -> (f32, f32) {
+    #[inline(always)]
+    pub(crate) fn two(&self, Dimension(d): Dimension) -> (K::Number, K::Number) {
         (self.one(Dimension(d)), self.one(Dimension(d + 1)))
     }
 
     /// Three numbers in `[0, 1)`.
-    #[inline]
-    pub(crate) fn three(&self, Dimension(d): Dimension) -> [f32; 3] {
-        [d, d + 1, d + 2].map(|d| self.one(Dimension(d)))
+    #[inline(always)]
+    pub(crate) fn three(&self, Dimension(d): Dimension) -> [K::Number; 3] {
+        [self.one(Dimension(d)), self.one(Dimension(d + 1)), self.one(Dimension(d + 2))]
     }
 }

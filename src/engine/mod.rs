@@ -1,11 +1,17 @@
 //! Engines turn a scene into an image. Every engine returns the same bits.
 
 mod dimension;
+mod pool;
 mod recording;
 mod renderer;
 mod scalar;
 mod settings;
+mod stats;
+mod wavefront;
 
+pub use pool::{Pin, Pinned};
 pub use recording::{PathRecorder, RayKind, TracedRay};
 pub use renderer::{NonFinite, Observer, Progress, RayCounts, Render, Renderer, Seconds};
 pub use settings::{Engine, RenderSettings};
+pub use stats::{Endings, Stage, StageWork, WaveStats};
+pub use wavefront::{Plan, SegmentPlan};

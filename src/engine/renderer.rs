@@ -1,14 +1,15 @@
 //! From a scene and settings to an image: tiles on threads, whatever the engine.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use rayon::prelude::*;
-
+use super::pool::{Pinned, pool};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
-use crate::error::{Error, Result};
+use super::stats::{Endings, WaveStats};
+use super::wavefront::{Plan, WavefrontEngine};
+use crate::error::Result;
 use crate::film::{Tile, tiles};
 use crate::image::Image;
 use crate::scene::Scene;
@@ -21,11 +22,25 @@ pub struct Renderer<'a> {
     build_seconds: f64,
 }
 
-/// What an engine does: it renders tiles, on any thread.
+/// What an engine does: its workers render tiles.
 pub(super) trait TileEngine: Sync + std::fmt::Debug {
+    /// What a thread works with.
+    fn worker(&self) -> Box<dyn TileWorker + '_>;
+
+    /// Side of the tiles that work is handed out in.
+    fn tile_size(&self) -> u32;
+
+    /// How it works, if it has a plan.
+    fn plan(&self) -> Option<&Plan> {
+        None
+    }
+}
+
+/// What a thread does.
+pub(super) trait TileWorker {
     /// The mean radiance of every pixel of `tile`. Calls `report` now and then with the
     /// samples finished and rays traced since the last call.
-    fn render_tile(&self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult;
+    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult;
 }
 
 /// A finished render.
@@ -37,8 +52,14 @@ pub struct Render {
     pub rays: RayCounts,
     /// Samples that were not finite, and counted as black.
     pub non_finite: NonFinite,
+    /// How the paths ended.
+    pub endings: Endings,
+    /// What the stages of the wavefront engine did; empty for others.
+    pub waves: WaveStats,
     /// Worker threads used.
     pub threads: usize,
+    /// Whether they were pinned to cores.
+    pub pinned: Pinned,
     /// Time of each step.
     pub seconds: Seconds,
 }
@@ -104,6 +125,8 @@ pub(super) struct TileResult {
     pub(super) pixels: Vec<[f32; 3]>,
     pub(super) rays: RayCounts,
     pub(super) non_finite: NonFinite,
+    pub(super) endings: Endings,
+    pub(super) waves: WaveStats,
 }
 
 /// How far a render is.
@@ -130,20 +153,27 @@ impl<'a> Renderer<'a> {
     /// Checks the settings and builds the acceleration structure.
     ///
     /// # Errors
-    /// [`Error::Usage`] where a setting is out of its range.
+    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range.
     pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
         let start = Instant::now();
-        let engine = match settings.engine {
+        let engine: Box<dyn TileEngine + 'a> = match settings.engine {
+            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
         Ok(Self { settings, engine, build_seconds: start.elapsed().as_secs_f64() })
     }
 
+    /// How the wavefront engine works; `None` for others.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.engine.plan()
+    }
+
     /// Renders the image.
     ///
     /// # Errors
-    /// [`Error::Internal`] where the threads cannot be started or memory is short.
+    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started or memory is
+    /// short.
     pub fn render(&self) -> Result<Render> {
         self.render_observed(&())
     }
@@ -153,11 +183,8 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_observed(&self, observer: &dyn Observer) -> Result<Render> {
-        let RenderSettings { width, height, threads, tile_size, .. } = self.settings;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads as usize)
-            .build()
-            .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
+        let RenderSettings { width, height, threads, pin, .. } = self.settings;
+        let (pool, pinned) = pool(threads, pin)?;
         let start = Instant::now();
         let film = Mutex::new(Film::new(Image::try_new(width, height)?));
         let (samples, rays) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -167,18 +194,23 @@ impl<'a> Renderer<'a> {
                 rays: rays.fetch_add(new_rays, Ordering::Relaxed) + new_rays,
             });
         };
-        pool.install(|| {
-            tiles(width, height, tile_size).into_par_iter().for_each(|tile| {
-                let result = self.engine.render_tile(tile, &report);
+        let (tiles, next) = (tiles(width, height, self.engine.tile_size()), AtomicUsize::new(0));
+        pool.broadcast(|_| {
+            let mut worker = self.engine.worker();
+            while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let result = worker.render_tile(tile, &report);
                 film.lock().expect("no thread panics while it holds the film").add(tile, &result);
-            });
+            }
         });
         let film = film.into_inner().expect("no thread panicked while it held the film");
         Ok(Render {
             image: film.image,
             rays: film.rays,
             non_finite: film.non_finite,
+            endings: film.endings,
+            waves: film.waves,
             threads: pool.current_num_threads(),
+            pinned,
             seconds: Seconds { build: self.build_seconds, render: start.elapsed().as_secs_f64() },
         })
     }
@@ -190,11 +222,19 @@ struct Film {
     image: Image,
     rays: RayCounts,
     non_finite: NonFinite,
+    endings: Endings,
+    waves: WaveStats,
 }
 
 impl Film {
     fn new(image: Image) -> Self {
-        Self { image, rays: RayCounts::default(), non_finite: NonFinite::default() }
+        Self {
+            image,
+            rays: RayCounts::default(),
+            non_finite: NonFinite::default(),
+            endings: Endings::default(),
+            waves: WaveStats::default(),
+        }
     }
 
     fn add(&mut self, tile: Tile, result: &TileResult) {
@@ -203,5 +243,7 @@ impl Film {
         }
         self.rays.add(result.rays);
         self.non_finite.merge(&result.non_finite);
+        self.endings.add(&result.endings);
+        self.waves.add(&result.waves);
     }
 }

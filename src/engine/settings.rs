@@ -4,21 +4,27 @@ use crate::error::{Error, Result};
 use crate::limits;
 use crate::scene::{Sampling, Scene};
 
+use super::pool::Pin;
+use super::wavefront::Plan;
+
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
-    /// The reference: one ray, one loop.
+    /// Waves of paths, stage by stage, in vectors.
     #[default]
+    Wavefront,
+    /// The reference: one ray, one loop.
     Scalar,
 }
 
 impl Engine {
     /// All engines.
-    pub const ALL: [Self; 1] = [Self::Scalar];
+    pub const ALL: [Self; 2] = [Self::Wavefront, Self::Scalar];
 
     /// The name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Wavefront => "wavefront",
             Self::Scalar => "scalar",
         }
     }
@@ -47,8 +53,18 @@ pub struct RenderSettings {
     /// Worker threads, 0 for as many as the process may use; the image does not depend on
     /// them.
     pub threads: u32,
-    /// Side of the tiles that work is handed out in; the image does not depend on it.
+    /// Whether the threads stay on one core each.
+    pub pin: Pin,
+    /// Side of the tiles that work is handed out in, 0 for what suits the engine; the image does not
+    /// depend on it.
     pub tile_size: u32,
+    /// Paths that a worker of the wavefront engine traces at once, 0 for what suits it; the image
+    /// does not depend on it.
+    pub wave_size: u32,
+    /// How the wavefront engine works, tiles and waves included; `None` to find out by measuring.
+    pub plan: Option<Plan>,
+    /// Whether kernels count their work, which costs them some time.
+    pub count: bool,
 }
 
 impl RenderSettings {
@@ -65,7 +81,11 @@ impl RenderSettings {
             roulette: true,
             engine: Engine::default(),
             threads: 0,
-            tile_size: 32,
+            pin: Pin::default(),
+            tile_size: 0,
+            wave_size: 0,
+            plan: None,
+            count: false,
         }
     }
 
@@ -74,8 +94,15 @@ impl RenderSettings {
     pub fn check(&self) -> Result<()> {
         limits::check_image(self.width, self.height)
             .and_then(|()| limits::check_sampling(self.spp, self.depth))
-            .and_then(|()| limits::check("tile_size", self.tile_size, limits::MAX_SIDE))
+            .and_then(|()| limits::check("tile_size", self.tile_size.max(1), limits::MAX_SIDE))
+            .and_then(|()| limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE))
+            .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))
             .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))
             .map_err(Error::Usage)
+    }
+
+    /// Whether light is looked for by sampling lights.
+    pub(super) fn samples_lights(&self, scene: &Scene) -> bool {
+        self.sampling != Sampling::Bsdf && !scene.lights().is_empty()
     }
 }

@@ -27,6 +27,22 @@ impl PixelSum {
         }
     }
 
+    /// Adds the next samples.
+    pub fn add_all(&mut self, radiances: impl Iterator<Item = Vec3>) {
+        // Not in `self` meanwhile, where each sum would wait for memory.
+        let (mut chunk, mut samples) = (self.chunk, self.samples);
+        for radiance in radiances {
+            chunk += radiance;
+            samples += 1;
+            if samples.is_multiple_of(CHUNK) {
+                (self.chunk, self.samples) = (chunk, samples);
+                self.close_chunk();
+                chunk = Vec3::ZERO;
+            }
+        }
+        (self.chunk, self.samples) = (chunk, samples);
+    }
+
     fn close_chunk(&mut self) {
         let mut sum = std::mem::take(&mut self.chunk);
         // Each trailing 1 of the number of chunks before this one is a left sibling.
@@ -81,6 +97,10 @@ mod tests {
             }
             let want = tree(&chunks, 10, 0).unwrap() / n as f32;
             assert_eq!(sum.take_mean(), want, "{n} samples");
+            let (first, others) = samples[..n].split_at(n * 3 / 5);
+            sum.add_all(first.iter().copied());
+            sum.add_all(others.iter().copied());
+            assert_eq!(sum.take_mean(), want, "{n} samples at once");
         }
         assert_eq!(sum.take_mean(), Vec3::ZERO);
     }

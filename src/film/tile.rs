@@ -13,6 +13,13 @@ pub struct Tile {
     pub height: u32,
 }
 
+impl Tile {
+    /// Where in the image its pixel number `index` is, row by row.
+    pub fn pixel(&self, index: u32) -> (u32, u32) {
+        (self.x + index % self.width, self.y + index / self.width)
+    }
+}
+
 /// The tiles of side `size` that cover an image, row by row.
 pub fn tiles(width: u32, height: u32, size: u32) -> Vec<Tile> {
     let mut tiles = Vec::new();

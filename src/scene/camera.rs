@@ -38,15 +38,15 @@ pub struct CameraSample {
 /// A camera with an image size: makes rays. Rounded once from f64.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraFrame {
-    origin: Vec3,
+    pub(crate) origin: Vec3,
     /// From the lens's centre to the upper left corner of the image in the plane of focus.
-    corner: Vec3,
+    pub(crate) corner: Vec3,
     /// One pixel to the right, one pixel down.
-    pixel_steps: (Vec3, Vec3),
+    pub(crate) pixel_steps: (Vec3, Vec3),
     /// The lens's semi-axes; `None` for a pinhole.
-    lens: Option<(Vec3, Vec3)>,
-    shutter_open: f32,
-    shutter_duration: f32,
+    pub(crate) lens: Option<(Vec3, Vec3)>,
+    pub(crate) shutter_open: f32,
+    pub(crate) shutter_duration: f32,
 }
 
 impl Camera {

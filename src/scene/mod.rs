@@ -124,7 +124,13 @@ impl Scene {
     /// The material of a primitive.
     #[inline]
     pub fn material(&self, primitive: u32) -> &Material {
-        &self.materials[self.material_of[primitive as usize] as usize]
+        &self.materials[self.material_index(primitive) as usize]
+    }
+
+    /// The place of a primitive's material in [`Scene::materials`].
+    #[inline]
+    pub fn material_index(&self, primitive: u32) -> u32 {
+        self.material_of[primitive as usize]
     }
 
     /// The lights that can be sampled.

@@ -45,17 +45,6 @@ impl Float {
         self.to_array()[0]
     }
 
-    /// `table[i]` for each lane i of `indices`. The instruction that does so is slower where
-    /// microcode guards against leaks of what it loads (`profiling/`).
-    ///
-    /// # Panics
-    /// Where an index is beyond the table.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
-    #[inline(always)]
-    pub(crate) fn gather(table: &[f32], indices: Int) -> Self {
-        Self::new(indices.to_array().map(|index| table[index as usize]))
-    }
-
     /// Lane `places[i]` in each lane i.
     #[inline(always)]
     pub(crate) fn shuffled(self, places: Int) -> Self {
@@ -100,6 +89,12 @@ impl Float {
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         Self(self.0.sqrt())
+    }
+
+    /// The largest integers that are not above.
+    #[inline(always)]
+    pub(crate) fn floor(self) -> Self {
+        Self(self.0.floor())
     }
 
     #[inline(always)]

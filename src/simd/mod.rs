@@ -14,18 +14,18 @@ mod float;
 mod int;
 mod mask;
 mod prefetch;
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
-mod random;
+mod quads;
+pub(crate) mod random;
 mod trig;
 mod vec3x;
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
-mod warp;
+pub(crate) mod warp;
 
 pub(crate) use compress::places;
 pub(crate) use float::Float;
 pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, first_bits};
 pub(crate) use prefetch::prefetch;
+pub(crate) use quads::{Quad, gather_quads, quad, quads_of};
 pub(crate) use vec3x::{Vec3x, axes};
 
 #[cfg(not(target_feature = "avx512f"))]
@@ -89,7 +89,6 @@ mod tests {
             assert_eq!(memory[LANES], 7.0, "no lane beyond is written");
             same(Float::splat(a[0]), |_| a[0]);
             let places: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
-            same(Float::gather(&a, Int::new(places)), |i| a[places[i] as usize]);
             same(x.shuffled(Int::new(places)), |i| a[places[i] as usize]);
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
             type Compare = fn(&f32, &f32) -> bool;

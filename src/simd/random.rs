@@ -1,7 +1,7 @@
 //! The counter-based hash of [`crate::math::random`] over lanes, to the bit.
 
 use super::{Float, Int};
-use crate::math::random::{GOLDEN, MULTIPLIER_1, MULTIPLIER_2, PixelKey};
+use crate::math::random::{GOLDEN, MULTIPLIER_1, MULTIPLIER_2};
 
 /// One [`PathKey`](crate::math::random::PathKey) a lane.
 #[derive(Clone, Copy, Debug)]
@@ -11,13 +11,13 @@ pub(crate) struct PathKeys {
 }
 
 impl PathKeys {
-    /// [`PixelKey::sample`] of one pixel and a sample a lane.
+    /// [`PixelKey::sample`](crate::math::random::PixelKey::sample) of a pixel's words and a
+    /// sample a lane.
     #[inline(always)]
-    pub(crate) fn new(pixel: PixelKey, samples: Int) -> Self {
-        let (first, second) = pixel.words();
+    pub(crate) fn new((first, second): (Int, Int), samples: Int) -> Self {
         Self {
-            pixel_word: mix(Int::splat(first) + samples * Int::splat(GOLDEN)),
-            sample_word: mix(Int::splat(second) ^ samples),
+            pixel_word: mix(first + samples * Int::splat(GOLDEN)),
+            sample_word: mix(second ^ samples),
         }
     }
 
@@ -48,21 +48,25 @@ fn mix(x: Int) -> Int {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::random::{PixelKey, Stream};
     use crate::simd::Lanes;
 
     #[test]
     fn lanes_are_the_scalar_hash() {
         let mut random = Stream::new(3);
         for _ in 0..20_000 {
+            let seed = random.bits();
             let (x, y) = (random.bits() as u32 % 70_000, random.bits() as u32 % 70_000);
-            let pixel = PixelKey::new(random.bits(), x, y);
+            let pixels: Lanes<PixelKey> =
+                std::array::from_fn(|lane| PixelKey::new(seed, x + lane as u32 / 3, y));
             let samples: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
             let dimension = random.bits() as u32 >> (random.bits() % 32);
-            let keys = PathKeys::new(pixel, Int::new(samples));
+            let words = pixels.map(PixelKey::words);
+            let words = (Int::new(words.map(|w| w.0)), Int::new(words.map(|w| w.1)));
+            let keys = PathKeys::new(words, Int::new(samples));
             let (bits, uniform) = (keys.bits(dimension), keys.uniform(dimension));
             for (lane, &sample) in samples.iter().enumerate() {
-                let key = pixel.sample(sample);
+                let key = pixels[lane].sample(sample);
                 assert_eq!(bits.to_array()[lane], key.bits(dimension));
                 assert_eq!(uniform.to_array()[lane].to_bits(), key.uniform(dimension).to_bits());
             }

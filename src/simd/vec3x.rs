@@ -1,6 +1,6 @@
 //! Vectors of glam's Vec3, in contract order.
 
-use std::ops::{Add, Index, Mul, Neg, Sub};
+use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 use glam::Vec3;
 
@@ -39,7 +39,6 @@ impl Vec3x {
 }
 
 /// What shading asks for.
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
 impl Vec3x {
     /// `v` in every lane.
     #[inline(always)]
@@ -126,6 +125,15 @@ impl Mul for Vec3x {
     #[inline(always)]
     fn mul(self, by: Self) -> Self {
         Self(axes(|axis| self.0[axis] * by.0[axis]))
+    }
+}
+
+impl Div<Float> for Vec3x {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, by: Float) -> Self {
+        Self(axes(|axis| self.0[axis] / by))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Helpers of the integration tests.
 #![allow(dead_code, unreachable_pub)] // each test file uses some of them
 
+pub mod random_scene;
+
 use std::path::Path;
 use std::process::{Command, Output};
 

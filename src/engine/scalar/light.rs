@@ -10,25 +10,25 @@ use crate::math::{dot, length, normalize};
 use crate::scene::{Light, Scene};
 
 /// A direction from a point to a light.
-pub(super) struct LightSample {
+pub(in crate::engine) struct LightSample {
     /// Of unit length.
-    pub(super) direction: Vec3,
+    pub(in crate::engine) direction: Vec3,
     /// What a shadow ray must cross freely: the way to the light, but for its last 10⁻⁴.
     ///
     /// There lie the light itself, with what rounding does to its distance in this or another
     /// program (but for grazing rays and silhouettes), and surfaces that are flush with it.
-    pub(super) reach: f32,
+    pub(in crate::engine) reach: f32,
     /// Density of the direction per unit solid angle.
-    pub(super) pdf: f32,
+    pub(in crate::engine) pdf: f32,
     /// Whether the direction meets the light's front.
-    pub(super) front: bool,
+    pub(in crate::engine) front: bool,
 }
 
 /// The part of the way to a light that has to be free, as in pbrt (Pharr et al. 2023, 6.8.6).
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// A sample of `light` as seen from `from`; `None` where it cannot be seen.
-pub(super) fn sample(
+pub(in crate::engine) fn sample(
     scene: &Scene,
     light: &Light,
     from: Vec3,
@@ -56,7 +56,7 @@ pub(super) fn sample(
 
 /// Density with which [`sample`] at `ray.origin` draws `ray.direction`, which meets the light
 /// at distance `t`.
-pub(super) fn pdf(scene: &Scene, light: &Light, ray: &Ray, t: f32) -> f32 {
+pub(in crate::engine) fn pdf(scene: &Scene, light: &Light, ray: &Ray, t: f32) -> f32 {
     match (scene.geometry().get(light.primitive), &light.shape) {
         (Primitive::Sphere(sphere), _) => Cone::new(sphere, ray.origin, ray.time).pdf(),
         (Primitive::Quad(quad), shape) => match SphericalRectangle::of(shape, ray.origin) {

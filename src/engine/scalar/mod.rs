@@ -1,13 +1,13 @@
 //! The scalar reference engine: one ray, one loop, written from the report and the papers.
 
 mod intersect;
-mod light;
+pub(super) mod light;
 mod path;
 mod scatter;
 mod spherical_rectangle;
 
 use super::dimension::{Dimension, Randoms};
-use super::renderer::{RayCounts, TileEngine, TileResult};
+use super::renderer::{RayCounts, TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
 use crate::accel::Bvh2;
 use crate::film::{PixelSum, Tile};
@@ -51,7 +51,21 @@ impl<'a> ScalarEngine<'a> {
 const REPORT_EVERY: u64 = 4096;
 
 impl TileEngine for ScalarEngine<'_> {
-    fn render_tile(&self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
+    fn worker(&self) -> Box<dyn TileWorker + '_> {
+        // It has no state between tiles.
+        Box::new(self)
+    }
+
+    fn tile_size(&self) -> u32 {
+        match self.settings.tile_size {
+            0 => 32,
+            size => size,
+        }
+    }
+}
+
+impl TileWorker for &ScalarEngine<'_> {
+    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
         let mut result = TileResult::default();
         let mut tracer = PathTracer::new(self.scene, self.tree(), &self.settings);
         let mut sum = PixelSum::default();
@@ -79,6 +93,7 @@ impl TileEngine for ScalarEngine<'_> {
         let rays = tracer.rays.total() - reported.total();
         report(tracer.rays.primary - reported.primary, rays);
         result.rays = tracer.rays;
+        result.endings = tracer.endings;
         result
     }
 }

@@ -5,9 +5,9 @@ use glam::Vec3;
 use super::intersect::Intersect;
 use super::light::{self, LightSample};
 use super::scatter::{self, Diffuse, Scatter};
-use crate::engine::RayCounts;
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
+use crate::engine::{Endings, RayCounts};
 use crate::geometry::Ray;
 use crate::math::random::PathKey;
 use crate::math::{dot, face_forward, max_element, min};
@@ -24,6 +24,7 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     pub(in crate::engine) intersect: I,
     settings: &'a RenderSettings,
     pub(in crate::engine) rays: RayCounts,
+    pub(in crate::engine) endings: Endings,
 }
 
 /// How the direction of a segment was chosen.
@@ -41,7 +42,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         intersect: I,
         settings: &'a RenderSettings,
     ) -> Self {
-        Self { scene, intersect, settings, rays: RayCounts::default() }
+        Self { scene, intersect, settings, rays: RayCounts::default(), endings: Endings::default() }
     }
 
     /// One estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
@@ -55,6 +56,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             // Extend: the closest surface, or the background.
             let Some(hit) = self.intersect.closest(&ray, segment) else {
                 radiance += beta * self.scene.background().radiance(ray.direction);
+                self.endings.background += 1;
                 break;
             };
             let primitive = self.scene.geometry().get(hit.primitive);
@@ -71,16 +73,19 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 Material::Light(emission) => {
                     let weight = self.emission_weight(hit.primitive, &ray, hit.t, origin);
                     radiance += beta * emission.radiance(front) * weight;
-                    None
+                    self.endings.light += 1;
+                    break;
+                }
+                _ if segment == self.settings.depth => {
+                    self.endings.depth += 1;
+                    break;
                 }
                 material @ (Material::Diffuse { albedo } | Material::Lambertian { albedo }) => {
                     let cosine = matches!(material, Material::Lambertian { .. });
                     let diffuse = Diffuse { normal, albedo: color(albedo), cosine };
                     let from = surface.spawn(normal);
                     // Connect: one light, one shadow ray, which is the path's next segment.
-                    if segment < self.settings.depth {
-                        radiance += beta * self.direct(&diffuse, from, ray.time, segment, &randoms);
-                    }
+                    radiance += beta * self.direct(&diffuse, from, ray.time, segment, &randoms);
                     let (direction, pdf) = diffuse.sample(randoms.two(Dimension::SCATTER));
                     origin = Origin::Diffuse { pdf };
                     Some(Scatter { origin: from, direction, weight: diffuse.albedo })
@@ -94,25 +99,28 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                     Some(scatter::dielectric(&ray, &surface, normal, front, ior, &randoms))
                 }
             };
-            let Some(scatter) = scatter else { break };
+            let Some(scatter) = scatter else {
+                self.endings.absorbed += 1;
+                break;
+            };
             beta *= scatter.weight;
             ray = Ray { origin: scatter.origin, direction: scatter.direction, time: ray.time };
 
             // Paths that can add nothing end; those that can add little mostly do.
             let mut survival = max_element(beta);
             if survival <= 0.0 {
+                self.endings.black += 1;
                 break;
             }
             if self.settings.roulette && segment + 1 >= ROULETTE_FROM {
                 survival = min(survival, ROULETTE_MAX);
                 if randoms.one(Dimension::ROULETTE) >= survival {
+                    self.endings.roulette += 1;
                     break;
                 }
                 beta /= survival;
             }
-            if segment < self.settings.depth {
-                self.rays.bounce += 1;
-            }
+            self.rays.bounce += 1;
         }
         radiance
     }

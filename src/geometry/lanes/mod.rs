@@ -6,12 +6,12 @@
 
 mod quad;
 mod sphere;
-#[cfg_attr(not(test), expect(dead_code, reason = "for shading"))]
 mod surface;
 mod triangle;
 
 pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
 pub(crate) use sphere::{misses_sphere, sphere};
+pub(crate) use surface::{HitPoints, Shape, SurfaceLanes, Surfaces};
 pub(crate) use triangle::shear_triangles;
 
 use crate::simd::{Float, Mask, Vec3x};

@@ -1,10 +1,10 @@
-//! The points that rays hit, over lanes: of any primitives, one a lane.
+//! The points that rays hit, over lanes: of any primitives of one shape, one a lane.
 
 use glam::Vec3;
 
-use crate::geometry::{Geometry, Quad, Ray, Sphere};
+use crate::geometry::{Geometry, Primitive, Quad, Ray};
 use crate::math::UNIT_ROUNDOFF;
-use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
+use crate::simd::{Float, Int, LANES, Lanes, Quad as Words, Vec3x, axes, gather_quads, quad};
 
 /// One [`Surface`](crate::geometry::Surface) a lane.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct SurfaceLanes {
     pub(crate) offset: Float,
 }
 
-/// Where rays are, in the lanes that have hit something.
+/// Where rays are that have hit something.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HitPoints {
     pub(crate) origin: Vec3x,
@@ -30,111 +30,130 @@ impl SurfaceLanes {
     pub(crate) fn spawn(&self, side: Vec3x) -> Vec3x {
         self.point + side * self.offset
     }
+}
 
-    fn select(mask: Mask, yes: Self, no: Self) -> Self {
+/// What primitives have in common that are shaded together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    Sphere,
+    MovingSphere,
+    Quad,
+    Triangle,
+}
+
+impl Shape {
+    pub(crate) fn of(primitive: Primitive<'_>) -> Self {
+        match primitive {
+            Primitive::Sphere(sphere) if sphere.motion() == Vec3::ZERO => Self::Sphere,
+            Primitive::Sphere(_) => Self::MovingSphere,
+            Primitive::Quad(_) => Self::Quad,
+            Primitive::Triangle(_) => Self::Triangle,
+        }
+    }
+}
+
+/// Geometry in words, from which the surfaces of any primitives are gathered.
+#[derive(Debug)]
+pub(crate) struct Surfaces<'a> {
+    geometry: &'a Geometry,
+    /// Centre at time 0, radius.
+    spheres: Vec<Words>,
+    /// Where any sphere moves.
+    motions: Vec<Words>,
+    /// Corner, offset; edges, dual edges, beside each a component of the normal.
+    quads: Vec<[Words; 5]>,
+}
+
+impl<'a> Surfaces<'a> {
+    pub(crate) fn new(geometry: &'a Geometry) -> Self {
+        let parallelogram = |q: &Quad| {
+            let ([dual_u, dual_v], [x, y, z]) = (q.duals(), q.normal.to_array());
+            [quad(q.q, q.offset()), quad(q.u, x), quad(q.v, y), quad(dual_u, z), quad(dual_v, 0.0)]
+        };
+        let spheres = &geometry.spheres;
+        let moving = spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO);
+        let moving = if moving { &spheres[..] } else { &[] };
         Self {
-            point: Vec3x::select(mask, yes.point, no.point),
-            normal: Vec3x::select(mask, yes.normal, no.normal),
-            offset: mask.select(yes.offset, no.offset),
+            geometry,
+            // That is where a still sphere is at any time, a zero's sign included.
+            spheres: spheres.iter().map(|s| quad(s.center_at(0.0), s.radius)).collect(),
+            motions: moving.iter().map(|s| quad(s.motion(), 0.0)).collect(),
+            quads: geometry.quads.iter().map(parallelogram).collect(),
         }
     }
-}
 
-/// [`Primitive::surface`](crate::geometry::Primitive::surface) in the lanes of `present`; anything
-/// in others.
-#[inline(always)]
-pub(crate) fn surfaces(geometry: &Geometry, hits: &HitPoints, present: u32) -> SurfaceLanes {
-    let (mut spheres, mut quads) = (0, 0);
-    let ends = (geometry.spheres.len(), geometry.spheres.len() + geometry.quads.len());
-    for lane in Bits(present) {
-        let primitive = hits.primitive[lane] as usize;
-        spheres |= u32::from(primitive < ends.0) << lane;
-        quads |= u32::from(primitive >= ends.0 && primitive < ends.1) << lane;
+    /// [`Primitive::surface`] of primitives of one shape.
+    #[inline(always)]
+    pub(crate) fn find(&self, shape: Shape, hits: &HitPoints) -> SurfaceLanes {
+        match shape {
+            Shape::Sphere => self.spheres::<false>(hits),
+            Shape::MovingSphere => self.spheres::<true>(hits),
+            Shape::Quad => self.quads(hits),
+            Shape::Triangle => self.triangles(hits),
+        }
     }
-    let triangles = present & !spheres & !quads;
-    let mut found = SurfaceLanes { point: Vec3x::ZERO, normal: Vec3x::ZERO, offset: Float::ZERO };
-    if spheres != 0 {
-        found = sphere_surfaces(&geometry.spheres, hits, spheres);
-    }
-    if quads != 0 {
-        let quad_surfaces = quad_surfaces(&geometry.quads, ends.0, hits, quads);
-        found = SurfaceLanes::select(Mask::from_bits(quads), quad_surfaces, found);
-    }
-    if triangles != 0 {
-        let triangle_surfaces = triangle_surfaces(geometry, hits, triangles);
-        found = SurfaceLanes::select(Mask::from_bits(triangles), triangle_surfaces, found);
-    }
-    found
-}
 
-/// `N` vectors and a number for each lane of `lanes`; 0 in others.
-#[inline(always)]
-fn gather<const N: usize>(
-    lanes: u32,
-    of: impl Fn(usize) -> ([Vec3; N], f32),
-) -> ([Vec3x; N], Float) {
-    let (mut vectors, mut numbers) = ([[[0.0; LANES]; 3]; N], [0.0; LANES]);
-    for lane in Bits(lanes) {
-        let (from, number) = of(lane);
-        for (vector, from) in vectors.iter_mut().zip(from) {
+    #[inline(always)]
+    fn spheres<const MOVING: bool>(&self, hits: &HitPoints) -> SurfaceLanes {
+        let (mut center, radius) = vector(gather_quads(&hits.primitive, |p| &self.spheres[p]));
+        if MOVING {
+            let (motion, _) = vector(gather_quads(&hits.primitive, |p| &self.motions[p]));
+            center = center + motion * hits.time;
+        }
+        let normal = (hits.origin + hits.direction * hits.t - center).normalize();
+        let far = Vec3x(axes(|axis| center[axis].abs())).max_element();
+        let extent = far.max(radius);
+        let bound = Float::splat(10.0) * radius + Float::splat(6.0) * extent;
+        SurfaceLanes {
+            point: center + normal * radius,
+            normal,
+            offset: Float::splat(UNIT_ROUNDOFF) * bound,
+        }
+    }
+
+    #[inline(always)]
+    fn quads(&self, hits: &HitPoints) -> SurfaceLanes {
+        let first = self.spheres.len();
+        let part = |i: usize| vector(gather_quads(&hits.primitive, |p| &self.quads[p - first][i]));
+        let ((q, offset), (u, x), (v, y)) = (part(0), part(1), part(2));
+        let ((dual_u, z), (dual_v, _)) = (part(3), part(4));
+        let p = (hits.origin - q) + hits.direction * hits.t;
+        let (a, b) = (p.dot(dual_u), p.dot(dual_v));
+        SurfaceLanes { point: q + (u * a + v * b), normal: Vec3x([x, y, z]), offset }
+    }
+
+    /// One by one: they are in f64.
+    fn triangles(&self, hits: &HitPoints) -> SurfaceLanes {
+        let vector = |v: Vec3x| axes(|axis| v[axis].to_array());
+        let (origin, direction) = (vector(hits.origin), vector(hits.direction));
+        let (time, t) = (hits.time.to_array(), hits.t.to_array());
+        let (mut point, mut normal, mut offset) =
+            ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0.0; LANES]);
+        for lane in 0..LANES {
+            let at = |v: &[Lanes; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+            let ray = Ray { origin: at(&origin), direction: at(&direction), time: time[lane] };
+            let surface = self.geometry.get(hits.primitive[lane]).surface(&ray, t[lane]);
             for axis in 0..3 {
-                vector[axis][lane] = from[axis];
+                point[axis][lane] = surface.point[axis];
+                normal[axis][lane] = surface.normal[axis];
             }
+            offset[lane] = surface.offset;
         }
-        numbers[lane] = number;
-    }
-    (vectors.map(|vector| Vec3x::new(&vector)), Float::new(numbers))
-}
-
-#[inline(always)]
-fn sphere_surfaces(spheres: &[Sphere], hits: &HitPoints, lanes: u32) -> SurfaceLanes {
-    let ([center, motion], radius) = gather(lanes, |lane| {
-        let sphere = &spheres[hits.primitive[lane] as usize];
-        ([sphere.center, sphere.motion()], sphere.radius)
-    });
-    let center = center + motion * hits.time;
-    let normal = (hits.origin + hits.direction * hits.t - center).normalize();
-    let far = Vec3x(axes(|axis| center[axis].abs())).max_element();
-    let extent = far.max(radius);
-    let bound = Float::splat(10.0) * radius + Float::splat(6.0) * extent;
-    SurfaceLanes {
-        point: center + normal * radius,
-        normal,
-        offset: Float::splat(UNIT_ROUNDOFF) * bound,
+        let offset = Float::new(offset);
+        SurfaceLanes { point: Vec3x::new(&point), normal: Vec3x::new(&normal), offset }
     }
 }
 
+/// A vector and a number a lane.
 #[inline(always)]
-fn quad_surfaces(quads: &[Quad], first: usize, hits: &HitPoints, lanes: u32) -> SurfaceLanes {
-    let ([q, u, v, normal, dual_u, dual_v], offset) = gather(lanes, |lane| {
-        let quad = &quads[hits.primitive[lane] as usize - first];
-        let [dual_u, dual_v] = quad.duals();
-        ([quad.q, quad.u, quad.v, quad.normal, dual_u, dual_v], quad.offset())
-    });
-    let p = (hits.origin - q) + hits.direction * hits.t;
-    let (a, b) = (p.dot(dual_u), p.dot(dual_v));
-    SurfaceLanes { point: q + (u * a + v * b), normal, offset }
-}
-
-/// One by one: they are in f64.
-#[inline(always)]
-fn triangle_surfaces(geometry: &Geometry, hits: &HitPoints, lanes: u32) -> SurfaceLanes {
-    let vector = |v: Vec3x| axes(|axis| v[axis].to_array());
-    let (origin, direction) = (vector(hits.origin), vector(hits.direction));
-    let (time, t) = (hits.time.to_array(), hits.t.to_array());
-    let ([point, normal], offset) = gather(lanes, |lane| {
-        let at = |v: &[Lanes; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        let ray = Ray { origin: at(&origin), direction: at(&direction), time: time[lane] };
-        let surface = geometry.get(hits.primitive[lane]).surface(&ray, t[lane]);
-        ([surface.point, surface.normal], surface.offset)
-    });
-    SurfaceLanes { point, normal, offset }
+fn vector([x, y, z, number]: [Int; 4]) -> (Vec3x, Float) {
+    (Vec3x([x, y, z].map(Float::from_bits)), Float::from_bits(number))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Triangle;
+    use crate::geometry::{Hit, Sphere, Triangle};
     use crate::math::random::Stream;
 
     #[test]
@@ -147,44 +166,45 @@ mod tests {
             let center = vector(5.0);
             let radius = vector(1.0).length_squared() + 0.1;
             geometry.spheres.push(Sphere { center, center1: center + vector(1.0), radius });
+            geometry.spheres.push(Sphere::still(vector(5.0), radius));
             geometry.quads.extend(Quad::new(vector(5.0), vector(3.0), vector(3.0)));
             geometry.triangles.push(Triangle { vertices: [vector(5.0), vector(5.0), vector(5.0)] });
         }
-        let mut counts = [0; 3];
-        for round in 0..5000u32 {
-            let mut rays = [Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 }; LANES];
-            let (mut t, mut primitive, mut present) = ([0.0; LANES], [0; LANES], 0);
-            for lane in 0..LANES {
+        let surfaces = Surfaces::new(&geometry);
+        let mut counts = [0; 4];
+        // Hits wait until they fill lanes.
+        let mut waiting: [Vec<(Ray, Hit)>; 4] = Default::default();
+        while counts.iter().any(|&count| count < 100) {
+            let shape = loop {
                 let (origin, to) = (vector(8.0), vector(4.0));
-                rays[lane] = Ray { origin, direction: to - origin, time: to.x.abs() * 0.25 };
-                let hit = geometry.closest_by_brute_force(&rays[lane], 0.0, f32::INFINITY);
+                let ray = Ray { origin, direction: to - origin, time: to.x.abs() * 0.25 };
+                let hit = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
                 let Some(hit) = hit else { continue };
-                // Of one kind, mostly, or of all.
-                let kind = match hit.primitive as usize {
-                    p if p < 40 => 0,
-                    p if p < 40 + geometry.quads.len() => 1,
-                    _ => 2,
-                };
-                if round % 4 == 3 || round % 4 == kind {
-                    counts[kind as usize] += 1;
-                    (t[lane], primitive[lane]) = (hit.t, hit.primitive);
-                    present |= 1 << lane;
+                let shape = Shape::of(geometry.get(hit.primitive));
+                let waiting = &mut waiting[shape as usize];
+                waiting.push((ray, hit));
+                if waiting.len() == LANES {
+                    break shape;
                 }
-            }
+            };
+            counts[shape as usize] += 1;
+            let mut full = waiting[shape as usize].drain(..);
+            let full: [(Ray, Hit); LANES] =
+                std::array::from_fn(|_| full.next().expect("as many as lanes"));
             let lanes = |of: fn(&Ray) -> Vec3| {
-                Vec3x(axes(|axis| Float::new(rays.map(|ray| of(&ray)[axis]))))
+                Vec3x(axes(|axis| Float::new(full.map(|(ray, _)| of(&ray)[axis]))))
             };
             let hits = HitPoints {
                 origin: lanes(|ray| ray.origin),
                 direction: lanes(|ray| ray.direction),
-                time: Float::new(rays.map(|ray| ray.time)),
-                t: Float::new(t),
-                primitive,
+                time: Float::new(full.map(|(ray, _)| ray.time)),
+                t: Float::new(full.map(|(_, hit)| hit.t)),
+                primitive: full.map(|(_, hit)| hit.primitive),
             };
-            let found = surfaces(&geometry, &hits, present);
+            let found = surfaces.find(shape, &hits);
             let spawned = found.spawn(found.normal);
-            for lane in Bits(present) {
-                let want = geometry.get(primitive[lane]).surface(&rays[lane], t[lane]);
+            for (lane, (ray, hit)) in full.iter().enumerate() {
+                let want = geometry.get(hit.primitive).surface(ray, hit.t);
                 let at = |v: Vec3x| axes(|axis| v[axis].to_array()[lane]).map(f32::to_bits);
                 let bits = |v: Vec3| v.to_array().map(f32::to_bits);
                 assert_eq!(at(found.point), bits(want.point), "{want:?}");
@@ -193,6 +213,5 @@ mod tests {
                 assert_eq!(at(spawned), bits(want.spawn(want.normal)));
             }
         }
-        assert!(counts.iter().all(|&count| count > 1000), "{counts:?} hits");
     }
 }

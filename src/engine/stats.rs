@@ -1,0 +1,191 @@
+//! Exact counts of what a render did, and the seconds of its stages.
+
+use std::time::Instant;
+
+use crate::accel::Counters;
+use crate::simd::LANES;
+
+/// How paths ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Endings {
+    /// They left the scene.
+    pub background: u64,
+    /// At a light.
+    pub light: u64,
+    /// By a surface that scattered them into itself.
+    pub absorbed: u64,
+    /// They could add nothing any more: black surfaces.
+    pub black: u64,
+    /// By Russian roulette.
+    pub roulette: u64,
+    /// At a surface, after the last segment that was allowed.
+    pub depth: u64,
+}
+
+impl Endings {
+    /// All paths.
+    pub fn total(&self) -> u64 {
+        self.each().into_iter().map(|(_, paths)| paths).sum()
+    }
+
+    /// Names and numbers.
+    pub fn each(&self) -> [(&'static str, u64); 6] {
+        let Self { background, light, absorbed, black, roulette, depth } = *self;
+        [
+            ("background", background),
+            ("light", light),
+            ("absorbed", absorbed),
+            ("black", black),
+            ("roulette", roulette),
+            ("depth", depth),
+        ]
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.background += other.background;
+        self.light += other.light;
+        self.absorbed += other.absorbed;
+        self.black += other.black;
+        self.roulette += other.roulette;
+        self.depth += other.depth;
+    }
+}
+
+/// The stages of a wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Camera rays.
+    Generate,
+    /// Closest hits.
+    Extend,
+    /// Paths to the queues of what they hit.
+    Sort,
+    /// Emission, scattering, light samples.
+    Shade,
+    /// Shadow rays.
+    Connect,
+    /// Rays of the next segment, put in order.
+    Order,
+    /// Samples to pixels.
+    Accumulate,
+}
+
+impl Stage {
+    /// All stages, in order.
+    pub const ALL: [Self; 7] = [
+        Self::Generate,
+        Self::Extend,
+        Self::Sort,
+        Self::Shade,
+        Self::Connect,
+        Self::Order,
+        Self::Accumulate,
+    ];
+
+    /// The name in tables and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Generate => "generate",
+            Self::Extend => "extend",
+            Self::Sort => "sort",
+            Self::Shade => "shade",
+            Self::Connect => "connect",
+            Self::Order => "order",
+            Self::Accumulate => "accumulate",
+        }
+    }
+}
+
+/// What a stage did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageWork {
+    /// Paths, or rays, that it worked on.
+    pub active: u64,
+    /// Lanes of the vectors that it took for them.
+    pub issued: u64,
+    /// Summed over threads.
+    pub seconds: f64,
+    /// Of extend and connect, where it is asked for.
+    pub counters: Counters,
+}
+
+impl StageWork {
+    fn add(&mut self, other: &Self) {
+        self.active += other.active;
+        self.issued += other.issued;
+        self.seconds += other.seconds;
+        self.counters += other.counters;
+    }
+}
+
+/// What the stages did, by segment of the paths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WaveStats {
+    /// Of segments 1, 2, … and, in the last, of all from [`WaveStats::SEGMENTS`] on. Generate and
+    /// accumulate count for the first.
+    pub segments: Vec<[StageWork; 7]>,
+}
+
+impl WaveStats {
+    /// Segments that are told apart.
+    pub const SEGMENTS: usize = 16;
+
+    /// What `stage` did for all segments.
+    pub fn stage(&self, stage: Stage) -> StageWork {
+        self.segments.iter().fold(StageWork::default(), |mut sum, works| {
+            sum.add(&works[stage as usize]);
+            sum
+        })
+    }
+
+    /// Notes work for paths on their segment `segment`.
+    pub(super) fn note(&mut self, stage: Stage, segment: u32, work: StageWork) {
+        let place = (segment as usize).min(Self::SEGMENTS) - 1;
+        if self.segments.len() <= place {
+            self.segments.resize(place + 1, Default::default());
+        }
+        self.segments[place][stage as usize].add(&work);
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        if self.segments.len() < other.segments.len() {
+            self.segments.resize(other.segments.len(), Default::default());
+        }
+        for (works, others) in self.segments.iter_mut().zip(&other.segments) {
+            for (work, other) in works.iter_mut().zip(others) {
+                work.add(other);
+            }
+        }
+    }
+}
+
+/// Takes the time of stages.
+#[derive(Debug)]
+pub(super) struct Stopwatch {
+    pub(super) stats: WaveStats,
+    last: Instant,
+}
+
+impl Stopwatch {
+    pub(super) fn new() -> Self {
+        Self { stats: WaveStats::default(), last: Instant::now() }
+    }
+
+    /// The next stage begins.
+    pub(super) fn start(&mut self) {
+        self.last = Instant::now();
+    }
+
+    /// A stage over `items` paths or rays on their segment `segment` has ended, the next begins.
+    pub(super) fn lap(&mut self, stage: Stage, segment: u32, items: usize, counters: Counters) {
+        let now = Instant::now();
+        let work = StageWork {
+            active: items as u64,
+            issued: items.next_multiple_of(LANES) as u64,
+            seconds: (now - self.last).as_secs_f64(),
+            counters,
+        };
+        self.last = now;
+        self.stats.note(stage, segment, work);
+    }
+}

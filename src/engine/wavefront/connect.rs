@@ -1,0 +1,71 @@
+//! Connect: the light that reaches surfaces directly.
+
+use glam::Vec3;
+
+use super::columns::Columns;
+use super::paths::Paths;
+use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
+use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, first_bits};
+
+/// Ways to lights, and what arrives if they are free.
+#[derive(Debug)]
+pub(super) struct Shadows {
+    pub(super) rays: RayBatch,
+    /// Radiance at the camera (3), path.
+    light: Columns<4>,
+}
+
+impl Shadows {
+    /// None, and room for `capacity`.
+    pub(super) fn with_capacity(capacity: usize) -> Self {
+        Self { rays: RayBatch::with_capacity(capacity), light: Columns::with_capacity(capacity) }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.rays.clear();
+        self.light.clear();
+    }
+
+    /// Adds the lanes whose bits are set.
+    #[inline(always)]
+    pub(super) fn append(
+        &mut self,
+        rays: &RayVector,
+        radiance: Vec3x,
+        paths: &Lanes<u32>,
+        bits: u32,
+    ) {
+        self.rays.append(rays, bits);
+        let [r, g, b] = radiance.0.map(Float::to_bits);
+        self.light.append(&[r, g, b, Int::new(*paths)], bits);
+    }
+}
+
+/// Traces the shadow rays and adds the light of those that nothing occludes. Returns the work, if
+/// it is to `count` it.
+pub(super) fn connect(
+    accelerator: &Accelerator,
+    kernel: Kernel,
+    shadows: &Shadows,
+    hits: &mut HitBatch,
+    paths: &mut Paths,
+    count: bool,
+) -> Counters {
+    let rays = shadows.rays.len();
+    hits.reset(rays.next_multiple_of(LANES));
+    let counters = if count {
+        accelerator.count(kernel, true, &shadows.rays, 0..rays, hits)
+    } else {
+        accelerator.occluded(kernel, &shadows.rays, 0..rays, hits);
+        Counters::default()
+    };
+    for first in (0..rays).step_by(LANES) {
+        let free = Int::load(&hits.primitive[first..]).eq(Int::splat(HitBatch::MISS));
+        let [r, g, b, path] = shadows.light.rows(first).map(Int::to_array);
+        for lane in Bits(free.bits() & first_bits(rays - first)) {
+            let light = [r, g, b].map(|color| f32::from_bits(color[lane]));
+            paths.add_radiance(path[lane], Vec3::from_array(light));
+        }
+    }
+    counters
+}

@@ -1,0 +1,126 @@
+//! A scene's materials as vectors read them: by kind, with their numbers in tables.
+
+use glam::Vec3;
+
+use crate::geometry::lanes::Shape;
+use crate::scene::{Checker, Emission, Material, Scene, Sides, Texture};
+use crate::simd::{Quad, quad};
+
+/// Paths that are shaded together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bin {
+    /// Those that have hit nothing.
+    Background,
+    /// Those that have hit primitives of one shape and of one kind of materials.
+    Surface(Shape, Kind),
+}
+
+/// A kind of materials: one routine each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Light,
+    Diffuse(Pattern),
+    Lambertian(Pattern),
+    Metal(Pattern),
+    Dielectric,
+}
+
+/// How the colours of a material vary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pattern {
+    Solid,
+    Checker,
+    Image,
+}
+
+/// A scene's materials.
+#[derive(Debug)]
+pub(super) struct Materials {
+    /// Those in the scene, [`Bin::Background`] first.
+    pub(super) bins: Vec<Bin>,
+    /// The place in `bins` of each primitive; one more for none.
+    bin_of: Vec<u8>,
+    /// Of each material: one colour, which is what a light emits, and a number: fuzz, index of
+    /// refraction, or 1 for a light that shines on its front only.
+    pub(super) solid: Vec<Quad>,
+    /// Of each material: odd colour and frequency, even colour.
+    pub(super) checkers: Vec<[Quad; 2]>,
+}
+
+impl Materials {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let mut bins = vec![Bin::Background];
+        let mut place = |bin| {
+            let place = bins.iter().position(|&b| b == bin).unwrap_or(bins.len());
+            if place == bins.len() {
+                bins.push(bin);
+            }
+            place as u8
+        };
+        let geometry = scene.geometry();
+        let bin =
+            |p| place(Bin::Surface(Shape::of(geometry.get(p)), kind(scene, scene.material(p))));
+        let mut bin_of: Vec<u8> = (0..geometry.len() as u32).map(bin).collect();
+        bin_of.push(0);
+        Self {
+            bins,
+            bin_of,
+            solid: scene.materials().iter().map(|m| solid(scene, m)).collect(),
+            checkers: scene.materials().iter().map(|m| checker(scene, m)).collect(),
+        }
+    }
+
+    /// The place in [`Self::bins`] of what is shaded where a path has hit `primitive`, or none.
+    #[inline(always)]
+    pub(super) fn bin(&self, primitive: u32) -> u8 {
+        self.bin_of[(primitive as usize).min(self.bin_of.len() - 1)]
+    }
+}
+
+fn kind(scene: &Scene, material: &Material) -> Kind {
+    let pattern = |albedo: u32| match scene.textures()[albedo as usize] {
+        Texture::Solid(_) => Pattern::Solid,
+        Texture::Checker(_) => Pattern::Checker,
+        Texture::Image(_) => Pattern::Image,
+    };
+    match *material {
+        Material::Diffuse { albedo } => Kind::Diffuse(pattern(albedo)),
+        Material::Lambertian { albedo } => Kind::Lambertian(pattern(albedo)),
+        Material::Metal { albedo, .. } => Kind::Metal(pattern(albedo)),
+        Material::Dielectric { .. } => Kind::Dielectric,
+        Material::Light(_) => Kind::Light,
+    }
+}
+
+fn texture<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Texture> {
+    match *material {
+        Material::Diffuse { albedo }
+        | Material::Lambertian { albedo }
+        | Material::Metal { albedo, .. } => Some(&scene.textures()[albedo as usize]),
+        Material::Dielectric { .. } | Material::Light(_) => None,
+    }
+}
+
+fn solid(scene: &Scene, material: &Material) -> Quad {
+    let color = match (texture(scene, material), material) {
+        (Some(Texture::Solid(color)), _) => *color,
+        (_, Material::Light(emission)) => emission.radiance,
+        _ => Vec3::ZERO,
+    };
+    let number = match *material {
+        Material::Metal { fuzz, .. } => fuzz,
+        Material::Dielectric { ior } => ior,
+        Material::Light(Emission { sides: Sides::Front, .. }) => 1.0,
+        _ => 0.0,
+    };
+    quad(color, number)
+}
+
+fn checker(scene: &Scene, material: &Material) -> [Quad; 2] {
+    match texture(scene, material) {
+        Some(Texture::Checker(Checker { odd, even, frequency })) => {
+            [quad(*odd, *frequency), quad(*even, 0.0)]
+        }
+        _ => [[0; 4]; 2],
+    }
+}

@@ -1,0 +1,206 @@
+//! The wavefront engine: waves of paths go through stages, each a loop over vectors of them.
+
+mod accumulate;
+mod cells;
+mod columns;
+mod connect;
+mod extend;
+mod generate;
+mod materials;
+mod paths;
+mod plan;
+mod rays;
+mod shade;
+mod sort;
+
+use std::ops::Range;
+
+use super::renderer::{TileEngine, TileResult, TileWorker};
+use super::settings::RenderSettings;
+use super::stats::{Stage, Stopwatch};
+use crate::accel::{Accelerator, Counters, HitBatch};
+use crate::film::{PixelSum, Tile};
+use crate::geometry::lanes::Surfaces;
+use crate::scene::{CameraFrame, Scene};
+use accumulate::accumulate;
+use cells::Cells;
+use connect::{Shadows, connect};
+use extend::extend;
+use generate::generate;
+use materials::Materials;
+use paths::Paths;
+pub use plan::{Plan, SegmentPlan};
+use rays::{Next, Rays};
+use shade::{Shaded, Shading};
+use sort::{Queue, sort};
+
+/// A scene that is ready to be rendered, and how.
+#[derive(Debug)]
+pub(super) struct WavefrontEngine<'a> {
+    prepared: Prepared<'a>,
+    plan: Plan,
+}
+
+/// A scene as vectors read it.
+#[derive(Debug)]
+struct Prepared<'a> {
+    scene: &'a Scene,
+    settings: RenderSettings,
+    camera: CameraFrame,
+    accelerator: Accelerator<'a>,
+    materials: Materials,
+    surfaces: Surfaces<'a>,
+    cells: Cells,
+}
+
+impl<'a> WavefrontEngine<'a> {
+    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
+        let accelerator = Accelerator::new(scene.geometry(), scene.camera().shutter());
+        let prepared = Prepared {
+            scene,
+            settings: settings.clone(),
+            camera: scene.camera().frame(settings.width, settings.height),
+            materials: Materials::new(scene),
+            surfaces: Surfaces::new(scene.geometry()),
+            cells: Cells::new(&accelerator.bounds()),
+            accelerator,
+        };
+        let plan = settings.plan.clone().unwrap_or_else(|| Plan::measure(&prepared));
+        for segment in &plan.segments {
+            prepared.accelerator.prepare(segment.closest);
+            prepared.accelerator.prepare(segment.occluded);
+        }
+        Self { prepared, plan }
+    }
+}
+
+impl TileEngine for WavefrontEngine<'_> {
+    fn worker(&self) -> Box<dyn TileWorker + '_> {
+        Box::new(Worker {
+            engine: self,
+            wave: Wave::new(&self.prepared, &self.plan),
+            sum: PixelSum::default(),
+            result: TileResult::default(),
+            watch: Stopwatch::new(),
+        })
+    }
+
+    fn tile_size(&self) -> u32 {
+        self.plan.tile_size
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        Some(&self.plan)
+    }
+}
+
+/// Paths on their way, and what their stages hand to each other. Its size depends on the plan and on
+/// the kinds of materials, not on the image or its samples.
+#[derive(Debug)]
+struct Wave {
+    paths: Paths,
+    /// The rays that are traced next.
+    rays: Rays,
+    /// What they hit.
+    hits: HitBatch,
+    /// Paths by what they have hit.
+    queues: Vec<Queue>,
+    shadows: Shadows,
+    /// Paths that go on.
+    next: Next,
+}
+
+impl Wave {
+    fn new(prepared: &Prepared<'_>, plan: &Plan) -> Self {
+        let capacity = plan.wave_size as usize;
+        let shadows = if prepared.settings.samples_lights(prepared.scene) { capacity } else { 0 };
+        let queue = |_: &_| Queue::with_capacity(capacity);
+        Self {
+            paths: Paths::new(capacity),
+            rays: Rays::with_capacity(capacity),
+            hits: HitBatch::default(),
+            queues: prepared.materials.bins.iter().map(queue).collect(),
+            shadows: Shadows::with_capacity(shadows),
+            next: Next::with_capacity(capacity),
+        }
+    }
+}
+
+/// A thread's wave, and what comes of it.
+#[derive(Debug)]
+struct Worker<'a> {
+    engine: &'a WavefrontEngine<'a>,
+    wave: Wave,
+    /// The pixel whose samples are being added.
+    sum: PixelSum,
+    result: TileResult,
+    watch: Stopwatch,
+}
+
+impl Worker<'_> {
+    /// Takes the paths number `range` of `tile` from the camera to the film.
+    fn trace(&mut self, tile: Tile, range: Range<u64>) {
+        let WavefrontEngine { prepared, plan } = self.engine;
+        let Prepared { scene, settings, camera, accelerator, materials, surfaces, cells } =
+            prepared;
+        let Wave { paths, rays, hits, queues, shadows, next } = &mut self.wave;
+        let Self { sum, result, watch, .. } = self;
+        let (count, none) = (settings.count, Counters::default());
+        watch.start();
+
+        generate(camera, settings, tile, range.clone(), paths, rays);
+        result.rays.primary += rays.len() as u64;
+        watch.lap(Stage::Generate, 1, rays.len(), none);
+
+        for segment in 1..=settings.depth {
+            let how = plan.segment(segment);
+            let work = extend(accelerator, how.closest, rays, hits, count);
+            watch.lap(Stage::Extend, segment, rays.len(), work);
+
+            sort(rays, hits, materials, queues);
+            watch.lap(Stage::Sort, segment, rays.len(), none);
+
+            let shading = Shading { scene, settings, materials, surfaces, cells, segment };
+            let endings = &mut result.endings;
+            shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
+            watch.lap(Stage::Shade, segment, rays.len(), none);
+
+            let work = connect(accelerator, how.occluded, shadows, hits, paths, count);
+            result.rays.shadow += shadows.rays.len() as u64;
+            watch.lap(Stage::Connect, segment, shadows.rays.len(), work);
+
+            if next.len() == 0 {
+                break;
+            }
+            if plan.segment(segment + 1).ordered {
+                rays.order(next, paths);
+            } else {
+                rays.take(next, paths);
+            }
+            result.rays.bounce += rays.len() as u64;
+            watch.lap(Stage::Order, segment + 1, rays.len(), none);
+        }
+
+        let samples = (range.end - range.start) as usize;
+        accumulate(paths, tile, range, settings.spp, sum, result);
+        watch.lap(Stage::Accumulate, 1, samples, none);
+    }
+}
+
+impl TileWorker for Worker<'_> {
+    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
+        let WavefrontEngine { prepared, plan } = self.engine;
+        let pixels = u64::from(tile.width) * u64::from(tile.height);
+        let paths = pixels * u64::from(prepared.settings.spp);
+        let mut first = 0;
+        while first < paths {
+            let end = paths.min(first + u64::from(plan.wave_size));
+            let before = self.result.rays.total();
+            self.trace(tile, first..end);
+            report(end - first, self.result.rays.total() - before);
+            first = end;
+        }
+        self.result.waves = std::mem::take(&mut self.watch.stats);
+        std::mem::take(&mut self.result)
+    }
+}

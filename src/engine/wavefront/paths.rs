@@ -1,0 +1,125 @@
+//! The state of paths: a cache line each, in one place from the camera to the end.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::simd::random::PathKeys;
+use crate::simd::{Float, Int, LANES, Lanes, Quad, Vec3x, gather_quads, quads_of};
+
+/// The paths of a wave, by the number of their sample in it.
+///
+/// A path is a cache line of four quads: origin and time; direction and density; throughput and the
+/// first word of the key; radiance and the second. Vectors of paths from anywhere are read by turning
+/// quads into columns: one cache line a path, whatever their order.
+#[derive(Debug)]
+pub(super) struct Paths(Vec<Line>);
+
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Line([Quad; 4]);
+
+/// The segments that paths trace, one a lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    pub(super) origin: Vec3x,
+    pub(super) time: Float,
+    /// Of unit length.
+    pub(super) direction: Vec3x,
+    /// Density with which a diffuse surface chose the direction; [`Segment::SPECULAR`] where no
+    /// light sample could have found what the path hits.
+    pub(super) pdf: Float,
+}
+
+/// What paths have been through, one a lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct History {
+    /// Throughput: what a unit of radiance here adds to the pixel.
+    pub(super) beta: Vec3x,
+    /// What has arrived at the camera.
+    pub(super) radiance: Vec3x,
+    /// Of the random numbers.
+    pub(super) keys: PathKeys,
+}
+
+impl Segment {
+    pub(super) const SPECULAR: f32 = f32::INFINITY;
+}
+
+impl Paths {
+    /// Room for `capacity` paths.
+    pub(super) fn new(capacity: usize) -> Self {
+        // Whole vectors are written.
+        Self(vec![Line([[0; 4]; 4]); capacity.next_multiple_of(LANES)])
+    }
+
+    /// Quad number `place` of the paths `indices`: a vector and a number.
+    #[inline(always)]
+    fn gather(&self, place: usize, indices: &Lanes<u32>) -> (Vec3x, Int) {
+        let [x, y, z, other] = gather_quads(indices, |path| &self.0[path].0[place]);
+        (Vec3x([x, y, z].map(Float::from_bits)), other)
+    }
+
+    /// Sets it. Where a path is in several lanes, these must say the same.
+    #[inline(always)]
+    fn scatter(&mut self, place: usize, indices: &Lanes<u32>, (vector, other): (Vec3x, Int)) {
+        let [x, y, z] = vector.0.map(Float::to_bits);
+        let quads = quads_of([x, y, z, other]);
+        for lane in 0..LANES {
+            self.0[indices[lane] as usize].0[place] = quads[lane];
+        }
+    }
+
+    /// The segments of the paths `indices`.
+    #[inline(always)]
+    pub(super) fn segments(&self, indices: &Lanes<u32>) -> Segment {
+        let (origin, time) = self.gather(0, indices);
+        let (direction, pdf) = self.gather(1, indices);
+        let (time, pdf) = (Float::from_bits(time), Float::from_bits(pdf));
+        Segment { origin, time, direction, pdf }
+    }
+
+    /// Gives new segments to the paths `indices`; those that have ended need none, but do not mind.
+    #[inline(always)]
+    pub(super) fn set_segments(&mut self, indices: &Lanes<u32>, segments: &Segment) {
+        let Segment { origin, time, direction, pdf } = *segments;
+        self.scatter(0, indices, (origin, time.to_bits()));
+        self.scatter(1, indices, (direction, pdf.to_bits()));
+    }
+
+    /// The histories of the paths `indices`.
+    #[inline(always)]
+    pub(super) fn histories(&self, indices: &Lanes<u32>) -> History {
+        let (beta, pixel_word) = self.gather(2, indices);
+        let (radiance, sample_word) = self.gather(3, indices);
+        History { beta, radiance, keys: PathKeys { pixel_word, sample_word } }
+    }
+
+    /// Sets the throughputs of the paths `indices`.
+    #[inline(always)]
+    pub(super) fn set_beta(&mut self, indices: &Lanes<u32>, history: &History) {
+        self.scatter(2, indices, (history.beta, history.keys.pixel_word));
+    }
+
+    /// Sets what has arrived along the paths `indices`.
+    #[inline(always)]
+    pub(super) fn set_radiance(&mut self, indices: &Lanes<u32>, history: &History) {
+        self.scatter(3, indices, (history.radiance, history.keys.sample_word));
+    }
+
+    /// What has arrived at the camera along each of the paths `range`.
+    pub(super) fn radiances(&self, range: Range<usize>) -> impl Iterator<Item = Vec3> + Clone {
+        self.0[range]
+            .iter()
+            .map(|Line([.., [r, g, b, _]])| Vec3::from_array([*r, *g, *b].map(f32::from_bits)))
+    }
+
+    /// Adds to what has arrived along path `index`.
+    #[inline(always)]
+    pub(super) fn add_radiance(&mut self, index: u32, radiance: Vec3) {
+        let Line([.., sum]) = &mut self.0[index as usize];
+        for (sum, value) in sum.iter_mut().zip(radiance.to_array()) {
+            *sum = (f32::from_bits(*sum) + value).to_bits();
+        }
+    }
+}

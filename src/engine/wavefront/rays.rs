@@ -1,0 +1,90 @@
+//! The rays of a segment, in the order in which they are traced.
+
+use super::cells::Cells;
+use super::columns::Columns;
+use super::paths::{Paths, Segment};
+use crate::accel::{RayBatch, RayVector};
+use crate::simd::{Float, LANES, Lanes, first_bits};
+
+/// Rays and the paths whose they are.
+#[derive(Debug)]
+pub(super) struct Rays {
+    pub(super) batch: RayBatch,
+    /// In the order of the batch; the last is repeated until they fill a vector.
+    paths: Vec<u32>,
+    /// Where the paths of each cell begin.
+    starts: Vec<u32>,
+}
+
+/// Paths that go on: path, cell.
+pub(super) type Next = Columns<2>;
+
+impl Rays {
+    /// None, and room for `capacity`.
+    pub(super) fn with_capacity(capacity: usize) -> Self {
+        Self {
+            batch: RayBatch::with_capacity(capacity),
+            paths: Vec::with_capacity(capacity + LANES),
+            starts: vec![0; Cells::COUNT],
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.batch.len()
+    }
+
+    /// The paths of rays `first..`, one a lane.
+    #[inline(always)]
+    pub(super) fn paths(&self, first: usize) -> Lanes<u32> {
+        *self.paths[first..].first_chunk().expect("whole vectors")
+    }
+
+    /// Begins a wave, whose paths are numbered from 0.
+    pub(super) fn begin(&mut self, paths: usize) {
+        self.batch.clear();
+        self.paths.clear();
+        self.paths.extend(0..paths.next_multiple_of(LANES) as u32);
+    }
+
+    /// The rays of the paths `next`, cell by cell: those that start near each other and go the same
+    /// way are together.
+    pub(super) fn order(&mut self, next: &Next, paths: &Paths) {
+        let starts = &mut self.starts;
+        starts.fill(0);
+        for &cell in next.column(1) {
+            starts[cell as usize] += 1;
+        }
+        let mut sum = 0;
+        for start in starts.iter_mut() {
+            sum += std::mem::replace(start, sum);
+        }
+        self.paths.resize(next.len().next_multiple_of(LANES), 0);
+        for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
+            let place = &mut starts[cell as usize];
+            self.paths[*place as usize] = path;
+            *place += 1;
+        }
+        self.fill(next.len(), paths);
+    }
+
+    /// The rays of the paths `next` as they come.
+    pub(super) fn take(&mut self, next: &Next, paths: &Paths) {
+        self.paths.clear();
+        self.paths.extend_from_slice(next.column(0));
+        self.paths.resize(next.len().next_multiple_of(LANES), 0);
+        self.fill(next.len(), paths);
+    }
+
+    fn fill(&mut self, len: usize, paths: &Paths) {
+        if let Some(&last) = len.checked_sub(1).map(|last| &self.paths[last]) {
+            self.paths[len..].fill(last);
+        }
+        self.batch.clear();
+        for first in (0..len).step_by(LANES) {
+            let Segment { origin, time, direction, .. } = paths.segments(&self.paths(first));
+            let (t_min, t_max) = (Float::ZERO, Float::INFINITY);
+            let rays = RayVector { origin, direction, time, t_min, t_max };
+            self.batch.append(&rays, first_bits((len - first).min(LANES)));
+        }
+    }
+}

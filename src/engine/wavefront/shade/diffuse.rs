@@ -1,0 +1,84 @@
+//! Diffuse surfaces: Lambert's law (report, III.C) or the report's ideal diffuse (III.B).
+
+use std::f32::consts::PI;
+
+use super::scatter::{Scatter, Scatterer};
+use super::vertex::Vertex;
+use super::{Shaded, Shading};
+use crate::engine::dimension::Dimension;
+use crate::engine::wavefront::connect::Shadows;
+use crate::engine::wavefront::materials::Pattern;
+use crate::engine::wavefront::sort::Queue;
+use crate::geometry::lanes::Shape;
+use crate::simd::warp::{cosine_hemisphere, uniform_hemisphere};
+use crate::simd::{Float, Vec3x};
+
+/// Surfaces that scatter light to all sides.
+pub(super) struct Diffuse<const COSINE: bool> {
+    /// On the side that was hit.
+    pub(super) normal: Vec3x,
+    /// ρ, which is also the weight of every sample.
+    pub(super) albedo: Vec3x,
+}
+
+impl<const COSINE: bool> Diffuse<COSINE> {
+    /// Directions and their densities per unit solid angle.
+    #[inline(always)]
+    fn sample(&self, (u, v): (Float, Float)) -> (Vec3x, Float) {
+        if COSINE {
+            let (direction, cos) = cosine_hemisphere(self.normal, u, v);
+            (direction, cos * Float::splat(1.0 / PI))
+        } else {
+            (uniform_hemisphere(self.normal, u, v).0, Float::splat(0.5 / PI))
+        }
+    }
+
+    /// f·cos θ without ρ, which is the density of θ too.
+    pub(super) fn evaluate(cos: f32) -> f32 {
+        match cos > 0.0 {
+            true if COSINE => cos * (1.0 / PI),
+            true => 0.5 / PI,
+            false => 0.0,
+        }
+    }
+}
+
+/// Diffuse materials whose colours vary in one way.
+struct DiffuseOf<const COSINE: bool>(Pattern);
+
+impl<const COSINE: bool> Scatterer for DiffuseOf<COSINE> {
+    #[inline(always)]
+    fn scatter(&self, shading: &Shading<'_>, vertex: &Vertex, shadows: &mut Shadows) -> Scatter {
+        let (albedo, _) = shading.albedo(self.0, vertex);
+        let diffuse = Diffuse::<COSINE> { normal: vertex.normal, albedo };
+        let origin = vertex.surface.spawn(vertex.normal);
+        if shading.settings.samples_lights(shading.scene) {
+            shading.direct(vertex, &diffuse, origin, shadows);
+        }
+        let (direction, pdf) = diffuse.sample(vertex.randoms.two(Dimension::SCATTER));
+        Scatter { origin, direction, weight: albedo, pdf, scattered: vertex.present }
+    }
+}
+
+impl Shading<'_> {
+    pub(super) fn diffuse<const COSINE: bool>(
+        &self,
+        pattern: Pattern,
+        shape: Shape,
+        queue: &Queue,
+        shaded: &mut Shaded<'_>,
+    ) {
+        // A loop for each.
+        match pattern {
+            Pattern::Solid => {
+                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Solid));
+            }
+            Pattern::Checker => {
+                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Checker));
+            }
+            Pattern::Image => {
+                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Image));
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The points where paths arrive.
+
+use super::Shading;
+use crate::engine::dimension::Randoms;
+use crate::engine::wavefront::paths::{History, Paths, Segment};
+use crate::engine::wavefront::sort::Queue;
+use crate::geometry::lanes::{HitPoints, Shape, SurfaceLanes};
+use crate::simd::random::PathKeys;
+use crate::simd::{Float, LANES, Lanes, Mask, Vec3x, first_bits};
+
+/// A point of a surface a lane, and a path that has come there.
+pub(super) struct Vertex {
+    pub(super) path: Lanes<u32>,
+    /// Lanes of paths; others repeat the last.
+    pub(super) present: u32,
+    /// Which has come there.
+    pub(super) segment: Segment,
+    pub(super) t: Float,
+    pub(super) primitive: Lanes<u32>,
+    pub(super) surface: SurfaceLanes,
+    /// On the side that was hit.
+    pub(super) normal: Vec3x,
+    /// Whether that is the front.
+    pub(super) front: Mask,
+    pub(super) history: History,
+    pub(super) randoms: Randoms<PathKeys>,
+}
+
+impl Shading<'_> {
+    /// The vertices of the paths `first..` of `queue`.
+    #[inline(always)]
+    pub(super) fn vertex(
+        &self,
+        shape: Shape,
+        queue: &Queue,
+        first: usize,
+        paths: &Paths,
+    ) -> Vertex {
+        let [path, t, primitive] = queue.rows(first);
+        let (path, t, primitive) = (path.to_array(), Float::from_bits(t), primitive.to_array());
+        let segment = paths.segments(&path);
+        let Segment { origin, direction, time, .. } = segment;
+        let surface =
+            self.surfaces.find(shape, &HitPoints { origin, direction, time, t, primitive });
+        let (normal, front) = surface.normal.face_forward(direction);
+        let history = paths.histories(&path);
+        Vertex {
+            path,
+            present: first_bits((queue.len() - first).min(LANES)),
+            segment,
+            t,
+            primitive,
+            surface,
+            normal,
+            front,
+            history,
+            randoms: Randoms::new(history.keys, self.segment),
+        }
+    }
+}

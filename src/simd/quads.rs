@@ -1,0 +1,214 @@
+//! Quads of four words, a quad a lane: read from any places of a table as columns, and written back.
+#![allow(unsafe_code)]
+
+use glam::Vec3;
+
+use super::{Int, LANES, Lanes};
+
+/// Four words that are read and written together.
+pub(crate) type Quad = [u32; 4];
+
+/// A vector and a number.
+pub(crate) fn quad(vector: Vec3, number: f32) -> Quad {
+    vector.extend(number).to_array().map(f32::to_bits)
+}
+
+/// The quads that `quad` finds at `indices`, column by column.
+#[inline(always)]
+pub(crate) fn gather_quads<'a>(indices: &Lanes<u32>, quad: impl Fn(usize) -> &'a Quad) -> [Int; 4] {
+    let mut rows = [register::joined([&[0; 4]; LANES / 4]); 4];
+    for (row, register) in rows.iter_mut().enumerate() {
+        // Quads that are turned together lie in the same part of four registers.
+        let mut quads = [&[0; 4]; LANES / 4];
+        for (part, found) in quads.iter_mut().enumerate() {
+            *found = quad(indices[4 * part + row] as usize);
+        }
+        *register = register::joined(quads);
+    }
+    register::turned(rows).map(register::to_int)
+}
+
+/// The quads of `columns`.
+#[inline(always)]
+pub(crate) fn quads_of(columns: [Int; 4]) -> [Quad; LANES] {
+    let rows = register::turned(columns.map(register::of_int));
+    let mut quads = [[0; 4]; LANES];
+    for (row, register) in rows.into_iter().enumerate() {
+        for (part, quad) in register::split(register).into_iter().enumerate() {
+            quads[4 * part + row] = quad;
+        }
+    }
+    quads
+}
+
+/// Registers of 16 words, whose four parts are turned at once.
+#[cfg(target_feature = "avx512f")]
+mod register {
+    use std::arch::x86_64::*;
+    use std::mem::transmute;
+
+    use super::{Int, Quad};
+    use crate::simd::UintRegister;
+
+    type Register = __m512i;
+
+    #[inline(always)]
+    pub(super) fn joined([a, b, c, d]: [&Quad; 4]) -> Register {
+        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        unsafe {
+            let [a, b, c, d] = [*a, *b, *c, *d].map(|quad| transmute::<Quad, __m128i>(quad));
+            let ab = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
+            _mm512_inserti32x4::<3>(_mm512_inserti32x4::<2>(ab, c), d)
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn split(register: Register) -> [Quad; 4] {
+        // SAFETY: both are 16 words.
+        unsafe { transmute(register) }
+    }
+
+    #[inline(always)]
+    pub(super) fn turned([a, b, c, d]: [Register; 4]) -> [Register; 4] {
+        // SAFETY: the CPU has the instructions, or this is not compiled.
+        unsafe {
+            let (ab, ab2) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
+            let (cd, cd2) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
+            [
+                _mm512_unpacklo_epi64(ab, cd),
+                _mm512_unpackhi_epi64(ab, cd),
+                _mm512_unpacklo_epi64(ab2, cd2),
+                _mm512_unpackhi_epi64(ab2, cd2),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_int(register: Register) -> Int {
+        // SAFETY: both are 16 words in a register.
+        Int(unsafe { transmute::<Register, UintRegister>(register) })
+    }
+
+    #[inline(always)]
+    pub(super) fn of_int(int: Int) -> Register {
+        // SAFETY: both are 16 words in a register.
+        unsafe { transmute::<UintRegister, Register>(int.0) }
+    }
+}
+
+/// Registers of 8 words, whose two parts are turned at once.
+#[cfg(all(target_feature = "avx", not(target_feature = "avx512f")))]
+mod register {
+    use std::arch::x86_64::*;
+    use std::mem::transmute;
+
+    use super::{Int, Quad};
+    use crate::simd::UintRegister;
+
+    type Register = __m256;
+
+    #[inline(always)]
+    pub(super) fn joined([a, b]: [&Quad; 2]) -> Register {
+        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        unsafe {
+            let (a, b) = (transmute::<Quad, __m128>(*a), transmute::<Quad, __m128>(*b));
+            _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(a), b)
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn split(register: Register) -> [Quad; 2] {
+        // SAFETY: both are 8 words.
+        unsafe { transmute(register) }
+    }
+
+    #[inline(always)]
+    pub(super) fn turned([a, b, c, d]: [Register; 4]) -> [Register; 4] {
+        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        unsafe {
+            let pd = |words: Register| _mm256_castps_pd(words);
+            let (ab, ab2) = (pd(_mm256_unpacklo_ps(a, b)), pd(_mm256_unpackhi_ps(a, b)));
+            let (cd, cd2) = (pd(_mm256_unpacklo_ps(c, d)), pd(_mm256_unpackhi_ps(c, d)));
+            [
+                _mm256_castpd_ps(_mm256_unpacklo_pd(ab, cd)),
+                _mm256_castpd_ps(_mm256_unpackhi_pd(ab, cd)),
+                _mm256_castpd_ps(_mm256_unpacklo_pd(ab2, cd2)),
+                _mm256_castpd_ps(_mm256_unpackhi_pd(ab2, cd2)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_int(register: Register) -> Int {
+        // SAFETY: both are 8 words in registers.
+        Int(unsafe { transmute::<Register, UintRegister>(register) })
+    }
+
+    #[inline(always)]
+    pub(super) fn of_int(int: Int) -> Register {
+        // SAFETY: both are 8 words in registers.
+        unsafe { transmute::<UintRegister, Register>(int.0) }
+    }
+}
+
+/// The same in plain words.
+#[cfg(not(target_feature = "avx"))]
+mod register {
+    use super::{Int, LANES, Lanes, Quad};
+
+    type Register = Lanes<u32>;
+
+    #[inline(always)]
+    pub(super) fn joined([a, b]: [&Quad; 2]) -> Register {
+        let ([a, b, c, d], [e, f, g, h]) = (*a, *b);
+        [a, b, c, d, e, f, g, h]
+    }
+
+    #[inline(always)]
+    pub(super) fn split([a, b, c, d, e, f, g, h]: Register) -> [Quad; 2] {
+        [[a, b, c, d], [e, f, g, h]]
+    }
+
+    #[inline(always)]
+    pub(super) fn turned(rows: [Register; 4]) -> [Register; 4] {
+        let mut columns = [[0; LANES]; 4];
+        for (column, lanes) in columns.iter_mut().enumerate() {
+            for (lane, word) in lanes.iter_mut().enumerate() {
+                *word = rows[lane % 4][lane / 4 * 4 + column];
+            }
+        }
+        columns
+    }
+
+    #[inline(always)]
+    pub(super) fn to_int(register: Register) -> Int {
+        Int::new(register)
+    }
+
+    #[inline(always)]
+    pub(super) fn of_int(int: Int) -> Register {
+        int.to_array()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    #[test]
+    fn quads_become_columns_and_quads() {
+        let mut random = Stream::new(5);
+        let table: Vec<Quad> =
+            (0..50).map(|_| std::array::from_fn(|_| random.bits() as u32)).collect();
+        for _ in 0..1000 {
+            let indices: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 50) as u32);
+            let columns = gather_quads(&indices, |index| &table[index]);
+            for (column, values) in columns.iter().enumerate() {
+                let want = indices.map(|index| table[index as usize][column]);
+                assert_eq!(values.to_array(), want);
+            }
+            assert_eq!(quads_of(columns), indices.map(|index| table[index as usize]));
+        }
+    }
+}

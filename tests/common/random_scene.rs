@@ -1,0 +1,161 @@
+//! Scenes made up at random: everything that a scene file can say, mixed.
+
+use ptfast::Sampling;
+use ptfast::math::random::Stream;
+use ptfast::scene::{
+    Albedo, BackgroundFile, CameraFile, MaterialFile, Named, PrimitiveFile, RenderDefaults,
+    SceneFile, Sides, TextureFile,
+};
+
+/// The scene number `seed`.
+pub fn random_scene(seed: u64) -> SceneFile {
+    Maker(Stream::new(seed)).scene()
+}
+
+struct Maker(Stream);
+
+impl Maker {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0.bits() % end
+    }
+
+    fn one_in(&mut self, chances: u64) -> bool {
+        self.below(chances) == 0
+    }
+
+    fn vector(&mut self, lo: f32, hi: f32) -> [f32; 3] {
+        [(); 3].map(|()| self.0.between(lo, hi))
+    }
+
+    fn scene(mut self) -> SceneFile {
+        let textures = (0..self.below(4)).map(|i| (format!("t{i}"), self.texture())).collect();
+        let textures: Named<TextureFile> = Named(textures);
+        let materials: Vec<_> = (0..1 + self.below(8))
+            .map(|i| (format!("m{i}"), self.material(textures.0.len() as u64)))
+            .collect();
+        let count = match self.below(4) {
+            0 => self.below(3),
+            1 => 30 + self.below(100),
+            _ => 3 + self.below(20),
+        };
+        let primitives = (0..count).map(|_| self.primitive(materials.len() as u64)).collect();
+        SceneFile {
+            camera: self.camera(),
+            background: self.background(),
+            render: RenderDefaults {
+                width: 1 + self.below(20) as u32,
+                height: 1 + self.below(20) as u32,
+                spp: 1 + self.below(20) as u32,
+                depth: if self.one_in(8) { 1 } else { 1 + self.below(12) as u32 },
+                sampling: Some(Sampling::ALL[self.below(3) as usize]),
+            },
+            textures,
+            materials: Named(materials),
+            primitives,
+        }
+    }
+
+    fn camera(&mut self) -> CameraFile {
+        let (open, length) = (self.0.between(0.0, 0.5), self.0.between(0.0, 0.5));
+        CameraFile {
+            look_from: self.vector(-5.0, 5.0),
+            look_at: self.vector(-1.0, 1.0),
+            up: [0.1, 1.0, 0.2],
+            vfov: self.0.between(20.0, 120.0),
+            defocus_angle: if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) },
+            focus_distance: self.0.between(1.0, 8.0),
+            shutter: if self.one_in(3) { (open, open) } else { (open, open + length) },
+        }
+    }
+
+    fn background(&mut self) -> BackgroundFile {
+        match self.below(3) {
+            0 => BackgroundFile::Constant { radiance: [0.0; 3] },
+            1 => BackgroundFile::Constant { radiance: self.vector(0.0, 2.0) },
+            _ => BackgroundFile::Gradient {
+                bottom: self.vector(0.0, 1.0),
+                top: self.vector(0.0, 1.0),
+            },
+        }
+    }
+
+    fn texture(&mut self) -> TextureFile {
+        match self.below(3) {
+            0 => TextureFile::Solid { color: self.vector(0.0, 1.0) },
+            1 => TextureFile::Checker {
+                odd: self.vector(0.0, 1.0),
+                even: self.vector(0.0, 1.0),
+                scale: self.0.between(0.5, 20.0),
+            },
+            _ => TextureFile::Image { file: "tests/data/picture.png".to_owned() },
+        }
+    }
+
+    fn albedo(&mut self, textures: u64) -> Albedo {
+        match self.below(2 + textures) {
+            0 if self.one_in(4) => Albedo::Color([0.0; 3]),
+            0 | 1 => Albedo::Color(self.vector(0.0, 1.0)),
+            i => Albedo::Texture(format!("t{}", i - 2)),
+        }
+    }
+
+    fn material(&mut self, textures: u64) -> MaterialFile {
+        match self.below(6) {
+            0 => MaterialFile::Diffuse { albedo: self.albedo(textures) },
+            1 | 2 => MaterialFile::Lambertian { albedo: self.albedo(textures) },
+            3 => MaterialFile::Metal {
+                albedo: self.albedo(textures),
+                fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() },
+            },
+            4 => MaterialFile::Dielectric { ior: self.0.between(1.0, 2.5) },
+            _ => MaterialFile::Light {
+                radiance: if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) },
+                sides: if self.one_in(2) { Sides::Both } else { Sides::Front },
+            },
+        }
+    }
+
+    fn primitive(&mut self, materials: u64) -> PrimitiveFile {
+        let material = format!("m{}", self.below(materials));
+        // Now and then far larger, so that it holds the camera.
+        let size = if self.one_in(12) { 20.0 } else { 1.0 };
+        match self.below(7) {
+            0 | 1 => PrimitiveFile::Sphere {
+                center: self.vector(-3.0, 3.0),
+                radius: size * self.0.between(0.05, 1.0),
+                material,
+            },
+            2 => PrimitiveFile::MovingSphere {
+                center: self.vector(-3.0, 3.0),
+                center1: self.vector(-3.0, 3.0),
+                radius: self.0.between(0.05, 1.0),
+                material,
+            },
+            3 => PrimitiveFile::Quad {
+                q: self.vector(-3.0, 3.0),
+                u: self.vector(-size, size),
+                v: self.vector(-size, size),
+                material,
+            },
+            // Along the axes: a rectangle.
+            4 => PrimitiveFile::Quad {
+                q: self.vector(-3.0, 3.0),
+                u: [0.0, 0.0, self.0.between(0.1, 3.0)],
+                v: [self.0.between(0.1, 3.0), 0.0, 0.0],
+                material,
+            },
+            5 => {
+                let min = self.vector(-3.0, 2.0);
+                let edges = self.vector(0.1, 1.5);
+                let max = [0, 1, 2].map(|axis| min[axis] + edges[axis]);
+                let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
+                PrimitiveFile::Box { min, max, rotation, material }
+            }
+            _ => {
+                let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
+                let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
+                PrimitiveFile::Triangles { vertices, indices, material }
+            }
+        }
+    }
+}
