@@ -82,6 +82,18 @@ impl<const V: usize> Beam<V> {
         Some(beam)
     }
 
+    /// Whether the rays spread by more than a quarter of the way: such a beam meets so many of the
+    /// boxes of a large tree that it would take a thousand times as long as its rays alone.
+    #[inline(always)]
+    fn is_wide(&self) -> bool {
+        let across = |slope: Float| Float::splat(1.0) / slope.abs();
+        let spread = axes(|axis| {
+            let [low, high] = self.slopes[axis];
+            (across(low) - across(high)).gt(Float::splat(0.25)).any()
+        });
+        spread[0] || spread[1] || spread[2]
+    }
+
     /// A bound of where any ray enters the boxes, and the bits of the boxes that the beam
     /// cannot miss up to `limit`.
     #[inline(always)]
@@ -149,7 +161,8 @@ const MANY: usize = 64 / LANES;
 /// In others, whose boxes are small beside a beam.
 const FEW: usize = 2;
 
-/// Takes packets through the tree as beams, those whose rays differ in octant ray by ray.
+/// Takes packets through the tree as beams, those whose rays differ in octant, or spread too much, ray
+/// by ray.
 /// Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
@@ -179,7 +192,11 @@ fn trace_beams<const ANY: bool, const V: usize, C: Count>(
         if octants.mixed {
             trace_each::<ANY, V>(tree, packet, &mut above, count);
         } else if let Some(beam) = Beam::new(packet, &octants) {
-            traverse::<ANY, V>(tree, packet, &beam, above.first(), count);
+            if tree.is_large && beam.is_wide() {
+                trace_each::<ANY, V>(tree, packet, &mut above, count);
+            } else {
+                traverse::<ANY, V>(tree, packet, &beam, above.first(), count);
+            }
         }
     })
 }

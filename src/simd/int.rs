@@ -28,7 +28,7 @@ impl Int {
     }
 
     #[inline(always)]
-    pub(crate) fn new(lanes: Lanes<u32>) -> Self {
+    pub(crate) const fn new(lanes: Lanes<u32>) -> Self {
         Self(UintRegister::new(lanes))
     }
 

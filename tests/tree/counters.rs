@@ -138,3 +138,26 @@ fn a_node_and_a_leaf() {
     let boxes = beam.lanes_issued - 64;
     assert!([2 * 8, 2 * 16].contains(&boxes), "{boxes} lanes of boxes");
 }
+
+/// In a large tree a beam of rays that spread does no more than its rays would alone.
+#[test]
+fn wide_beams_are_no_beams() {
+    let scene = ptfast::Scene::load("mesh:61440").unwrap();
+    let accelerator = Accelerator::new(scene.geometry(), (0.0, 1.0));
+    let mut random = Stream::new(44);
+    let mut batch = RayBatch::default();
+    for _ in 0..640 {
+        // Of one octant, so that only their spread tells.
+        let mut point = |low: f32, high: f32| {
+            glam::Vec3::from_array([(); 3].map(|()| random.between(low, high)))
+        };
+        let ray = Ray { origin: point(-2.0, 2.0), direction: point(0.01, 1.0), time: 0.0 };
+        batch.push(&ray, 0.0, f32::INFINITY);
+    }
+    let count = |kernel| {
+        let mut hits = HitBatch::misses(640);
+        accelerator.count(kernel, false, &batch, 0..640, &mut hits).lanes_issued
+    };
+    let (beam, single) = (count(Kernel::Beam), count(Kernel::Single));
+    assert!(beam < 2 * single, "{beam} lanes, alone {single}");
+}

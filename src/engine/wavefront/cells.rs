@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::Bounds;
-use crate::simd::{Float, Int, Vec3x, axes};
+use crate::simd::{Float, Int, LANES, Vec3x, axes};
 
 /// A grid over a scene. Cells that are eight apart along an axis share their number: the rays of a
 /// wave, which comes from a small part of the image, mostly start close together.
@@ -15,8 +15,8 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// How many there are.
-    pub(super) const COUNT: usize = 8 * 8 * 8 * 8;
+    /// Bits of a cell's number.
+    pub(super) const BITS: u32 = 12;
     /// Along the longest edge of a scene.
     const ACROSS: f32 = 32.0;
 
@@ -26,21 +26,33 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// The cells of rays.
+    /// The cells of rays: the octant of the direction in the highest bits, then the place in Morton
+    /// order, so that the lowest bits may be left out.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // 1.5 · 2²³: the sum is rounded to an integer, which is in its last bits.
         let magic = Float::splat(12_582_912.0);
         let place = axes(|axis| {
             let place = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
-            (place + magic).to_bits() & Int::splat(7)
+            SPREAD.shuffled((place + magic).to_bits() & Int::splat(7))
         });
         let down = axes(|axis| direction[axis].to_bits().shifted_down(31));
         place[0]
-            | place[1].shifted_up(3)
-            | place[2].shifted_up(6)
+            | place[1].shifted_up(1)
+            | place[2].shifted_up(2)
             | down[0].shifted_up(9)
             | down[1].shifted_up(10)
             | down[2].shifted_up(11)
     }
 }
+
+/// Three bits, two bits apart, for each number below 8.
+const SPREAD: Int = {
+    let (mut spread, mut number) = ([0; LANES], 0);
+    while number < 8 {
+        let n = number as u32;
+        spread[number] = n & 1 | (n & 2) << 2 | (n & 4) << 4;
+        number += 1;
+    }
+    Int::new(spread)
+};

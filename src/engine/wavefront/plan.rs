@@ -1,10 +1,10 @@
 //! The plan: how rays are traced. It decides the speed and never the image.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::connect::connect;
 use super::extend::extend;
 use super::generate::generate;
 use super::shade::{Shaded, Shading};
@@ -48,10 +48,19 @@ const SEGMENTS: usize = 4;
 /// Renders of fewer paths are over before a measurement pays.
 const WORTH_MEASURING: u64 = 1 << 19;
 /// Waves that are measured at most, and so many paths are rendered for each.
-const PROBES: u64 = 4;
-const PATHS_A_PROBE: u64 = 1 << 21;
+const PROBES: u64 = 16;
+const PATHS_A_PROBE: u64 = 1 << 20;
 /// Times that each kernel is tried on a wave.
 const ROUNDS: usize = 2;
+/// Has no divisor in common with any number of probes.
+const STRIDE: usize = 17;
+/// Kernels that take so many times as long as the fastest are tried no more.
+const FAR_BEHIND: f64 = 1.5;
+/// Rays of the first heat, for kernels that would take very long for all.
+const HEAT: usize = 512;
+/// What measuring may take of the time that rendering will, after the fewest waves.
+const SHARE: f64 = 0.05;
+const FEWEST_PROBES: usize = 6;
 
 impl Plan {
     /// The plan of segment number `segment`, from 1.
@@ -108,9 +117,17 @@ impl Plan {
         let tiles = tiles(settings.width, settings.height, usual.tile_size);
         let mut wave = Wave::new(prepared, &usual);
         let mut trials = Trials::new(prepared);
+        let (start, mut measured) = (Instant::now(), 0);
         for probe in 0..probes {
-            let tile = tiles[(2 * probe + 1) * tiles.len() / (2 * probes)];
-            trials.run(prepared, &usual, tile, &mut wave);
+            // Neighbouring probes are far apart, so that fewer than all still come from all over.
+            let place = probe * STRIDE % probes;
+            let tile = tiles[(2 * place + 1) * tiles.len() / (2 * probes)];
+            measured += trials.run(prepared, &usual, tile, &mut wave);
+            let rendering = trials.least() / measured as f64 * paths as f64;
+            // The first may all have seen the sky.
+            if probe + 1 >= FEWEST_PROBES && start.elapsed().as_secs_f64() > SHARE * rendering {
+                break;
+            }
         }
         Self { segments: trials.fastest(&usual), ..usual }
     }
@@ -146,16 +163,28 @@ struct Trial {
 struct Sums(Vec<f64>);
 
 impl Sums {
-    /// Adds the least of some times of `trace` by each kernel, so that an interruption does not count.
-    fn add(&mut self, kernels: &[Kernel], mut trace: impl FnMut(Kernel)) {
-        let mut least = vec![f64::INFINITY; kernels.len()];
-        for _ in 0..ROUNDS {
-            for (&kernel, least) in kernels.iter().zip(&mut least) {
-                *least = least.min(seconds(|| trace(kernel)).0);
+    /// Adds the least of some times of `trace` by each kernel over `rays` rays, so that an interruption
+    /// does not count. Those that are far behind are out of the race, if it can be on some rays.
+    fn add(
+        &mut self,
+        kernels: &[Kernel],
+        rays: usize,
+        mut trace: impl FnMut(Kernel, Range<usize>),
+    ) {
+        let middle = rays / 2..rays.min(rays / 2 + HEAT);
+        for (range, far_behind) in [(middle, 2.0 * FAR_BEHIND), (0..rays, FAR_BEHIND)] {
+            let mut least = vec![f64::INFINITY; kernels.len()];
+            for _ in 0..ROUNDS {
+                for ((&kernel, least), sum) in kernels.iter().zip(&mut least).zip(&self.0) {
+                    if sum.is_finite() {
+                        *least = least.min(seconds(|| trace(kernel, range.clone())).0);
+                    }
+                }
             }
-        }
-        for (sum, least) in self.0.iter_mut().zip(least) {
-            *sum += least;
+            let best = least.iter().copied().fold(f64::INFINITY, f64::min);
+            for (sum, least) in self.0.iter_mut().zip(least) {
+                *sum += if least > far_behind * best { f64::INFINITY } else { least };
+            }
         }
     }
 
@@ -179,7 +208,8 @@ impl Trials {
     }
 
     /// Takes a wave of `tile` through the first segments, their rays in every way.
-    fn run(&mut self, prepared: &Prepared<'_>, plan: &Plan, tile: Tile, wave: &mut Wave) {
+    /// Returns their number.
+    fn run(&mut self, prepared: &Prepared<'_>, plan: &Plan, tile: Tile, wave: &mut Wave) -> u64 {
         let Prepared { scene, settings, camera, accelerator, materials, surfaces, cells } =
             prepared;
         let Wave { paths, rays, hits, queues, shadows, next } = wave;
@@ -188,29 +218,41 @@ impl Trials {
         generate(camera, settings, tile, 0..count, paths, rays);
         for (segment, trial) in (1..=settings.depth).zip(&mut self.segments) {
             if segment > 1 {
+                hits.reset(next.len());
                 let (ordered, ()) = seconds(|| rays.order(next, paths));
-                trial.closest[1].add(&self.kernels, |kernel| {
-                    extend(accelerator, kernel, rays, hits, false);
+                trial.closest[1].add(&self.kernels, rays.len(), |kernel, range| {
+                    accelerator.closest(kernel, &rays.batch, range, hits);
                 });
                 let (taken, ()) = seconds(|| rays.take(next, paths));
                 trial.ordering += ordered - taken;
             }
-            trial.closest[0].add(&self.kernels, |kernel| {
-                extend(accelerator, kernel, rays, hits, false);
+            hits.reset(rays.len());
+            trial.closest[0].add(&self.kernels, rays.len(), |kernel, range| {
+                accelerator.closest(kernel, &rays.batch, range, hits);
             });
+            extend(accelerator, trial.closest[0].fastest(&self.kernels).0, rays, hits, false);
             sort(rays, hits, materials, queues);
             let shading = Shading { scene, settings, materials, surfaces, cells, segment };
             let endings = &mut Endings::default();
             shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
             trial.shadows += shadows.rays.len();
-            trial.occluded.add(&self.kernels, |kernel| {
-                // The light is added each time, and never looked at.
-                connect(accelerator, kernel, shadows, hits, paths, false);
-            });
+            if !shadows.rays.is_empty() {
+                hits.reset(shadows.rays.len());
+                trial.occluded.add(&self.kernels, shadows.rays.len(), |kernel, range| {
+                    accelerator.occluded(kernel, &shadows.rays, range, hits);
+                });
+            }
             if next.len() == 0 {
                 break;
             }
         }
+        count
+    }
+
+    /// The least seconds of all rays.
+    fn least(&self) -> f64 {
+        let trials = self.segments.iter().flat_map(|trial| [&trial.closest[0], &trial.occluded]);
+        trials.map(|sums| sums.fastest(&self.kernels).1).sum()
     }
 
     /// What took the least time; where nothing was traced, as before.

@@ -25,7 +25,7 @@ impl Rays {
         Self {
             batch: RayBatch::with_capacity(capacity),
             paths: Vec::with_capacity(capacity + LANES),
-            starts: vec![0; Cells::COUNT],
+            starts: Vec::with_capacity(1 << Cells::BITS),
         }
     }
 
@@ -49,10 +49,14 @@ impl Rays {
     /// The rays of the paths `next`, cell by cell: those that start near each other and go the same
     /// way are together.
     pub(super) fn order(&mut self, next: &Next, paths: &Paths) {
+        // About as many cells as rays: more cost more than they bring.
+        let bits = next.len().ilog2().clamp(3, Cells::BITS);
+        let leave_out = Cells::BITS - bits;
         let starts = &mut self.starts;
-        starts.fill(0);
+        starts.clear();
+        starts.resize(1 << bits, 0);
         for &cell in next.column(1) {
-            starts[cell as usize] += 1;
+            starts[(cell >> leave_out) as usize] += 1;
         }
         let mut sum = 0;
         for start in starts.iter_mut() {
@@ -60,7 +64,7 @@ impl Rays {
         }
         self.paths.resize(next.len().next_multiple_of(LANES), 0);
         for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
-            let place = &mut starts[cell as usize];
+            let place = &mut starts[(cell >> leave_out) as usize];
             self.paths[*place as usize] = path;
             *place += 1;
         }
