@@ -61,7 +61,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
     }
     if args.stats {
-        super::stats::print(&render)?;
+        super::stats::print(&render, renderer.plan())?;
     }
     summarize(&scene, &settings, &render, &hash, seconds, &output)
 }

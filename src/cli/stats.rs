@@ -1,35 +1,67 @@
 //! `ptfast render --stats`.
 
 use super::say;
-use crate::engine::{Render, Stage};
+use crate::engine::{Plan, Render, Stage, StageWork, WaveStats};
 use crate::error::Result;
 
-/// Prints what a render did.
-pub(super) fn print(render: &Render) -> Result<()> {
-    for (name, paths) in render.endings.each() {
-        say(format_args!("ended   {paths:>12} {name}"))?;
-    }
+/// Prints what a render did, by `plan` if it had one.
+pub(super) fn print(render: &Render, plan: Option<&Plan>) -> Result<()> {
     let paths = render.rays.primary as f64;
-    for stage in Stage::ALL {
-        let work = render.waves.stage(stage);
+    let ended: Vec<String> = render
+        .endings
+        .each()
+        .into_iter()
+        .filter(|(_, ended)| *ended > 0)
+        .map(|(name, ended)| format!("{name} {ended} ({:.1}%)", ended as f64 / paths * 100.0))
+        .collect();
+    say(format_args!("ended   {}", ended.join(", ")))?;
+    let Some(plan) = plan else { return Ok(()) };
+    let stages = Stage::ALL.map(|stage| (stage, render.waves.stage(stage)));
+    let all: f64 = stages.iter().map(|(_, work)| work.seconds).sum();
+    for (stage, work) in stages.into_iter().filter(|(_, work)| work.active > 0) {
         say(format_args!(
-            "stage   {:10} {:8.3} s {:8.2} ns a path {:6.1}% of lanes",
+            "stage   {:<10}{:>9.3} s {:>5.1}%{:>8.2} ns a path, {:.0}% of lanes",
             stage.name(),
             work.seconds,
+            work.seconds / all * 100.0,
             work.seconds / paths * 1e9,
-            work.active as f64 / work.issued as f64 * 100.0
+            work.occupancy() * 100.0,
         ))?;
     }
     for (segment, works) in (1..).zip(&render.waves.segments) {
+        let more = if segment as usize == WaveStats::SEGMENTS { "+" } else { " " };
+        let how = plan.segment(segment);
+        let order = if how.ordered { "ordered " } else { "" };
         let work = |stage: Stage| works[stage as usize];
-        let extend = work(Stage::Extend);
+        let lanes =
+            |stage| format!("{} {:.0}%", Stage::name(stage), work(stage).occupancy() * 100.0);
         say(format_args!(
-            "segment {segment:2} {:>12} rays {:8.2} ns extend {:6.2} sort {:6.2} shade",
-            extend.active,
-            extend.seconds / extend.active as f64 * 1e9,
-            work(Stage::Sort).seconds / extend.active as f64 * 1e9,
-            work(Stage::Shade).seconds / extend.active as f64 * 1e9,
+            "segment {segment:>2}{more}{:>12} rays {order}{} {}, lanes: {}, {}{}",
+            work(Stage::Extend).active,
+            how.closest.name(),
+            each(&work(Stage::Extend)),
+            lanes(Stage::Extend),
+            lanes(Stage::Shade),
+            match work(Stage::Connect).active {
+                0 => String::new(),
+                rays => format!(
+                    ", {}; {rays} shadow rays {} {}",
+                    lanes(Stage::Connect),
+                    how.occluded.name(),
+                    each(&work(Stage::Connect)),
+                ),
+            },
         ))?;
     }
     Ok(())
+}
+
+/// What a ray takes.
+fn each(work: &StageWork) -> String {
+    let a_ray = |count: u64| count as f64 / work.active as f64;
+    let (nodes, tests) = (a_ray(work.counters.node_visits), a_ray(work.counters.leaf_tests));
+    format!(
+        "{:.1} ns, {nodes:.2} nodes, {tests:.2} tests each",
+        work.seconds / work.active as f64 * 1e9
+    )
 }

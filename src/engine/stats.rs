@@ -110,6 +110,25 @@ pub struct StageWork {
 }
 
 impl StageWork {
+    /// Of so many paths or rays, side by side in vectors.
+    pub(super) fn of(items: usize) -> Self {
+        Self::in_lanes(items, items.next_multiple_of(LANES))
+    }
+
+    /// Of so many in more lanes.
+    pub(super) fn in_lanes(active: usize, issued: usize) -> Self {
+        Self { active: active as u64, issued: issued as u64, ..Self::default() }
+    }
+
+    /// The share of its lanes that did any of the work: in the traversal, where that is counted.
+    pub fn occupancy(&self) -> f64 {
+        let (active, issued) = match self.counters.lanes_issued {
+            0 => (self.active, self.issued),
+            issued => (self.counters.lanes_active, issued),
+        };
+        active as f64 / issued.max(1) as f64
+    }
+
     fn add(&mut self, other: &Self) {
         self.active += other.active;
         self.issued += other.issued;
@@ -176,16 +195,11 @@ impl Stopwatch {
         self.last = Instant::now();
     }
 
-    /// A stage over `items` paths or rays on their segment `segment` has ended, the next begins.
-    pub(super) fn lap(&mut self, stage: Stage, segment: u32, items: usize, counters: Counters) {
+    /// A stage that did `work` for paths on their segment `segment` has ended, the next begins.
+    pub(super) fn lap(&mut self, stage: Stage, segment: u32, work: StageWork) {
         let now = Instant::now();
-        let work = StageWork {
-            active: items as u64,
-            issued: items.next_multiple_of(LANES) as u64,
-            seconds: (now - self.last).as_secs_f64(),
-            counters,
-        };
+        let seconds = (now - self.last).as_secs_f64();
         self.last = now;
-        self.stats.note(stage, segment, work);
+        self.stats.note(stage, segment, StageWork { seconds, ..work });
     }
 }

@@ -17,11 +17,12 @@ use std::ops::Range;
 
 use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
-use super::stats::{Stage, Stopwatch};
-use crate::accel::{Accelerator, Counters, HitBatch};
+use super::stats::{Stage, StageWork, Stopwatch};
+use crate::accel::{Accelerator, HitBatch};
 use crate::film::{PixelSum, Tile};
 use crate::geometry::lanes::Surfaces;
 use crate::scene::{CameraFrame, Scene};
+use crate::simd::LANES;
 use accumulate::accumulate;
 use cells::Cells;
 use connect::{Shadows, connect};
@@ -145,29 +146,30 @@ impl Worker<'_> {
             prepared;
         let Wave { paths, rays, hits, queues, shadows, next } = &mut self.wave;
         let Self { sum, result, watch, .. } = self;
-        let (count, none) = (settings.count, Counters::default());
         watch.start();
 
         generate(camera, settings, tile, range.clone(), paths, rays);
         result.rays.primary += rays.len() as u64;
-        watch.lap(Stage::Generate, 1, rays.len(), none);
+        watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
 
         for segment in 1..=settings.depth {
             let how = plan.segment(segment);
-            let work = extend(accelerator, how.closest, rays, hits, count);
-            watch.lap(Stage::Extend, segment, rays.len(), work);
+            let counters = extend(accelerator, how.closest, rays, hits, settings.count);
+            watch.lap(Stage::Extend, segment, StageWork { counters, ..StageWork::of(rays.len()) });
 
             sort(rays, hits, materials, queues);
-            watch.lap(Stage::Sort, segment, rays.len(), none);
+            watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
             let shading = Shading { scene, settings, materials, surfaces, cells, segment };
             let endings = &mut result.endings;
             shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
-            watch.lap(Stage::Shade, segment, rays.len(), none);
+            let lanes = queues.iter().map(|queue| queue.len().next_multiple_of(LANES)).sum();
+            watch.lap(Stage::Shade, segment, StageWork::in_lanes(rays.len(), lanes));
 
-            let work = connect(accelerator, how.occluded, shadows, hits, paths, count);
-            result.rays.shadow += shadows.rays.len() as u64;
-            watch.lap(Stage::Connect, segment, shadows.rays.len(), work);
+            let counters = connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
+            let traced = shadows.rays.len();
+            result.rays.shadow += traced as u64;
+            watch.lap(Stage::Connect, segment, StageWork { counters, ..StageWork::of(traced) });
 
             if next.len() == 0 {
                 break;
@@ -178,12 +180,12 @@ impl Worker<'_> {
                 rays.take(next, paths);
             }
             result.rays.bounce += rays.len() as u64;
-            watch.lap(Stage::Order, segment + 1, rays.len(), none);
+            watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
 
         let samples = (range.end - range.start) as usize;
         accumulate(paths, tile, range, settings.spp, sum, result);
-        watch.lap(Stage::Accumulate, 1, samples, none);
+        watch.lap(Stage::Accumulate, 1, StageWork::of(samples));
     }
 }
 

@@ -64,7 +64,7 @@ const FEWEST_PROBES: usize = 6;
 
 impl Plan {
     /// The plan of segment number `segment`, from 1.
-    pub(super) fn segment(&self, segment: u32) -> &SegmentPlan {
+    pub fn segment(&self, segment: u32) -> &SegmentPlan {
         let last = self.segments.len() - 1;
         &self.segments[last.min(segment as usize - 1)]
     }
