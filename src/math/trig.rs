@@ -10,6 +10,11 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 pub(crate) const SIN: [f32; 5] = [6.283_185_5, -41.341_7, 81.605_2, -76.697_87, 41.472_83];
 pub(crate) const COS: [f32; 4] = [-19.739_208, 64.939_316, -85.442_85, 59.220_17];
 
+/// Coefficients of atan r, of r³ to r^11, for |r| ≤ tan π/8.
+pub(crate) const ATAN: [f32; 5] =
+    [-0.333_333_3, 0.199_995_4, -0.142_639_56, 0.107_437_31, -0.064_519_28];
+pub(crate) const TAN_PI_8: f32 = 0.414_213_57;
+
 /// `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`, within 1.1e-7.
 ///
 /// The argument is reduced in turns, where the reduction is exact.
@@ -64,13 +69,11 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (lo, hi) = if ax < ay { (ax, ay) } else { (ay, ax) };
     let t = if hi > 0.0 { lo / hi } else { 0.0 };
     // Beyond tan π/8: atan t = π/4 + atan (t − 1)/(t + 1).
-    let steep = t > 0.414_213_57;
+    let steep = t > TAN_PI_8;
     let r = if steep { (t - 1.0) / (t + 1.0) } else { t };
     let s = r * r;
-    let small = r + r
-        * s
-        * (-0.333_333_3
-            + s * (0.199_995_4 + s * (-0.142_639_56 + s * (0.107_437_31 + s * -0.064_519_28))));
+    let [a, b, c, d, e] = ATAN;
+    let small = r + r * s * (a + s * (b + s * (c + s * (d + s * e))));
     let octant = if steep { FRAC_PI_4 + small } else { small };
     let quadrant = if ax < ay { FRAC_PI_2 - octant } else { octant };
     (if x < 0.0 { PI - quadrant } else { quadrant }).copysign(y)

@@ -16,7 +16,7 @@ mod mask;
 mod prefetch;
 mod quads;
 pub(crate) mod random;
-mod trig;
+pub(crate) mod trig;
 mod vec3x;
 pub(crate) mod warp;
 

@@ -48,7 +48,6 @@ pub(crate) fn uniform_hemisphere(n: Vec3x, u: Float, v: Float) -> (Vec3x, Float)
 }
 
 /// [`uniform_cone`](crate::math::warp::uniform_cone).
-#[cfg_attr(not(test), expect(dead_code, reason = "for light sampling"))]
 #[inline(always)]
 pub(crate) fn uniform_cone(axis: Vec3x, one_minus_cos: Float, u: Float, v: Float) -> Vec3x {
     let x = u * one_minus_cos;
@@ -58,7 +57,6 @@ pub(crate) fn uniform_cone(axis: Vec3x, one_minus_cos: Float, u: Float, v: Float
 }
 
 /// [`uniform_cone_pdf`](crate::math::warp::uniform_cone_pdf).
-#[cfg_attr(not(test), expect(dead_code, reason = "for light sampling"))]
 #[inline(always)]
 pub(crate) fn uniform_cone_pdf(one_minus_cos: Float) -> Float {
     Float::splat(1.0) / (Float::splat(2.0 * PI) * one_minus_cos)

@@ -6,6 +6,7 @@ mod columns;
 mod connect;
 mod extend;
 mod generate;
+mod light;
 mod materials;
 mod paths;
 mod plan;

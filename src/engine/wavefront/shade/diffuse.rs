@@ -34,12 +34,10 @@ impl<const COSINE: bool> Diffuse<COSINE> {
     }
 
     /// f·cos θ without ρ, which is the density of θ too.
-    pub(super) fn evaluate(cos: f32) -> f32 {
-        match cos > 0.0 {
-            true if COSINE => cos * (1.0 / PI),
-            true => 0.5 / PI,
-            false => 0.0,
-        }
+    #[inline(always)]
+    pub(super) fn evaluate(cos: Float) -> Float {
+        let value = if COSINE { cos * Float::splat(1.0 / PI) } else { Float::splat(0.5 / PI) };
+        cos.gt(Float::ZERO).select(value, Float::ZERO)
     }
 }
 

@@ -1,21 +1,18 @@
 //! Direct light: a light sample and a shadow ray a vertex.
 
-use glam::Vec3;
-
 use super::Shading;
 use super::diffuse::Diffuse;
-use super::emit::power_heuristic;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
 use crate::engine::dimension::Dimension;
-use crate::engine::scalar::light::{self, LightSample};
 use crate::engine::wavefront::connect::Shadows;
-use crate::math::dot;
-use crate::scene::Sampling;
-use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes};
+use crate::engine::wavefront::light::{self, LightSamples};
+use crate::scene::{Sampling, Sides};
+use crate::simd::{Bits, Float, LANES, Lanes, Vec3x};
 
 impl Shading<'_> {
     /// Samples a light from each vertex.
+    #[inline(always)]
     pub(super) fn direct<const COSINE: bool>(
         &self,
         vertex: &Vertex,
@@ -24,47 +21,46 @@ impl Shading<'_> {
         shadows: &mut Shadows,
     ) {
         let lights = self.scene.lights();
-        let count = lights.len() as f32;
-        let choice = (vertex.randoms.one(Dimension::LIGHT_CHOICE) * Float::splat(count)).to_array();
-        let (u, v) = vertex.randoms.two(Dimension::LIGHT);
-        let (u, v) = (u.to_array(), v.to_array());
-        let vectors = [from, diffuse.normal, diffuse.albedo];
-        let [origin, normal, albedo] = vectors.map(|v| axes(|axis| v[axis].to_array()));
-        let time = vertex.segment.time.to_array();
-        let (mut directions, mut lit, mut reach) =
-            ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0.0; LANES]);
-        let mut seen = 0;
-        for lane in Bits(vertex.present) {
-            let at = |v: &[Lanes; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-            let light = &lights[(choice[lane] as usize).min(lights.len() - 1)];
-            let sample =
-                light::sample(self.scene, light, at(&origin), time[lane], (u[lane], v[lane]));
-            let Some(LightSample { direction, reach: far, pdf, front }) = sample else { continue };
-            let emitted = light.emission.radiance(front);
-            let f_cos = Diffuse::<COSINE>::evaluate(dot(at(&normal), direction));
-            if f_cos <= 0.0 || emitted == Vec3::ZERO {
-                continue;
+        let (count, numbers) = (lights.len() as f32, vertex.randoms.two(Dimension::LIGHT));
+        let choice = vertex.randoms.one(Dimension::LIGHT_CHOICE) * Float::splat(count);
+        let mut chosen: Lanes<u32> = [0; LANES];
+        for (chosen, choice) in chosen.iter_mut().zip(choice.to_array()) {
+            *chosen = (choice as u32).min(lights.len() as u32 - 1);
+        }
+        // One light after the other: mostly there are few.
+        let mut left = vertex.present;
+        while let Some(first) = Bits(left).next() {
+            let light = &lights[chosen[first] as usize];
+            let alike = Bits(left).filter(|&lane| chosen[lane] == chosen[first]);
+            let lanes = alike.fold(0, |lanes, lane| lanes | 1 << lane);
+            left &= !lanes;
+
+            let time = vertex.segment.time;
+            let LightSamples { direction, reach, pdf, front, visible } =
+                light::sample(self.scene, light, from, time, numbers);
+            let f_cos = Diffuse::<COSINE>::evaluate(diffuse.normal.dot(direction));
+            let mut lit = lanes & (visible & f_cos.gt(Float::ZERO)).bits();
+            if light.emission.sides == Sides::Front {
+                lit &= front.bits();
             }
-            let pdf = pdf * (1.0 / count);
+            let pdf = pdf * Float::splat(1.0 / count);
             let weight = match self.settings.sampling {
                 Sampling::Mis => power_heuristic(pdf, f_cos),
-                _ => 1.0,
+                _ => Float::splat(1.0),
             };
-            let light = at(&albedo) * emitted * (f_cos * weight / pdf);
-            seen |= 1 << lane;
-            reach[lane] = far;
-            for axis in 0..3 {
-                directions[axis][lane] = direction[axis];
-                lit[axis][lane] = light[axis];
-            }
+            let emitted = Vec3x::splat(light.emission.radiance);
+            let arriving = diffuse.albedo * emitted * (f_cos * weight / pdf);
+            let (t_min, t_max) = (Float::ZERO, reach);
+            let rays = RayVector { origin: from, direction, time, t_min, t_max };
+            shadows.append(&rays, vertex.history.beta * arriving, &vertex.path, lit);
         }
-        let rays = RayVector {
-            origin: from,
-            direction: Vec3x::new(&directions),
-            time: vertex.segment.time,
-            t_min: Float::ZERO,
-            t_max: Float::new(reach),
-        };
-        shadows.append(&rays, vertex.history.beta * Vec3x::new(&lit), &vertex.path, seen);
     }
+}
+
+/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too
+/// (Veach 1997, section 9.2.4, exponent 2).
+#[inline(always)]
+pub(super) fn power_heuristic(of: Float, other: Float) -> Float {
+    let (one, ratio) = (Float::splat(1.0), other / of);
+    one / (one + ratio * ratio)
 }

@@ -1,16 +1,14 @@
 //! Ends of paths: the background and lights.
 
-use glam::Vec3;
-
+use super::direct::power_heuristic;
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
-use crate::engine::scalar::light;
+use crate::engine::wavefront::light;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
-use crate::geometry::Ray;
 use crate::geometry::lanes::Shape;
 use crate::scene::{Background, Sampling};
-use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, Vec3x, axes};
+use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
     /// Paths that leave the scene.
@@ -62,29 +60,26 @@ impl Shading<'_> {
         match self.settings.sampling {
             Sampling::Bsdf => one,
             Sampling::Light => Mask::from_bits(sampled).select(Float::ZERO, one),
-            Sampling::Mis => {
-                let mut weights = [1.0; LANES];
-                let vectors = [vertex.segment.origin, vertex.segment.direction];
-                let [origin, direction] = vectors.map(|v| axes(|axis| v[axis].to_array()));
-                let (t, time) = (vertex.t.to_array(), vertex.segment.time.to_array());
-                let pdf = vertex.segment.pdf.to_array();
-                for lane in Bits(sampled) {
-                    let at = |v: &[Lanes; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-                    let ray =
-                        Ray { origin: at(&origin), direction: at(&direction), time: time[lane] };
-                    let light = self.scene.light(primitive[lane]).expect("it is sampled");
-                    let light_pdf = light::pdf(self.scene, light, &ray, t[lane])
-                        * (1.0 / self.scene.lights().len() as f32);
-                    weights[lane] = power_heuristic(pdf[lane], light_pdf);
-                }
-                Float::new(weights)
-            }
+            Sampling::Mis => self.mis_weight(vertex, sampled),
         }
     }
-}
 
-/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too.
-pub(super) fn power_heuristic(of: f32, other: f32) -> f32 {
-    let ratio = other / of;
-    1.0 / (1.0 + ratio * ratio)
+    /// The weights of what was scattered to lights, in the lanes of `sampled`; 1 in others.
+    fn mis_weight(&self, vertex: &Vertex, sampled: u32) -> Float {
+        let choice_pdf = Float::splat(1.0 / self.scene.lights().len() as f32);
+        let Segment { origin, direction, time, pdf } = vertex.segment;
+        let (mut weights, mut left) = (Float::splat(1.0), sampled);
+        // One light after the other: mostly there are few.
+        while let Some(first) = Bits(left).next() {
+            let primitive = vertex.primitive[first];
+            let alike = Bits(left).filter(|&lane| vertex.primitive[lane] == primitive);
+            let lanes = alike.fold(0, |lanes, lane| lanes | 1 << lane);
+            left &= !lanes;
+            let light = self.scene.light(primitive).expect("it is sampled");
+            let of_light = light::pdf(self.scene, light, (origin, direction), time, vertex.t);
+            let weight = power_heuristic(pdf, of_light * choice_pdf);
+            weights = Mask::from_bits(lanes).select(weight, weights);
+        }
+        weights
+    }
 }
