@@ -8,7 +8,7 @@ use crate::simd::{Float, LANES, Vec3x, axes, places};
 /// Rays, each with the open interval in which hits count.
 ///
 /// The arrays are longer than there are rays, so that a vector can be loaded from any place
-/// where a ray is; what is beyond the rays is NaN.
+/// where a ray is; what is beyond the rays means nothing.
 #[derive(Clone, Debug, Default)]
 pub struct RayBatch {
     len: usize,
@@ -77,6 +77,20 @@ impl RayBatch {
         }
         drop(to);
         self.len += bits.count_ones() as usize;
+    }
+
+    /// Adds the rays of the first `count` lanes, for which there must be room.
+    #[inline(always)]
+    pub(crate) fn extend(&mut self, rays: &RayVector, count: usize) {
+        let first = self.len;
+        for axis in 0..3 {
+            rays.origin[axis].store(&mut self.origin[axis][first..]);
+            rays.direction[axis].store(&mut self.direction[axis][first..]);
+        }
+        rays.time.store(&mut self.time[first..]);
+        rays.t_min.store(&mut self.t_min[first..]);
+        rays.t_max.store(&mut self.t_max[first..]);
+        self.len += count;
     }
 
     /// Rays `first..`, as many as there are lanes; what is beyond the rays is NaN, or of no use.

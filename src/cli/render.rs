@@ -43,7 +43,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let render = renderer.render_observed(&progress);
     progress.finish();
     let render = render?;
-    if render.pinned == Pinned::Failed {
+    if render.pinned == Pinned::Failed && !args.quiet {
         notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
     }
 

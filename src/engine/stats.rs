@@ -142,7 +142,7 @@ impl StageWork {
 pub struct WaveStats {
     /// Of segments 1, 2, … and, in the last, of all from [`WaveStats::SEGMENTS`] on. Generate and
     /// accumulate count for the first.
-    pub segments: Vec<[StageWork; 7]>,
+    pub segments: Vec<[StageWork; Stage::ALL.len()]>,
 }
 
 impl WaveStats {

@@ -11,6 +11,12 @@ pub(crate) struct Mask(pub(super) Register);
 impl Mask {
     pub(crate) const NONE: Self = Self(Register::ZERO);
 
+    /// Every lane.
+    #[inline(always)]
+    pub(crate) fn all() -> Self {
+        Self::from_bits(u32::MAX)
+    }
+
     /// The lanes whose bit is set.
     #[inline(always)]
     pub(crate) fn from_bits(bits: u32) -> Self {

@@ -4,7 +4,7 @@
 //! lanes where AVX-512 is compiled in, 8 elsewhere (one AVX register, two of SSE2). Nothing
 //! outside this module names the crate below.
 //!
-//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`] and sign operations
+//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and sign operations
 //! are contract arithmetic: each lane is what the scalar of the same name in
 //! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
 //! not: they may only decide where to look.
@@ -78,6 +78,7 @@ mod tests {
             same(-x, |i| -a[i]);
             same(x.sqrt(), |i| a[i].sqrt());
             same(x.abs(), |i| a[i].abs());
+            same(x.floor(), |i| a[i].floor());
             same(x.copysign(y), |i| a[i].copysign(b[i]));
             same(x.min(y), |i| math::min(a[i], b[i]));
             same(x.max(y), |i| math::max(a[i], b[i]));

@@ -1,4 +1,4 @@
-//! Sine and cosine over lanes: [`crate::math::trig`] to the bit.
+//! Sine, cosine and angles over lanes: [`crate::math::trig`] to the bit.
 
 use super::{Float, Int};
 use crate::math::trig::{ATAN, COS, SIN, TAN_PI_8};

@@ -12,7 +12,7 @@ use crate::math::random::PixelKey;
 use crate::scene::CameraFrame;
 use crate::simd::random::PathKeys;
 use crate::simd::warp::uniform_disk;
-use crate::simd::{Float, Int, LANES, Lanes, Vec3x, first_bits};
+use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
 /// Makes the paths number `range` of `tile`, whose pixels go row by row with all their samples.
 pub(super) fn generate(
@@ -33,12 +33,12 @@ pub(super) fn generate(
         let RayVector { origin, direction, time, .. } = made;
         let pdf = Float::splat(Segment::SPECULAR);
         let beta = Vec3x([Float::splat(1.0); 3]);
-        let (indices, present) = (rays.paths(first), first_bits((count - first).min(LANES)));
+        let indices = rays.paths(first);
         paths.set_segments(&indices, &Segment { origin, time, direction, pdf });
         let history = History { beta, radiance: Vec3x::ZERO, keys };
         paths.set_beta(&indices, &history);
         paths.set_radiance(&indices, &history);
-        rays.batch.append(&made, present);
+        rays.batch.extend(&made, LANES.min(count - first));
     }
 }
 

@@ -13,6 +13,7 @@ mod plan;
 mod rays;
 mod shade;
 mod sort;
+mod trial;
 
 use std::ops::Range;
 
@@ -67,7 +68,7 @@ impl<'a> WavefrontEngine<'a> {
             cells: Cells::new(&accelerator.bounds()),
             accelerator,
         };
-        let plan = settings.plan.clone().unwrap_or_else(|| Plan::measure(&prepared));
+        let plan = settings.plan.clone().unwrap_or_else(|| trial::fastest(&prepared));
         for segment in &plan.segments {
             prepared.accelerator.prepare(segment.closest);
             prepared.accelerator.prepare(segment.occluded);
@@ -78,13 +79,7 @@ impl<'a> WavefrontEngine<'a> {
 
 impl TileEngine for WavefrontEngine<'_> {
     fn worker(&self) -> Box<dyn TileWorker + '_> {
-        Box::new(Worker {
-            engine: self,
-            wave: Wave::new(&self.prepared, &self.plan),
-            sum: PixelSum::default(),
-            result: TileResult::default(),
-            watch: Stopwatch::new(),
-        })
+        Box::new(Worker::new(&self.prepared, &self.plan, Wave::new(&self.prepared, &self.plan)))
     }
 
     fn tile_size(&self) -> u32 {
@@ -131,7 +126,8 @@ impl Wave {
 /// A thread's wave, and what comes of it.
 #[derive(Debug)]
 struct Worker<'a> {
-    engine: &'a WavefrontEngine<'a>,
+    prepared: &'a Prepared<'a>,
+    plan: &'a Plan,
     wave: Wave,
     /// The pixel whose samples are being added.
     sum: PixelSum,
@@ -139,14 +135,24 @@ struct Worker<'a> {
     watch: Stopwatch,
 }
 
-impl Worker<'_> {
+impl<'a> Worker<'a> {
+    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan, wave: Wave) -> Self {
+        Self {
+            prepared,
+            plan,
+            wave,
+            sum: PixelSum::default(),
+            result: TileResult::default(),
+            watch: Stopwatch::new(),
+        }
+    }
+
     /// Takes the paths number `range` of `tile` from the camera to the film.
     fn trace(&mut self, tile: Tile, range: Range<u64>) {
-        let WavefrontEngine { prepared, plan } = self.engine;
+        let Self { prepared, plan, wave, sum, result, watch } = self;
         let Prepared { scene, settings, camera, accelerator, materials, surfaces, cells } =
             prepared;
-        let Wave { paths, rays, hits, queues, shadows, next } = &mut self.wave;
-        let Self { sum, result, watch, .. } = self;
+        let Wave { paths, rays, hits, queues, shadows, next } = wave;
         watch.start();
 
         generate(camera, settings, tile, range.clone(), paths, rays);
@@ -192,7 +198,7 @@ impl Worker<'_> {
 
 impl TileWorker for Worker<'_> {
     fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
-        let WavefrontEngine { prepared, plan } = self.engine;
+        let Self { prepared, plan, .. } = *self;
         let pixels = u64::from(tile.width) * u64::from(tile.height);
         let paths = pixels * u64::from(prepared.settings.spp);
         let mut first = 0;

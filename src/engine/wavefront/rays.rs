@@ -4,9 +4,9 @@ use super::cells::Cells;
 use super::columns::Columns;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
-use crate::simd::{Float, LANES, Lanes, first_bits};
+use crate::simd::{Float, LANES, Lanes};
 
-/// Rays and the paths whose they are.
+/// Rays, and which path each is of.
 #[derive(Debug)]
 pub(super) struct Rays {
     pub(super) batch: RayBatch,
@@ -88,7 +88,7 @@ impl Rays {
             let Segment { origin, time, direction, .. } = paths.segments(&self.paths(first));
             let (t_min, t_max) = (Float::ZERO, Float::INFINITY);
             let rays = RayVector { origin, direction, time, t_min, t_max };
-            self.batch.append(&rays, first_bits((len - first).min(LANES)));
+            self.batch.extend(&rays, LANES.min(len - first));
         }
     }
 }

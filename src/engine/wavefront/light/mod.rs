@@ -119,7 +119,7 @@ fn sample_sphere(light: &Sphere, from: Vec3x, time: Float, u: Float, v: Float) -
         reach: distance * Float::splat(SHADOW_REACH),
         pdf: cones.pdf(),
         front: cones.outside,
-        visible: Float::ZERO.eq(Float::ZERO),
+        visible: Mask::all(),
     }
 }
 
