@@ -296,6 +296,7 @@ fn plans_are_given_back() {
     for (text, place) in [
         ("{", "bad.json:1:"),
         ("{\"plan\": 3}", "bad.json:plan: "),
+        ("{\"plan\": null}", "bad.json:plan: the record has none"),
         (
             "{\"wave_size\": 0, \"tile_size\": 8, \"segments\": []}",
             "bad.json:plan: wave_size must be",

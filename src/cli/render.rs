@@ -120,6 +120,10 @@ fn read_plan(path: &Path) -> Result<Plan> {
     };
     let record: serde_json::Value = serde_json::from_str(&text).map_err(bad)?;
     let plan = record.get("plan").unwrap_or(&record);
+    if plan.is_null() {
+        let message = "the record has none: the scalar engine needs no plan";
+        return Err(Error::input(path.display().to_string(), "plan", message));
+    }
     let plan: Plan = serde_json::from_value(plan.clone())
         .map_err(|error| Error::input(path.display().to_string(), "plan", error.to_string()))?;
     plan.check().map_err(|message| Error::input(path.display().to_string(), "plan", message))?;

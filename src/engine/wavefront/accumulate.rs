@@ -44,3 +44,41 @@ pub(super) fn accumulate(
         first = end;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    /// Waves that begin and end within pixels, and samples that are not finite.
+    #[test]
+    fn samples_go_to_their_pixels() {
+        let tile = Tile { x: 3, y: 5, width: 4, height: 2 };
+        let (spp, mut random) = (21u32, Stream::new(9));
+        let samples: Vec<Vec3> = (0..8 * spp)
+            .map(|i| match i % 37 {
+                5 => Vec3::new(1.0, f32::NAN, 0.0),
+                6 => Vec3::X * f32::INFINITY,
+                _ => Vec3::splat(random.uniform()),
+            })
+            .collect();
+        let (mut sum, mut result) = (PixelSum::default(), TileResult::default());
+        for range in [0..5u64, 5..60, 60..63, 63..168] {
+            let mut paths = Paths::new(168);
+            for (path, sample) in (0..).zip(&samples[range.start as usize..range.end as usize]) {
+                paths.add_radiance(path, *sample);
+            }
+            accumulate(&paths, tile, range, spp, &mut sum, &mut result);
+        }
+        let mut want = PixelSum::default();
+        for (pixel, samples) in samples.chunks(spp as usize).enumerate() {
+            for sample in samples {
+                want.add(if sample.is_finite() { *sample } else { Vec3::ZERO });
+            }
+            assert_eq!(result.pixels[pixel], want.take_mean().to_array(), "pixel {pixel}");
+        }
+        let wrong = samples.iter().filter(|sample| !sample.is_finite()).count();
+        assert_eq!(result.non_finite.count, wrong as u64);
+        assert_eq!(result.non_finite.first, Some((3, 5, 5)));
+    }
+}
