@@ -4,6 +4,8 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
+
 use crate::error::{Error, Result};
 use crate::limits::MAX_FILE;
 
@@ -49,4 +51,17 @@ pub(crate) fn read_text(path: &Path, what: &str) -> Result<String> {
     })?;
     // Some editors begin UTF-8 with a byte order mark.
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// The content of a JSON file, which is `what`.
+///
+/// # Errors
+/// As [`read_text`], and where it is not such a value: the place says line and column.
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T> {
+    serde_json::from_str(&read_text(path, what)?).map_err(|error| {
+        let place = format!("{}:{}", error.line(), error.column());
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        Error::input(path.display().to_string(), place, message)
+    })
 }

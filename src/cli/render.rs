@@ -11,7 +11,7 @@ use super::{advise_on_build, notice, say};
 use crate::engine::{Pinned, Plan, Render, RenderSettings, Renderer, SegmentPlan};
 use crate::error::{Error, Result};
 use crate::image::Format;
-use crate::input::read_text;
+use crate::input::read_json;
 use crate::isa::Isa;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::Scene;
@@ -24,7 +24,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let load = start.elapsed().as_secs_f64();
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     let settings = settings(args, &scene)?;
-    let renderer = Renderer::new(&scene, settings.clone())?;
+    settings.check()?;
     if args.json.as_ref() == Some(&output) {
         let message = format!("{}: the image and the record need two files", output.display());
         return Err(Error::Usage(message));
@@ -32,6 +32,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {
         check_writable(file)?;
     }
+    let renderer = Renderer::new(&scene, settings.clone())?;
     if !args.quiet {
         advise_on_build(Isa::Avx2);
     }
@@ -111,14 +112,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
 
 /// The plan in a file, which is a plan or the record of a render.
 fn read_plan(path: &Path) -> Result<Plan> {
-    let text = read_text(path, "a plan")?;
-    let bad = |error: serde_json::Error| {
-        let place = format!("{}:{}", error.line(), error.column());
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or_default();
-        Error::input(path.display().to_string(), place, message)
-    };
-    let record: serde_json::Value = serde_json::from_str(&text).map_err(bad)?;
+    let record: serde_json::Value = read_json(path, "a plan")?;
     let plan = record.get("plan").unwrap_or(&record);
     if plan.is_null() {
         let message = "the record has none: the scalar engine needs no plan";

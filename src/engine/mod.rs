@@ -1,5 +1,6 @@
 //! Engines turn a scene into an image. Every engine returns the same bits.
 
+mod contract;
 mod dimension;
 mod pool;
 mod recording;

@@ -20,11 +20,7 @@ impl PixelSum {
     /// Adds the next sample.
     #[inline]
     pub fn add(&mut self, radiance: Vec3) {
-        self.chunk += radiance;
-        self.samples += 1;
-        if self.samples.is_multiple_of(CHUNK) {
-            self.close_chunk();
-        }
+        self.add_all(std::iter::once(radiance));
     }
 
     /// Adds the next samples.

@@ -98,6 +98,11 @@ impl Geometry {
         (0..self.len() as u32).map(|primitive| self.get(primitive).bounds(open, close)).collect()
     }
 
+    /// Whether anything moves: the moment of a ray matters.
+    pub fn moves(&self) -> bool {
+        self.spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO)
+    }
+
     /// Largest [`Quad::condition`], at least 1.
     pub fn condition(&self) -> f32 {
         self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))

@@ -12,7 +12,7 @@ use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
-use crate::input::{self, read_text};
+use crate::input::{self, read_json};
 use crate::limits::MAX_PRIMITIVES;
 use crate::output::write_atomically;
 
@@ -66,7 +66,7 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     write_floats(&folder.join("quads.f32"), quads_f32)?;
     let triangles_f32 = triangles.iter().flat_map(|t| t.vertices).flat_map(|v| v.to_array());
     write_floats(&folder.join("triangles.f32"), triangles_f32)?;
-    let moving = moves(&sets.geometry);
+    let moving = sets.geometry.moves();
     for set in &sets.sets {
         let file = |extension: &str| folder.join(format!("{}.{extension}", set.name));
         let rays = &set.rays;
@@ -106,11 +106,6 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     })
 }
 
-/// Whether the moment of a ray matters.
-fn moves(geometry: &Geometry) -> bool {
-    geometry.spheres.iter().any(|sphere| sphere.center != sphere.center1)
-}
-
 /// Removes a file of an older set, if there is one.
 fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
@@ -136,13 +131,7 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// cannot be, and where the manifest names no set, or one that cannot be.
 pub fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
-    let text = read_text(&path, "a manifest")?;
-    let manifest: Manifest = serde_json::from_str(&text).map_err(|error| {
-        let place = format!("{}:{}", error.line(), error.column());
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or_default();
-        Error::input(path.display().to_string(), place, message)
-    })?;
+    let manifest: Manifest = read_json(&path, "a manifest")?;
     check_counts(&manifest.counts)
         .and_then(|()| check_entries(&manifest.sets))
         .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;
@@ -232,7 +221,7 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
     let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
     let range = read_records::<2>(folder, &name("range"), entry.rays)?;
     // Only where nothing moves it may be missing.
-    let time = if moves(geometry) || folder.join(name("time")).exists() {
+    let time = if geometry.moves() || folder.join(name("time")).exists() {
         read_records::<1>(folder, &name("time"), entry.rays)?
     } else {
         vec![[0.0]; entry.rays]

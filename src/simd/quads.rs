@@ -4,9 +4,11 @@
 //! in place of these instructions.
 #![allow(unsafe_code)]
 
+use std::mem::transmute;
+
 use glam::Vec3;
 
-use super::{Int, LANES, Lanes};
+use super::{Float, LANES, Lanes, Vec3x};
 
 /// Four words that are read and written together.
 pub(crate) type Quad = [u32; 4];
@@ -16,44 +18,64 @@ pub(crate) fn quad(vector: Vec3, number: f32) -> Quad {
     vector.extend(number).to_array().map(f32::to_bits)
 }
 
-/// The quads that `quad` finds at `indices`, column by column.
+/// The quads that `quad` finds at `indices`: vectors and numbers.
 #[inline(always)]
-pub(crate) fn gather_quads<'a>(indices: &Lanes<u32>, quad: impl Fn(usize) -> &'a Quad) -> [Int; 4] {
-    let mut rows = [register::joined([&[0; 4]; LANES / 4]); 4];
+pub(crate) fn gather_quads<'a>(
+    indices: &Lanes<u32>,
+    quad: impl Fn(usize) -> &'a Quad,
+) -> (Vec3x, Float) {
+    let mut rows = [register::joined([&[0; 4]; PARTS]); 4];
     for (row, register) in rows.iter_mut().enumerate() {
         // Quads that are turned together lie in the same part of four registers.
-        let mut quads = [&[0; 4]; LANES / 4];
+        let mut quads = [&[0; 4]; PARTS];
         for (part, found) in quads.iter_mut().enumerate() {
             *found = quad(indices[4 * part + row] as usize);
         }
         *register = register::joined(quads);
     }
-    register::turned(rows).map(register::to_int)
+    let [x, y, z, number] = register::turned(rows).map(to_float);
+    (Vec3x([x, y, z]), number)
 }
 
-/// The quads of `columns`.
+/// The quads of vectors and numbers.
 #[inline(always)]
-pub(crate) fn quads_of(columns: [Int; 4]) -> [Quad; LANES] {
-    let rows = register::turned(columns.map(register::of_int));
+pub(crate) fn quads_of((Vec3x([x, y, z]), number): (Vec3x, Float)) -> [Quad; LANES] {
+    let rows = register::turned([x, y, z, number].map(of_float));
     let mut quads = [[0; 4]; LANES];
     for (row, register) in rows.into_iter().enumerate() {
-        for (part, quad) in register::split(register).into_iter().enumerate() {
+        // SAFETY: as many words.
+        let parts = unsafe { transmute::<register::Register, [Quad; PARTS]>(register) };
+        for (part, quad) in parts.into_iter().enumerate() {
             quads[4 * part + row] = quad;
         }
     }
     quads
 }
 
-/// Registers of 16 words, whose four parts are turned at once.
+/// Quads in a register.
+const PARTS: usize = LANES / 4;
+
+#[inline(always)]
+fn to_float(register: register::Register) -> Float {
+    // SAFETY: both are a lane's f32 for each lane.
+    Float(unsafe { transmute::<register::Register, super::Register>(register) })
+}
+
+#[inline(always)]
+fn of_float(float: Float) -> register::Register {
+    // SAFETY: both are a lane's f32 for each lane.
+    unsafe { transmute::<super::Register, register::Register>(float.0) }
+}
+
+/// Registers of four quads, whose parts are turned at once.
 #[cfg(target_feature = "avx512f")]
 mod register {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{Int, Quad};
-    use crate::simd::UintRegister;
+    use super::Quad;
 
-    type Register = __m512i;
+    pub(super) type Register = __m512i;
 
     #[inline(always)]
     pub(super) fn joined([a, b, c, d]: [&Quad; 4]) -> Register {
@@ -63,12 +85,6 @@ mod register {
             let ab = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
             _mm512_inserti32x4::<3>(_mm512_inserti32x4::<2>(ab, c), d)
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn split(register: Register) -> [Quad; 4] {
-        // SAFETY: both are 16 words.
-        unsafe { transmute(register) }
     }
 
     #[inline(always)]
@@ -85,30 +101,17 @@ mod register {
             ]
         }
     }
-
-    #[inline(always)]
-    pub(super) fn to_int(register: Register) -> Int {
-        // SAFETY: both are 16 words in a register.
-        Int(unsafe { transmute::<Register, UintRegister>(register) })
-    }
-
-    #[inline(always)]
-    pub(super) fn of_int(int: Int) -> Register {
-        // SAFETY: both are 16 words in a register.
-        unsafe { transmute::<UintRegister, Register>(int.0) }
-    }
 }
 
-/// Registers of 8 words, whose two parts are turned at once.
+/// Registers of two quads.
 #[cfg(all(target_feature = "avx", not(target_feature = "avx512f")))]
 mod register {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    use super::{Int, Quad};
-    use crate::simd::UintRegister;
+    use super::Quad;
 
-    type Register = __m256;
+    pub(super) type Register = __m256;
 
     #[inline(always)]
     pub(super) fn joined([a, b]: [&Quad; 2]) -> Register {
@@ -120,14 +123,8 @@ mod register {
     }
 
     #[inline(always)]
-    pub(super) fn split(register: Register) -> [Quad; 2] {
-        // SAFETY: both are 8 words.
-        unsafe { transmute(register) }
-    }
-
-    #[inline(always)]
     pub(super) fn turned([a, b, c, d]: [Register; 4]) -> [Register; 4] {
-        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        // SAFETY: the CPU has the instructions, or this is not compiled.
         unsafe {
             let pd = |words: Register| _mm256_castps_pd(words);
             let (ab, ab2) = (pd(_mm256_unpacklo_ps(a, b)), pd(_mm256_unpackhi_ps(a, b)));
@@ -140,36 +137,19 @@ mod register {
             ]
         }
     }
-
-    #[inline(always)]
-    pub(super) fn to_int(register: Register) -> Int {
-        // SAFETY: both are 8 words in registers.
-        Int(unsafe { transmute::<Register, UintRegister>(register) })
-    }
-
-    #[inline(always)]
-    pub(super) fn of_int(int: Int) -> Register {
-        // SAFETY: both are 8 words in registers.
-        unsafe { transmute::<UintRegister, Register>(int.0) }
-    }
 }
 
 /// The same in plain words.
 #[cfg(not(target_feature = "avx"))]
 mod register {
-    use super::{Int, LANES, Lanes, Quad};
+    use super::{LANES, Lanes, Quad};
 
-    type Register = Lanes<u32>;
+    pub(super) type Register = Lanes<u32>;
 
     #[inline(always)]
     pub(super) fn joined([a, b]: [&Quad; 2]) -> Register {
         let ([a, b, c, d], [e, f, g, h]) = (*a, *b);
         [a, b, c, d, e, f, g, h]
-    }
-
-    #[inline(always)]
-    pub(super) fn split([a, b, c, d, e, f, g, h]: Register) -> [Quad; 2] {
-        [[a, b, c, d], [e, f, g, h]]
     }
 
     #[inline(always)]
@@ -181,16 +161,6 @@ mod register {
             }
         }
         columns
-    }
-
-    #[inline(always)]
-    pub(super) fn to_int(register: Register) -> Int {
-        Int::new(register)
-    }
-
-    #[inline(always)]
-    pub(super) fn of_int(int: Int) -> Register {
-        int.to_array()
     }
 }
 
@@ -206,12 +176,13 @@ mod tests {
             (0..50).map(|_| std::array::from_fn(|_| random.bits() as u32)).collect();
         for _ in 0..1000 {
             let indices: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 50) as u32);
-            let columns = gather_quads(&indices, |index| &table[index]);
-            for (column, values) in columns.iter().enumerate() {
+            let (Vec3x([x, y, z]), number) = gather_quads(&indices, |index| &table[index]);
+            for (column, values) in [x, y, z, number].into_iter().enumerate() {
                 let want = indices.map(|index| table[index as usize][column]);
-                assert_eq!(values.to_array(), want);
+                assert_eq!(values.to_bits().to_array(), want);
             }
-            assert_eq!(quads_of(columns), indices.map(|index| table[index as usize]));
+            let quads = quads_of((Vec3x([x, y, z]), number));
+            assert_eq!(quads, indices.map(|index| table[index as usize]));
         }
     }
 }

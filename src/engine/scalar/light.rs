@@ -4,6 +4,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::spherical_rectangle::SphericalRectangle;
+use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::{PreparedRay, Primitive, Quad, Ray, Sphere};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{dot, length, normalize};
@@ -23,9 +24,6 @@ pub(in crate::engine) struct LightSample {
     /// Whether the direction meets the light's front.
     pub(in crate::engine) front: bool,
 }
-
-/// The part of the way to a light that has to be free, as in pbrt (Pharr et al. 2023, 6.8.6).
-const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// A sample of `light` as seen from `from`; `None` where it cannot be seen.
 pub(in crate::engine) fn sample(

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::intersect::Intersect;
 use super::light::{self, LightSample};
 use super::scatter::{self, Diffuse, Scatter};
+use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
@@ -12,11 +13,6 @@ use crate::geometry::Ray;
 use crate::math::random::PathKey;
 use crate::math::{dot, face_forward, max_element, min};
 use crate::scene::{Material, Sampling, Scene};
-
-/// First segment that a path reaches only by Russian roulette.
-const ROULETTE_FROM: u32 = 5;
-/// Largest chance of surviving it.
-const ROULETTE_MAX: f32 = 0.95;
 
 /// Estimates the radiance along camera rays, and counts the rays that this takes.
 pub(in crate::engine) struct PathTracer<'a, I> {
@@ -151,10 +147,10 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         segment: u32,
         randoms: &Randoms,
     ) -> Vec3 {
-        let lights = self.scene.lights();
-        if self.settings.sampling == Sampling::Bsdf || lights.is_empty() {
+        if !self.settings.samples_lights(self.scene) {
             return Vec3::ZERO;
         }
+        let lights = self.scene.lights();
         let choice = randoms.one(Dimension::LIGHT_CHOICE) * lights.len() as f32;
         let light = &lights[(choice as usize).min(lights.len() - 1)];
         let sample = light::sample(self.scene, light, from, time, randoms.two(Dimension::LIGHT));

@@ -11,6 +11,7 @@
 
 use glam::Vec3;
 
+use crate::engine::contract::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::math::trig::{atan2, sin_cos};
 use crate::math::{clamp, dot, max};
 use crate::scene::{LightShape, Rectangle};
@@ -29,12 +30,6 @@ pub(super) struct SphericalRectangle<'a> {
     start: f32,
     solid_angle: f32,
 }
-
-/// Below this the sum of the corners' angles has lost too many digits.
-const MIN_SOLID_ANGLE: f32 = 1e-3;
-/// Sine of the angle under which the farthest corner is seen above the rectangle's plane:
-/// below it the map from angles to places has lost too many digits.
-const MIN_SINE: f32 = 2.5e-3;
 
 impl<'a> SphericalRectangle<'a> {
     /// A light's shape as seen from `from`, if it is a rectangle and [`Self::new`] allows.

@@ -55,12 +55,11 @@ impl<const N: usize> Columns<N> {
 
     /// Repeats the last row until the rows fill vectors.
     pub(super) fn pad(&mut self) {
+        let Some(last) = self.len.checked_sub(1) else { return };
         let full = self.len.next_multiple_of(LANES);
         for column in self.words.chunks_exact_mut(self.stride) {
-            if let Some(last) = self.len.checked_sub(1) {
-                let value = column[last];
-                column[self.len..full].fill(value);
-            }
+            let value = column[last];
+            column[self.len..full].fill(value);
         }
     }
 }

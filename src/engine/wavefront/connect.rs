@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::columns::Columns;
+use super::extend::trace;
 use super::paths::Paths;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, first_bits};
@@ -52,13 +53,7 @@ pub(super) fn connect(
     count: bool,
 ) -> Counters {
     let rays = shadows.rays.len();
-    hits.reset(rays.next_multiple_of(LANES));
-    let counters = if count {
-        accelerator.count(kernel, true, &shadows.rays, 0..rays, hits)
-    } else {
-        accelerator.occluded(kernel, &shadows.rays, 0..rays, hits);
-        Counters::default()
-    };
+    let counters = trace(accelerator, kernel, true, &shadows.rays, hits, count);
     for first in (0..rays).step_by(LANES) {
         let free = Int::load(&hits.primitive[first..]).eq(Int::splat(HitBatch::MISS));
         let [r, g, b, path] = shadows.light.rows(first).map(Int::to_array);

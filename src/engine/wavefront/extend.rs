@@ -1,7 +1,7 @@
 //! Extend: what the rays hit.
 
 use super::rays::Rays;
-use crate::accel::{Accelerator, Counters, HitBatch, Kernel};
+use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
 use crate::simd::LANES;
 
 /// Finds the closest hits of `rays`. Returns the work, if it is to `count` it.
@@ -12,12 +12,24 @@ pub(super) fn extend(
     hits: &mut HitBatch,
     count: bool,
 ) -> Counters {
-    // Whole vectors are read.
+    trace(accelerator, kernel, false, &rays.batch, hits, count)
+}
+
+/// Finds the closest hits of `rays`, or whether there are `any`; whole vectors of hits can be read.
+pub(super) fn trace(
+    accelerator: &Accelerator,
+    kernel: Kernel,
+    any: bool,
+    rays: &RayBatch,
+    hits: &mut HitBatch,
+    count: bool,
+) -> Counters {
     hits.reset(rays.len().next_multiple_of(LANES));
     let all = 0..rays.len();
-    if count {
-        return accelerator.count(kernel, false, &rays.batch, all, hits);
+    match (count, any) {
+        (true, _) => return accelerator.count(kernel, any, rays, all, hits),
+        (false, false) => accelerator.closest(kernel, rays, all, hits),
+        (false, true) => accelerator.occluded(kernel, rays, all, hits),
     }
-    accelerator.closest(kernel, &rays.batch, all, hits);
     Counters::default()
 }

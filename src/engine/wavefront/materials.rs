@@ -92,7 +92,8 @@ fn kind(scene: &Scene, material: &Material) -> Kind {
     }
 }
 
-fn texture<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Texture> {
+/// The texture of a material's albedo, if it has one.
+pub(super) fn texture<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Texture> {
     match *material {
         Material::Diffuse { albedo }
         | Material::Lambertian { albedo }

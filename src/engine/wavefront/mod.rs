@@ -24,7 +24,6 @@ use crate::accel::{Accelerator, HitBatch};
 use crate::film::{PixelSum, Tile};
 use crate::geometry::lanes::Surfaces;
 use crate::scene::{CameraFrame, Scene};
-use crate::simd::LANES;
 use accumulate::accumulate;
 use cells::Cells;
 use connect::{Shadows, connect};
@@ -169,9 +168,8 @@ impl<'a> Worker<'a> {
 
             let shading = Shading { scene, settings, materials, surfaces, cells, segment };
             let endings = &mut result.endings;
-            shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
-            let lanes = queues.iter().map(|queue| queue.len().next_multiple_of(LANES)).sum();
-            watch.lap(Stage::Shade, segment, StageWork::in_lanes(rays.len(), lanes));
+            let work = shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
+            watch.lap(Stage::Shade, segment, work);
 
             let counters = connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
             let traced = shadows.rays.len();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::simd::random::PathKeys;
-use crate::simd::{Float, Int, LANES, Lanes, Quad, Vec3x, gather_quads, quads_of};
+use crate::simd::{Float, LANES, Lanes, Quad, Vec3x, gather_quads, quads_of};
 
 /// The paths of a wave, by the number of their sample in it.
 ///
@@ -55,16 +55,14 @@ impl Paths {
 
     /// Quad number `place` of the paths `indices`: a vector and a number.
     #[inline(always)]
-    fn gather(&self, place: usize, indices: &Lanes<u32>) -> (Vec3x, Int) {
-        let [x, y, z, other] = gather_quads(indices, |path| &self.0[path].0[place]);
-        (Vec3x([x, y, z].map(Float::from_bits)), other)
+    fn gather(&self, place: usize, indices: &Lanes<u32>) -> (Vec3x, Float) {
+        gather_quads(indices, |path| &self.0[path].0[place])
     }
 
     /// Sets it. Where a path is in several lanes, these must say the same.
     #[inline(always)]
-    fn scatter(&mut self, place: usize, indices: &Lanes<u32>, (vector, other): (Vec3x, Int)) {
-        let [x, y, z] = vector.0.map(Float::to_bits);
-        let quads = quads_of([x, y, z, other]);
+    fn scatter(&mut self, place: usize, indices: &Lanes<u32>, columns: (Vec3x, Float)) {
+        let quads = quads_of(columns);
         for lane in 0..LANES {
             self.0[indices[lane] as usize].0[place] = quads[lane];
         }
@@ -75,7 +73,6 @@ impl Paths {
     pub(super) fn segments(&self, indices: &Lanes<u32>) -> Segment {
         let (origin, time) = self.gather(0, indices);
         let (direction, pdf) = self.gather(1, indices);
-        let (time, pdf) = (Float::from_bits(time), Float::from_bits(pdf));
         Segment { origin, time, direction, pdf }
     }
 
@@ -83,8 +80,8 @@ impl Paths {
     #[inline(always)]
     pub(super) fn set_segments(&mut self, indices: &Lanes<u32>, segments: &Segment) {
         let Segment { origin, time, direction, pdf } = *segments;
-        self.scatter(0, indices, (origin, time.to_bits()));
-        self.scatter(1, indices, (direction, pdf.to_bits()));
+        self.scatter(0, indices, (origin, time));
+        self.scatter(1, indices, (direction, pdf));
     }
 
     /// The histories of the paths `indices`.
@@ -92,19 +89,21 @@ impl Paths {
     pub(super) fn histories(&self, indices: &Lanes<u32>) -> History {
         let (beta, pixel_word) = self.gather(2, indices);
         let (radiance, sample_word) = self.gather(3, indices);
-        History { beta, radiance, keys: PathKeys { pixel_word, sample_word } }
+        let keys =
+            PathKeys { pixel_word: pixel_word.to_bits(), sample_word: sample_word.to_bits() };
+        History { beta, radiance, keys }
     }
 
     /// Sets the throughputs of the paths `indices`.
     #[inline(always)]
     pub(super) fn set_beta(&mut self, indices: &Lanes<u32>, history: &History) {
-        self.scatter(2, indices, (history.beta, history.keys.pixel_word));
+        self.scatter(2, indices, (history.beta, Float::from_bits(history.keys.pixel_word)));
     }
 
     /// Sets what has arrived along the paths `indices`.
     #[inline(always)]
     pub(super) fn set_radiance(&mut self, indices: &Lanes<u32>, history: &History) {
-        self.scatter(3, indices, (history.radiance, history.keys.sample_word));
+        self.scatter(3, indices, (history.radiance, Float::from_bits(history.keys.sample_word)));
     }
 
     /// What has arrived at the camera along each of the paths `range`.

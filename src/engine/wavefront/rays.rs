@@ -62,27 +62,27 @@ impl Rays {
         for start in starts.iter_mut() {
             sum += std::mem::replace(start, sum);
         }
-        self.paths.resize(next.len().next_multiple_of(LANES), 0);
+        self.paths.resize(next.len(), 0);
         for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
             let place = &mut starts[(cell >> leave_out) as usize];
             self.paths[*place as usize] = path;
             *place += 1;
         }
-        self.fill(next.len(), paths);
+        self.fill(paths);
     }
 
     /// The rays of the paths `next` as they come.
     pub(super) fn take(&mut self, next: &Next, paths: &Paths) {
         self.paths.clear();
         self.paths.extend_from_slice(next.column(0));
-        self.paths.resize(next.len().next_multiple_of(LANES), 0);
-        self.fill(next.len(), paths);
+        self.fill(paths);
     }
 
-    fn fill(&mut self, len: usize, paths: &Paths) {
-        if let Some(&last) = len.checked_sub(1).map(|last| &self.paths[last]) {
-            self.paths[len..].fill(last);
-        }
+    /// The batch of the rays of `self.paths`.
+    fn fill(&mut self, paths: &Paths) {
+        let len = self.paths.len();
+        let last = self.paths.last().copied().unwrap_or(0);
+        self.paths.resize(len.next_multiple_of(LANES), last);
         self.batch.clear();
         for first in (0..len).step_by(LANES) {
             let Segment { origin, time, direction, .. } = paths.segments(&self.paths(first));

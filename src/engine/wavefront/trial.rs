@@ -3,7 +3,6 @@
 use super::plan::{Plan, SegmentPlan};
 use super::{Prepared, Wave, Worker};
 use crate::accel::Kernel;
-use crate::engine::renderer::TileWorker;
 use crate::engine::stats::{Stage, WaveStats};
 use crate::film::{Tile, tiles};
 
@@ -86,13 +85,11 @@ impl Way {
 
     /// Takes a wave of `tile` from the camera to its end.
     fn run(&mut self, prepared: &Prepared<'_>, tile: Tile, buffers: Wave) -> Wave {
-        let spp = u64::from(prepared.settings.spp);
-        let pixels =
-            (u64::from(self.plan.wave_size) / spp).max(1).min(u64::from(tile.width)) as u32;
-        let rows = (u64::from(self.plan.wave_size) / spp / u64::from(pixels)).max(1);
-        let part = Tile { width: pixels, height: tile.height.min(rows as u32), ..tile };
+        let pixels = u64::from(tile.width) * u64::from(tile.height);
+        let paths = pixels * u64::from(prepared.settings.spp);
         let mut worker = Worker::new(prepared, &self.plan, buffers);
-        self.waves.push(worker.render_tile(part, &|_, _| ()).waves);
+        worker.trace(tile, 0..paths.min(u64::from(self.plan.wave_size)));
+        self.waves.push(worker.watch.stats);
         worker.wave
     }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::{Geometry, Primitive, Quad, Ray};
 use crate::math::UNIT_ROUNDOFF;
-use crate::simd::{Float, Int, LANES, Lanes, Quad as Words, Vec3x, axes, gather_quads, quad};
+use crate::simd::{Float, LANES, Lanes, Quad as Words, Vec3x, axes, gather_quads, quad};
 
 /// One [`Surface`](crate::geometry::Surface) a lane.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +71,7 @@ impl<'a> Surfaces<'a> {
             [quad(q.q, q.offset()), quad(q.u, x), quad(q.v, y), quad(dual_u, z), quad(dual_v, 0.0)]
         };
         let spheres = &geometry.spheres;
-        let moving = spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO);
-        let moving = if moving { &spheres[..] } else { &[] };
+        let moving = if geometry.moves() { &spheres[..] } else { &[] };
         Self {
             geometry,
             // That is where a still sphere is at any time, a zero's sign included.
@@ -95,9 +94,9 @@ impl<'a> Surfaces<'a> {
 
     #[inline(always)]
     fn spheres<const MOVING: bool>(&self, hits: &HitPoints) -> SurfaceLanes {
-        let (mut center, radius) = vector(gather_quads(&hits.primitive, |p| &self.spheres[p]));
+        let (mut center, radius) = gather_quads(&hits.primitive, |p| &self.spheres[p]);
         if MOVING {
-            let (motion, _) = vector(gather_quads(&hits.primitive, |p| &self.motions[p]));
+            let (motion, _) = gather_quads(&hits.primitive, |p| &self.motions[p]);
             center = center + motion * hits.time;
         }
         let normal = (hits.origin + hits.direction * hits.t - center).normalize();
@@ -114,7 +113,7 @@ impl<'a> Surfaces<'a> {
     #[inline(always)]
     fn quads(&self, hits: &HitPoints) -> SurfaceLanes {
         let first = self.spheres.len();
-        let part = |i: usize| vector(gather_quads(&hits.primitive, |p| &self.quads[p - first][i]));
+        let part = |i: usize| gather_quads(&hits.primitive, |p| &self.quads[p - first][i]);
         let ((q, offset), (u, x), (v, y)) = (part(0), part(1), part(2));
         let ((dual_u, z), (dual_v, _)) = (part(3), part(4));
         let p = (hits.origin - q) + hits.direction * hits.t;
@@ -142,12 +141,6 @@ impl<'a> Surfaces<'a> {
         let offset = Float::new(offset);
         SurfaceLanes { point: Vec3x::new(&point), normal: Vec3x::new(&normal), offset }
     }
-}
-
-/// A vector and a number a lane.
-#[inline(always)]
-fn vector([x, y, z, number]: [Int; 4]) -> (Vec3x, Float) {
-    (Vec3x([x, y, z].map(Float::from_bits)), Float::from_bits(number))
 }
 
 #[cfg(test)]

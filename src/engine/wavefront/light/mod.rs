@@ -4,6 +4,7 @@ mod rectangle;
 
 use std::f32::consts::PI;
 
+use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::lanes::{RayLanes, sphere};
 use crate::geometry::{Primitive, Quad, Sphere};
 use crate::scene::{Light, LightShape, Scene};
@@ -25,9 +26,6 @@ pub(super) struct LightSamples {
     /// Whether the light can be seen at all; where it cannot, the rest means nothing.
     pub(super) visible: Mask,
 }
-
-/// The part of the way to a light that has to be free, as in pbrt (Pharr et al. 2023, 6.8.6).
-const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Samples of `light` as seen from `from`.
 #[inline(always)]

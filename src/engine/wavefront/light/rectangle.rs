@@ -1,6 +1,7 @@
 //! Uniform samples of the solid angle of a rectangle, over lanes: the scalar engine's
 //! `spherical_rectangle.rs`, where source and departures are told, to the bit.
 
+use crate::engine::contract::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::scene::Rectangle;
 use crate::simd::trig::{atan2, sin_cos};
 use crate::simd::{Float, Mask, Vec3x};
@@ -21,10 +22,6 @@ pub(super) struct SphericalRectangle<'a> {
     /// Where it is large enough and not too edge-on for f32.
     pub(super) exact: Mask,
 }
-
-/// As in the scalar engine.
-const MIN_SOLID_ANGLE: f32 = 1e-3;
-const MIN_SINE: f32 = 2.5e-3;
 
 impl<'a> SphericalRectangle<'a> {
     #[inline(always)]

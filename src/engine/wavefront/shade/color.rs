@@ -4,9 +4,8 @@ use glam::Vec3;
 
 use super::Shading;
 use super::vertex::Vertex;
-use crate::engine::wavefront::materials::Pattern;
+use crate::engine::wavefront::materials::{Pattern, texture};
 use crate::geometry::{Ray, Surface};
-use crate::scene::Material;
 use crate::simd::{Float, LANES, Lanes, Mask, Vec3x, axes, gather_quads};
 
 impl Shading<'_> {
@@ -26,10 +25,9 @@ impl Shading<'_> {
     #[inline(always)]
     pub(super) fn solid(&self, primitives: &Lanes<u32>) -> (Vec3x, Float) {
         let Self { scene, materials, .. } = self;
-        let [r, g, b, number] = gather_quads(primitives, |primitive| {
+        gather_quads(primitives, |primitive| {
             &materials.solid[scene.material_index(primitive as u32) as usize]
-        });
-        (Vec3x([r, g, b].map(Float::from_bits)), Float::from_bits(number))
+        })
     }
 
     /// [`Checker`](crate::scene::Checker) a lane.
@@ -37,10 +35,9 @@ impl Shading<'_> {
     fn checker(&self, vertex: &Vertex) -> Vec3x {
         let Self { scene, materials, .. } = self;
         let quads = |place: usize| {
-            let [r, g, b, frequency] = gather_quads(&vertex.primitive, |primitive| {
+            gather_quads(&vertex.primitive, |primitive| {
                 &materials.checkers[scene.material_index(primitive as u32) as usize][place]
-            });
-            (Vec3x([r, g, b].map(Float::from_bits)), Float::from_bits(frequency))
+            })
         };
         let ((odd_color, frequency), (even_color, _)) = (quads(0), quads(1));
         let odd = |axis: usize| {
@@ -66,12 +63,8 @@ impl Shading<'_> {
             let ray = Ray { origin: at(&origin), direction: at(&direction), time: time[lane] };
             let surface = Surface { point: at(&point), normal: at(&normal), offset: 0.0 };
             let uv = || self.scene.geometry().get(primitive[lane]).uv(&ray, &surface, t[lane]);
-            let texture = match *self.scene.material(primitive[lane]) {
-                Material::Diffuse { albedo }
-                | Material::Lambertian { albedo }
-                | Material::Metal { albedo, .. } => &self.scene.textures()[albedo as usize],
-                Material::Dielectric { .. } | Material::Light(_) => unreachable!("no albedo"),
-            };
+            let texture = texture(self.scene, self.scene.material(primitive[lane]));
+            let texture = texture.expect("what scatters by its colour has one");
             let color = texture.color(surface.point, uv);
             for axis in 0..3 {
                 colors[axis][lane] = color[axis];

@@ -1,17 +1,15 @@
 //! Glass: reflection or refraction, chosen by Schlick's approximation (report, III.E).
 
+use super::Shading;
 use super::scatter::{Scatter, Scatterer, reflect};
 use super::vertex::Vertex;
-use super::{Shaded, Shading};
 use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
 use crate::engine::wavefront::paths::Segment;
-use crate::engine::wavefront::sort::Queue;
-use crate::geometry::lanes::Shape;
 use crate::simd::{Float, Vec3x};
 
 /// Clear glass.
-struct Dielectric;
+pub(super) struct Dielectric;
 
 impl Scatterer for Dielectric {
     #[inline(always)]
@@ -33,12 +31,6 @@ impl Scatterer for Dielectric {
             pdf: Float::splat(Segment::SPECULAR),
             scattered: vertex.present,
         }
-    }
-}
-
-impl Shading<'_> {
-    pub(super) fn dielectric(&self, shape: Shape, queue: &Queue, shaded: &mut Shaded<'_>) {
-        self.scatter(shape, queue, shaded, &Dielectric);
     }
 }
 

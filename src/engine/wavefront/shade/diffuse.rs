@@ -2,14 +2,12 @@
 
 use std::f32::consts::PI;
 
-use super::scatter::{Scatter, Scatterer};
+use super::Shading;
+use super::scatter::{Colored, Scatter, Scatterer};
 use super::vertex::Vertex;
-use super::{Shaded, Shading};
 use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
 use crate::engine::wavefront::materials::Pattern;
-use crate::engine::wavefront::sort::Queue;
-use crate::geometry::lanes::Shape;
 use crate::simd::warp::{cosine_hemisphere, uniform_hemisphere};
 use crate::simd::{Float, Vec3x};
 
@@ -42,7 +40,7 @@ impl<const COSINE: bool> Diffuse<COSINE> {
 }
 
 /// Diffuse materials whose colours vary in one way.
-struct DiffuseOf<const COSINE: bool>(Pattern);
+pub(super) struct DiffuseOf<const COSINE: bool>(Pattern);
 
 impl<const COSINE: bool> Scatterer for DiffuseOf<COSINE> {
     #[inline(always)]
@@ -58,25 +56,9 @@ impl<const COSINE: bool> Scatterer for DiffuseOf<COSINE> {
     }
 }
 
-impl Shading<'_> {
-    pub(super) fn diffuse<const COSINE: bool>(
-        &self,
-        pattern: Pattern,
-        shape: Shape,
-        queue: &Queue,
-        shaded: &mut Shaded<'_>,
-    ) {
-        // A loop for each.
-        match pattern {
-            Pattern::Solid => {
-                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Solid));
-            }
-            Pattern::Checker => {
-                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Checker));
-            }
-            Pattern::Image => {
-                self.scatter(shape, queue, shaded, &DiffuseOf::<COSINE>(Pattern::Image));
-            }
-        }
+impl<const COSINE: bool> Colored for DiffuseOf<COSINE> {
+    #[inline(always)]
+    fn of(pattern: Pattern) -> Self {
+        Self(pattern)
     }
 }

@@ -8,7 +8,7 @@ use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
 use crate::engine::wavefront::light::{self, LightSamples};
 use crate::scene::{Sampling, Sides};
-use crate::simd::{Bits, Float, LANES, Lanes, Vec3x};
+use crate::simd::{Float, LANES, Lanes, Vec3x, by_key};
 
 impl Shading<'_> {
     /// Samples a light from each vertex.
@@ -28,13 +28,8 @@ impl Shading<'_> {
             *chosen = (choice as u32).min(lights.len() as u32 - 1);
         }
         // One light after the other: mostly there are few.
-        let mut left = vertex.present;
-        while let Some(first) = Bits(left).next() {
-            let light = &lights[chosen[first] as usize];
-            let alike = Bits(left).filter(|&lane| chosen[lane] == chosen[first]);
-            let lanes = alike.fold(0, |lanes, lane| lanes | 1 << lane);
-            left &= !lanes;
-
+        for (chosen, lanes) in by_key(vertex.present, &chosen) {
+            let light = &lights[chosen as usize];
             let time = vertex.segment.time;
             let LightSamples { direction, reach, pdf, front, visible } =
                 light::sample(self.scene, light, from, time, numbers);

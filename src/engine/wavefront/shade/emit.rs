@@ -8,7 +8,7 @@ use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::Shape;
 use crate::scene::{Background, Sampling};
-use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x};
+use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, by_key};
 
 impl Shading<'_> {
     /// Paths that leave the scene.
@@ -48,33 +48,24 @@ impl Shading<'_> {
 
     /// The share of a light's emission that counts where a path hits it: the rest is found by
     /// light samples.
-    #[inline(always)]
     fn emission_weight(&self, vertex: &Vertex) -> Float {
         let one = Float::splat(1.0);
+        if self.settings.sampling == Sampling::Bsdf {
+            return one;
+        }
         let diffuse = !vertex.segment.pdf.eq(Float::splat(Segment::SPECULAR));
         let mut sampled = 0;
-        let primitive = &vertex.primitive;
         for lane in Bits(diffuse.bits()) {
-            sampled |= u32::from(self.scene.light(primitive[lane]).is_some()) << lane;
+            sampled |= u32::from(self.scene.light(vertex.primitive[lane]).is_some()) << lane;
         }
-        match self.settings.sampling {
-            Sampling::Bsdf => one,
-            Sampling::Light => Mask::from_bits(sampled).select(Float::ZERO, one),
-            Sampling::Mis => self.mis_weight(vertex, sampled),
+        if self.settings.sampling == Sampling::Light {
+            return Mask::from_bits(sampled).select(Float::ZERO, one);
         }
-    }
-
-    /// The weights of what was scattered to lights, in the lanes of `sampled`; 1 in others.
-    fn mis_weight(&self, vertex: &Vertex, sampled: u32) -> Float {
         let choice_pdf = Float::splat(1.0 / self.scene.lights().len() as f32);
         let Segment { origin, direction, time, pdf } = vertex.segment;
-        let (mut weights, mut left) = (Float::splat(1.0), sampled);
+        let mut weights = one;
         // One light after the other: mostly there are few.
-        while let Some(first) = Bits(left).next() {
-            let primitive = vertex.primitive[first];
-            let alike = Bits(left).filter(|&lane| vertex.primitive[lane] == primitive);
-            let lanes = alike.fold(0, |lanes, lane| lanes | 1 << lane);
-            left &= !lanes;
+        for (primitive, lanes) in by_key(sampled, &vertex.primitive) {
             let light = self.scene.light(primitive).expect("it is sampled");
             let of_light = light::pdf(self.scene, light, (origin, direction), time, vertex.t);
             let weight = power_heuristic(pdf, of_light * choice_pdf);

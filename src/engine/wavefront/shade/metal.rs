@@ -1,19 +1,17 @@
 //! Metal: the mirror direction, blurred (report, III.D).
 
-use super::scatter::{Scatter, Scatterer, reflect};
+use super::Shading;
+use super::scatter::{Colored, Scatter, Scatterer, reflect};
 use super::vertex::Vertex;
-use super::{Shaded, Shading};
 use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
 use crate::engine::wavefront::materials::Pattern;
 use crate::engine::wavefront::paths::Segment;
-use crate::engine::wavefront::sort::Queue;
-use crate::geometry::lanes::Shape;
 use crate::simd::Float;
 use crate::simd::warp::uniform_ball;
 
 /// Metals whose colours vary in one way.
-struct MetalOf(Pattern);
+pub(super) struct MetalOf(Pattern);
 
 impl Scatterer for MetalOf {
     #[inline(always)]
@@ -35,19 +33,9 @@ impl Scatterer for MetalOf {
     }
 }
 
-impl Shading<'_> {
-    pub(super) fn metal(
-        &self,
-        pattern: Pattern,
-        shape: Shape,
-        queue: &Queue,
-        shaded: &mut Shaded<'_>,
-    ) {
-        // A loop for each.
-        match pattern {
-            Pattern::Solid => self.scatter(shape, queue, shaded, &MetalOf(Pattern::Solid)),
-            Pattern::Checker => self.scatter(shape, queue, shaded, &MetalOf(Pattern::Checker)),
-            Pattern::Image => self.scatter(shape, queue, shaded, &MetalOf(Pattern::Image)),
-        }
+impl Colored for MetalOf {
+    #[inline(always)]
+    fn of(pattern: Pattern) -> Self {
+        Self(pattern)
     }
 }

@@ -16,9 +16,13 @@ use super::paths::Paths;
 use super::rays::Next;
 use super::sort::Queue;
 use crate::engine::settings::RenderSettings;
-use crate::engine::stats::Endings;
+use crate::engine::stats::{Endings, StageWork};
 use crate::geometry::lanes::Surfaces;
 use crate::scene::Scene;
+use crate::simd::LANES;
+use dielectric::Dielectric;
+use diffuse::DiffuseOf;
+use metal::MetalOf;
 
 /// What all paths of a stage share.
 #[derive(Clone, Copy)]
@@ -44,29 +48,36 @@ pub(super) struct Shaded<'a> {
 }
 
 impl Shading<'_> {
-    /// Shades the queues of all bins.
-    pub(super) fn shade(&self, queues: &[Queue], shaded: &mut Shaded<'_>) {
+    /// Shades the queues of all bins. Returns how many paths it took, and in how many lanes.
+    pub(super) fn shade(&self, queues: &[Queue], shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
         shaded.shadows.clear();
+        let (mut paths, mut lanes) = (0, 0);
         for (&bin, queue) in self.materials.bins.iter().zip(queues) {
-            let (shape, kind) = match bin {
-                Bin::Background => {
-                    self.background(queue, shaded);
+            match bin {
+                Bin::Background => self.background(queue, shaded),
+                Bin::Surface(shape, Kind::Light) => self.light(shape, queue, shaded),
+                // The path's last segment: nothing it would scatter to is traced.
+                Bin::Surface(..) if self.segment == self.settings.depth => {
+                    shaded.endings.depth += queue.len() as u64;
                     continue;
                 }
-                Bin::Surface(shape, kind) => (shape, kind),
-            };
-            match kind {
-                Kind::Light => self.light(shape, queue, shaded),
-                // The path's last segment: nothing it would scatter to is traced.
-                _ if self.segment == self.settings.depth => {
-                    shaded.endings.depth += queue.len() as u64;
+                Bin::Surface(shape, Kind::Diffuse(pattern)) => {
+                    self.scatter_colored::<DiffuseOf<false>>(pattern, shape, queue, shaded);
                 }
-                Kind::Diffuse(pattern) => self.diffuse::<false>(pattern, shape, queue, shaded),
-                Kind::Lambertian(pattern) => self.diffuse::<true>(pattern, shape, queue, shaded),
-                Kind::Metal(pattern) => self.metal(pattern, shape, queue, shaded),
-                Kind::Dielectric => self.dielectric(shape, queue, shaded),
+                Bin::Surface(shape, Kind::Lambertian(pattern)) => {
+                    self.scatter_colored::<DiffuseOf<true>>(pattern, shape, queue, shaded);
+                }
+                Bin::Surface(shape, Kind::Metal(pattern)) => {
+                    self.scatter_colored::<MetalOf>(pattern, shape, queue, shaded);
+                }
+                Bin::Surface(shape, Kind::Dielectric) => {
+                    self.scatter(shape, queue, shaded, &Dielectric);
+                }
             }
+            paths += queue.len();
+            lanes += queue.len().next_multiple_of(LANES);
         }
+        StageWork::in_lanes(paths, lanes)
     }
 }

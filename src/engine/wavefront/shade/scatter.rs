@@ -2,8 +2,10 @@
 
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
+use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
 use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
+use crate::engine::wavefront::materials::Pattern;
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::Shape;
@@ -27,12 +29,28 @@ pub(super) trait Scatterer {
     fn scatter(&self, shading: &Shading<'_>, vertex: &Vertex, shadows: &mut Shadows) -> Scatter;
 }
 
-/// First segment that a path reaches only by Russian roulette.
-const ROULETTE_FROM: u32 = 5;
-/// Largest chance of surviving it.
-const ROULETTE_MAX: f32 = 0.95;
+/// A kind of materials that have an albedo.
+pub(super) trait Colored: Scatterer {
+    /// Those whose colours vary so.
+    fn of(pattern: Pattern) -> Self;
+}
 
 impl Shading<'_> {
+    /// [`Self::scatter`] with a loop for each pattern.
+    pub(super) fn scatter_colored<M: Colored>(
+        &self,
+        pattern: Pattern,
+        shape: Shape,
+        queue: &Queue,
+        shaded: &mut Shaded<'_>,
+    ) {
+        match pattern {
+            Pattern::Solid => self.scatter(shape, queue, shaded, &M::of(Pattern::Solid)),
+            Pattern::Checker => self.scatter(shape, queue, shaded, &M::of(Pattern::Checker)),
+            Pattern::Image => self.scatter(shape, queue, shaded, &M::of(Pattern::Image)),
+        }
+    }
+
     /// Lets `material` scatter the paths of `queue`, and appends those that go on.
     #[inline(always)]
     pub(super) fn scatter(
