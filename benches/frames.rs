@@ -20,7 +20,7 @@ fn frames(criterion: &mut Criterion) {
             let renderer = Renderer::new(&scene, settings).expect("the settings are in range");
             let first = renderer.render().expect("one thread can be started");
             let hash = first.image.hash();
-            group.throughput(Throughput::Elements(first.rays.total()));
+            group.throughput(Throughput::Elements(first.tally.rays.total()));
             group.bench_function(format!("{name}/{}", engine.name()), |bencher| {
                 bencher.iter(|| {
                     let render = renderer.render().expect("one thread can be started");

@@ -19,7 +19,7 @@ pub const MAX_FILE: u64 = 1 << 32;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of paths of a wave.
-pub const MAX_WAVE: u32 = 1 << 20;
+pub const MAX_WAVE: u32 = 1 << 18;
 /// Largest number of threads.
 pub const MAX_THREADS: u32 = 4096;
 

@@ -271,7 +271,7 @@ fn the_rays_of_a_render_are_recorded_all() {
     };
     let sets = ptfast::rayset::record(&scene, &settings, u64::MAX).unwrap();
     let counts: Vec<u64> = sets.sets.iter().map(|set| set.rays.len() as u64).collect();
-    let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().rays;
+    let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().tally.rays;
     assert_eq!(counts, [rays.primary, rays.bounce, rays.shadow]);
 }
 
@@ -287,12 +287,26 @@ fn plans_are_given_back() {
     let again = with(&["--plan", "a.json", "--stats"]);
     assert!(again.status.success(), "{}", stderr(&again));
     assert!(stderr(&again).contains("plan: waves of 100,"), "{}", stderr(&again));
-    // All but the lines with seconds.
+    // All but seconds: the same work, down to the boxes and primitives that are tested.
     let counts = |output| -> Vec<String> {
-        let counted = |line: &&str| line.starts_with("ended") || line.starts_with("rays");
-        stdout(output).lines().filter(counted).map(str::to_owned).collect()
+        let counted =
+            |line: &&str| ["ended", "segment", "rays"].iter().any(|&start| line.starts_with(start));
+        let text = stdout(output);
+        let lines = text.lines().filter(counted);
+        let parts = lines.flat_map(|line| line.split([';', ',']));
+        parts.filter(|part| !part.ends_with(" ns")).map(str::to_owned).collect()
     };
+    assert!(counts(&first).iter().any(|part| part.ends_with("tests each")), "{first:?}");
     assert_eq!(counts(&first), counts(&again));
+    let other = ["render", "--scene", "spheres", "--width", "9", "--spp", "1", "-o", "b.png"];
+    let elsewhere = ptfast(here, &[&other[..], &["--plan", "a.json"]].concat());
+    assert!(elsewhere.status.success(), "{}", stderr(&elsewhere));
+    assert!(stderr(&elsewhere).contains("a.json: the plan is of another scene"));
+    assert!(!stderr(&again).contains("another scene"));
+    for more in [["--wave-size", "9"], ["--tile-size", "9"], ["--engine", "scalar"]] {
+        let both = with(&[&["--plan", "a.json"], &more[..]].concat());
+        assert_eq!(both.status.code(), Some(2), "{more:?}");
+    }
     for (text, place) in [
         ("{", "bad.json:1:"),
         ("{\"plan\": 3}", "bad.json:plan: "),

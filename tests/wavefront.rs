@@ -6,6 +6,7 @@ use common::SAMPLINGS;
 use common::random_scene::random_scene;
 use ptfast::accel::Kernel;
 use ptfast::engine::{Plan, SegmentPlan, Stage};
+use ptfast::math::random::Stream;
 use ptfast::scene::BUILTIN_NAMES;
 use ptfast::{Engine, Render, RenderSettings, Renderer, Scene};
 
@@ -20,11 +21,9 @@ fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
     let want = render(scene, settings, Engine::Scalar);
     let got = render(scene, settings, Engine::Wavefront);
     assert_eq!(got.image.hash(), want.image.hash(), "{what}: {settings:?}");
-    assert_eq!(got.rays, want.rays, "{what}");
-    assert_eq!(got.non_finite, want.non_finite, "{what}");
-    assert_eq!(got.endings, want.endings, "{what}");
-    assert_eq!(got.endings.total(), got.rays.primary, "{what}");
-    want.rays.total()
+    assert_eq!(got.tally, want.tally, "{what}");
+    assert_eq!(got.tally.endings.total(), got.tally.rays.primary, "{what}");
+    want.tally.rays.total()
 }
 
 #[test]
@@ -42,12 +41,29 @@ fn built_in_scenes() {
     }
 }
 
+/// Any plan, or none.
+fn random_plan(random: &mut Stream) -> Option<Plan> {
+    let mut below = |end| (random.bits() % end) as usize;
+    let segments = (0..below(4)).map(|_| SegmentPlan {
+        ordered: below(2) == 0,
+        closest: Kernel::ALL[below(Kernel::ALL.len() as u64)],
+        occluded: Kernel::ALL[below(Kernel::ALL.len() as u64)],
+    });
+    let segments: Vec<_> = segments.collect();
+    let [wave_size, tile_size] = [700, 20].map(|end| 1 + below(end) as u32);
+    (!segments.is_empty()).then_some(Plan { wave_size, tile_size, segments })
+}
+
 #[test]
 fn random_scenes() {
     let mut rays = 0;
     for seed in 0..400 {
         let scene = Scene::from_file(&random_scene(seed)).unwrap();
-        let settings = RenderSettings { seed, threads: 1, ..RenderSettings::of(&scene) };
+        let mut random = Stream::new(!seed);
+        let roulette = random.bits().is_multiple_of(2);
+        let plan = random_plan(&mut random);
+        let base = RenderSettings::of(&scene);
+        let settings = RenderSettings { seed, threads: 1, roulette, plan, ..base };
         rays += compare(&scene, &settings, &format!("scene {seed}"));
     }
     assert!(rays > 900_000, "{rays}");
@@ -84,7 +100,7 @@ fn waves_tiles_and_plans_do_not_matter() {
         let same = |settings: RenderSettings| {
             let got = render(&scene, &settings, Engine::Wavefront);
             assert_eq!(got.image.hash(), want.image.hash(), "{settings:?}");
-            assert_eq!((got.rays, got.endings), (want.rays, want.endings), "{settings:?}");
+            assert_eq!(got.tally, want.tally, "{settings:?}");
         };
         for wave_size in [1, 7, 16, 33, 500, 1 << 16] {
             same(RenderSettings { wave_size, ..base.clone() });
@@ -124,26 +140,43 @@ fn counts_add_up_and_repeat() {
         assert!(a.active > 0 && a.active <= a.issued && a.seconds > 0.0, "{stage:?}");
     }
     let active = |stage| first.waves.stage(stage).active;
-    assert_eq!(active(Stage::Generate), first.rays.primary);
-    assert_eq!(active(Stage::Extend), first.rays.primary + first.rays.bounce);
-    assert_eq!(active(Stage::Order), first.rays.bounce);
-    assert_eq!(active(Stage::Connect), first.rays.shadow);
+    assert_eq!(active(Stage::Generate), first.tally.rays.primary);
+    assert_eq!(active(Stage::Extend), first.tally.rays.primary + first.tally.rays.bounce);
+    assert_eq!(active(Stage::Order), first.tally.rays.bounce);
+    // Rays in are hits and misses; hits end or go on.
+    let segments = &first.waves.segments;
+    for (segment, next) in segments.iter().zip(&segments[1..]) {
+        let rays = segment.stage(Stage::Extend).active;
+        assert_eq!(segment.stage(Stage::Sort).active, rays);
+        assert_eq!(segment.stage(Stage::Shade).active, rays);
+        let (left, on) = (segment.misses, next.stage(Stage::Extend).active);
+        assert!(left + on <= rays, "{left} + {on} of {rays}");
+    }
+    let misses: u64 = segments.iter().map(|segment| segment.misses).sum();
+    assert!(misses == first.tally.endings.background && misses > 0);
+    assert_eq!(active(Stage::Connect), first.tally.rays.shadow);
     assert_eq!(active(Stage::Accumulate), 60 * 40 * 20);
     assert!(first.waves.stage(Stage::Extend).counters.lanes_active > 0);
-    assert_eq!(first.endings.total(), first.rays.primary);
+    assert_eq!(first.tally.endings.total(), first.tally.rays.primary);
 }
 
-/// A render large enough for a plan to be measured, which is one that can be given.
+/// A render large enough for a plan to be measured, with one that can be given to another.
 #[test]
 fn plans_are_measured() {
     let scene = Scene::load("cornell").unwrap();
-    let settings =
-        RenderSettings { width: 200, height: 200, spp: 27, depth: 3, ..RenderSettings::of(&scene) };
-    compare(&scene, &settings, "measured");
-    let renderer = Renderer::new(&scene, settings).unwrap();
+    let large = RenderSettings {
+        width: 200,
+        height: 200,
+        spp: 640,
+        threads: 1,
+        ..RenderSettings::of(&scene)
+    };
+    let renderer = Renderer::new(&scene, large.clone()).unwrap();
     let plan = renderer.plan().unwrap();
     plan.check().unwrap();
     assert_eq!(plan.segments.len(), 4, "{plan:?}");
+    let small = RenderSettings { spp: 3, threads: 2, plan: Some(plan.clone()), ..large };
+    compare(&scene, &small, "measured");
     let text = serde_json::to_string(plan).unwrap();
     assert_eq!(serde_json::from_str::<Plan>(&text).unwrap(), *plan);
     for wrong in [

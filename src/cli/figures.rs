@@ -5,9 +5,8 @@ use std::fs;
 use std::io::Write as _;
 
 use super::args::FiguresArgs;
-use super::progress::ProgressReport;
 use super::record::metadata;
-use super::{advise_on_build, say};
+use super::{advise_on_build, progress, say};
 use crate::engine::{RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Transfer;
@@ -125,16 +124,13 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
     };
     let renderer = Renderer::new(&scene, settings.clone())?;
     let title = format!("figure {}", figure.number);
-    let progress = ProgressReport::new(&title, &settings, args.quiet);
-    let render = renderer.render_observed(&progress);
-    progress.finish();
-    let render = render?;
+    let render = progress::render(&renderer, &title, &settings, args.quiet)?;
     let hash = render.image.hash();
     let file = format!("figure-{}.png", figure.number);
     let path = args.out.join(&file);
     render.image.write(&path, Transfer::Gamma2, &metadata(&scene, &settings, &hash))?;
     let seconds = render.seconds.render;
-    Ok(Rendered { figure, settings, file, seconds, rays: render.rays.total(), hash })
+    Ok(Rendered { figure, settings, file, seconds, rays: render.tally.rays.total(), hash })
 }
 
 /// One page without scripts or files from elsewhere; pictures are beside it.

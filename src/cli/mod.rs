@@ -3,6 +3,7 @@
 mod args;
 mod compare;
 mod figures;
+mod plan;
 mod progress;
 mod rays;
 mod record;

@@ -1,19 +1,40 @@
 //! Progress on standard error: a bar on a terminal, else a plain line every few seconds.
 
 use std::io::{IsTerminal, stderr};
-use std::sync::Mutex;
+use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::notice;
-use crate::engine::{Observer, Progress, RenderSettings};
+use crate::engine::{Observer, Pinned, Progress, Render, RenderSettings, Renderer};
+use crate::error::Result;
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(3);
 
+/// Renders and shows how far it is, unless `quiet`.
+pub(super) fn render(
+    renderer: &Renderer<'_>,
+    title: &str,
+    settings: &RenderSettings,
+    quiet: bool,
+) -> Result<Render> {
+    let progress = ProgressReport::new(title, settings, quiet);
+    let render = renderer.render_observed(&progress);
+    progress.finish();
+    let render = render?;
+    static SAID: Once = Once::new();
+    if render.pinned == Pinned::Failed && !quiet {
+        SAID.call_once(|| {
+            notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
+        });
+    }
+    Ok(render)
+}
+
 /// Shows how far one render is.
-pub(super) struct ProgressReport {
+struct ProgressReport {
     start: Instant,
     samples: u64,
     display: Display,
@@ -26,7 +47,7 @@ enum Display {
 }
 
 impl ProgressReport {
-    pub(super) fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
+    fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
         let samples =
             u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp);
         let start = Instant::now();
@@ -45,7 +66,7 @@ impl ProgressReport {
     }
 
     /// Removes the bar.
-    pub(super) fn finish(&self) {
+    fn finish(&self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }

@@ -26,7 +26,7 @@ pub(super) fn render_record(
     hash: &str,
     seconds: StepSeconds,
 ) -> Value {
-    let samples = render.rays.primary as f64;
+    let samples = render.tally.rays.primary as f64;
     json!({
         "schema": 1,
         "machine": Machine::this(),
@@ -46,17 +46,17 @@ pub(super) fn render_record(
         "mean": render.image.mean(),
         "seconds": seconds,
         "rays": {
-            "primary": render.rays.primary,
-            "bounce": render.rays.bounce,
-            "shadow": render.rays.shadow,
+            "primary": render.tally.rays.primary,
+            "bounce": render.tally.rays.bounce,
+            "shadow": render.tally.rays.shadow,
         },
-        "mrays_per_s": render.rays.total() as f64 / render.seconds.render * 1e-6,
+        "mrays_per_s": render.tally.rays.total() as f64 / render.seconds.render * 1e-6,
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
-        "non_finite": render.non_finite.count,
+        "non_finite": render.tally.non_finite.count,
         "pinned": render.pinned == Pinned::Yes,
         "plan": renderer.plan(),
-        "endings": Value::from_iter(render.endings.each()),
+        "endings": Value::from_iter(render.tally.endings.each()),
         "stages": Value::from_iter(
             Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),
         ),

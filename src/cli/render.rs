@@ -5,13 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{RenderArgs, Switch};
-use super::progress::ProgressReport;
 use super::record::{StepSeconds, metadata, render_record};
-use super::{advise_on_build, notice, say};
-use crate::engine::{Pinned, Plan, Render, RenderSettings, Renderer, SegmentPlan};
+use super::{advise_on_build, notice, plan, progress, say};
+use crate::engine::{Engine, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
-use crate::input::read_json;
 use crate::isa::Isa;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::Scene;
@@ -38,15 +36,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
 
     if let Some(plan) = renderer.plan().filter(|_| !args.quiet) {
-        notice(format_args!("{}", describe(plan)));
+        notice(format_args!("{}", plan::describe(plan)));
     }
-    let progress = ProgressReport::new(scene.name(), &settings, args.quiet);
-    let render = renderer.render_observed(&progress);
-    progress.finish();
-    let render = render?;
-    if render.pinned == Pinned::Failed && !args.quiet {
-        notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
-    }
+    let render = progress::render(&renderer, scene.name(), &settings, args.quiet)?;
 
     let hash = render.image.hash();
     let writing = Instant::now();
@@ -67,21 +59,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     summarize(&scene, &settings, &render, &hash, seconds, &output)
 }
 
-/// A plan in a line.
-fn describe(plan: &Plan) -> String {
-    let segment = |(number, plan): (usize, &SegmentPlan)| {
-        let order = if plan.ordered { "ordered " } else { "" };
-        format!("{}: {order}{}, shadows {}", number + 1, plan.closest.name(), plan.occluded.name())
-    };
-    let segments: Vec<String> = plan.segments.iter().enumerate().map(segment).collect();
-    format!(
-        "plan: waves of {}, tiles of {}; segment {}",
-        plan.wave_size,
-        plan.tile_size,
-        segments.join("; ")
-    )
-}
-
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
 fn default_output(scene: &str) -> PathBuf {
     let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
@@ -92,6 +69,10 @@ fn default_output(scene: &str) -> PathBuf {
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     let defaults = RenderSettings::of(scene);
     let (width, height) = size(args, &defaults);
+    if args.plan.is_some() && args.engine == Engine::Scalar {
+        return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
+    }
+    let plan = args.plan.as_deref().map(|file| plan::read(file, scene, args.quiet)).transpose()?;
     Ok(RenderSettings {
         width,
         height,
@@ -105,23 +86,9 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         pin: args.pin,
         tile_size: args.tile_size.unwrap_or(0),
         wave_size: args.wave_size.unwrap_or(0),
-        plan: args.plan.as_deref().map(read_plan).transpose()?,
+        plan,
         count: args.stats,
     })
-}
-
-/// The plan in a file, which is a plan or the record of a render.
-fn read_plan(path: &Path) -> Result<Plan> {
-    let record: serde_json::Value = read_json(path, "a plan")?;
-    let plan = record.get("plan").unwrap_or(&record);
-    if plan.is_null() {
-        let message = "the record has none: the scalar engine needs no plan";
-        return Err(Error::input(path.display().to_string(), "plan", message));
-    }
-    let plan: Plan = serde_json::from_value(plan.clone())
-        .map_err(|error| Error::input(path.display().to_string(), "plan", error.to_string()))?;
-    plan.check().map_err(|message| Error::input(path.display().to_string(), "plan", message))?;
-    Ok(plan)
 }
 
 /// One side given: the other follows in the scene's proportion.
@@ -149,14 +116,14 @@ fn summarize(
     let RenderSettings { width, height, spp, depth, seed, .. } = settings;
     let (sampling, engine) = (settings.sampling.name(), settings.engine.name());
     let roulette = if settings.roulette { "on" } else { "off" };
-    let rays = &render.rays;
+    let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
     let total = seconds.load + seconds.build + seconds.render + seconds.write;
-    if render.non_finite.count > 0 {
-        let (x, y, sample) = render.non_finite.first.unwrap_or_default();
+    if render.tally.non_finite.count > 0 {
+        let (x, y, sample) = render.tally.non_finite.first.unwrap_or_default();
         notice(format_args!(
             "{} samples were not finite and count as black, the first is sample {sample} of pixel ({x}, {y})",
-            render.non_finite.count
+            render.tally.non_finite.count
         ));
     }
     say(format_args!(

@@ -6,8 +6,9 @@ use crate::error::Result;
 
 /// Prints what a render did, by `plan` if it had one.
 pub(super) fn print(render: &Render, plan: Option<&Plan>) -> Result<()> {
-    let paths = render.rays.primary as f64;
+    let paths = render.tally.rays.primary as f64;
     let ended: Vec<String> = render
+        .tally
         .endings
         .each()
         .into_iter()
@@ -28,29 +29,30 @@ pub(super) fn print(render: &Render, plan: Option<&Plan>) -> Result<()> {
             work.occupancy() * 100.0,
         ))?;
     }
-    for (segment, works) in (1..).zip(&render.waves.segments) {
-        let more = if segment as usize == WaveStats::SEGMENTS { "+" } else { " " };
-        let how = plan.segment(segment);
-        let order = if how.ordered { "ordered " } else { "" };
-        let work = |stage: Stage| works[stage as usize];
-        let lanes =
-            |stage| format!("{} {:.0}%", Stage::name(stage), work(stage).occupancy() * 100.0);
+    for (number, segment) in (1..).zip(&render.waves.segments) {
+        let more = if number as usize == WaveStats::SEGMENTS { "+" } else { " " };
+        let (how, extend) = (plan.segment(number), segment.stage(Stage::Extend));
+        let connect = segment.stage(Stage::Connect);
+        let lanes: Vec<String> = Stage::ALL
+            .into_iter()
+            .filter(|&stage| segment.stage(stage).active > 0)
+            .map(|stage| {
+                let occupancy = segment.stage(stage).occupancy();
+                format!("{} {:.0}%", stage.name(), occupancy * 100.0)
+            })
+            .collect();
         say(format_args!(
-            "segment {segment:>2}{more}{:>12} rays {order}{} {}, lanes: {}, {}{}",
-            work(Stage::Extend).active,
+            "segment {number:>2}{more}{:>12} rays, {:.1}% miss; {}{} {}{}; lanes: {}",
+            extend.active,
+            segment.misses as f64 / extend.active as f64 * 100.0,
+            if how.ordered { "ordered " } else { "" },
             how.closest.name(),
-            each(&work(Stage::Extend)),
-            lanes(Stage::Extend),
-            lanes(Stage::Shade),
-            match work(Stage::Connect).active {
+            each(extend),
+            match connect.active {
                 0 => String::new(),
-                rays => format!(
-                    ", {}; {rays} shadow rays {} {}",
-                    lanes(Stage::Connect),
-                    how.occluded.name(),
-                    each(&work(Stage::Connect)),
-                ),
+                rays => format!("; {rays} shadow rays {} {}", how.occluded.name(), each(connect)),
             },
+            lanes.join(", "),
         ))?;
     }
     Ok(())

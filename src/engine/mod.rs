@@ -8,11 +8,13 @@ mod renderer;
 mod scalar;
 mod settings;
 mod stats;
+mod tally;
 mod wavefront;
 
 pub use pool::{Pin, Pinned};
 pub use recording::{PathRecorder, RayKind, TracedRay};
-pub use renderer::{NonFinite, Observer, Progress, RayCounts, Render, Renderer, Seconds};
+pub use renderer::{Observer, Progress, Render, Renderer, Seconds};
 pub use settings::{Engine, RenderSettings};
-pub use stats::{Endings, Stage, StageWork, WaveStats};
+pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
+pub use tally::{Endings, NonFinite, RayCounts, Tally};
 pub use wavefront::{Plan, SegmentPlan};

@@ -56,7 +56,7 @@ fn cores() -> &'static [CoreId] {
 ///
 /// # Errors
 /// [`Error::Internal`] where they cannot be started.
-pub(super) fn pool(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
+pub(super) fn start(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
     let threads = match threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads as usize,

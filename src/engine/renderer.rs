@@ -1,24 +1,29 @@
 //! From a scene and settings to an image: tiles on threads, whatever the engine.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use super::pool::{Pinned, pool};
+use rayon::ThreadPool;
+
+use super::pool::{self, Pinned};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
-use super::stats::{Endings, WaveStats};
+use super::stats::WaveStats;
+use super::tally::Tally;
 use super::wavefront::{Plan, WavefrontEngine};
 use crate::error::Result;
-use crate::film::{Tile, tiles};
+use crate::film::{Tile, Tiles};
 use crate::image::Image;
 use crate::scene::Scene;
 
-/// A scene with its acceleration structure, ready to be rendered.
+/// A scene with its acceleration structure and threads, ready to be rendered.
 #[derive(Debug)]
 pub struct Renderer<'a> {
     settings: RenderSettings,
     engine: Box<dyn TileEngine + 'a>,
+    pool: ThreadPool,
+    pinned: Pinned,
     build_seconds: f64,
 }
 
@@ -48,12 +53,8 @@ pub(super) trait TileWorker {
 pub struct Render {
     /// The linear image.
     pub image: Image,
-    /// Rays traced.
-    pub rays: RayCounts,
-    /// Samples that were not finite, and counted as black.
-    pub non_finite: NonFinite,
-    /// How the paths ended.
-    pub endings: Endings,
+    /// What was traced, and what came of it.
+    pub tally: Tally,
     /// What the stages of the wavefront engine did; empty for others.
     pub waves: WaveStats,
     /// Worker threads used.
@@ -73,59 +74,11 @@ pub struct Seconds {
     pub render: f64,
 }
 
-/// Rays by kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayCounts {
-    /// From the camera.
-    pub primary: u64,
-    /// From a surface, for the closest hit.
-    pub bounce: u64,
-    /// From a surface to a light.
-    pub shadow: u64,
-}
-
-impl RayCounts {
-    /// All rays.
-    pub fn total(&self) -> u64 {
-        self.primary + self.bounce + self.shadow
-    }
-
-    fn add(&mut self, other: Self) {
-        self.primary += other.primary;
-        self.bounce += other.bounce;
-        self.shadow += other.shadow;
-    }
-}
-
-/// Samples whose radiance was NaN or infinite.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct NonFinite {
-    /// How many.
-    pub count: u64,
-    /// Pixel and sample of the first in the order of the image.
-    pub first: Option<(u32, u32, u32)>,
-}
-
-impl NonFinite {
-    /// Notes sample `sample` of pixel `(x, y)`.
-    pub(super) fn note(&mut self, x: u32, y: u32, sample: u32) {
-        self.merge(&Self { count: 1, first: Some((x, y, sample)) });
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.count += other.count;
-        let order = |&(x, y, sample): &(u32, u32, u32)| (y, x, sample);
-        self.first = self.first.into_iter().chain(other.first).min_by_key(order);
-    }
-}
-
 /// What an engine returns for a tile: its pixels row by row.
 #[derive(Debug, Default)]
 pub(super) struct TileResult {
     pub(super) pixels: Vec<[f32; 3]>,
-    pub(super) rays: RayCounts,
-    pub(super) non_finite: NonFinite,
-    pub(super) endings: Endings,
+    pub(super) tally: Tally,
     pub(super) waves: WaveStats,
 }
 
@@ -150,18 +103,21 @@ impl Observer for () {
 }
 
 impl<'a> Renderer<'a> {
-    /// Checks the settings and builds the acceleration structure.
+    /// Checks the settings, starts the threads, builds the acceleration structure and finds the
+    /// plan.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range.
+    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range,
+    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started.
     pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
         let start = Instant::now();
+        let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
         let engine: Box<dyn TileEngine + 'a> = match settings.engine {
-            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings)),
+            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
-        Ok(Self { settings, engine, build_seconds: start.elapsed().as_secs_f64() })
+        Ok(Self { settings, engine, pool, pinned, build_seconds: start.elapsed().as_secs_f64() })
     }
 
     /// How the wavefront engine works; `None` for others.
@@ -172,8 +128,7 @@ impl<'a> Renderer<'a> {
     /// Renders the image.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started or memory is
-    /// short.
+    /// [`Error::Internal`](crate::Error::Internal) where memory is short.
     pub fn render(&self) -> Result<Render> {
         self.render_observed(&())
     }
@@ -183,8 +138,7 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_observed(&self, observer: &dyn Observer) -> Result<Render> {
-        let RenderSettings { width, height, threads, pin, .. } = self.settings;
-        let (pool, pinned) = pool(threads, pin)?;
+        let RenderSettings { width, height, .. } = self.settings;
         let start = Instant::now();
         let film = Mutex::new(Film::new(Image::try_new(width, height)?));
         let (samples, rays) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -194,10 +148,11 @@ impl<'a> Renderer<'a> {
                 rays: rays.fetch_add(new_rays, Ordering::Relaxed) + new_rays,
             });
         };
-        let (tiles, next) = (tiles(width, height, self.engine.tile_size()), AtomicUsize::new(0));
-        pool.broadcast(|_| {
+        let tiles = Tiles::new(width, height, self.engine.tile_size());
+        let next = AtomicU64::new(0);
+        self.pool.broadcast(|_| {
             let mut worker = self.engine.worker();
-            while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let result = worker.render_tile(tile, &report);
                 film.lock().expect("no thread panics while it holds the film").add(tile, &result);
             }
@@ -205,12 +160,10 @@ impl<'a> Renderer<'a> {
         let film = film.into_inner().expect("no thread panicked while it held the film");
         Ok(Render {
             image: film.image,
-            rays: film.rays,
-            non_finite: film.non_finite,
-            endings: film.endings,
+            tally: film.tally,
             waves: film.waves,
-            threads: pool.current_num_threads(),
-            pinned,
+            threads: self.pool.current_num_threads(),
+            pinned: self.pinned,
             seconds: Seconds { build: self.build_seconds, render: start.elapsed().as_secs_f64() },
         })
     }
@@ -220,30 +173,20 @@ impl<'a> Renderer<'a> {
 #[derive(Debug)]
 struct Film {
     image: Image,
-    rays: RayCounts,
-    non_finite: NonFinite,
-    endings: Endings,
+    tally: Tally,
     waves: WaveStats,
 }
 
 impl Film {
     fn new(image: Image) -> Self {
-        Self {
-            image,
-            rays: RayCounts::default(),
-            non_finite: NonFinite::default(),
-            endings: Endings::default(),
-            waves: WaveStats::default(),
-        }
+        Self { image, tally: Tally::default(), waves: WaveStats::default() }
     }
 
     fn add(&mut self, tile: Tile, result: &TileResult) {
         for (y, row) in (tile.y..).zip(result.pixels.chunks_exact(tile.width as usize)) {
             self.image.put_row(tile.x, y, row);
         }
-        self.rays.add(result.rays);
-        self.non_finite.merge(&result.non_finite);
-        self.endings.add(&result.endings);
+        self.tally.add(&result.tally);
         self.waves.add(&result.waves);
     }
 }

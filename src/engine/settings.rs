@@ -101,6 +101,11 @@ impl RenderSettings {
             .map_err(Error::Usage)
     }
 
+    /// Paths of the image.
+    pub(super) fn paths(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * u64::from(self.spp)
+    }
+
     /// Whether light is looked for by sampling lights.
     pub(super) fn samples_lights(&self, scene: &Scene) -> bool {
         self.sampling != Sampling::Bsdf && !scene.lights().is_empty()

@@ -1,55 +1,9 @@
-//! Exact counts of what a render did, and the seconds of its stages.
+//! What the stages of the wavefront engine did, and the seconds it took them.
 
 use std::time::Instant;
 
 use crate::accel::Counters;
 use crate::simd::LANES;
-
-/// How paths ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Endings {
-    /// They left the scene.
-    pub background: u64,
-    /// At a light.
-    pub light: u64,
-    /// By a surface that scattered them into itself.
-    pub absorbed: u64,
-    /// They could add nothing any more: black surfaces.
-    pub black: u64,
-    /// By Russian roulette.
-    pub roulette: u64,
-    /// At a surface, after the last segment that was allowed.
-    pub depth: u64,
-}
-
-impl Endings {
-    /// All paths.
-    pub fn total(&self) -> u64 {
-        self.each().into_iter().map(|(_, paths)| paths).sum()
-    }
-
-    /// Names and numbers.
-    pub fn each(&self) -> [(&'static str, u64); 6] {
-        let Self { background, light, absorbed, black, roulette, depth } = *self;
-        [
-            ("background", background),
-            ("light", light),
-            ("absorbed", absorbed),
-            ("black", black),
-            ("roulette", roulette),
-            ("depth", depth),
-        ]
-    }
-
-    pub(super) fn add(&mut self, other: &Self) {
-        self.background += other.background;
-        self.light += other.light;
-        self.absorbed += other.absorbed;
-        self.black += other.black;
-        self.roulette += other.roulette;
-        self.depth += other.depth;
-    }
-}
 
 /// The stages of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,12 +91,34 @@ impl StageWork {
     }
 }
 
+/// What the stages did for paths on one of their segments.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SegmentWork {
+    /// Rays that left the scene.
+    pub misses: u64,
+    works: [StageWork; Stage::ALL.len()],
+}
+
+impl SegmentWork {
+    /// What `stage` did.
+    pub fn stage(&self, stage: Stage) -> &StageWork {
+        &self.works[stage as usize]
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.misses += other.misses;
+        for (work, other) in self.works.iter_mut().zip(&other.works) {
+            work.add(other);
+        }
+    }
+}
+
 /// What the stages did, by segment of the paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WaveStats {
     /// Of segments 1, 2, … and, in the last, of all from [`WaveStats::SEGMENTS`] on. Generate and
     /// accumulate count for the first.
-    pub segments: Vec<[StageWork; Stage::ALL.len()]>,
+    pub segments: Vec<SegmentWork>,
 }
 
 impl WaveStats {
@@ -151,29 +127,32 @@ impl WaveStats {
 
     /// What `stage` did for all segments.
     pub fn stage(&self, stage: Stage) -> StageWork {
-        self.segments.iter().fold(StageWork::default(), |mut sum, works| {
-            sum.add(&works[stage as usize]);
+        self.segments.iter().fold(StageWork::default(), |mut sum, segment| {
+            sum.add(segment.stage(stage));
             sum
         })
     }
 
-    /// Notes work for paths on their segment `segment`.
-    pub(super) fn note(&mut self, stage: Stage, segment: u32, work: StageWork) {
+    /// All that was done took so long, summed over threads.
+    pub fn seconds(&self) -> f64 {
+        Stage::ALL.into_iter().map(|stage| self.stage(stage).seconds).sum()
+    }
+
+    /// Where work for paths on their segment `segment` is noted.
+    fn segment_mut(&mut self, segment: u32) -> &mut SegmentWork {
         let place = (segment as usize).min(Self::SEGMENTS) - 1;
         if self.segments.len() <= place {
             self.segments.resize(place + 1, Default::default());
         }
-        self.segments[place][stage as usize].add(&work);
+        &mut self.segments[place]
     }
 
     pub(super) fn add(&mut self, other: &Self) {
         if self.segments.len() < other.segments.len() {
             self.segments.resize(other.segments.len(), Default::default());
         }
-        for (works, others) in self.segments.iter_mut().zip(&other.segments) {
-            for (work, other) in works.iter_mut().zip(others) {
-                work.add(other);
-            }
+        for (segment, other) in self.segments.iter_mut().zip(&other.segments) {
+            segment.add(other);
         }
     }
 }
@@ -200,6 +179,12 @@ impl Stopwatch {
         let now = Instant::now();
         let seconds = (now - self.last).as_secs_f64();
         self.last = now;
-        self.stats.note(stage, segment, StageWork { seconds, ..work });
+        let works = &mut self.stats.segment_mut(segment).works;
+        works[stage as usize].add(&StageWork { seconds, ..work });
+    }
+
+    /// So many rays of segment `segment` left the scene.
+    pub(super) fn missed(&mut self, segment: u32, misses: usize) {
+        self.stats.segment_mut(segment).misses += misses as u64;
     }
 }

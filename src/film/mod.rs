@@ -4,4 +4,4 @@ mod sum;
 mod tile;
 
 pub use sum::{CHUNK, PixelSum};
-pub use tile::{Tile, tiles};
+pub use tile::{Tile, Tiles};

@@ -7,7 +7,7 @@ use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
 use crate::error::Result;
-use crate::film::tiles;
+use crate::film::Tiles;
 use crate::scene::Scene;
 
 /// Paths that are traced together, segment by segment.
@@ -66,7 +66,7 @@ fn for_each_ray(
     settings: &RenderSettings,
     mut visit: impl FnMut(RayKind, &TracedRay),
 ) {
-    let paths = tiles(settings.width, settings.height, TILE).into_iter().flat_map(|tile| {
+    let paths = Tiles::new(settings.width, settings.height, TILE).iter().flat_map(|tile| {
         (0..settings.spp).flat_map(move |sample| {
             (tile.y..tile.y + tile.height)
                 .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (x, y, sample)))

@@ -30,7 +30,7 @@ pub fn stderr(output: &Output) -> String {
 /// Renders `scene`.
 pub fn render(scene: &Scene, settings: RenderSettings) -> Image {
     let render = Renderer::new(scene, settings).unwrap().render().unwrap();
-    assert_eq!(render.non_finite.count, 0, "{:?}", render.non_finite);
+    assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
     render.image
 }
 

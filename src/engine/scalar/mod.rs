@@ -7,8 +7,9 @@ mod scatter;
 mod spherical_rectangle;
 
 use super::dimension::{Dimension, Randoms};
-use super::renderer::{RayCounts, TileEngine, TileResult, TileWorker};
+use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
+use super::tally::RayCounts;
 use crate::accel::Bvh2;
 use crate::film::{PixelSum, Tile};
 use crate::geometry::Ray;
@@ -79,7 +80,7 @@ impl TileWorker for &ScalarEngine<'_> {
                         sum.add(radiance);
                     } else {
                         sum.add(glam::Vec3::ZERO);
-                        result.non_finite.note(x, y, sample);
+                        result.tally.non_finite.note(x, y, sample);
                     }
                     let samples = tracer.rays.primary - reported.primary;
                     if samples == REPORT_EVERY {
@@ -92,8 +93,8 @@ impl TileWorker for &ScalarEngine<'_> {
         }
         let rays = tracer.rays.total() - reported.total();
         report(tracer.rays.primary - reported.primary, rays);
-        result.rays = tracer.rays;
-        result.endings = tracer.endings;
+        result.tally.rays = tracer.rays;
+        result.tally.endings = tracer.endings;
         result
     }
 }

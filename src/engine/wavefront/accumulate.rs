@@ -32,7 +32,7 @@ pub(super) fn accumulate(
                 let finite = radiance.is_finite();
                 sum.add(if finite { radiance } else { Vec3::ZERO });
                 if !finite {
-                    result.non_finite.note(x, y, sample);
+                    result.tally.non_finite.note(x, y, sample);
                 }
             }
         }
@@ -78,7 +78,7 @@ mod tests {
             assert_eq!(result.pixels[pixel], want.take_mean().to_array(), "pixel {pixel}");
         }
         let wrong = samples.iter().filter(|sample| !sample.is_finite()).count();
-        assert_eq!(result.non_finite.count, wrong as u64);
-        assert_eq!(result.non_finite.first, Some((3, 5, 5)));
+        assert_eq!(result.tally.non_finite.count, wrong as u64);
+        assert_eq!(result.tally.non_finite.first, Some((3, 5, 5)));
     }
 }

@@ -17,6 +17,8 @@ mod trial;
 
 use std::ops::Range;
 
+use rayon::ThreadPool;
+
 use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
 use super::stats::{Stage, StageWork, Stopwatch};
@@ -56,7 +58,7 @@ struct Prepared<'a> {
 }
 
 impl<'a> WavefrontEngine<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
+    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings, pool: &ThreadPool) -> Self {
         let accelerator = Accelerator::new(scene.geometry(), scene.camera().shutter());
         let prepared = Prepared {
             scene,
@@ -67,7 +69,7 @@ impl<'a> WavefrontEngine<'a> {
             cells: Cells::new(&accelerator.bounds()),
             accelerator,
         };
-        let plan = settings.plan.clone().unwrap_or_else(|| trial::fastest(&prepared));
+        let plan = settings.plan.clone().unwrap_or_else(|| trial::fastest(&prepared, pool));
         for segment in &plan.segments {
             prepared.accelerator.prepare(segment.closest);
             prepared.accelerator.prepare(segment.occluded);
@@ -78,7 +80,7 @@ impl<'a> WavefrontEngine<'a> {
 
 impl TileEngine for WavefrontEngine<'_> {
     fn worker(&self) -> Box<dyn TileWorker + '_> {
-        Box::new(Worker::new(&self.prepared, &self.plan, Wave::new(&self.prepared, &self.plan)))
+        Box::new(Worker::new(&self.prepared, &self.plan))
     }
 
     fn tile_size(&self) -> u32 {
@@ -107,8 +109,8 @@ struct Wave {
 }
 
 impl Wave {
-    fn new(prepared: &Prepared<'_>, plan: &Plan) -> Self {
-        let capacity = plan.wave_size as usize;
+    /// Room for `capacity` paths.
+    fn new(prepared: &Prepared<'_>, capacity: usize) -> Self {
         let shadows = if prepared.settings.samples_lights(prepared.scene) { capacity } else { 0 };
         let queue = |_: &_| Queue::with_capacity(capacity);
         Self {
@@ -135,14 +137,27 @@ struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan, wave: Wave) -> Self {
+    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan) -> Self {
         Self {
             prepared,
             plan,
-            wave,
+            wave: Wave::new(prepared, plan.wave_size as usize),
             sum: PixelSum::default(),
             result: TileResult::default(),
             watch: Stopwatch::new(),
+        }
+    }
+
+    /// Takes the first `paths` of `tile`, wave after wave. Tells `report` how many paths and rays that
+    /// were.
+    fn trace_all(&mut self, tile: Tile, paths: u64, report: &dyn Fn(u64, u64)) {
+        let mut first = 0;
+        while first < paths {
+            let end = paths.min(first + u64::from(self.plan.wave_size));
+            let before = self.result.tally.rays.total();
+            self.trace(tile, first..end);
+            report(end - first, self.result.tally.rays.total() - before);
+            first = end;
         }
     }
 
@@ -155,7 +170,7 @@ impl<'a> Worker<'a> {
         watch.start();
 
         generate(camera, settings, tile, range.clone(), paths, rays);
-        result.rays.primary += rays.len() as u64;
+        result.tally.rays.primary += rays.len() as u64;
         watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
 
         for segment in 1..=settings.depth {
@@ -165,15 +180,16 @@ impl<'a> Worker<'a> {
 
             sort(rays, hits, materials, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
+            watch.missed(segment, queues[0].len());
 
             let shading = Shading { scene, settings, materials, surfaces, cells, segment };
-            let endings = &mut result.endings;
+            let endings = &mut result.tally.endings;
             let work = shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
             watch.lap(Stage::Shade, segment, work);
 
             let counters = connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
             let traced = shadows.rays.len();
-            result.rays.shadow += traced as u64;
+            result.tally.rays.shadow += traced as u64;
             watch.lap(Stage::Connect, segment, StageWork { counters, ..StageWork::of(traced) });
 
             if next.len() == 0 {
@@ -184,7 +200,7 @@ impl<'a> Worker<'a> {
             } else {
                 rays.take(next, paths);
             }
-            result.rays.bounce += rays.len() as u64;
+            result.tally.rays.bounce += rays.len() as u64;
             watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
 
@@ -196,17 +212,8 @@ impl<'a> Worker<'a> {
 
 impl TileWorker for Worker<'_> {
     fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
-        let Self { prepared, plan, .. } = *self;
-        let pixels = u64::from(tile.width) * u64::from(tile.height);
-        let paths = pixels * u64::from(prepared.settings.spp);
-        let mut first = 0;
-        while first < paths {
-            let end = paths.min(first + u64::from(plan.wave_size));
-            let before = self.result.rays.total();
-            self.trace(tile, first..end);
-            report(end - first, self.result.rays.total() - before);
-            first = end;
-        }
+        let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
+        self.trace_all(tile, paths, report);
         self.result.waves = std::mem::take(&mut self.watch.stats);
         std::mem::take(&mut self.result)
     }

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Prepared;
 use crate::accel::Kernel;
+use crate::engine::settings::RenderSettings;
+use crate::film::Tiles;
 use crate::limits;
 
 /// How the wavefront engine works, found by measuring; given back, it repeats a run with the same
@@ -33,7 +35,10 @@ pub struct SegmentPlan {
 }
 
 /// Paths of a wave: with fewer the last segments have too few, with more they leave the caches.
-const WAVE: u32 = 1 << 14;
+const USUAL_WAVE: u32 = 1 << 14;
+/// So that threads end at about the same time.
+const LEAST_TILES_A_THREAD: u64 = 4;
+
 impl Plan {
     /// The plan of segment number `segment`, from 1.
     pub fn segment(&self, segment: u32) -> &SegmentPlan {
@@ -51,8 +56,8 @@ impl Plan {
         limits::check("number of segments", self.segments.len() as u32, limits::MAX_DEPTH)
     }
 
-    /// What is mostly best for so many primitives.
-    pub(super) fn usual(prepared: &Prepared<'_>) -> Self {
+    /// What is mostly best for so many primitives, on so many threads.
+    pub(super) fn usual(prepared: &Prepared<'_>, threads: usize) -> Self {
         let primitives = prepared.scene.geometry().len();
         let [first, later] = match primitives {
             0..20 => [Kernel::Flat, Kernel::Flat],
@@ -61,13 +66,10 @@ impl Plan {
         };
         let ordered = later == Kernel::Packet;
         let settings = &prepared.settings;
-        let wave_size = if settings.wave_size == 0 { WAVE } else { settings.wave_size };
+        let wave_size = if settings.wave_size == 0 { USUAL_WAVE } else { settings.wave_size };
         Self {
             wave_size,
-            tile_size: match settings.tile_size {
-                0 => tile_size(settings.spp, wave_size),
-                size => size,
-            },
+            tile_size: tile_size(settings, wave_size, threads),
             segments: vec![
                 SegmentPlan { ordered: false, closest: first, occluded: later },
                 SegmentPlan { ordered, closest: later, occluded: later },
@@ -77,10 +79,18 @@ impl Plan {
 }
 
 /// The side of tiles that have enough paths for a wave.
-fn tile_size(spp: u32, wave_size: u32) -> u32 {
+pub(super) fn tile_size(settings: &RenderSettings, wave_size: u32, threads: usize) -> u32 {
+    let RenderSettings { width, height, spp, tile_size, .. } = *settings;
+    if tile_size != 0 {
+        return tile_size;
+    }
     let mut side = 16;
     while side < 256 && side * side * spp.min(wave_size) < wave_size {
         side *= 2;
+    }
+    let least = LEAST_TILES_A_THREAD * threads as u64;
+    while side > 1 && Tiles::new(width, height, side).count() < least {
+        side /= 2;
     }
     side
 }

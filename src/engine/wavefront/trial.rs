@@ -1,119 +1,184 @@
-//! Which plan is fastest on a scene, found by trying: whole waves, each in every way.
+//! Which plan is fastest on a scene, found by trying: all threads take waves at the same time, as in
+//! a render, by every plan.
 
-use super::plan::{Plan, SegmentPlan};
-use super::{Prepared, Wave, Worker};
+use std::sync::Mutex;
+
+use rayon::ThreadPool;
+
+use super::plan::{Plan, SegmentPlan, tile_size};
+use super::{Prepared, Worker};
 use crate::accel::Kernel;
-use crate::engine::stats::{Stage, WaveStats};
-use crate::film::{Tile, tiles};
+use crate::engine::stats::{SegmentWork, Stage, Stopwatch, WaveStats};
+use crate::film::{Tile, Tiles};
 
 /// Segments that are told apart.
 const SEGMENTS: usize = 4;
-/// Renders of fewer paths are over before a trial pays.
-const WORTH_TRYING: u64 = 1 << 20;
-/// Waves that are tried at most, one for so many paths that are rendered.
-const MOST_WAVES: u64 = 12;
-const PATHS_A_WAVE: u64 = 1 << 21;
-/// Ways that take so many times as long as the fastest are tried no more: so many that no
+/// Sizes of waves that are tried.
+const SIZES: [u32; 4] = [1 << 16, 1 << 15, 1 << 14, 1 << 13];
+/// Plans that take so many times as long as the fastest are tried no more: so many that no
 /// interruption makes it.
 const FAR_BEHIND: f64 = 4.0;
 
-/// The fastest plan on waves from all over the image; in small renders the usual one.
-pub(super) fn fastest(prepared: &Prepared<'_>) -> Plan {
-    let usual = Plan::usual(prepared);
+/// How often plans are tried.
+struct Effort {
+    /// One round for so many paths that a thread renders: it takes 2% to 3% of the time of these.
+    paths_a_round: u64,
+    /// Rounds, fewer of which tell nothing, and more of which tell nothing new.
+    rounds: [u64; 2],
+}
+const SEGMENT_EFFORT: Effort = Effort { paths_a_round: 1 << 22, rounds: [2, 12] };
+const SIZE_EFFORT: Effort = Effort { paths_a_round: 1 << 23, rounds: [3, 8] };
+
+impl Effort {
+    /// Rounds where each of so many `threads` renders so many `paths`, if they are worth it.
+    fn rounds(&self, paths: u64, threads: u64) -> Option<u64> {
+        let [least, most] = self.rounds;
+        let rounds = (paths / self.paths_a_round).min(most.div_ceil(threads)).max(least);
+        (rounds * self.paths_a_round <= paths).then_some(rounds)
+    }
+}
+
+/// The fastest plan, on waves from all over the image; in small renders the usual one.
+pub(super) fn fastest(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
     let settings = &prepared.settings;
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let paths = pixels * u64::from(settings.spp);
-    if paths < WORTH_TRYING {
-        return usual;
+    let threads = pool.current_num_threads();
+    let paths = settings.paths() / threads as u64;
+    let mut plan = Plan::usual(prepared, threads);
+
+    if let Some(rounds) = SEGMENT_EFFORT.rounds(paths, threads as u64) {
+        let plans = each_way(prepared, &plan);
+        let tried = try_all(prepared, pool, &plans, rounds);
+        plan.segments =
+            (1..=SEGMENTS as u32).map(|number| fastest_segment(&tried, number, &plan)).collect();
     }
-    let mut ways = Way::all(prepared, &usual);
-    let tiles = tiles(settings.width, settings.height, usual.tile_size);
-    let waves = (paths / PATHS_A_WAVE).clamp(2, MOST_WAVES) as usize;
-    let mut buffers = Wave::new(prepared, &usual);
-    for wave in 0..waves {
-        let tile = tiles[(2 * wave + 1) * tiles.len() / (2 * waves)];
-        for way in &mut ways {
-            buffers = way.run(prepared, tile, buffers);
-        }
-        let least = ways.iter().map(Way::seconds).fold(f64::INFINITY, f64::min);
-        ways.retain(|way| way.seconds() <= FAR_BEHIND * least);
+    if let (0, Some(rounds)) = (settings.wave_size, SIZE_EFFORT.rounds(paths, threads as u64)) {
+        let plans = SIZES.map(|wave_size| Plan {
+            wave_size,
+            tile_size: tile_size(settings, wave_size, threads),
+            ..plan.clone()
+        });
+        let tried = try_all(prepared, pool, &plans, rounds);
+        let all = |wave: &WaveStats| (wave.stage(Stage::Generate).active, wave.seconds());
+        plan = least(&tried, |tried| tried.cost(all)).map_or(plan, |tried| tried.plan.clone());
     }
-    let segment = |segment| fastest_of(&ways, segment, &usual);
-    Plan { segments: (1..=SEGMENTS as u32).map(segment).collect(), ..usual }
+    plan
+}
+
+/// All that might be fastest: one way for all segments.
+fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
+    let kernels = Kernel::ALL.into_iter().filter(|&k| prepared.accelerator.may_win(k));
+    let ways = kernels.flat_map(|kernel| {
+        // Layouts are made before the clock runs.
+        prepared.accelerator.prepare(kernel);
+        [false, true].map(|ordered| SegmentPlan { ordered, closest: kernel, occluded: kernel })
+    });
+    ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()
 }
 
 /// How the rays of a segment are traced in the least time.
-fn fastest_of(ways: &[Way], segment: u32, usual: &Plan) -> SegmentPlan {
-    let closest = least(ways, |way| way.cost(segment, &[Stage::Extend, Stage::Order]));
-    let occluded = least(ways, |way| way.cost(segment, &[Stage::Connect]));
-    let before = usual.segment(segment);
+fn fastest_segment(tried: &[Tried<'_>], number: u32, usual: &Plan) -> SegmentPlan {
+    let closest = least(tried, |tried| tried.segment_cost(number, &[Stage::Extend, Stage::Order]));
+    let occluded = least(tried, |tried| tried.segment_cost(number, &[Stage::Connect]));
+    let (closest, occluded) =
+        (closest.map(|tried| tried.plan.segments[0]), occluded.map(|tried| tried.plan.segments[0]));
+    let before = usual.segment(number);
     SegmentPlan {
-        ordered: segment > 1 && closest.map_or(before.ordered, |way| way.how.ordered),
-        closest: closest.map_or(before.closest, |way| way.how.closest),
-        occluded: occluded.map_or(before.occluded, |way| way.how.occluded),
+        ordered: number > 1 && closest.unwrap_or(*before).ordered,
+        closest: closest.unwrap_or(*before).closest,
+        occluded: occluded.unwrap_or(*before).occluded,
     }
 }
 
-/// The way of the least cost, if any has one.
-fn least(ways: &[Way], cost: impl Fn(&Way) -> Option<f64>) -> Option<&Way> {
-    let costs = ways.iter().filter_map(|way| Some((way, cost(way)?)));
-    costs.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(way, _)| way)
+/// Takes the same paths by each of `plans`, round after round. Those far behind are left out.
+fn try_all<'a>(
+    prepared: &Prepared<'_>,
+    pool: &ThreadPool,
+    plans: &'a [Plan],
+    rounds: u64,
+) -> Vec<Tried<'a>> {
+    let settings = &prepared.settings;
+    // Tiles and buffers are those of the largest waves.
+    let largest = plans.iter().max_by_key(|plan| plan.wave_size).expect("there are plans");
+    let tiles = Tiles::new(settings.width, settings.height, largest.tile_size);
+    let worker = |_| Mutex::new(Worker::new(prepared, largest));
+    let workers: Vec<_> = (0..pool.current_num_threads()).map(worker).collect();
+    let tile = |round: u64, thread: usize| {
+        let number = round * workers.len() as u64 + thread as u64;
+        let place = (2 * number + 1) * tiles.count() / (2 * rounds * workers.len() as u64);
+        tiles.get(place).expect("it is one of them")
+    };
+    let take = |round, plans: &[&'a Plan]| {
+        pool.broadcast(|thread| {
+            let mut worker = workers[thread.index()].lock().expect("no thread panicked");
+            let tile = tile(round, thread.index());
+            let paths = tile.pixels() * u64::from(settings.spp);
+            let paths = paths.min(u64::from(largest.wave_size));
+            plans.iter().map(|plan| worker.time(plan, tile, paths)).collect::<Vec<_>>()
+        })
+    };
+
+    // Buffers come from the operating system when they are used first.
+    take(0, &[largest]);
+    let mut tried: Vec<_> = plans.iter().map(|plan| Tried { plan, waves: Vec::new() }).collect();
+    for round in 0..rounds {
+        let plans: Vec<&Plan> = tried.iter().map(|tried| tried.plan).collect();
+        for waves in take(round, &plans) {
+            tried.iter_mut().zip(waves).for_each(|(tried, wave)| tried.waves.push(wave));
+        }
+        let least = tried.iter().map(Tried::seconds).fold(f64::INFINITY, f64::min);
+        tried.retain(|tried| tried.seconds() <= FAR_BEHIND * least);
+    }
+    tried
 }
 
-/// A way of tracing all segments, and what it took, wave by wave.
-struct Way {
-    how: SegmentPlan,
-    plan: Plan,
+impl<'a> Worker<'a> {
+    /// What it takes to trace the first `paths` of `tile` by `plan`.
+    fn time(&mut self, plan: &'a Plan, tile: Tile, paths: u64) -> WaveStats {
+        self.plan = plan;
+        self.watch = Stopwatch::new();
+        self.trace_all(tile, paths, &|_, _| ());
+        std::mem::take(&mut self.watch.stats)
+    }
+}
+
+/// A plan and what waves took by it, thread by thread and round by round.
+struct Tried<'a> {
+    plan: &'a Plan,
     waves: Vec<WaveStats>,
 }
 
-impl Way {
-    /// All that might be fastest.
-    fn all(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Self> {
-        let kernels = Kernel::ALL.into_iter().filter(|&k| prepared.accelerator.may_win(k));
-        let hows = kernels.flat_map(|kernel| {
-            // Layouts are made before the clock runs.
-            prepared.accelerator.prepare(kernel);
-            [false, true].map(|ordered| SegmentPlan { ordered, closest: kernel, occluded: kernel })
-        });
-        let way = |how| {
-            let plan = Plan { segments: vec![how], ..usual.clone() };
-            Self { how, plan, waves: Vec::new() }
-        };
-        hows.map(way).collect()
-    }
+/// The one of the least cost, if any has one.
+fn least<'b, 'a>(
+    tried: &'b [Tried<'a>],
+    cost: impl Fn(&Tried<'a>) -> Option<f64>,
+) -> Option<&'b Tried<'a>> {
+    let costs = tried.iter().filter_map(|tried| Some((tried, cost(tried)?)));
+    costs.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(tried, _)| tried)
+}
 
-    /// Takes a wave of `tile` from the camera to its end.
-    fn run(&mut self, prepared: &Prepared<'_>, tile: Tile, buffers: Wave) -> Wave {
-        let pixels = u64::from(tile.width) * u64::from(tile.height);
-        let paths = pixels * u64::from(prepared.settings.spp);
-        let mut worker = Worker::new(prepared, &self.plan, buffers);
-        worker.trace(tile, 0..paths.min(u64::from(self.plan.wave_size)));
-        self.waves.push(worker.watch.stats);
-        worker.wave
-    }
-
+impl Tried<'_> {
     /// All that it took.
     fn seconds(&self) -> f64 {
-        let seconds = |wave: &WaveStats| Stage::ALL.map(|stage| wave.stage(stage).seconds);
-        self.waves.iter().flat_map(seconds).sum()
+        self.waves.iter().map(WaveStats::seconds).sum()
     }
 
-    /// Seconds of `stages`, the first of which tells the rays, for paths on their segment `segment`;
+    /// Seconds of `stages`, the first of which tells the rays, for paths on their segment `number`;
     /// `None` where there were none.
-    /// Waves that took far longer a ray than most were interrupted, and count as those.
-    fn cost(&self, segment: u32, stages: &[Stage]) -> Option<f64> {
+    fn segment_cost(&self, number: u32, stages: &[Stage]) -> Option<f64> {
         let last = SEGMENTS as u32;
-        let work = |wave: &WaveStats| {
-            let (mut rays, mut seconds) = (0, 0.0);
-            for (works, number) in wave.segments.iter().zip(1..) {
-                if number == segment || segment == last && number > last {
-                    rays += works[stages[0] as usize].active;
-                    seconds += stages.iter().map(|&s| works[s as usize].seconds).sum::<f64>();
-                }
-            }
-            (rays, seconds)
-        };
+        self.cost(|wave| {
+            let segments = wave.segments.iter().zip(1..);
+            let these = segments.filter(|&(_, n)| n == number || number == last && n > last);
+            these.fold((0, 0.0), |(rays, seconds), (work, _): (&SegmentWork, u32)| {
+                let taken = stages.iter().map(|&stage| work.stage(stage).seconds).sum::<f64>();
+                (rays + work.stage(stages[0]).active, seconds + taken)
+            })
+        })
+    }
+
+    /// The sum of seconds of `work`, which tells rays and seconds of a wave; `None` without rays.
+    /// Waves that took far longer a ray than most were interrupted, and count as those.
+    fn cost(&self, work: impl Fn(&WaveStats) -> (u64, f64)) -> Option<f64> {
         let works: Vec<(u64, f64)> =
             self.waves.iter().map(work).filter(|&(rays, _)| rays > 0).collect();
         let mut each: Vec<f64> =
