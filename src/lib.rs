@@ -12,7 +12,7 @@
 //! let scene = Scene::load("spheres")?; // or the path of a .ron, .json or .txt file
 //! let settings = RenderSettings { width: 64, height: 36, spp: 4, ..RenderSettings::of(&scene) };
 //! let render = Renderer::new(&scene, settings)?.render()?;
-//! println!("{} rays, image {}", render.rays.total(), render.image.hash());
+//! println!("{} rays, image {}", render.tally.rays.total(), render.image.hash());
 //! render.image.write(&path, Transfer::Srgb, &Metadata::default())?;
 //! # Ok(())
 //! # }
