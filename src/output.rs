@@ -48,12 +48,26 @@ pub fn check_folder(folder: &Path) -> Result<()> {
 /// The file that `path` stands for, and an empty temporary file in its folder.
 fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile)> {
     let target = resolve(path)?;
-    let folder = match target.parent() {
+    let file = temporary_in(folder_of(&target))?;
+    Ok((target, file))
+}
+
+/// Whether two paths stand for one file, which need not be there yet.
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let target = resolve(path).ok()?;
+        let folder = fs::canonicalize(folder_of(&target)).ok()?;
+        Some(folder.join(target.file_name()?))
+    };
+    a == b || place(a).is_some_and(|a| place(b) == Some(a))
+}
+
+/// The folder that a file is in.
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
-    };
-    let file = temporary_in(folder)?;
-    Ok((target, file))
+    }
 }
 
 /// An empty temporary file in `folder`.

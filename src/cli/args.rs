@@ -70,7 +70,7 @@ pub(super) struct RenderArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
-    /// Worker threads; the image does not depend on them [default: all cores]
+    /// Worker threads; the image does not depend on them [default: one for each core that may be used]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     pub(super) threads: Option<u32>,
     /// Engine; the image does not depend on it

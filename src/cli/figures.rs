@@ -141,7 +141,6 @@ fn html(rendered: &[Rendered<'_>]) -> String {
     let mut figures = String::new();
     for Rendered { figure, settings, file, seconds, rays, hash } in rendered {
         let RenderSettings { width, height, spp, .. } = settings;
-        let samples = u64::from(*width) * u64::from(*height) * u64::from(*spp);
         // Writing to a string cannot fail.
         let _ = write!(
             figures,
@@ -161,7 +160,7 @@ fn html(rendered: &[Rendered<'_>]) -> String {
 "#,
             n = figure.number,
             caption = figure.caption,
-            msamples = samples as f64 / seconds * 1e-6,
+            msamples = settings.paths() as f64 / seconds * 1e-6,
             mrays = *rays as f64 / seconds * 1e-6,
             report = figure.report_time,
             report_note = if figure.spp == *spp {

@@ -17,6 +17,9 @@ pub(super) fn read(path: &Path, scene: &Scene, quiet: bool) -> Result<Plan> {
     if plan.is_null() {
         return Err(bad("the record has none: the scalar engine needs no plan".to_owned()));
     }
+    if plan.get("segments").is_none() {
+        return Err(bad("neither a plan nor the record of a render".to_owned()));
+    }
     let plan: Plan =
         serde_json::from_value(plan.clone()).map_err(|error| bad(error.to_string()))?;
     plan.check().map_err(bad)?;

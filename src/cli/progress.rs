@@ -20,17 +20,16 @@ pub(super) fn render(
     settings: &RenderSettings,
     quiet: bool,
 ) -> Result<Render> {
-    let progress = ProgressReport::new(title, settings, quiet);
-    let render = renderer.render_observed(&progress);
-    progress.finish();
-    let render = render?;
     static SAID: Once = Once::new();
-    if render.pinned == Pinned::Failed && !quiet {
+    if renderer.pinned() == Pinned::Failed && !quiet {
         SAID.call_once(|| {
             notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
         });
     }
-    Ok(render)
+    let progress = ProgressReport::new(title, settings, quiet);
+    let render = renderer.render_observed(&progress);
+    progress.finish();
+    render
 }
 
 /// Shows how far one render is.
@@ -48,8 +47,7 @@ enum Display {
 
 impl ProgressReport {
     fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
-        let samples =
-            u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp);
+        let samples = settings.paths();
         let start = Instant::now();
         let display = if quiet {
             Display::None

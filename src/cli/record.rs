@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::engine::{Pinned, Render, RenderSettings, Renderer, Stage};
+use crate::engine::{Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
 use crate::image::Metadata;
 use crate::machine::{Machine, peak_rss_bytes};
 use crate::scene::Scene;
@@ -13,6 +13,7 @@ use crate::scene::Scene;
 pub(super) struct StepSeconds {
     pub(super) load: f64,
     pub(super) build: f64,
+    pub(super) plan: f64,
     pub(super) render: f64,
     pub(super) write: f64,
 }
@@ -41,7 +42,7 @@ pub(super) fn render_record(
         "depth": settings.depth,
         "roulette": settings.roulette,
         "seed": settings.seed,
-        "threads": render.threads,
+        "threads": renderer.threads(),
         "hash": hash,
         "mean": render.image.mean(),
         "seconds": seconds,
@@ -54,12 +55,30 @@ pub(super) fn render_record(
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
         "non_finite": render.tally.non_finite.count,
-        "pinned": render.pinned == Pinned::Yes,
+        "pinned": renderer.pinned().name(),
         "plan": renderer.plan(),
         "endings": Value::from_iter(render.tally.endings.each()),
         "stages": Value::from_iter(
             Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),
         ),
+        "segments": render.waves.segments.iter().map(segment).collect::<Value>(),
+    })
+}
+
+/// What was done for paths on one of their segments.
+fn segment(segment: &SegmentWork) -> Value {
+    let stage = |stage: Stage| {
+        let StageWork { active, issued, seconds, counters } = segment.stage(stage);
+        let mut work = json!({ "active": active, "issued": issued, "seconds": seconds });
+        if counters.lanes_issued > 0 {
+            work["counters"] = json!(counters);
+        }
+        (stage.name(), work)
+    };
+    let done = Stage::ALL.into_iter().filter(|&stage| segment.stage(stage).active > 0);
+    json!({
+        "endings": Value::from_iter(segment.endings.each()),
+        "stages": done.map(stage).collect::<Value>(),
     })
 }
 

@@ -11,7 +11,7 @@ use crate::engine::{Engine, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::isa::Isa;
-use crate::output::{check_writable, write_atomically};
+use crate::output::{check_writable, same_file, write_atomically};
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
@@ -23,7 +23,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
-    if args.json.as_ref() == Some(&output) {
+    if args.json.as_ref().is_some_and(|record| same_file(record, &output)) {
         let message = format!("{}: the image and the record need two files", output.display());
         return Err(Error::Usage(message));
     }
@@ -46,6 +46,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let seconds = StepSeconds {
         load,
         build: render.seconds.build,
+        plan: render.seconds.plan,
         render: render.seconds.render,
         write: writing.elapsed().as_secs_f64(),
     };
@@ -56,7 +57,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    summarize(&scene, &settings, &render, &hash, seconds, &output)
+    summarize(&scene, &settings, &renderer, &render, &hash, seconds, &output)
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
@@ -108,6 +109,7 @@ fn size(args: &RenderArgs, defaults: &RenderSettings) -> (u32, u32) {
 fn summarize(
     scene: &Scene,
     settings: &RenderSettings,
+    renderer: &Renderer<'_>,
     render: &Render,
     hash: &str,
     seconds: StepSeconds,
@@ -118,7 +120,7 @@ fn summarize(
     let roulette = if settings.roulette { "on" } else { "off" };
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
-    let total = seconds.load + seconds.build + seconds.render + seconds.write;
+    let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
     if render.tally.non_finite.count > 0 {
         let (x, y, sample) = render.tally.non_finite.first.unwrap_or_default();
         notice(format_args!(
@@ -131,8 +133,13 @@ fn summarize(
         scene.name()
     ))?;
     say(format_args!(
-        "time    {total:.2} s = load {:.2} + build {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
-        seconds.load, seconds.build, seconds.render, seconds.write, render.threads
+        "time    {total:.2} s = load {:.2} + build {:.2} + plan {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
+        seconds.load,
+        seconds.build,
+        seconds.plan,
+        seconds.render,
+        seconds.write,
+        renderer.threads()
     ))?;
     say(format_args!(
         "rays    {:.2} M = {:.2} M primary + {:.2} M bounce + {:.2} M shadow",

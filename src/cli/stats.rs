@@ -1,69 +1,99 @@
-//! `ptfast render --stats`.
+//! `ptfast render --stats`: what was done, as tables.
 
 use super::say;
-use crate::engine::{Plan, Render, Stage, StageWork, WaveStats};
+use crate::engine::{Plan, Render, SegmentWork, Stage, StageWork, WaveStats};
 use crate::error::Result;
 
 /// Prints what a render did, by `plan` if it had one.
 pub(super) fn print(render: &Render, plan: Option<&Plan>) -> Result<()> {
-    let paths = render.tally.rays.primary as f64;
-    let ended: Vec<String> = render
-        .tally
-        .endings
-        .each()
-        .into_iter()
-        .filter(|(_, ended)| *ended > 0)
-        .map(|(name, ended)| format!("{name} {ended} ({:.1}%)", ended as f64 / paths * 100.0))
-        .collect();
-    say(format_args!("ended   {}", ended.join(", ")))?;
+    counts(render)?;
     let Some(plan) = plan else { return Ok(()) };
-    let stages = Stage::ALL.map(|stage| (stage, render.waves.stage(stage)));
-    let all: f64 = stages.iter().map(|(_, work)| work.seconds).sum();
-    for (stage, work) in stages.into_iter().filter(|(_, work)| work.active > 0) {
-        say(format_args!(
-            "stage   {:<10}{:>9.3} s {:>5.1}%{:>8.2} ns a path, {:.0}% of lanes",
-            stage.name(),
-            work.seconds,
-            work.seconds / all * 100.0,
-            work.seconds / paths * 1e9,
-            work.occupancy() * 100.0,
-        ))?;
-    }
-    for (number, segment) in (1..).zip(&render.waves.segments) {
-        let more = if number as usize == WaveStats::SEGMENTS { "+" } else { " " };
-        let (how, extend) = (plan.segment(number), segment.stage(Stage::Extend));
-        let connect = segment.stage(Stage::Connect);
-        let lanes: Vec<String> = Stage::ALL
-            .into_iter()
-            .filter(|&stage| segment.stage(stage).active > 0)
-            .map(|stage| {
-                let occupancy = segment.stage(stage).occupancy();
-                format!("{} {:.0}%", stage.name(), occupancy * 100.0)
-            })
-            .collect();
-        say(format_args!(
-            "segment {number:>2}{more}{:>12} rays, {:.1}% miss; {}{} {}{}; lanes: {}",
-            extend.active,
-            segment.misses as f64 / extend.active as f64 * 100.0,
-            if how.ordered { "ordered " } else { "" },
-            how.closest.name(),
-            each(extend),
-            match connect.active {
-                0 => String::new(),
-                rays => format!("; {rays} shadow rays {} {}", how.occluded.name(), each(connect)),
-            },
-            lanes.join(", "),
-        ))?;
+    stages(render)?;
+    segments(render, plan)
+}
+
+/// Rays by kind, paths by ending.
+fn counts(render: &Render) -> Result<()> {
+    let rays = &render.tally.rays;
+    say(format_args!(
+        "{} rays: {} primary, {} bounce, {} shadow",
+        rays.total(),
+        rays.primary,
+        rays.bounce,
+        rays.shadow
+    ))?;
+    let endings = render.tally.endings.each().into_iter().filter(|&(_, paths)| paths > 0);
+    let endings: Vec<String> = endings
+        .map(|(name, paths)| format!("{paths} {name} ({:.1}%)", percent(paths, rays.primary)))
+        .collect();
+    say(format_args!("{} paths ended: {}", render.tally.endings.total(), endings.join(", ")))
+}
+
+fn percent(part: u64, of: u64) -> f64 {
+    part as f64 / of as f64 * 100.0
+}
+
+/// The stages one by one. Seconds are summed over threads.
+fn stages(render: &Render) -> Result<()> {
+    let (waves, paths) = (&render.waves, render.tally.rays.primary as f64);
+    say(format_args!("\nstage       seconds  share  ns a path  lanes"))?;
+    for stage in Stage::ALL {
+        let work = waves.stage(stage);
+        if work.active > 0 {
+            say(format_args!(
+                "{:<10}{:>9.3}{:>6.1}%{:>11.2}{:>6.0}%",
+                stage.name(),
+                work.seconds,
+                work.seconds / waves.seconds() * 100.0,
+                work.seconds / paths * 1e9,
+                work.occupancy() * 100.0,
+            ))?;
+        }
     }
     Ok(())
 }
 
+/// The segments one by one: how their rays were traced, and the share of lanes in use.
+fn segments(render: &Render, plan: &Plan) -> Result<()> {
+    say(format_args!(
+        "\nsegment  rays          miss  {TRACE_HEAD}  sort  shade  order  shadow rays   {TRACE_HEAD}"
+    ))?;
+    for (number, segment) in (1..).zip(&render.waves.segments) {
+        let (how, work) = (plan.segment(number), |stage| segment.stage(stage));
+        let lanes = |stage| match work(stage).active {
+            0 => "-".to_owned(),
+            _ => format!("{:.0}%", work(stage).occupancy() * 100.0),
+        };
+        let order = if how.ordered { "ordered " } else { "" };
+        let line = format!(
+            "{number:>2}{:<6} {:<12}{:>5.1}%  {}  {:>4}  {:>5}  {:>5}  {}",
+            if number as usize == WaveStats::SEGMENTS { " on" } else { "" },
+            work(Stage::Extend).active,
+            percent(misses(segment), work(Stage::Extend).active),
+            trace(&format!("{order}{}", how.closest.name()), work(Stage::Extend)),
+            lanes(Stage::Sort),
+            lanes(Stage::Shade),
+            lanes(Stage::Order),
+            match work(Stage::Connect) {
+                StageWork { active: 0, .. } => String::new(),
+                work => format!("{:<12}  {}", work.active, trace(how.occluded.name(), work)),
+            },
+        );
+        say(format_args!("{}", line.trim_end()))?;
+    }
+    Ok(())
+}
+
+fn misses(segment: &SegmentWork) -> u64 {
+    segment.endings.background
+}
+
+const TRACE_HEAD: &str = "by                ns  nodes  tests  lanes";
+
 /// What a ray takes.
-fn each(work: &StageWork) -> String {
+fn trace(by: &str, work: &StageWork) -> String {
     let a_ray = |count: u64| count as f64 / work.active as f64;
     let (nodes, tests) = (a_ray(work.counters.node_visits), a_ray(work.counters.leaf_tests));
-    format!(
-        "{:.1} ns, {nodes:.2} nodes, {tests:.2} tests each",
-        work.seconds / work.active as f64 * 1e9
-    )
+    let (ns, lanes) = (work.seconds / work.active as f64 * 1e9, work.occupancy() * 100.0);
+    format!("{by:<14}{ns:>6.1} {nodes:>6.2} {tests:>6.2}  {lanes:>4.0}%")
 }

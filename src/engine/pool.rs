@@ -33,6 +33,16 @@ impl Pin {
             Self::Auto => "auto",
         }
     }
+
+    /// Whether so many threads are to be pinned where the process may use so many cores, 0 if that
+    /// is not known.
+    fn tries(self, threads: usize, cores: usize) -> bool {
+        match self {
+            Self::On => true,
+            Self::Off => false,
+            Self::Auto => threads == cores || cores == 0,
+        }
+    }
 }
 
 /// What has come of pinning.
@@ -44,6 +54,17 @@ pub enum Pinned {
     No,
     /// It was tried, and some thread is not.
     Failed,
+}
+
+impl Pinned {
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Yes => "yes",
+            Self::No => "no",
+            Self::Failed => "failed",
+        }
+    }
 }
 
 /// The cores that the process may use, as they were before any thread was pinned.
@@ -62,11 +83,7 @@ pub(super) fn start(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
         threads => threads as usize,
     };
     let cores = cores();
-    let tried = match pin {
-        Pin::On => true,
-        Pin::Off => false,
-        Pin::Auto => threads == cores.len(),
-    };
+    let tried = pin.tries(threads, cores.len());
     let failed = Arc::new(AtomicBool::new(cores.is_empty()));
     let fails = Arc::clone(&failed);
     let pool = ThreadPoolBuilder::new()
@@ -89,4 +106,25 @@ pub(super) fn start(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
         (true, true) => Pinned::Failed,
     };
     Ok((pool, pinned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_pinned_where_they_fill_the_cores() {
+        assert!(Pin::Auto.tries(4, 4) && !Pin::Auto.tries(3, 4) && !Pin::Auto.tries(5, 4));
+        // Unknown cores: it is tried, fails, and is told.
+        assert!(Pin::Auto.tries(4, 0));
+        for (threads, cores) in [(1, 4), (4, 4), (9, 4), (1, 0)] {
+            assert!(Pin::On.tries(threads, cores) && !Pin::Off.tries(threads, cores));
+        }
+        let (pool, pinned) = start(3, Pin::Off).unwrap();
+        assert_eq!((pool.current_num_threads(), pinned), (3, Pinned::No));
+        // More threads than cores share them.
+        let cores_known = !cores().is_empty();
+        let (_, pinned) = start(cores().len() as u32 + 1, Pin::On).unwrap();
+        assert_eq!(pinned, if cores_known { Pinned::Yes } else { Pinned::Failed });
+    }
 }

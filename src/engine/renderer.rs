@@ -24,7 +24,7 @@ pub struct Renderer<'a> {
     engine: Box<dyn TileEngine + 'a>,
     pool: ThreadPool,
     pinned: Pinned,
-    build_seconds: f64,
+    seconds: Seconds,
 }
 
 /// What an engine does: its workers render tiles.
@@ -35,8 +35,8 @@ pub(super) trait TileEngine: Sync + std::fmt::Debug {
     /// Side of the tiles that work is handed out in.
     fn tile_size(&self) -> u32;
 
-    /// How it works, if it has a plan.
-    fn plan(&self) -> Option<&Plan> {
+    /// How it works, if it has a plan, and the seconds that finding it took.
+    fn plan(&self) -> Option<(&Plan, f64)> {
         None
     }
 }
@@ -57,10 +57,6 @@ pub struct Render {
     pub tally: Tally,
     /// What the stages of the wavefront engine did; empty for others.
     pub waves: WaveStats,
-    /// Worker threads used.
-    pub threads: usize,
-    /// Whether they were pinned to cores.
-    pub pinned: Pinned,
     /// Time of each step.
     pub seconds: Seconds,
 }
@@ -68,8 +64,10 @@ pub struct Render {
 /// Wall-clock seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seconds {
-    /// Building the acceleration structure.
+    /// Building the acceleration structure and starting the threads.
     pub build: f64,
+    /// Finding the plan.
+    pub plan: f64,
     /// Rendering.
     pub render: f64,
 }
@@ -91,7 +89,7 @@ pub struct Progress {
     pub rays: u64,
 }
 
-/// Is told how far a render is, from any thread, every few thousand samples.
+/// Is told how far a render is, from any thread, every few thousand samples, or after each wave.
 pub trait Observer: Sync {
     /// `progress` is the state now; reports of several threads may arrive out of order.
     fn progressed(&self, progress: Progress);
@@ -117,18 +115,30 @@ impl<'a> Renderer<'a> {
             Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
-        Ok(Self { settings, engine, pool, pinned, build_seconds: start.elapsed().as_secs_f64() })
+        let plan = engine.plan().map_or(0.0, |(_, seconds)| seconds);
+        let seconds = Seconds { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 };
+        Ok(Self { settings, engine, pool, pinned, seconds })
     }
 
     /// How the wavefront engine works; `None` for others.
     pub fn plan(&self) -> Option<&Plan> {
-        self.engine.plan()
+        self.engine.plan().map(|(plan, _)| plan)
+    }
+
+    /// Worker threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Whether they are pinned to cores.
+    pub fn pinned(&self) -> Pinned {
+        self.pinned
     }
 
     /// Renders the image.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where memory is short.
+    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for the image.
     pub fn render(&self) -> Result<Render> {
         self.render_observed(&())
     }
@@ -151,8 +161,10 @@ impl<'a> Renderer<'a> {
         let tiles = Tiles::new(width, height, self.engine.tile_size());
         let next = AtomicU64::new(0);
         self.pool.broadcast(|_| {
-            let mut worker = self.engine.worker();
+            // None for threads that find no work.
+            let mut worker = None;
             while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let worker = worker.get_or_insert_with(|| self.engine.worker());
                 let result = worker.render_tile(tile, &report);
                 film.lock().expect("no thread panics while it holds the film").add(tile, &result);
             }
@@ -162,9 +174,7 @@ impl<'a> Renderer<'a> {
             image: film.image,
             tally: film.tally,
             waves: film.waves,
-            threads: self.pool.current_num_threads(),
-            pinned: self.pinned,
-            seconds: Seconds { build: self.build_seconds, render: start.elapsed().as_secs_f64() },
+            seconds: Seconds { render: start.elapsed().as_secs_f64(), ..self.seconds },
         })
     }
 }

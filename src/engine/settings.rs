@@ -102,7 +102,7 @@ impl RenderSettings {
     }
 
     /// Paths of the image.
-    pub(super) fn paths(&self) -> u64 {
+    pub fn paths(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height) * u64::from(self.spp)
     }
 

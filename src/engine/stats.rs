@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::tally::Endings;
 use crate::accel::Counters;
 use crate::simd::LANES;
 
@@ -94,8 +95,8 @@ impl StageWork {
 /// What the stages did for paths on one of their segments.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SegmentWork {
-    /// Rays that left the scene.
-    pub misses: u64,
+    /// Paths that ended on it: rays are endings and rays of the next segment.
+    pub endings: Endings,
     works: [StageWork; Stage::ALL.len()],
 }
 
@@ -106,7 +107,7 @@ impl SegmentWork {
     }
 
     fn add(&mut self, other: &Self) {
-        self.misses += other.misses;
+        self.endings.add(&other.endings);
         for (work, other) in self.works.iter_mut().zip(&other.works) {
             work.add(other);
         }
@@ -135,7 +136,12 @@ impl WaveStats {
 
     /// All that was done took so long, summed over threads.
     pub fn seconds(&self) -> f64 {
-        Stage::ALL.into_iter().map(|stage| self.stage(stage).seconds).sum()
+        Stage::ALL.map(|stage| self.stage(stage).seconds).into_iter().sum()
+    }
+
+    /// Notes what `stage` did for paths on their segment `segment`.
+    pub(super) fn note(&mut self, stage: Stage, segment: u32, work: &StageWork) {
+        self.segment_mut(segment).works[stage as usize].add(work);
     }
 
     /// Where work for paths on their segment `segment` is noted.
@@ -179,12 +185,11 @@ impl Stopwatch {
         let now = Instant::now();
         let seconds = (now - self.last).as_secs_f64();
         self.last = now;
-        let works = &mut self.stats.segment_mut(segment).works;
-        works[stage as usize].add(&StageWork { seconds, ..work });
+        self.stats.note(stage, segment, &StageWork { seconds, ..work });
     }
 
-    /// So many rays of segment `segment` left the scene.
-    pub(super) fn missed(&mut self, segment: u32, misses: usize) {
-        self.stats.segment_mut(segment).misses += misses as u64;
+    /// So many paths ended on their segment `segment`.
+    pub(super) fn ended(&mut self, segment: u32, endings: &Endings) {
+        self.stats.segment_mut(segment).endings.add(endings);
     }
 }

@@ -47,12 +47,17 @@ impl Tiles {
 
     /// Tile number `index`; `None` beyond the last.
     pub fn get(&self, index: u64) -> Option<Tile> {
-        let Self { width, height, size } = *self;
+        let Self { width, size, .. } = *self;
         let across = u64::from(width.div_ceil(size));
-        (index < self.count()).then(|| {
-            let (x, y) = ((index % across) as u32 * size, (index / across) as u32 * size);
-            Tile { x, y, width: size.min(width - x), height: size.min(height - y) }
-        })
+        let place = |index: u64| index as u32 * size;
+        (index < self.count()).then(|| self.at(place(index % across), place(index / across)))
+    }
+
+    /// The tile of pixel `(x, y)`.
+    pub fn at(&self, x: u32, y: u32) -> Tile {
+        let Self { width, height, size } = *self;
+        let (x, y) = (x - x % size, y - y % size);
+        Tile { x, y, width: size.min(width - x), height: size.min(height - y) }
     }
 
     /// All of them.
@@ -76,6 +81,7 @@ mod tests {
                 for y in tile.y..tile.y + tile.height {
                     for x in tile.x..tile.x + tile.width {
                         covered[(y * width + x) as usize] += 1;
+                        assert_eq!(tiles.at(x, y), tile);
                     }
                 }
             }

@@ -7,9 +7,39 @@ use ptfast::scene::{
     SceneFile, Sides, TextureFile,
 };
 
-/// The scene number `seed`.
+/// The scene number `seed`; some are tiny, some are huge.
 pub fn random_scene(seed: u64) -> SceneFile {
-    Maker(Stream::new(seed)).scene()
+    let mut scene = Maker(Stream::new(seed)).scene();
+    match seed % 8 {
+        1 => scale(&mut scene, 1e-6),
+        2 => scale(&mut scene, 1e7),
+        _ => (),
+    }
+    scene
+}
+
+/// Makes a scene so many times as large.
+fn scale(scene: &mut SceneFile, by: f32) {
+    let camera = &mut scene.camera;
+    camera.focus_distance *= by;
+    let mut points = vec![&mut camera.look_from, &mut camera.look_at];
+    for primitive in &mut scene.primitives {
+        match primitive {
+            PrimitiveFile::Sphere { center, radius, .. } => {
+                *radius *= by;
+                points.push(center);
+            }
+            PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
+                *radius *= by;
+                points.extend([center, center1]);
+            }
+            PrimitiveFile::Quad { q, u, v, .. } => points.extend([q, u, v]),
+            PrimitiveFile::Box { min, max, .. } => points.extend([min, max]),
+            PrimitiveFile::Triangles { vertices, .. } => points.extend(vertices),
+            _ => unreachable!("the maker makes no other"),
+        }
+    }
+    points.into_iter().flatten().for_each(|coordinate| *coordinate *= by);
 }
 
 struct Maker(Stream);

@@ -2,12 +2,14 @@
 
 mod accumulate;
 mod cells;
+mod choice;
 mod columns;
 mod connect;
 mod extend;
 mod generate;
 mod light;
 mod materials;
+mod order;
 mod paths;
 mod plan;
 mod rays;
@@ -16,12 +18,14 @@ mod sort;
 mod trial;
 
 use std::ops::Range;
+use std::time::Instant;
 
 use rayon::ThreadPool;
 
 use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
 use super::stats::{Stage, StageWork, Stopwatch};
+use super::tally::Endings;
 use crate::accel::{Accelerator, HitBatch};
 use crate::film::{PixelSum, Tile};
 use crate::geometry::lanes::Surfaces;
@@ -32,9 +36,10 @@ use connect::{Shadows, connect};
 use extend::extend;
 use generate::generate;
 use materials::Materials;
+use order::{Next, order};
 use paths::Paths;
 pub use plan::{Plan, SegmentPlan};
-use rays::{Next, Rays};
+use rays::Rays;
 use shade::{Shaded, Shading};
 use sort::{Queue, sort};
 
@@ -43,6 +48,7 @@ use sort::{Queue, sort};
 pub(super) struct WavefrontEngine<'a> {
     prepared: Prepared<'a>,
     plan: Plan,
+    plan_seconds: f64,
 }
 
 /// A scene as vectors read it.
@@ -60,21 +66,25 @@ struct Prepared<'a> {
 impl<'a> WavefrontEngine<'a> {
     pub(super) fn new(scene: &'a Scene, settings: &RenderSettings, pool: &ThreadPool) -> Self {
         let accelerator = Accelerator::new(scene.geometry(), scene.camera().shutter());
-        let prepared = Prepared {
+        let mut prepared = Prepared {
             scene,
-            settings: settings.clone(),
+            // A plan is found without counting, which takes time.
+            settings: RenderSettings { count: false, ..settings.clone() },
             camera: scene.camera().frame(settings.width, settings.height),
             materials: Materials::new(scene),
             surfaces: Surfaces::new(scene.geometry()),
             cells: Cells::new(&accelerator.bounds()),
             accelerator,
         };
-        let plan = settings.plan.clone().unwrap_or_else(|| trial::fastest(&prepared, pool));
+        let start = Instant::now();
+        let plan = settings.plan.clone().unwrap_or_else(|| trial::find_plan(&prepared, pool));
+        let plan_seconds = start.elapsed().as_secs_f64();
+        prepared.settings.count = settings.count;
         for segment in &plan.segments {
             prepared.accelerator.prepare(segment.closest);
             prepared.accelerator.prepare(segment.occluded);
         }
-        Self { prepared, plan }
+        Self { prepared, plan, plan_seconds }
     }
 }
 
@@ -87,8 +97,8 @@ impl TileEngine for WavefrontEngine<'_> {
         self.plan.tile_size
     }
 
-    fn plan(&self) -> Option<&Plan> {
-        Some(&self.plan)
+    fn plan(&self) -> Option<(&Plan, f64)> {
+        Some((&self.plan, self.plan_seconds))
     }
 }
 
@@ -138,26 +148,38 @@ struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     fn new(prepared: &'a Prepared<'a>, plan: &'a Plan) -> Self {
+        let tile_paths = u64::from(plan.tile_size).pow(2) * u64::from(prepared.settings.spp);
+        let capacity = tile_paths.min(u64::from(plan.wave_size)) as usize;
         Self {
             prepared,
             plan,
-            wave: Wave::new(prepared, plan.wave_size as usize),
+            wave: Wave::new(prepared, capacity),
             sum: PixelSum::default(),
             result: TileResult::default(),
             watch: Stopwatch::new(),
         }
     }
 
-    /// Takes the first `paths` of `tile`, wave after wave. Tells `report` how many paths and rays that
-    /// were.
-    fn trace_all(&mut self, tile: Tile, paths: u64, report: &dyn Fn(u64, u64)) {
-        let mut first = 0;
-        while first < paths {
-            let end = paths.min(first + u64::from(self.plan.wave_size));
+    /// Starts over, by another plan.
+    fn reset(&mut self, plan: &'a Plan) {
+        self.plan = plan;
+        self.sum = PixelSum::default();
+        self.result = TileResult::default();
+        self.watch = Stopwatch::new();
+    }
+
+    /// Takes the paths number `range` of `tile` wave after wave. Tells `report` how many paths and
+    /// rays these were.
+    fn trace_all(&mut self, tile: Tile, range: Range<u64>, report: &dyn Fn(u64, u64)) {
+        let paths = range.end - range.start;
+        // Waves of equal size: one of a few paths would cost as much as a larger one.
+        let waves = paths.div_ceil(u64::from(self.plan.wave_size));
+        let size = paths.div_ceil(waves.max(1)).max(1);
+        for first in range.clone().step_by(size as usize) {
+            let end = range.end.min(first + size);
             let before = self.result.tally.rays.total();
             self.trace(tile, first..end);
             report(end - first, self.result.tally.rays.total() - before);
-            first = end;
         }
     }
 
@@ -180,11 +202,13 @@ impl<'a> Worker<'a> {
 
             sort(rays, hits, materials, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
-            watch.missed(segment, queues[0].len());
 
             let shading = Shading { scene, settings, materials, surfaces, cells, segment };
-            let endings = &mut result.tally.endings;
-            let work = shading.shade(queues, &mut Shaded { paths, next, shadows, endings });
+            let mut endings = Endings::default();
+            let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
+            let work = shading.shade(queues, shaded);
+            result.tally.endings.add(&endings);
+            watch.ended(segment, &endings);
             watch.lap(Stage::Shade, segment, work);
 
             let counters = connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
@@ -195,11 +219,7 @@ impl<'a> Worker<'a> {
             if next.len() == 0 {
                 break;
             }
-            if plan.segment(segment + 1).ordered {
-                rays.order(next, paths);
-            } else {
-                rays.take(next, paths);
-            }
+            order(next, plan.segment(segment + 1).ordered, paths, rays);
             result.tally.rays.bounce += rays.len() as u64;
             watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
@@ -213,7 +233,7 @@ impl<'a> Worker<'a> {
 impl TileWorker for Worker<'_> {
     fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
         let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
-        self.trace_all(tile, paths, report);
+        self.trace_all(tile, 0..paths, report);
         self.result.waves = std::mem::take(&mut self.watch.stats);
         std::mem::take(&mut self.result)
     }

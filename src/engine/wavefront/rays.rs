@@ -1,7 +1,6 @@
 //! The rays of a segment, in the order in which they are traced.
 
 use super::cells::Cells;
-use super::columns::Columns;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Float, LANES, Lanes};
@@ -11,13 +10,10 @@ use crate::simd::{Float, LANES, Lanes};
 pub(super) struct Rays {
     pub(super) batch: RayBatch,
     /// In the order of the batch; the last is repeated until they fill a vector.
-    paths: Vec<u32>,
+    pub(super) paths: Vec<u32>,
     /// Where the paths of each cell begin.
-    starts: Vec<u32>,
+    pub(super) starts: Vec<u32>,
 }
-
-/// Paths that go on: path, cell.
-pub(super) type Next = Columns<2>;
 
 impl Rays {
     /// None, and room for `capacity`.
@@ -46,40 +42,8 @@ impl Rays {
         self.paths.extend(0..paths.next_multiple_of(LANES) as u32);
     }
 
-    /// The rays of the paths `next`, cell by cell: those that start near each other and go the same
-    /// way are together.
-    pub(super) fn order(&mut self, next: &Next, paths: &Paths) {
-        // About as many cells as rays: more cost more than they bring.
-        let bits = next.len().ilog2().clamp(3, Cells::BITS);
-        let leave_out = Cells::BITS - bits;
-        let starts = &mut self.starts;
-        starts.clear();
-        starts.resize(1 << bits, 0);
-        for &cell in next.column(1) {
-            starts[(cell >> leave_out) as usize] += 1;
-        }
-        let mut sum = 0;
-        for start in starts.iter_mut() {
-            sum += std::mem::replace(start, sum);
-        }
-        self.paths.resize(next.len(), 0);
-        for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
-            let place = &mut starts[(cell >> leave_out) as usize];
-            self.paths[*place as usize] = path;
-            *place += 1;
-        }
-        self.fill(paths);
-    }
-
-    /// The rays of the paths `next` as they come.
-    pub(super) fn take(&mut self, next: &Next, paths: &Paths) {
-        self.paths.clear();
-        self.paths.extend_from_slice(next.column(0));
-        self.fill(paths);
-    }
-
     /// The batch of the rays of `self.paths`.
-    fn fill(&mut self, paths: &Paths) {
+    pub(super) fn fill(&mut self, paths: &Paths) {
         let len = self.paths.len();
         let last = self.paths.last().copied().unwrap_or(0);
         self.paths.resize(len.next_multiple_of(LANES), last);

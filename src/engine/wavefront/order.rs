@@ -1,0 +1,43 @@
+//! Order: the rays of the next segment, side by side those that start near each other and go the same
+//! way.
+
+use super::cells::Cells;
+use super::columns::Columns;
+use super::paths::Paths;
+use super::rays::Rays;
+
+/// Paths that go on: path, cell.
+pub(super) type Next = Columns<2>;
+
+/// Makes the rays of the paths `next`: `by_cell`, or as they come.
+pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
+    if by_cell {
+        sort(next, rays);
+    } else {
+        rays.paths.clear();
+        rays.paths.extend_from_slice(next.column(0));
+    }
+    rays.fill(paths);
+}
+
+/// Sorts the paths by cell, by counting.
+fn sort(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
+    // About as many cells as rays: more cost more than they bring.
+    let bits = next.len().ilog2().clamp(3, Cells::BITS);
+    let leave_out = Cells::BITS - bits;
+    starts.clear();
+    starts.resize(1 << bits, 0);
+    for &cell in next.column(1) {
+        starts[(cell >> leave_out) as usize] += 1;
+    }
+    let mut sum = 0;
+    for start in starts.iter_mut() {
+        sum += std::mem::replace(start, sum);
+    }
+    paths.resize(next.len(), 0);
+    for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
+        let place = &mut starts[(cell >> leave_out) as usize];
+        paths[*place as usize] = path;
+        *place += 1;
+    }
+}
