@@ -179,8 +179,8 @@ fn plans_are_measured() {
     let scene = Scene::load("cornell").unwrap();
     let base = RenderSettings { width: 200, height: 200, ..RenderSettings::of(&scene) };
     for threads in [1, 2] {
-        // 2^25 paths a thread.
-        let large = RenderSettings { spp: 839 * threads, threads, ..base.clone() };
+        // 108 million paths a thread: enough for wave sizes too.
+        let large = RenderSettings { spp: 2700 * threads, threads, ..base.clone() };
         let renderer = Renderer::new(&scene, large.clone()).unwrap();
         let plan = renderer.plan().unwrap();
         plan.check().unwrap();

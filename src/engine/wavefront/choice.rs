@@ -5,8 +5,9 @@ use crate::engine::stats::{SegmentWork, Stage, WaveStats};
 
 /// Segments that a plan tells apart.
 pub(super) const SEGMENTS: u32 = 4;
-/// Plans that take so many times as long as the fastest are tried no more.
-const FAR_BEHIND: f64 = 3.0;
+/// Plans that take so many times as long as the fastest on every segment are tried no more: after one
+/// wave, which may have been interrupted, and after more.
+const BEHIND: [f64; 2] = [4.0, 1.25];
 /// Waves that took so many times as long a ray as most were interrupted.
 const INTERRUPTED: f64 = 3.0;
 
@@ -67,26 +68,37 @@ pub(super) fn fastest<'b, 'a>(tried: &'b [Tried<'a>]) -> Option<&'b Tried<'a>> {
     tried.iter().min_by(|a, b| a.all().total_cmp(&b.all()))
 }
 
+/// What an order is judged by: all that follows it.
+const BY_ORDER: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Sort, Stage::Shade];
+const BY_SHADOWS: &[Stage] = &[Stage::Connect];
+
 /// How the rays of segment `number` are traced in the least time.
 pub(super) fn fastest_segment(tried: &[Tried<'_>], number: u32) -> SegmentPlan {
     let least = |ways: &mut dyn Iterator<Item = &Tried<'_>>, stages: &[Stage]| {
         let costs = ways.map(|tried| (tried.way(), tried.segment(number, stages)));
         costs.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("there are ways").0
     };
-    // The order matters to all that follows it, the kernel to itself.
-    let by_order = [Stage::Order, Stage::Extend, Stage::Sort, Stage::Shade];
-    let SegmentPlan { ordered, closest, .. } = least(&mut tried.iter(), &by_order);
+    let SegmentPlan { ordered, closest, .. } = least(&mut tried.iter(), BY_ORDER);
     let same_order = &mut tried.iter().filter(|tried| tried.way().ordered == ordered);
-    let occluded = least(same_order, &[Stage::Connect]).occluded;
+    let occluded = least(same_order, BY_SHADOWS).occluded;
     // Camera rays need none.
     SegmentPlan { ordered: ordered && number > 1, closest, occluded }
 }
 
-/// Leaves out plans that are far behind, once there are waves enough to tell that from an interruption.
-pub(super) fn without_those_far_behind(mut tried: Vec<Tried<'_>>) -> Vec<Tried<'_>> {
-    let least = fastest(&tried).map_or(0.0, Tried::all);
-    tried.retain(|tried| tried.waves.len() < 2 || tried.all() <= FAR_BEHIND * least);
-    tried
+/// Leaves out plans that are behind on every segment.
+pub(super) fn without_those_behind(tried: Vec<Tried<'_>>) -> Vec<Tried<'_>> {
+    let behind = BEHIND[usize::from(tried.iter().all(|tried| tried.waves.len() > 1))];
+    let mut keep = vec![false; tried.len()];
+    for number in 1..=SEGMENTS {
+        for stages in [BY_ORDER, BY_SHADOWS] {
+            let costs: Vec<f64> = tried.iter().map(|tried| tried.segment(number, stages)).collect();
+            let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+            let near = costs.iter().map(|&cost| cost > 0.0 && cost <= behind * least);
+            keep.iter_mut().zip(near).for_each(|(keep, near)| *keep |= near);
+        }
+    }
+    let kept = tried.into_iter().zip(keep).filter(|(_, keep)| *keep);
+    kept.map(|(tried, _)| tried).collect()
 }
 
 #[cfg(test)]
@@ -167,13 +179,16 @@ mod tests {
     }
 
     #[test]
-    fn those_far_behind_are_left_out_once_it_is_certain() {
+    fn those_behind_on_every_segment_are_left_out() {
         let plans = [plan(false, Kernel::Packet), plan(false, Kernel::Single)];
-        let trial = |waves: usize, slow: f64| {
-            let [a, b] = [[1.0, 0.0, 0.0, 0.0], [slow, 0.0, 0.0, 0.0]];
+        let trial = |waves: usize, slow: [f64; 2]| {
+            let [a, b] = [[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, slow[0], slow[1]]];
             let both = vec![tried(&plans[0], vec![a; waves]), tried(&plans[1], vec![b; waves])];
-            without_those_far_behind(both).len()
+            without_those_behind(both).len()
         };
-        assert_eq!((trial(1, 99.0), trial(2, 99.0), trial(2, 2.9)), (2, 1, 2));
+        assert_eq!((trial(1, [9.0; 2]), trial(1, [3.9; 2])), (1, 2));
+        assert_eq!((trial(2, [1.3; 2]), trial(2, [1.2; 2])), (1, 2));
+        // Good for one thing.
+        assert_eq!((trial(5, [9.0, 1.1]), trial(5, [1.1, 9.0])), (2, 2));
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use rayon::ThreadPool;
 
-use super::choice::{SEGMENTS, Tried, fastest, fastest_segment, without_those_far_behind};
+use super::choice::{SEGMENTS, Tried, fastest, fastest_segment, without_those_behind};
 use super::plan::{Plan, SegmentPlan, tile_size};
 use super::{Prepared, Worker};
 use crate::accel::Kernel;
@@ -15,10 +15,18 @@ use crate::film::{Tile, Tiles};
 
 /// Sizes of waves that are tried.
 const SIZES: [u32; 4] = [1 << 13, 1 << 14, 1 << 15, 1 << 16];
-/// Rounds of a trial: fewer tell nothing, more nothing new.
-const ROUNDS: Range<u64> = 3..13;
-/// A trial takes no more paths than one in so many of a render.
-const SHARE: u64 = 32;
+/// How long a trial may be.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// One path for so many of a render.
+    share: u64,
+    /// Fewer rounds tell nothing, more nothing new.
+    rounds: [u64; 2],
+}
+/// Ways differ by factors, ...
+const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12] };
+/// ... sizes by a few percent, and the parts of an image differ more.
+const SIZES_EFFORT: Effort = Effort { share: 64, rounds: [6, 12] };
 
 /// The fastest plan on waves from all over the image; in small renders the usual one.
 pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
@@ -26,7 +34,7 @@ pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
     let mut plan = Plan::usual(prepared, pool.current_num_threads());
 
     let ways = each_way(prepared, &plan);
-    let tried = try_all(prepared, pool, &ways);
+    let tried = try_all(prepared, pool, &ways, WAYS_EFFORT);
     if !tried.is_empty() {
         plan.segments = (1..=SEGMENTS).map(|number| fastest_segment(&tried, number)).collect();
     }
@@ -36,7 +44,8 @@ pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
             tile_size: tile_size(settings, wave_size, pool.current_num_threads()),
             ..plan.clone()
         });
-        plan = fastest(&try_all(prepared, pool, &sizes)).map_or(plan, |size| size.plan.clone());
+        let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
+        plan = fastest(&tried).map_or(plan, |size| size.plan.clone());
     }
     plan
 }
@@ -50,17 +59,21 @@ fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
     ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()
 }
 
-/// Takes the same paths by each of `plans`, round after round. Those far behind are left out; none is
-/// left in a render that is too small for a trial.
-fn try_all<'a>(prepared: &Prepared<'_>, pool: &ThreadPool, plans: &'a [Plan]) -> Vec<Tried<'a>> {
+/// Takes the same paths by each of `plans`, round after round. Those that fall behind are left out;
+/// none is left in a render that is too small for a trial.
+fn try_all<'a>(
+    prepared: &Prepared<'_>,
+    pool: &ThreadPool,
+    plans: &'a [Plan],
+    effort: Effort,
+) -> Vec<Tried<'a>> {
     // Tiles, ranges and buffers are those of the largest waves.
     let largest = plans.iter().max_by_key(|plan| plan.wave_size).expect("there are plans");
     let threads = pool.current_num_threads() as u64;
     let samples = Samples::new(&prepared.settings, largest);
-    let rounds = rounds(prepared.settings.paths() / threads, threads, plans.len(), largest);
-    if rounds < ROUNDS.start {
-        return Vec::new();
-    }
+    let paths_a_round = plans.len() as u64 * u64::from(largest.wave_size);
+    let paths = prepared.settings.paths() / threads;
+    let Some(rounds) = effort.rounds(paths, paths_a_round, threads) else { return Vec::new() };
     for segment in plans.iter().flat_map(|plan| &plan.segments) {
         prepared.accelerator.prepare(segment.closest);
         prepared.accelerator.prepare(segment.occluded);
@@ -70,7 +83,11 @@ fn try_all<'a>(prepared: &Prepared<'_>, pool: &ThreadPool, plans: &'a [Plan]) ->
     // All threads take their waves by the same plan at the same time.
     let take = |plan: &'a Plan, round: u64| {
         pool.broadcast(|thread| {
-            let (tile, range) = samples.get(round * threads + thread.index() as u64);
+            let (tile, mut range) = samples.get(round * threads + thread.index() as u64);
+            if round == 0 {
+                // Some plans are slow beyond measure, which few paths show.
+                range.end -= (range.end - range.start) / 4 * 3;
+            }
             let mut worker = workers[thread.index()].lock().expect("no thread panicked");
             worker.reset(plan);
             worker.trace_all(tile, range, &|_, _| ());
@@ -88,17 +105,21 @@ fn try_all<'a>(prepared: &Prepared<'_>, pool: &ThreadPool, plans: &'a [Plan]) ->
         for tried in &mut tried {
             tried.waves.extend::<Vec<WaveStats>>(take(tried.plan, round));
         }
-        tried = without_those_far_behind(tried);
+        tried = without_those_behind(tried);
     }
     tried
 }
 
-/// Rounds of a trial of so many plans, where each of `threads` renders `paths`.
-fn rounds(paths: u64, threads: u64, plans: usize, largest: &Plan) -> u64 {
-    let paths_a_round = plans as u64 * u64::from(largest.wave_size);
-    // Threads share the rounds that are enough, but for the fewest.
-    let most = (ROUNDS.end - 1).div_ceil(threads).max(ROUNDS.start);
-    (paths / (SHARE * paths_a_round)).min(most)
+impl Effort {
+    /// Rounds where each of `threads` renders `paths` and takes `paths_a_round`; `None` where the
+    /// fewest would be too many.
+    fn rounds(self, paths: u64, paths_a_round: u64, threads: u64) -> Option<u64> {
+        let [least, most] = self.rounds;
+        // Threads share the rounds that are enough.
+        let most = most.div_ceil(threads).max(least);
+        let rounds = (paths / (self.share * paths_a_round)).min(most);
+        (rounds >= least).then_some(rounds)
+    }
 }
 
 /// Waves from all over an image.
@@ -139,17 +160,13 @@ impl Samples {
 mod tests {
     use super::*;
 
-    fn plan(wave_size: u32) -> Plan {
-        let way = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
-        Plan { wave_size, tile_size: 16, segments: vec![way] }
-    }
-
     #[test]
     fn trials_are_short() {
-        let rounds = |paths, threads| rounds(paths, threads, 10, &plan(1 << 14));
-        assert_eq!(rounds(1 << 20, 1), 0);
-        assert_eq!((rounds(16_000_000, 1), rounds(1 << 40, 1)), (3, 12));
-        assert_eq!((rounds(1 << 40, 2), rounds(1 << 40, 64)), (6, 3));
+        let effort = Effort { share: 10, rounds: [3, 12] };
+        let rounds = |paths, threads| effort.rounds(paths, 1000, threads);
+        assert_eq!((rounds(29_999, 1), rounds(30_000, 1)), (None, Some(3)));
+        assert_eq!((rounds(99_000, 1), rounds(999_000, 1)), (Some(9), Some(12)));
+        assert_eq!((rounds(999_000, 2), rounds(999_000, 64)), (Some(6), Some(3)));
     }
 
     #[test]
