@@ -1,12 +1,10 @@
 //! Connect: the light that reaches surfaces directly.
 
-use glam::Vec3;
-
 use super::columns::Columns;
 use super::extend::trace;
 use super::paths::Paths;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
-use crate::simd::{Bits, Float, Int, LANES, Lanes, Vec3x, first_bits};
+use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
 /// Ways to lights, and what arrives if they are free.
 #[derive(Debug)]
@@ -47,20 +45,25 @@ impl Shadows {
 pub(super) fn connect(
     accelerator: &Accelerator,
     kernel: Kernel,
-    shadows: &Shadows,
+    shadows: &mut Shadows,
     hits: &mut HitBatch,
     paths: &mut Paths,
     count: bool,
 ) -> Counters {
-    let rays = shadows.rays.len();
-    let counters = trace(accelerator, kernel, true, &shadows.rays, hits, count);
-    for first in (0..rays).step_by(LANES) {
+    let Shadows { rays, light } = shadows;
+    if rays.is_empty() {
+        return Counters::default();
+    }
+    let counters = trace(accelerator, kernel, true, rays, hits, count);
+    // Whole vectors: the last ray stands in for those that are missing.
+    light.pad();
+    let last = hits.primitive[rays.len() - 1];
+    hits.primitive[rays.len()..].fill(last);
+    for first in (0..rays.len()).step_by(LANES) {
         let free = Int::load(&hits.primitive[first..]).eq(Int::splat(HitBatch::MISS));
-        let [r, g, b, path] = shadows.light.rows(first).map(Int::to_array);
-        for lane in Bits(free.bits() & first_bits(rays - first)) {
-            let light = [r, g, b].map(|color| f32::from_bits(color[lane]));
-            paths.add_radiance(path[lane], Vec3::from_array(light));
-        }
+        let [r, g, b, path] = light.rows(first);
+        let light = Vec3x([r, g, b].map(Float::from_bits));
+        paths.add_radiance(&path.to_array(), light, free.bits());
     }
     counters
 }

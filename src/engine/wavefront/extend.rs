@@ -24,9 +24,6 @@ pub(super) fn trace(
     hits: &mut HitBatch,
     count: bool,
 ) -> Counters {
-    if rays.is_empty() {
-        return Counters::default();
-    }
     hits.reset(rays.len().next_multiple_of(LANES));
     let all = 0..rays.len();
     match (count, any) {

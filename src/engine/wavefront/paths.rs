@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::simd::random::PathKeys;
-use crate::simd::{Float, LANES, Lanes, Quad, Vec3x, gather_quads, quads_of};
+use crate::simd::{Float, LANES, Lanes, Mask, Quad, Vec3x, gather_quads, quads_of};
 
 /// The paths of a wave, by the number of their sample in it.
 ///
@@ -113,12 +113,12 @@ impl Paths {
             .map(|Line([.., [r, g, b, _]])| Vec3::from_array([*r, *g, *b].map(f32::from_bits)))
     }
 
-    /// Adds to what has arrived along path `index`.
+    /// Adds `light` to what has arrived along those of the paths `indices` whose bits are set. Where a
+    /// path is in several lanes, these must say the same.
     #[inline(always)]
-    pub(super) fn add_radiance(&mut self, index: u32, radiance: Vec3) {
-        let Line([.., sum]) = &mut self.0[index as usize];
-        for (sum, value) in sum.iter_mut().zip(radiance.to_array()) {
-            *sum = (f32::from_bits(*sum) + value).to_bits();
-        }
+    pub(super) fn add_radiance(&mut self, indices: &Lanes<u32>, light: Vec3x, bits: u32) {
+        let (radiance, sample_word) = self.gather(3, indices);
+        let sum = Vec3x::select(Mask::from_bits(bits), radiance + light, radiance);
+        self.scatter(3, indices, (sum, sample_word));
     }
 }

@@ -124,20 +124,23 @@ fn sample_sphere(light: &Sphere, from: Vec3x, time: Float, u: Float, v: Float) -
 #[inline(always)]
 fn sample_quad(quad: &Quad, shape: &LightShape, from: Vec3x, u: Float, v: Float) -> LightSamples {
     let by_area = Vec3x::splat(quad.q) + Vec3x::splat(quad.u) * u + Vec3x::splat(quad.v) * v;
-    let spherical = match shape {
-        LightShape::Rectangle(rectangle) => Some(SphericalRectangle::new(rectangle, from)),
-        LightShape::Sphere | LightShape::Parallelogram => None,
+    let (target, spherical) = match shape {
+        LightShape::Rectangle(rectangle) => {
+            let spherical = SphericalRectangle::new(rectangle, from);
+            let target = Vec3x::select(spherical.exact, spherical.sample(u, v), by_area);
+            (target, Some((spherical.exact, spherical.pdf())))
+        }
+        LightShape::Sphere | LightShape::Parallelogram => (by_area, None),
     };
-    let target = spherical.as_ref().map_or(by_area, |spherical| {
-        Vec3x::select(spherical.exact, spherical.sample(u, v), by_area)
-    });
     let direction = (target - from).normalize();
     let normal = Vec3x::splat(quad.normal);
     let slope = normal.dot(direction);
     let distance = -normal.dot(from - Vec3x::splat(quad.q)) / slope;
     let area_pdf = area_pdf(quad, direction, distance);
-    let pdf =
-        spherical.map_or(area_pdf, |spherical| spherical.exact.select(spherical.pdf(), area_pdf));
+    let pdf = match spherical {
+        Some((exact, pdf)) => exact.select(pdf, area_pdf),
+        None => area_pdf,
+    };
     let positive = |x: Float| x.gt(Float::ZERO) & x.lt(Float::INFINITY);
     LightSamples {
         direction,
