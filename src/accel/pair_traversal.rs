@@ -1,5 +1,7 @@
 //! Packets against one box of a pair node at a time: the kernels `packet` and `octant`.
 
+use std::cell::Cell;
+
 use super::batch::HitBatch;
 use super::counters::Count;
 use super::job::Job;
@@ -168,6 +170,9 @@ fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
     (0..V).map(|v| before(left[v], right[v]) - before(right[v], left[v])).sum()
 }
 
+/// Nodes that are still to be visited, and where each vector of a packet enters them.
+type Stack = Vec<(u32, [Float; VECTORS])>;
+
 /// How rays come into packets.
 #[derive(Clone, Copy)]
 pub(super) enum Order {
@@ -185,7 +190,9 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut stack = vec![(0, [Float::ZERO; VECTORS]); tree.stack];
+    // Kept from call to call, some of which are about few rays.
+    let mut stack = STACK.take();
+    stack.resize(tree.stack.max(stack.len()), (0, [Float::ZERO; VECTORS]));
     let search = |packet: &mut Packet<VECTORS>, count: &mut C| {
         let Some(root) = tree.root else { return };
         let octants = Octants::new(packet);
@@ -202,8 +209,14 @@ pub(super) fn trace<const ANY: bool, C: Count>(
             packet.traverse::<ANY, ALIKE>(tree, root, &octants, none, &mut stack, count);
         }
     };
-    match order {
+    let left = match order {
         Order::Given => job.trace::<ANY, VECTORS, C>(hits, count, search),
         Order::Octants => job.trace_by_octant::<ANY, C>(hits, count, search),
-    }
+    };
+    STACK.set(stack);
+    left
+}
+
+thread_local! {
+    static STACK: Cell<Stack> = const { Cell::new(Vec::new()) };
 }

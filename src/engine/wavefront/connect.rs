@@ -40,7 +40,7 @@ impl Shadows {
     }
 }
 
-/// Traces the shadow rays and adds the light of those that nothing occludes. Returns the work, if
+/// Traces the shadow rays, of which there are some, and adds the light of those that nothing occludes. Returns the work, if
 /// it is to `count` it.
 pub(super) fn connect(
     accelerator: &Accelerator,
@@ -51,9 +51,6 @@ pub(super) fn connect(
     count: bool,
 ) -> Counters {
     let Shadows { rays, light } = shadows;
-    if rays.is_empty() {
-        return Counters::default();
-    }
     let counters = trace(accelerator, kernel, true, rays, hits, count);
     // Whole vectors: the last ray stands in for those that are missing.
     light.pad();

@@ -211,10 +211,13 @@ impl<'a> Worker<'a> {
             watch.ended(segment, &endings);
             watch.lap(Stage::Shade, segment, work);
 
-            let counters = connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
-            let traced = shadows.rays.len();
-            result.tally.rays.shadow += traced as u64;
-            watch.lap(Stage::Connect, segment, StageWork { counters, ..StageWork::of(traced) });
+            if !shadows.rays.is_empty() {
+                let counters =
+                    connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
+                let work = StageWork::of(shadows.rays.len());
+                result.tally.rays.shadow += work.active;
+                watch.lap(Stage::Connect, segment, StageWork { counters, ..work });
+            }
 
             if next.len() == 0 {
                 break;
