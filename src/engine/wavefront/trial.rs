@@ -14,7 +14,7 @@ use crate::engine::stats::WaveStats;
 use crate::film::{Tile, Tiles};
 
 /// Sizes of waves that are tried.
-const SIZES: [u32; 4] = [1 << 13, 1 << 14, 1 << 15, 1 << 16];
+const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 /// How long a trial may be.
 #[derive(Clone, Copy)]
 struct Effort {
@@ -26,7 +26,7 @@ struct Effort {
 /// Ways differ by factors, ...
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12] };
 /// ... sizes by a few percent, and the parts of an image differ more.
-const SIZES_EFFORT: Effort = Effort { share: 64, rounds: [6, 12] };
+const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12] };
 
 /// The fastest plan on waves from all over the image; in small renders the usual one.
 pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
