@@ -349,12 +349,24 @@ fn pins_and_files_are_what_was_asked_for() {
         let record: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert!(told.contains(&record["pinned"].as_str().unwrap()), "{pin}");
     }
+    let refused = |more: &[&str], message: &str| {
+        let output = with(more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(stderr(&output).contains(message), "{}", stderr(&output));
+    };
     let picture = fs::read(here.join("a.png")).unwrap();
-    for record in ["a.png", "./a.png", "../a.png"] {
-        let record = record.replace("..", here.to_str().unwrap());
-        let output = with(&["--json", &record]);
-        assert_eq!(output.status.code(), Some(2), "{record}");
-        assert!(stderr(&output).contains("need two files"), "{}", stderr(&output));
+    let absolute = here.join("a.png");
+    for record in ["a.png", "./a.png", absolute.to_str().unwrap()] {
+        refused(&["--json", record], "need two files");
         assert_eq!(fs::read(here.join("a.png")).unwrap(), picture);
     }
+    // Neither is there yet.
+    fs::remove_file(here.join("a.png")).unwrap();
+    refused(&["--json", "./a.png"], "need two files");
+    let scene = ptfast(here, &["scenes", "show", "cornell"]).stdout;
+    fs::write(here.join("my.ron"), &scene).unwrap();
+    let same = ["render", "--scene", "my.ron", "--json", "./my.ron"];
+    let output = ptfast(here, &same);
+    assert!(stderr(&output).contains("would replace the scene"), "{}", stderr(&output));
+    assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }

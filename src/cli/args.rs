@@ -94,7 +94,7 @@ pub(super) struct RenderArgs {
     /// Whether threads stay on one core each; auto: where there is one for each core
     #[arg(long, value_name = "PIN", default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
     pub(super) pin: Pin,
-    /// Work as a plan says, which --json wrote, instead of finding one by measuring
+    /// Work as a plan says, which --json wrote, instead of by its own
     #[arg(long, value_name = "FILE", conflicts_with_all = ["tile_size", "wave_size"])]
     pub(super) plan: Option<PathBuf>,
     /// Print exact counts of what was done, and the time of each stage

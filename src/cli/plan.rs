@@ -17,7 +17,7 @@ pub(super) fn read(path: &Path, scene: &Scene, quiet: bool) -> Result<Plan> {
     if plan.is_null() {
         return Err(bad("the record has none: the scalar engine needs no plan".to_owned()));
     }
-    if plan.get("segments").is_none() {
+    if plan.get("wave_size").is_none() {
         return Err(bad("neither a plan nor the record of a render".to_owned()));
     }
     let plan: Plan =
@@ -36,8 +36,7 @@ pub(super) fn read(path: &Path, scene: &Scene, quiet: bool) -> Result<Plan> {
 /// A plan in a line.
 pub(super) fn describe(plan: &Plan) -> String {
     let segment = |(number, plan): (usize, &SegmentPlan)| {
-        let order = if plan.ordered { "ordered " } else { "" };
-        format!("{}: {order}{}, shadows {}", number + 1, plan.closest.name(), plan.occluded.name())
+        format!("{}: {}, shadows {}", number + 1, plan.closest_by(), plan.occluded.name())
     };
     let segments: Vec<String> = plan.segments.iter().enumerate().map(segment).collect();
     format!(

@@ -27,6 +27,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         let message = format!("{}: the image and the record need two files", output.display());
         return Err(Error::Usage(message));
     }
+    if args.json.as_ref().is_some_and(|record| same_file(record, Path::new(&args.scene))) {
+        return Err(Error::Usage(format!("{}: the record would replace the scene", args.scene)));
+    }
     for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {
         check_writable(file)?;
     }

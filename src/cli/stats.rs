@@ -33,17 +33,17 @@ fn percent(part: u64, of: u64) -> f64 {
     part as f64 / of as f64 * 100.0
 }
 
-/// The stages one by one. Seconds are summed over threads.
+/// The stages one by one. Times are summed over threads.
 fn stages(render: &Render) -> Result<()> {
     let (waves, paths) = (&render.waves, render.tally.rays.primary as f64);
-    say(format_args!("\nstage       seconds  share  ns a path  lanes"))?;
+    say(format_args!("\nstage            ms  share  ns a path  lanes"))?;
     for stage in Stage::ALL {
         let work = waves.stage(stage);
         if work.active > 0 {
             say(format_args!(
-                "{:<10}{:>9.3}{:>6.1}%{:>11.2}{:>6.0}%",
+                "{:<10}{:>9.1}{:>6.1}%{:>11.2}{:>6.0}%",
                 stage.name(),
-                work.seconds,
+                work.seconds * 1e3,
                 work.seconds / waves.seconds() * 100.0,
                 work.seconds / paths * 1e9,
                 work.occupancy() * 100.0,
@@ -53,7 +53,8 @@ fn stages(render: &Render) -> Result<()> {
     Ok(())
 }
 
-/// The segments one by one: how their rays were traced, and the share of lanes in use.
+/// The segments one by one: how their rays were traced, counting included, and the share of lanes in
+/// use.
 fn segments(render: &Render, plan: &Plan) -> Result<()> {
     say(format_args!(
         "\nsegment  rays          miss  {TRACE_HEAD}  sort  shade  order  shadow rays   {TRACE_HEAD}"
@@ -64,13 +65,12 @@ fn segments(render: &Render, plan: &Plan) -> Result<()> {
             0 => "-".to_owned(),
             _ => format!("{:.0}%", work(stage).occupancy() * 100.0),
         };
-        let order = if how.ordered { "ordered " } else { "" };
         let line = format!(
             "{number:>2}{:<6} {:<12}{:>5.1}%  {}  {:>4}  {:>5}  {:>5}  {}",
             if number as usize == WaveStats::SEGMENTS { " on" } else { "" },
             work(Stage::Extend).active,
             percent(misses(segment), work(Stage::Extend).active),
-            trace(&format!("{order}{}", how.closest.name()), work(Stage::Extend)),
+            trace(&how.closest_by(), work(Stage::Extend)),
             lanes(Stage::Sort),
             lanes(Stage::Shade),
             lanes(Stage::Order),
@@ -88,12 +88,12 @@ fn misses(segment: &SegmentWork) -> u64 {
     segment.endings.background
 }
 
-const TRACE_HEAD: &str = "by                ns  nodes  tests  lanes";
+const TRACE_HEAD: &str = "by                  ns  nodes  tests  lanes";
 
 /// What a ray takes.
 fn trace(by: &str, work: &StageWork) -> String {
     let a_ray = |count: u64| count as f64 / work.active as f64;
     let (nodes, tests) = (a_ray(work.counters.node_visits), a_ray(work.counters.leaf_tests));
     let (ns, lanes) = (work.seconds / work.active as f64 * 1e9, work.occupancy() * 100.0);
-    format!("{by:<14}{ns:>6.1} {nodes:>6.2} {tests:>6.2}  {lanes:>4.0}%")
+    format!("{by:<14} {ns:>7.1} {nodes:>6.2} {tests:>6.2}  {lanes:>4.0}%")
 }

@@ -66,7 +66,7 @@ pub struct Render {
 pub struct Seconds {
     /// Building the acceleration structure and starting the threads.
     pub build: f64,
-    /// Finding the plan.
+    /// Finding the plan, and making what its trials need.
     pub plan: f64,
     /// Rendering.
     pub render: f64,

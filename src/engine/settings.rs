@@ -61,7 +61,7 @@ pub struct RenderSettings {
     /// Paths that a worker of the wavefront engine traces at once, 0 for what suits it; the image
     /// does not depend on it.
     pub wave_size: u32,
-    /// How the wavefront engine works, tiles and waves included; `None` to find out by measuring.
+    /// How the wavefront engine works, tiles and waves included; `None` for its own.
     pub plan: Option<Plan>,
     /// Whether kernels count their work, which costs them some time.
     pub count: bool,

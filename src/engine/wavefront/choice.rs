@@ -4,21 +4,22 @@ use super::plan::{Plan, SegmentPlan};
 use crate::engine::stats::{SegmentWork, Stage, WaveStats};
 
 /// Segments that a plan tells apart.
-pub(super) const SEGMENTS: u32 = 4;
-/// Plans that take so many times as long as the fastest on every segment are tried no more: after one
-/// wave, which may have been interrupted, and after more.
+pub(super) const PLANNED: u32 = 4;
+/// Plans that take so many times as long as the fastest on every segment are tried no more: after the
+/// first round, which may have been interrupted, and after others.
 const BEHIND: [f64; 2] = [4.0, 1.25];
 /// Waves that took so many times as long a ray as most were interrupted.
 const INTERRUPTED: f64 = 3.0;
+/// What a kernel for closest hits is judged by, and an order.
+const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Sort, Stage::Shade];
+/// What a kernel for shadow rays is judged by. They come in the order of the hits.
+const OCCLUDED: &[Stage] = &[Stage::Connect];
 
-/// A plan, and what the same waves took by it.
+/// A plan, and what waves took by it.
 pub(super) struct Tried<'a> {
     pub(super) plan: &'a Plan,
     pub(super) waves: Vec<WaveStats>,
 }
-
-/// What counts for a choice: rays and seconds.
-type Cost = (u64, f64);
 
 impl<'a> Tried<'a> {
     pub(super) fn new(plan: &'a Plan) -> Self {
@@ -30,17 +31,17 @@ impl<'a> Tried<'a> {
         self.plan.segments[0]
     }
 
-    /// Seconds that all took.
+    /// Seconds a path.
     fn all(&self) -> f64 {
-        self.seconds(|wave| (wave.stage(Stage::Generate).active, wave.seconds()))
+        self.seconds(|wave| (wave.stage(Stage::Generate).active, wave.seconds())).unwrap_or(0.0)
     }
 
-    /// Seconds that `stages` took for paths on their segment `number`; the last stands for all that
-    /// follow.
-    fn segment(&self, number: u32, stages: &[Stage]) -> f64 {
+    /// Seconds a ray that `stages` took for paths on their segment `number`, the last of which stands
+    /// for all that follow; `None` where there were no rays.
+    fn segment(&self, number: u32, stages: &[Stage]) -> Option<f64> {
         self.seconds(|wave| {
             let segments = wave.segments.iter().zip(1..);
-            let these = segments.filter(|&(_, n)| n == number || number == SEGMENTS && n > number);
+            let these = segments.filter(|&(_, n)| n == number || number == PLANNED && n > number);
             these.fold((0, 0.0), |(rays, seconds), (work, _): (&SegmentWork, u32)| {
                 let each = stages.iter().map(|&stage| work.stage(stage));
                 (
@@ -51,15 +52,18 @@ impl<'a> Tried<'a> {
         })
     }
 
-    /// The sum of the seconds that `cost` tells. Waves that were interrupted count like others.
-    fn seconds(&self, cost: impl Fn(&WaveStats) -> Cost) -> f64 {
-        let costs: Vec<Cost> = self.waves.iter().map(cost).filter(|&(rays, _)| rays > 0).collect();
+    /// Seconds a ray, where `cost` tells rays and seconds of a wave. Waves that were interrupted count
+    /// like others.
+    fn seconds(&self, cost: impl Fn(&WaveStats) -> (u64, f64)) -> Option<f64> {
+        let costs: Vec<(u64, f64)> =
+            self.waves.iter().map(cost).filter(|&(rays, _)| rays > 0).collect();
         let mut each: Vec<f64> =
             costs.iter().map(|&(rays, seconds)| seconds / rays as f64).collect();
         each.sort_by(f64::total_cmp);
-        let Some(middle) = each.get(each.len().saturating_sub(1) / 2) else { return 0.0 };
+        let middle = each.get(each.len().saturating_sub(1) / 2)?;
         let most = |rays: u64| INTERRUPTED * middle * rays as f64;
-        costs.iter().map(|&(rays, seconds)| seconds.min(most(rays))).sum()
+        let seconds: f64 = costs.iter().map(|&(rays, seconds)| seconds.min(most(rays))).sum();
+        Some(seconds / costs.iter().map(|&(rays, _)| rays as f64).sum::<f64>())
     }
 }
 
@@ -68,32 +72,38 @@ pub(super) fn fastest<'b, 'a>(tried: &'b [Tried<'a>]) -> Option<&'b Tried<'a>> {
     tried.iter().min_by(|a, b| a.all().total_cmp(&b.all()))
 }
 
-/// What an order is judged by: all that follows it.
-const BY_ORDER: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Sort, Stage::Shade];
-const BY_SHADOWS: &[Stage] = &[Stage::Connect];
-
-/// How the rays of segment `number` are traced in the least time.
-pub(super) fn fastest_segment(tried: &[Tried<'_>], number: u32) -> SegmentPlan {
-    let least = |ways: &mut dyn Iterator<Item = &Tried<'_>>, stages: &[Stage]| {
-        let costs = ways.map(|tried| (tried.way(), tried.segment(number, stages)));
-        costs.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("there are ways").0
+/// How the rays of segment `number` are traced in the least time; as is `usual` where there were none.
+pub(super) fn fastest_segment(
+    tried: &[Tried<'_>],
+    number: u32,
+    usual: &SegmentPlan,
+) -> SegmentPlan {
+    // Shadow rays inherit an order, which is judged by what both take.
+    let with_order = |ordered: bool| {
+        let least = |stages: &[Stage]| {
+            let same = tried.iter().filter(|tried| tried.way().ordered == ordered);
+            let costs =
+                same.filter_map(|tried| Some((tried.way(), tried.segment(number, stages)?)));
+            costs.min_by(|(_, a), (_, b)| a.total_cmp(b))
+        };
+        let (SegmentPlan { closest, .. }, seconds) = least(CLOSEST)?;
+        let (SegmentPlan { occluded, .. }, more) = least(OCCLUDED).unwrap_or((*usual, 0.0));
+        // Camera rays need none.
+        Some((SegmentPlan { ordered: ordered && number > 1, closest, occluded }, seconds + more))
     };
-    let SegmentPlan { ordered, closest, .. } = least(&mut tried.iter(), BY_ORDER);
-    let same_order = &mut tried.iter().filter(|tried| tried.way().ordered == ordered);
-    let occluded = least(same_order, BY_SHADOWS).occluded;
-    // Camera rays need none.
-    SegmentPlan { ordered: ordered && number > 1, closest, occluded }
+    let orders = [false, true].into_iter().filter_map(with_order);
+    orders.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(*usual, |(segment, _)| segment)
 }
 
-/// Leaves out plans that are behind on every segment.
-pub(super) fn without_those_behind(tried: Vec<Tried<'_>>) -> Vec<Tried<'_>> {
-    let behind = BEHIND[usize::from(tried.iter().all(|tried| tried.waves.len() > 1))];
+/// Leaves out plans that are behind on every segment after round `round`, from 0.
+pub(super) fn without_those_behind(tried: Vec<Tried<'_>>, round: u64) -> Vec<Tried<'_>> {
+    let behind = BEHIND[usize::from(round > 0)];
     let mut keep = vec![false; tried.len()];
-    for number in 1..=SEGMENTS {
-        for stages in [BY_ORDER, BY_SHADOWS] {
-            let costs: Vec<f64> = tried.iter().map(|tried| tried.segment(number, stages)).collect();
-            let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
-            let near = costs.iter().map(|&cost| cost > 0.0 && cost <= behind * least);
+    for number in 1..=PLANNED {
+        for stages in [CLOSEST, OCCLUDED] {
+            let costs: Vec<_> = tried.iter().map(|tried| tried.segment(number, stages)).collect();
+            let least = costs.iter().copied().flatten().fold(f64::INFINITY, f64::min);
+            let near = costs.iter().map(|cost| cost.is_some_and(|cost| cost <= behind * least));
             keep.iter_mut().zip(near).for_each(|(keep, near)| *keep |= near);
         }
     }
@@ -112,83 +122,97 @@ mod tests {
         Plan { wave_size: 100, tile_size: 10, segments: vec![way] }
     }
 
-    /// A wave of 100 rays a stage on two segments, and their seconds: generate, then order, extend and
-    /// connect of the second segment.
-    fn wave([generate, order, extend, connect]: [f64; 4]) -> WaveStats {
+    const USUAL: SegmentPlan =
+        SegmentPlan { ordered: true, closest: Kernel::Beam, occluded: Kernel::Octant };
+
+    /// A wave of 100 rays a stage, and the seconds of stages of segments.
+    fn wave(seconds: &[(Stage, u32, f64)]) -> WaveStats {
         let mut wave = WaveStats::default();
-        let stages = [
-            (Stage::Generate, 1, generate),
-            (Stage::Order, 2, order),
-            (Stage::Extend, 2, extend),
-            (Stage::Connect, 2, connect),
-        ];
-        for (stage, segment, seconds) in stages {
+        for &(stage, segment, seconds) in seconds {
             wave.note(stage, segment, &StageWork { seconds, ..StageWork::of(100) });
         }
         wave
     }
 
-    fn tried(plan: &Plan, waves: impl IntoIterator<Item = [f64; 4]>) -> Tried<'_> {
-        Tried { plan, waves: waves.into_iter().map(wave).collect() }
-    }
-
     #[test]
     fn interruptions_do_not_count() {
         let (a, b) = (plan(false, Kernel::Flat), plan(false, Kernel::Single));
-        let slow = tried(&a, [[1.25, 0.0, 0.0, 0.0]; 5]);
-        let mut waves = [[1.0, 0.0, 0.0, 0.0]; 5];
-        waves[0] = [3.2, 0.0, 0.0, 0.0];
-        let fast = tried(&b, waves);
-        assert_eq!(fast.all(), 7.0);
-        waves[0] = [99.0, 0.0, 0.0, 0.0];
-        assert_eq!(tried(&b, waves).all(), 7.0);
+        let tried = |plan, seconds: &[f64]| Tried {
+            plan,
+            waves: seconds.iter().map(|&s| wave(&[(Stage::Generate, 1, s)])).collect(),
+        };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        let slow = tried(&a, &[1.5; 5]);
+        let fast = tried(&b, &[99.0, 1.0, 1.0, 1.0, 1.0]);
+        assert!(near(fast.all(), 0.014) && near(slow.all(), 0.015));
         // Of two waves the faster one tells what is usual.
-        assert_eq!(tried(&b, waves[..2].iter().copied()).all(), 4.0);
-        assert_eq!(fastest(&[slow, fast]).unwrap().plan, &a);
+        assert!(near(tried(&b, &[99.0, 1.0]).all(), 0.02));
+        assert_eq!(fastest(&[slow, fast]).unwrap().plan, &b);
+        assert!(fastest(&[]).is_none());
     }
 
     #[test]
-    fn what_follows_an_order_pays_for_it() {
+    fn orders_are_judged_by_all_that_they_change() {
+        use Stage::{Connect, Extend, Order, Shade, Sort};
         let plans = [
             plan(false, Kernel::Packet),
             plan(true, Kernel::Packet),
             plan(false, Kernel::Single),
             plan(true, Kernel::Single),
         ];
-        let with = |unordered: f64, ordered: f64, connect: [f64; 4]| {
-            let extend = [unordered, ordered, 9.0, 8.0];
-            let each = plans.iter().zip(extend).zip(connect);
-            let order = |plan: &Plan| if plan.segments[0].ordered { 1.0 } else { 0.1 };
-            let tried: Vec<Tried<'_>> = each
-                .map(|((plan, extend), connect)| {
-                    tried(plan, [[0.0, order(plan), extend, connect]; 3])
-                })
-                .collect();
-            fastest_segment(&tried, 2)
+        // Of one stage, seconds by each plan; the kernel packet is faster, order takes time.
+        let chosen = |stage: Stage, seconds: [f64; 4]| {
+            let each = plans.iter().zip([1.0, 1.0, 9.0, 9.0]).zip(seconds);
+            let tried = each.map(|((plan, extend), more)| {
+                let order = if plan.segments[0].ordered { 0.1 } else { 0.0 };
+                let works = [(Order, 2, order), (Extend, 2, extend), (stage, 2, more)];
+                Tried { plan, waves: vec![wave(&works); 3] }
+            });
+            fastest_segment(&tried.collect::<Vec<_>>(), 2, &USUAL)
         };
-        let chosen = with(5.0, 4.0, [3.0, 3.0, 1.0, 2.0]);
-        assert_eq!((chosen.ordered, chosen.closest), (true, Kernel::Packet));
-        // Shadow rays as they are with that order.
-        assert_eq!(with(5.0, 4.0, [3.0, 1.5, 1.0, 2.0]).occluded, Kernel::Packet);
-        assert_eq!(chosen.occluded, Kernel::Single);
-        let chosen = with(5.0, 4.2, [3.0, 3.0, 1.0, 2.0]);
-        assert_eq!((chosen.ordered, chosen.closest), (false, Kernel::Packet));
-        // On the first segment nothing is ordered.
-        let first = tried(&plans[1], [[1.0; 4]; 3]);
-        assert!(!fastest_segment(&[first], 1).ordered);
+        for stage in [Extend, Sort, Shade, Connect] {
+            let (off, on) = (chosen(stage, [0.1; 4]), chosen(stage, [0.9, 0.7, 0.9, 0.7]));
+            assert!(!off.ordered && on.ordered, "{stage:?}");
+            assert_eq!((off.closest, on.closest), (Kernel::Packet, Kernel::Packet), "{stage:?}");
+        }
+        // Shadow rays as they are with that order; without any, as usual.
+        assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Single);
+        assert_eq!(chosen(Connect, [0.1, 2.0, 0.2, 1.0]).occluded, Kernel::Packet);
+        assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Octant);
+    }
+
+    #[test]
+    fn segments_are_told_apart_up_to_the_last() {
+        let [a, b] = [plan(true, Kernel::Packet), plan(true, Kernel::Single)];
+        let tried = |plan, seconds: [f64; 3]| {
+            let [first, fourth, ninth] = seconds;
+            let work = [(1, first), (4, fourth), (9, ninth)].map(|(n, s)| (Stage::Extend, n, s));
+            Tried { plan, waves: vec![wave(&work)] }
+        };
+        let both = [tried(&a, [1.0, 1.0, 5.0]), tried(&b, [2.0, 2.0, 1.0])];
+        let segment = |number| fastest_segment(&both, number, &USUAL);
+        assert_eq!((segment(1).closest, segment(1).ordered), (Kernel::Packet, false));
+        assert_eq!((segment(2), segment(3)), (USUAL, USUAL));
+        assert_eq!((segment(4).closest, segment(4).ordered), (Kernel::Single, true));
     }
 
     #[test]
     fn those_behind_on_every_segment_are_left_out() {
         let plans = [plan(false, Kernel::Packet), plan(false, Kernel::Single)];
-        let trial = |waves: usize, slow: [f64; 2]| {
-            let [a, b] = [[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, slow[0], slow[1]]];
-            let both = vec![tried(&plans[0], vec![a; waves]), tried(&plans[1], vec![b; waves])];
-            without_those_behind(both).len()
+        let left = |round: u64, slow: [f64; 2]| {
+            let both = plans.iter().zip([[1.0, 1.0], slow]).map(|(plan, [extend, connect])| {
+                let works = [(Stage::Extend, 2, extend), (Stage::Connect, 2, connect)];
+                Tried { plan, waves: vec![wave(&works)] }
+            });
+            without_those_behind(both.collect(), round).len()
         };
-        assert_eq!((trial(1, [9.0; 2]), trial(1, [3.9; 2])), (1, 2));
-        assert_eq!((trial(2, [1.3; 2]), trial(2, [1.2; 2])), (1, 2));
+        assert_eq!((left(0, [9.0; 2]), left(0, [3.9; 2])), (1, 2));
+        assert_eq!((left(1, [1.3; 2]), left(1, [1.2; 2])), (1, 2));
         // Good for one thing.
-        assert_eq!((trial(5, [9.0, 1.1]), trial(5, [1.1, 9.0])), (2, 2));
+        assert_eq!((left(5, [9.0, 1.1]), left(5, [1.1, 9.0])), (2, 2));
+        // A clock that does not move.
+        let works = [(Stage::Extend, 1, 0.0)];
+        let still = plans.iter().map(|plan| Tried { plan, waves: vec![wave(&works)] });
+        assert_eq!(without_those_behind(still.collect(), 3).len(), 2);
     }
 }

@@ -40,8 +40,8 @@ impl Shadows {
     }
 }
 
-/// Traces the shadow rays, of which there are some, and adds the light of those that nothing occludes. Returns the work, if
-/// it is to `count` it.
+/// Traces the shadow rays, of which there are some, and adds the light of those that nothing occludes.
+/// Returns the work, if it is to `count` it.
 pub(super) fn connect(
     accelerator: &Accelerator,
     kernel: Kernel,

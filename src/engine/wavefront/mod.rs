@@ -38,6 +38,7 @@ use generate::generate;
 use materials::Materials;
 use order::{Next, order};
 use paths::Paths;
+use plan::wave_length;
 pub use plan::{Plan, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
@@ -63,19 +64,26 @@ struct Prepared<'a> {
     cells: Cells,
 }
 
-impl<'a> WavefrontEngine<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings, pool: &ThreadPool) -> Self {
+impl<'a> Prepared<'a> {
+    fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
         let accelerator = Accelerator::new(scene.geometry(), scene.camera().shutter());
-        let mut prepared = Prepared {
+        Self {
             scene,
-            // A plan is found without counting, which takes time.
-            settings: RenderSettings { count: false, ..settings.clone() },
+            settings: settings.clone(),
             camera: scene.camera().frame(settings.width, settings.height),
             materials: Materials::new(scene),
             surfaces: Surfaces::new(scene.geometry()),
             cells: Cells::new(&accelerator.bounds()),
             accelerator,
-        };
+        }
+    }
+}
+
+impl<'a> WavefrontEngine<'a> {
+    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings, pool: &ThreadPool) -> Self {
+        // A plan is found without counting, which takes time.
+        let uncounted = RenderSettings { count: false, ..settings.clone() };
+        let mut prepared = Prepared::new(scene, &uncounted);
         let start = Instant::now();
         let plan = settings.plan.clone().unwrap_or_else(|| trial::find_plan(&prepared, pool));
         let plan_seconds = start.elapsed().as_secs_f64();
@@ -148,8 +156,8 @@ struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     fn new(prepared: &'a Prepared<'a>, plan: &'a Plan) -> Self {
-        let tile_paths = u64::from(plan.tile_size).pow(2) * u64::from(prepared.settings.spp);
-        let capacity = tile_paths.min(u64::from(plan.wave_size)) as usize;
+        let paths = plan.tile_paths(&prepared.settings);
+        let capacity = paths.min(u64::from(plan.wave_size)) as usize;
         Self {
             prepared,
             plan,
@@ -171,12 +179,10 @@ impl<'a> Worker<'a> {
     /// Takes the paths number `range` of `tile` wave after wave. Tells `report` how many paths and
     /// rays these were.
     fn trace_all(&mut self, tile: Tile, range: Range<u64>, report: &dyn Fn(u64, u64)) {
-        let paths = range.end - range.start;
-        // Waves of equal size: one of a few paths would cost as much as a larger one.
-        let waves = paths.div_ceil(u64::from(self.plan.wave_size));
-        let size = paths.div_ceil(waves.max(1)).max(1);
-        for first in range.clone().step_by(size as usize) {
-            let end = range.end.min(first + size);
+        let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
+        let length = wave_length(paths, self.plan.wave_size);
+        for first in range.clone().step_by(length as usize) {
+            let end = range.end.min(first + length);
             let before = self.result.tally.rays.total();
             self.trace(tile, first..end);
             report(end - first, self.result.tally.rays.total() - before);

@@ -8,12 +8,12 @@ use crate::engine::settings::RenderSettings;
 use crate::film::Tiles;
 use crate::limits;
 
-/// How the wavefront engine works, found by measuring; given back, it repeats a run with the same
-/// work and the same counts.
+/// How the wavefront engine works: in large renders found by measuring. Given back, it repeats a run
+/// with the same work and the same counts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Paths that a worker traces at once, 1 to [`limits::MAX_WAVE`].
+    /// Most paths that a worker traces at once, 1 to [`limits::MAX_WAVE`].
     pub wave_size: u32,
     /// Side of the tiles that work is handed out in, 1 to [`limits::MAX_SIDE`].
     pub tile_size: u32,
@@ -44,6 +44,11 @@ impl Plan {
     pub fn segment(&self, segment: u32) -> &SegmentPlan {
         let last = self.segments.len() - 1;
         &self.segments[last.min(segment as usize - 1)]
+    }
+
+    /// Most paths of a tile.
+    pub(super) fn tile_paths(&self, settings: &RenderSettings) -> u64 {
+        u64::from(self.tile_size).pow(2) * u64::from(settings.spp)
     }
 
     /// `Err` says which number is out of range.
@@ -78,6 +83,20 @@ impl Plan {
     }
 }
 
+impl SegmentPlan {
+    /// How its closest hits are found, in words.
+    pub(crate) fn closest_by(&self) -> String {
+        format!("{}{}", if self.ordered { "ordered " } else { "" }, self.closest.name())
+    }
+}
+
+/// Paths of each wave, but for the last, of a tile of so many: waves of about equal length, since one
+/// of a few paths costs as much as a larger one.
+pub(super) fn wave_length(tile_paths: u64, wave_size: u32) -> u64 {
+    let waves = tile_paths.div_ceil(u64::from(wave_size)).max(1);
+    tile_paths.div_ceil(waves).max(1)
+}
+
 /// The side of tiles that have enough paths for a wave.
 pub(super) fn tile_size(settings: &RenderSettings, wave_size: u32, threads: usize) -> u32 {
     let RenderSettings { width, height, spp, tile_size, .. } = *settings;
@@ -93,4 +112,23 @@ pub(super) fn tile_size(settings: &RenderSettings, wave_size: u32, threads: usiz
         side /= 2;
     }
     side
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_of_a_tile_are_equal() {
+        for wave_size in [1, 7, 100, 16_384] {
+            for paths in [0, 1, 6, 8, 99, 100, 101, 25_600, 16_385, 1 << 40] {
+                let length = wave_length(paths, wave_size);
+                assert!((1..=u64::from(wave_size)).contains(&length), "{paths} {wave_size}");
+                // No more waves than needed, and the last lacks less than a path for each.
+                let waves = paths.div_ceil(length);
+                assert_eq!(waves, paths.div_ceil(u64::from(wave_size)), "{paths} {wave_size}");
+                assert!(waves * length - paths < waves.max(1), "{paths} {wave_size}");
+            }
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use rayon::ThreadPool;
 
-use super::choice::{SEGMENTS, Tried, fastest, fastest_segment, without_those_behind};
+use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
 use super::plan::{Plan, SegmentPlan, tile_size};
 use super::{Prepared, Worker};
 use crate::accel::Kernel;
@@ -22,32 +22,42 @@ struct Effort {
     share: u64,
     /// Fewer rounds tell nothing, more nothing new.
     rounds: [u64; 2],
+    /// The first round is so many times shorter: what is slow beyond measure shows at once.
+    first: u64,
 }
 /// Ways differ by factors, ...
-const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12] };
+const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// ... sizes by a few percent, and the parts of an image differ more.
-const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12] };
+const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
 /// The fastest plan on waves from all over the image; in small renders the usual one.
 pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
     let settings = &prepared.settings;
-    let mut plan = Plan::usual(prepared, pool.current_num_threads());
+    let usual = Plan::usual(prepared, pool.current_num_threads());
 
-    let ways = each_way(prepared, &plan);
+    let ways = each_way(prepared, &usual);
     let tried = try_all(prepared, pool, &ways, WAYS_EFFORT);
-    if !tried.is_empty() {
-        plan.segments = (1..=SEGMENTS).map(|number| fastest_segment(&tried, number)).collect();
-    }
-    if settings.wave_size == 0 {
-        let sizes = SIZES.map(|wave_size| Plan {
-            wave_size,
-            tile_size: tile_size(settings, wave_size, pool.current_num_threads()),
-            ..plan.clone()
-        });
-        let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
-        plan = fastest(&tried).map_or(plan, |size| size.plan.clone());
-    }
-    plan
+    let planned = 1..=settings.depth.min(PLANNED);
+    let segment = |number| fastest_segment(&tried, number, usual.segment(number));
+    let plan = match tried.as_slice() {
+        [] => usual,
+        _ => Plan { segments: planned.map(segment).collect(), ..usual },
+    };
+
+    let sizes = each_size(settings, &plan, pool.current_num_threads());
+    let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
+    fastest(&tried).map_or(plan, |size| size.plan.clone())
+}
+
+/// `plan` with each size of waves that may be chosen, and that tiles have paths enough for.
+fn each_size(settings: &RenderSettings, plan: &Plan, threads: usize) -> Vec<Plan> {
+    let sizes = SIZES.map(|wave_size| Plan {
+        wave_size,
+        tile_size: tile_size(settings, wave_size, threads),
+        ..plan.clone()
+    });
+    let fills = |plan: &Plan| plan.tile_paths(settings) >= u64::from(plan.wave_size);
+    sizes.into_iter().filter(|plan| settings.wave_size == 0 && fills(plan)).collect()
 }
 
 /// All ways that might be fastest, each for all segments.
@@ -59,36 +69,34 @@ fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
     ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()
 }
 
-/// Takes the same paths by each of `plans`, round after round. Those that fall behind are left out;
-/// none is left in a render that is too small for a trial.
+/// Takes paths from the same places by each of `plans`, round after round. Those that fall behind are
+/// left out; none is left in a render that is too small for a trial.
 fn try_all<'a>(
     prepared: &Prepared<'_>,
     pool: &ThreadPool,
     plans: &'a [Plan],
     effort: Effort,
 ) -> Vec<Tried<'a>> {
-    // Tiles, ranges and buffers are those of the largest waves.
-    let largest = plans.iter().max_by_key(|plan| plan.wave_size).expect("there are plans");
+    let Some(largest) = plans.iter().max_by_key(|plan| plan.wave_size) else { return Vec::new() };
     let threads = pool.current_num_threads() as u64;
-    let samples = Samples::new(&prepared.settings, largest);
-    let paths_a_round = plans.len() as u64 * u64::from(largest.wave_size);
-    let paths = prepared.settings.paths() / threads;
-    let Some(rounds) = effort.rounds(paths, paths_a_round, threads) else { return Vec::new() };
+    let paths = u64::from(largest.wave_size);
+    let paths_a_thread = prepared.settings.paths() / threads;
+    let Some(rounds) = effort.rounds(paths_a_thread, plans.len() as u64 * paths, threads) else {
+        return Vec::new();
+    };
     for segment in plans.iter().flat_map(|plan| &plan.segments) {
         prepared.accelerator.prepare(segment.closest);
         prepared.accelerator.prepare(segment.occluded);
     }
-    let worker = |_| Mutex::new(Worker::new(prepared, largest));
-    let workers: Vec<_> = (0..threads).map(worker).collect();
+    let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
     // All threads take their waves by the same plan at the same time.
     let take = |plan: &'a Plan, round: u64| {
+        let paths = if round == 0 { paths.div_ceil(effort.first) } else { paths };
         pool.broadcast(|thread| {
-            let (tile, mut range) = samples.get(round * threads + thread.index() as u64);
-            if round == 0 {
-                // Some plans are slow beyond measure, which few paths show.
-                range.end -= (range.end - range.start) / 4 * 3;
-            }
+            let number = round * threads + thread.index() as u64;
+            let (tile, range) = sample(&prepared.settings, plan, number, paths);
             let mut worker = workers[thread.index()].lock().expect("no thread panicked");
+            let worker = worker.get_or_insert_with(|| Worker::new(prepared, largest));
             worker.reset(plan);
             worker.trace_all(tile, range, &|_, _| ());
             std::mem::take(&mut worker.watch.stats)
@@ -99,13 +107,12 @@ fn try_all<'a>(
     take(largest, 0);
     let mut tried: Vec<_> = plans.iter().map(Tried::new).collect();
     for round in 0..rounds {
-        // No plan is always the first, for which nothing is in the caches yet.
-        let first = round as usize % tried.len();
-        tried.rotate_left(first);
         for tried in &mut tried {
             tried.waves.extend::<Vec<WaveStats>>(take(tried.plan, round));
         }
-        tried = without_those_behind(tried);
+        tried = without_those_behind(tried, round);
+        // Each is the first in its turn, for which nothing is in the caches yet.
+        tried.rotate_left(1);
     }
     tried
 }
@@ -122,67 +129,81 @@ impl Effort {
     }
 }
 
-/// Waves from all over an image.
-struct Samples {
-    size: (u32, u32),
-    tiles: Tiles,
-    spp: u64,
-    wave_size: u64,
-}
-
-impl Samples {
-    fn new(settings: &RenderSettings, plan: &Plan) -> Self {
-        let (width, height) = (settings.width, settings.height);
-        Self {
-            size: (width, height),
-            tiles: Tiles::new(width, height, plan.tile_size),
-            spp: settings.spp.into(),
-            wave_size: plan.wave_size.into(),
-        }
-    }
-
-    /// A tile, and the range of its paths from which a wave comes. It begins at pixel number `number` of
-    /// a sequence that spreads in both directions (Roberts 2018, "The unreasonable effectiveness of
-    /// quasirandom sequences").
-    fn get(&self, number: u64) -> (Tile, Range<u64>) {
-        let place =
-            |side: u32, step: f64| ((0.5 + number as f64 * step).fract() * f64::from(side)) as u32;
-        let (x, y) = (place(self.size.0, 0.754_877_666), place(self.size.1, 0.569_840_291));
-        let tile = self.tiles.at(x, y);
-        let paths = tile.pixels() * self.spp;
-        let pixel = u64::from(y - tile.y) * u64::from(tile.width) + u64::from(x - tile.x);
-        let first = (pixel * self.spp).min(paths.saturating_sub(self.wave_size));
-        (tile, first..paths.min(first + self.wave_size))
-    }
+/// A tile, and the range of its paths that a trial takes: about pixel number `number` of a sequence
+/// that spreads in both directions (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
+fn sample(settings: &RenderSettings, plan: &Plan, number: u64, paths: u64) -> (Tile, Range<u64>) {
+    let place =
+        |side: u32, step: f64| ((0.5 + number as f64 * step).fract() * f64::from(side)) as u32;
+    let (x, y) = (place(settings.width, 0.754_877_666), place(settings.height, 0.569_840_291));
+    let tile = Tiles::new(settings.width, settings.height, plan.tile_size).at(x, y);
+    let (spp, pixel) = (u64::from(settings.spp), (y - tile.y) * tile.width + x - tile.x);
+    let end = tile.pixels() * spp;
+    // Far enough from the tile's end.
+    let first = (u64::from(pixel) * spp).min(end.saturating_sub(paths));
+    (tile, first..end.min(first + paths))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::pool::{self, Pin};
+    use crate::scene::Scene;
 
     #[test]
     fn trials_are_short() {
-        let effort = Effort { share: 10, rounds: [3, 12] };
+        let effort = Effort { share: 10, rounds: [3, 12], first: 1 };
         let rounds = |paths, threads| effort.rounds(paths, 1000, threads);
         assert_eq!((rounds(29_999, 1), rounds(30_000, 1)), (None, Some(3)));
         assert_eq!((rounds(99_000, 1), rounds(999_000, 1)), (Some(9), Some(12)));
         assert_eq!((rounds(999_000, 2), rounds(999_000, 64)), (Some(6), Some(3)));
     }
 
+    fn settings(side: u32, spp: u32) -> RenderSettings {
+        let scene = Scene::load("cornell").unwrap();
+        RenderSettings { width: side, height: side, spp, ..RenderSettings::of(&scene) }
+    }
+
+    fn plan() -> Plan {
+        let way = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
+        Plan { wave_size: 1 << 14, tile_size: 32, segments: vec![way] }
+    }
+
     #[test]
     fn samples_come_from_all_over_the_image() {
         for (side, spp) in [(512, 64), (1024, 8), (1024, 256), (4096, 16), (40, 4096)] {
-            let (tiles, wave_size) = (Tiles::new(side, side, 32), 1 << 14);
-            let samples = Samples { size: (side, side), tiles, spp, wave_size };
+            let settings = settings(side, spp);
             let mut quarters = [0; 4];
             for number in 0..12 {
-                let (tile, range) = samples.get(number);
+                let (tile, range) = sample(&settings, &plan(), number, 1 << 14);
+                let spp = u64::from(spp);
                 assert!(range.start < range.end && range.end <= tile.pixels() * spp);
-                assert!(range.end - range.start <= wave_size);
+                assert!(range.end - range.start <= 1 << 14);
                 let (x, y) = tile.pixel((range.start / spp) as u32);
                 quarters[(2 * x / side + 2 * (2 * y / side)) as usize] += 1;
             }
             assert!(quarters.iter().all(|&n| n > 0), "{side} {spp}: {quarters:?}");
         }
+    }
+
+    #[test]
+    fn sizes_are_tried_where_tiles_have_paths_for_them() {
+        let sizes = |settings: &RenderSettings| -> Vec<u32> {
+            each_size(settings, &plan(), 2).iter().map(|plan| plan.wave_size).collect()
+        };
+        let large = settings(400, 100);
+        assert_eq!(sizes(&large), SIZES);
+        assert_eq!(sizes(&RenderSettings { tile_size: 13, ..large.clone() }), SIZES[..2]);
+        assert!(sizes(&RenderSettings { wave_size: 5000, ..large.clone() }).is_empty());
+
+        let scene = Scene::load("cornell").unwrap();
+        let render = |spp| RenderSettings { spp, threads: 1, depth: 2, ..large.clone() };
+        let (pool, _) = pool::start(1, Pin::Off).unwrap();
+        let tried = |spp| {
+            let prepared = Prepared::new(&scene, &render(spp));
+            let sizes = each_size(&render(spp), &plan(), 1);
+            try_all(&prepared, &pool, &sizes, SIZES_EFFORT).len()
+        };
+        assert_eq!((tried(100), tried(200)), (0, 3));
     }
 }
