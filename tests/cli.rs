@@ -368,5 +368,7 @@ fn pins_and_files_are_what_was_asked_for() {
     let same = ["render", "--scene", "my.ron", "--json", "./my.ron"];
     let output = ptfast(here, &same);
     assert!(stderr(&output).contains("would replace the scene"), "{}", stderr(&output));
+    // A built-in scene is no file.
+    assert!(with(&["--json", "cornell"]).status.success());
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }

@@ -23,8 +23,8 @@ pub(super) fn read(path: &Path, scene: &Scene, quiet: bool) -> Result<Plan> {
     let plan: Plan =
         serde_json::from_value(plan.clone()).map_err(|error| bad(error.to_string()))?;
     plan.check().map_err(bad)?;
-    let other = record.get("scene_hash").is_some_and(|hash| *hash != *scene.hash());
-    if other && !quiet {
+    // A hash goes over the whole scene.
+    if !quiet && record.get("scene_hash").is_some_and(|hash| *hash != *scene.hash()) {
         notice(format_args!(
             "{}: the plan is of another scene, it may be slow here",
             path.display()

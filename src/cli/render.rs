@@ -27,7 +27,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         let message = format!("{}: the image and the record need two files", output.display());
         return Err(Error::Usage(message));
     }
-    if args.json.as_ref().is_some_and(|record| same_file(record, Path::new(&args.scene))) {
+    let scene_file = Some(Path::new(&args.scene)).filter(|file| file.is_file());
+    if scene_file.zip(args.json.as_ref()).is_some_and(|(file, record)| same_file(file, record)) {
         return Err(Error::Usage(format!("{}: the record would replace the scene", args.scene)));
     }
     for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {

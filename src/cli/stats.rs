@@ -36,6 +36,7 @@ fn percent(part: u64, of: u64) -> f64 {
 /// The stages one by one. Times are summed over threads.
 fn stages(render: &Render) -> Result<()> {
     let (waves, paths) = (&render.waves, render.tally.rays.primary as f64);
+    let all = waves.seconds();
     say(format_args!("\nstage            ms  share  ns a path  lanes"))?;
     for stage in Stage::ALL {
         let work = waves.stage(stage);
@@ -44,7 +45,7 @@ fn stages(render: &Render) -> Result<()> {
                 "{:<10}{:>9.1}{:>6.1}%{:>11.2}{:>6.0}%",
                 stage.name(),
                 work.seconds * 1e3,
-                work.seconds / waves.seconds() * 100.0,
+                work.seconds / all * 100.0,
                 work.seconds / paths * 1e9,
                 work.occupancy() * 100.0,
             ))?;

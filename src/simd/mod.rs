@@ -4,8 +4,8 @@
 //! lanes where AVX-512 is compiled in, 8 elsewhere (one AVX register, two of SSE2). Nothing
 //! outside this module names the crate below.
 //!
-//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and sign operations
-//! are contract arithmetic: each lane is what the scalar of the same name in
+//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and
+//! sign operations are contract arithmetic: each lane is what the scalar of the same name in
 //! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
 //! not: they may only decide where to look.
 

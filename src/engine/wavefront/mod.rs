@@ -213,7 +213,6 @@ impl<'a> Worker<'a> {
             let mut endings = Endings::default();
             let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);
-            result.tally.endings.add(&endings);
             watch.ended(segment, &endings);
             watch.lap(Stage::Shade, segment, work);
 
@@ -244,6 +243,9 @@ impl TileWorker for Worker<'_> {
         let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
         self.trace_all(tile, 0..paths, report);
         self.result.waves = std::mem::take(&mut self.watch.stats);
+        for segment in &self.result.waves.segments {
+            self.result.tally.endings.add(&segment.endings);
+        }
         std::mem::take(&mut self.result)
     }
 }

@@ -15,6 +15,7 @@ use crate::film::{Tile, Tiles};
 
 /// Sizes of waves that are tried.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
+
 /// How long a trial may be.
 #[derive(Clone, Copy)]
 struct Effort {
@@ -25,6 +26,7 @@ struct Effort {
     /// The first round is so many times shorter: what is slow beyond measure shows at once.
     first: u64,
 }
+
 /// Ways differ by factors, ...
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// ... sizes by a few percent, and the parts of an image differ more.
