@@ -16,9 +16,9 @@ pub(super) struct Cells {
 
 impl Cells {
     /// Bits of a cell's number.
-    pub(super) const BITS: u32 = 12;
+    pub(super) const BITS: u32 = 16;
     /// Along the longest edge of a scene.
-    const ACROSS: f32 = 32.0;
+    const ACROSS: f32 = 24.0;
 
     pub(super) fn new(bounds: &Bounds) -> Self {
         let edges = bounds.max - bounds.min;
@@ -26,8 +26,9 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// The cells of rays: the octant of the direction in the highest bits, then the place in Morton
-    /// order, so that the lowest bits may be left out.
+    /// The cells of rays. From the highest bits: the octant of the direction; the place by fours of
+    /// cells; the direction within the octant; the place within the fours. The lowest bits may be
+    /// left out.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // 1.5 · 2²³: the sum is rounded to an integer, which is in its last bits.
@@ -36,22 +37,29 @@ impl Cells {
             let place = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
             SPREAD.shuffled((place + magic).to_bits() & Int::splat(7))
         });
+        // The squares of x, y, z add up to 1: two of them tell the third.
+        let part = axes(|axis| {
+            let square = direction[axis] * direction[axis];
+            (square * Float::splat(3.0) + magic).to_bits() & Int::splat(3)
+        });
         let down = axes(|axis| direction[axis].to_bits().shifted_down(31));
         place[0]
             | place[1].shifted_up(1)
             | place[2].shifted_up(2)
-            | down[0].shifted_up(9)
-            | down[1].shifted_up(10)
-            | down[2].shifted_up(11)
+            | part[0].shifted_up(3)
+            | part[2].shifted_up(5)
+            | down[0].shifted_up(13)
+            | down[1].shifted_up(14)
+            | down[2].shifted_up(15)
     }
 }
 
-/// Three bits, two bits apart, for each number below 8.
+/// The bits of each number below 8, where those of a place along x go.
 const SPREAD: Int = {
     let (mut spread, mut number) = ([0; LANES], 0);
     while number < 8 {
         let n = number as u32;
-        spread[number] = n & 1 | (n & 2) << 2 | (n & 4) << 4;
+        spread[number] = n & 1 | (n & 2) << 6 | (n & 4) << 8;
         number += 1;
     }
     Int::new(spread)
