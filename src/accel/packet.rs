@@ -77,22 +77,25 @@ impl<const V: usize> Packet<V> {
         match block.kind() {
             Kind::Sphere => {
                 let block = &blocks.spheres[block.place()];
+                let padded = lanes::padded_radius2(Float::new(block.radius)).to_array();
                 for lane in Bits(lanes) {
                     let center = Vec3x::splat_lane(&block.center, lane);
                     let radius = Float::splat(block.radius[lane]);
-                    let primitive = block.primitive[lane];
-                    self.test_sphere::<ANY, LEAVE>(|_| center, radius, primitive);
+                    let (padded, primitive) = (Float::splat(padded[lane]), block.primitive[lane]);
+                    self.test_sphere::<ANY, LEAVE>(|_| center, radius, padded, primitive);
                 }
             }
             Kind::MovingSphere => {
                 let block = &blocks.moving_spheres[block.place()];
+                let padded = lanes::padded_radius2(Float::new(block.still.radius)).to_array();
                 for lane in Bits(lanes) {
                     let center = Vec3x::splat_lane(&block.still.center, lane);
                     let motion = Vec3x::splat_lane(&block.motion, lane);
                     let radius = Float::splat(block.still.radius[lane]);
                     let center = |ray: &RayLanes| center + motion * ray.time;
+                    let padded = Float::splat(padded[lane]);
                     let primitive = block.still.primitive[lane];
-                    self.test_sphere::<ANY, LEAVE>(center, radius, primitive);
+                    self.test_sphere::<ANY, LEAVE>(center, radius, padded, primitive);
                 }
             }
             Kind::Quad => {
@@ -170,12 +173,13 @@ impl<const V: usize> Packet<V> {
         &mut self,
         center: impl Fn(&RayLanes) -> Vec3x,
         radius: Float,
+        padded_radius2: Float,
         primitive: u32,
     ) {
         let mut missed = [0; V];
         for (missed, rays) in missed.iter_mut().zip(&self.vectors) {
             let ray = &rays.setup.ray;
-            *missed = lanes::misses_sphere(ray, center(ray), radius);
+            *missed = lanes::misses_sphere(ray, center(ray), padded_radius2);
         }
         // Asked once for all vectors: mostly all miss, and CPUs learn that.
         let all = first_bits(LANES);

@@ -135,9 +135,7 @@ impl Setup {
             wild &= (finite.eq(Float::ZERO) & moves).bits();
         }
 
-        let length2 = direction.dot(direction);
-        let inv_length2 = Float::splat(1.0) / length2;
-        self.ray = RayLanes { origin, direction, time, length2, inv_length2, t_min };
+        self.ray = RayLanes::new(origin, direction, time, t_min);
         if extent.boxes {
             self.slab = SlabLanes::new(&self.ray, speed, far, extent);
         }

@@ -10,6 +10,7 @@ use crate::film::{PixelSum, Tile};
 
 /// Adds the samples of `paths`, which are number `range` of `tile`, to the pixel that `sum` is at, and
 /// to those that follow.
+#[inline(never)]
 pub(super) fn accumulate(
     paths: &Paths,
     tile: Tile,

@@ -42,6 +42,7 @@ impl Shadows {
 
 /// Traces the shadow rays, of which there are some, and adds the light of those that nothing occludes.
 /// Returns the work, if it is to `count` it.
+#[inline(never)]
 pub(super) fn connect(
     accelerator: &Accelerator,
     kernel: Kernel,

@@ -15,6 +15,7 @@ use crate::simd::warp::uniform_disk;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
 /// Makes the paths number `range` of `tile`, whose pixels go row by row with all their samples.
+#[inline(never)]
 pub(super) fn generate(
     camera: &CameraFrame,
     settings: &RenderSettings,

@@ -190,6 +190,8 @@ impl<'a> Worker<'a> {
     }
 
     /// Takes the paths number `range` of `tile` from the camera to the film.
+    ///
+    /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
     fn trace(&mut self, tile: Tile, range: Range<u64>) {
         let Self { prepared, plan, wave, sum, result, watch } = self;
         let Prepared { scene, settings, camera, accelerator, materials, surfaces, cells } =

@@ -10,6 +10,7 @@ use super::rays::Rays;
 pub(super) type Next = Columns<2>;
 
 /// Makes the rays of the paths `next`: `by_cell`, or as they come.
+#[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
     if by_cell {
         sort(next, rays);

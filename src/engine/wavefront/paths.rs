@@ -63,8 +63,9 @@ impl Paths {
     #[inline(always)]
     fn scatter(&mut self, place: usize, indices: &Lanes<u32>, columns: (Vec3x, Float)) {
         let quads = quads_of(columns);
+        let lines = self.0.as_mut_slice();
         for lane in 0..LANES {
-            self.0[indices[lane] as usize].0[place] = quads[lane];
+            lines[indices[lane] as usize].0[place] = quads[lane];
         }
     }
 

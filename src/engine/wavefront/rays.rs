@@ -43,6 +43,7 @@ impl Rays {
     }
 
     /// The batch of the rays of `self.paths`.
+    #[inline(never)]
     pub(super) fn fill(&mut self, paths: &Paths) {
         let len = self.paths.len();
         let last = self.paths.last().copied().unwrap_or(0);

@@ -10,6 +10,7 @@ use crate::simd::{Float, Int, LANES, first_bits};
 pub(super) type Queue = Columns<3>;
 
 /// Puts the paths of `rays`, which have hit `hits`, into the queues of [`Materials::bins`].
+#[inline(never)]
 pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: &mut [Queue]) {
     queues.iter_mut().for_each(Queue::clear);
     for first in (0..rays.len()).step_by(LANES) {

@@ -10,7 +10,8 @@ mod surface;
 mod triangle;
 
 pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
-pub(crate) use sphere::{misses_sphere, sphere};
+use sphere::padded_inv_length2;
+pub(crate) use sphere::{misses_sphere, padded_radius2, sphere};
 pub(crate) use surface::{HitPoints, Shape, SurfaceLanes, Surfaces};
 pub(crate) use triangle::shear_triangles;
 
@@ -24,6 +25,8 @@ pub(crate) struct RayLanes {
     pub(crate) time: Float,
     pub(crate) length2: Float,
     pub(crate) inv_length2: Float,
+    /// [`padded_inv_length2`].
+    pub(crate) padded_inv_length2: Float,
     /// Lower ends of the open intervals, not below 0.
     pub(crate) t_min: Float,
 }
@@ -35,8 +38,17 @@ impl RayLanes {
         time: Float::ZERO,
         length2: Float::ZERO,
         inv_length2: Float::ZERO,
+        padded_inv_length2: Float::ZERO,
         t_min: Float::ZERO,
     };
+
+    #[inline(always)]
+    pub(crate) fn new(origin: Vec3x, direction: Vec3x, time: Float, t_min: Float) -> Self {
+        let length2 = direction.dot(direction);
+        let inv_length2 = Float::splat(1.0) / length2;
+        let padded_inv_length2 = padded_inv_length2(inv_length2);
+        Self { origin, direction, time, length2, inv_length2, padded_inv_length2, t_min }
+    }
 }
 
 /// Distances of hits, where there are any.
@@ -85,6 +97,7 @@ mod tests {
             time: float(&|i| prepared[i].ray.time),
             length2: float(&|i| prepared[i].length2),
             inv_length2: float(&|i| prepared[i].inv_length2),
+            padded_inv_length2: padded_inv_length2(float(&|i| prepared[i].inv_length2)),
             t_min: Float::splat(t_min),
         };
         let compare = |hits: Option<HitLanes>, primitive: &dyn Fn(usize) -> Primitive<'a>| {
@@ -104,7 +117,7 @@ mod tests {
         let one = |lane: usize| Primitive::Sphere(&spheres[lane]);
         compare(sphere::<false>(&ray, lanes(&centers), radius), &one);
         compare(sphere::<true>(&ray, lanes(&centers), radius), &one);
-        let near = !Mask::from_bits(misses_sphere(&ray, lanes(&centers), radius));
+        let near = !Mask::from_bits(misses_sphere(&ray, lanes(&centers), padded_radius2(radius)));
         let hits = sphere::<false>(&ray, lanes(&centers), radius);
         compare(hits.map(|HitLanes { t, hit }| HitLanes { t, hit: hit & near }), &one);
 

@@ -39,22 +39,32 @@ pub(crate) fn sphere<const ASK: bool>(
 }
 
 /// Lanes whose rays surely miss spheres: most of those for which [`sphere`] has no hit. In free
-/// arithmetic, half the work of the test: for lanes of which mostly none comes near.
+/// arithmetic, half the work of the test: for lanes of which mostly none comes near. Of the spheres
+/// it takes [`padded_radius2`].
 ///
-/// With `f` known exactly, r² − l·l is off by less than 13 roundings of f·f here, by less than 16
-/// in the test; a ray that is surely outside and goes away hits nothing at distances above 0.
+/// With `f` known exactly and u the unit roundoff, r² − l·l is off by less than 13u f·f + 3u r² here,
+/// by less than 16u f·f in the test, and f·f is r² + (f·d)²/d·d − l·l. So 64u of r² and of (f·d)²/d·d
+/// are enough. A ray that is surely outside and goes away hits nothing at distances above 0.
 #[inline(always)]
-pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, radius: Float) -> u32 {
+pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
-    let f2 = fz.free_mul_add(fz, fy.free_mul_add(fy, fx * fx));
-    let radius2 = radius * (radius * Float::splat(1.0 + 8.0 * UNIT_ROUNDOFF));
-    // The tiny number is for underflow.
-    let radius2 = radius2 + Float::splat(1e-36);
-    // −(f·f − r²) and then −(l·l − r²), both too large by the margin; of rays that go away the
-    // first alone.
-    let inside = f2.free_mul_add(Float::splat(-1.0 + 64.0 * UNIT_ROUNDOFF), radius2);
     let toward = away.min(Float::ZERO);
-    let discriminant = (toward * ray.inv_length2).free_mul_add(toward, inside);
+    // f·f − r², and of rays that go toward the sphere l·l − r², both too small by the margin.
+    let outside = fz.free_mul_add(fz, fy.free_mul_add(fy, fx.free_mul_sub(fx, padded_radius2)));
+    let discriminant = (toward * ray.padded_inv_length2).free_mul_sub(toward, outside);
     discriminant.lt(Float::ZERO).bits()
+}
+
+/// r² and the margin of [`misses_sphere`].
+#[inline(always)]
+pub(crate) fn padded_radius2(radius: Float) -> Float {
+    // The tiny number is for underflow.
+    radius * (radius * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)) + Float::splat(1e-36)
+}
+
+/// 1/d·d and the margin of [`misses_sphere`].
+#[inline(always)]
+pub(super) fn padded_inv_length2(inv_length2: Float) -> Float {
+    inv_length2 * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)
 }

@@ -97,15 +97,7 @@ fn sample_sphere(light: &Sphere, from: Vec3x, time: Float, u: Float, v: Float) -
     let cones = Cones::new(light, from, time);
     let in_cone = uniform_cone(cones.to_center.normalize(), cones.one_minus_cos, u, v);
     let direction = Vec3x::select(cones.outside, in_cone, uniform_sphere(u, v));
-    let length2 = direction.dot(direction);
-    let ray = RayLanes {
-        origin: from,
-        direction,
-        time,
-        length2,
-        inv_length2: Float::splat(1.0) / length2,
-        t_min: Float::ZERO,
-    };
+    let ray = RayLanes::new(from, direction, time, Float::ZERO);
     // At the silhouette rounding may miss the sphere, which is then as far as its centre.
     let missed = cones.to_center.dot(direction);
     let distance = match sphere::<false>(&ray, cones.center, Float::splat(light.radius)) {

@@ -50,6 +50,7 @@ pub(super) struct Shaded<'a> {
 
 impl Shading<'_> {
     /// Shades the queues of all bins. Returns how many paths it took, and in how many lanes.
+    #[inline(never)]
     pub(super) fn shade(&self, queues: &[Queue], shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
         shaded.shadows.clear();
