@@ -133,6 +133,11 @@ impl Scene {
         self.material_of[primitive as usize]
     }
 
+    /// [`Self::material_index`] of all primitives.
+    pub(crate) fn material_indices(&self) -> &[u32] {
+        &self.material_of
+    }
+
     /// The lights that can be sampled.
     pub fn lights(&self) -> &[Light] {
         &self.lights

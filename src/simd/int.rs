@@ -1,6 +1,6 @@
 //! Vectors of u32.
 
-use std::ops::{Add, BitAnd, BitOr, BitXor, Mul};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub};
 
 use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
 
@@ -129,8 +129,9 @@ macro_rules! operator {
     };
 }
 
-// Sums and products are modulo 2^32.
+// Sums, differences and products are modulo 2^32.
 operator!(Add, add);
+operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(BitAnd, bitand);
 operator!(BitOr, bitor);

@@ -11,6 +11,7 @@
 
 mod compress;
 mod float;
+mod indices;
 mod int;
 mod mask;
 mod prefetch;
@@ -22,6 +23,7 @@ pub(crate) mod warp;
 
 pub(crate) use compress::places;
 pub(crate) use float::Float;
+pub(crate) use indices::Indices;
 pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, by_key, first_bits};
 pub(crate) use prefetch::prefetch;

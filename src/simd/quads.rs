@@ -22,14 +22,14 @@ pub(crate) fn quad(vector: Vec3, number: f32) -> Quad {
 #[inline(always)]
 pub(crate) fn gather_quads<'a>(
     indices: &Lanes<u32>,
-    quad: impl Fn(usize) -> &'a Quad,
+    quad: impl Fn(u32) -> &'a Quad,
 ) -> (Vec3x, Float) {
     let mut rows = [register::joined([&[0; 4]; PARTS]); 4];
     for (row, register) in rows.iter_mut().enumerate() {
         // Quads that are turned together lie in the same part of four registers.
         let mut quads = [&[0; 4]; PARTS];
         for (part, found) in quads.iter_mut().enumerate() {
-            *found = quad(indices[4 * part + row] as usize);
+            *found = quad(indices[4 * part + row]);
         }
         *register = register::joined(quads);
     }
@@ -176,7 +176,7 @@ mod tests {
             (0..50).map(|_| std::array::from_fn(|_| random.bits() as u32)).collect();
         for _ in 0..1000 {
             let indices: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 50) as u32);
-            let (Vec3x([x, y, z]), number) = gather_quads(&indices, |index| &table[index]);
+            let (Vec3x([x, y, z]), number) = gather_quads(&indices, |index| &table[index as usize]);
             for (column, values) in [x, y, z, number].into_iter().enumerate() {
                 let want = indices.map(|index| table[index as usize][column]);
                 assert_eq!(values.to_bits().to_array(), want);

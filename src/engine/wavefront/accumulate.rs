@@ -50,7 +50,7 @@ pub(super) fn accumulate(
 mod tests {
     use super::*;
     use crate::math::random::Stream;
-    use crate::simd::{LANES, Vec3x};
+    use crate::simd::{Int, Vec3x};
 
     /// Waves that begin and end within pixels, and samples that are not finite.
     #[test]
@@ -68,7 +68,8 @@ mod tests {
         for range in [0..5u64, 5..60, 60..63, 63..168] {
             let mut paths = Paths::new(168);
             for (path, sample) in (0..).zip(&samples[range.start as usize..range.end as usize]) {
-                paths.add_radiance(&[path; LANES], Vec3x::splat(*sample), u32::MAX);
+                let indices = paths.indices(Int::splat(path));
+                paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
             }
             accumulate(&paths, tile, range, spp, &mut sum, &mut result);
         }

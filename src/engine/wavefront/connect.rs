@@ -4,7 +4,7 @@ use super::columns::Columns;
 use super::extend::trace;
 use super::paths::Paths;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
-use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
+use crate::simd::{Float, Indices, Int, LANES, Vec3x};
 
 /// Ways to lights, and what arrives if they are free.
 #[derive(Debug)]
@@ -27,16 +27,10 @@ impl Shadows {
 
     /// Adds the lanes whose bits are set.
     #[inline(always)]
-    pub(super) fn append(
-        &mut self,
-        rays: &RayVector,
-        radiance: Vec3x,
-        paths: &Lanes<u32>,
-        bits: u32,
-    ) {
+    pub(super) fn append(&mut self, rays: &RayVector, radiance: Vec3x, paths: &Indices, bits: u32) {
         self.rays.append(rays, bits);
         let [r, g, b] = radiance.0.map(Float::to_bits);
-        self.light.append(&[r, g, b, Int::new(*paths)], bits);
+        self.light.append(&[r, g, b, Int::new(*paths.lanes())], bits);
     }
 }
 
@@ -61,7 +55,7 @@ pub(super) fn connect(
         let free = Int::load(&hits.primitive[first..]).eq(Int::splat(HitBatch::MISS));
         let [r, g, b, path] = light.rows(first);
         let light = Vec3x([r, g, b].map(Float::from_bits));
-        paths.add_radiance(&path.to_array(), light, free.bits());
+        paths.add_radiance(&paths.indices(path), light, free.bits());
     }
     counters
 }

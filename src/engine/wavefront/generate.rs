@@ -34,7 +34,7 @@ pub(super) fn generate(
         let RayVector { origin, direction, time, .. } = made;
         let pdf = Float::splat(Segment::SPECULAR);
         let beta = Vec3x([Float::splat(1.0); 3]);
-        let indices = rays.paths(first);
+        let indices = paths.indices(rays.paths(first));
         paths.set_segments(&indices, &Segment { origin, time, direction, pdf });
         let history = History { beta, radiance: Vec3x::ZERO, keys };
         paths.set_beta(&indices, &history);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::simd::random::PathKeys;
-use crate::simd::{Float, LANES, Lanes, Mask, Quad, Vec3x, gather_quads, quads_of};
+use crate::simd::{Float, Indices, Int, LANES, Mask, Quad, Vec3x};
 
 /// The paths of a wave, by the number of their sample in it.
 ///
@@ -55,23 +55,25 @@ impl Paths {
 
     /// Quad number `place` of the paths `indices`: a vector and a number.
     #[inline(always)]
-    fn gather(&self, place: usize, indices: &Lanes<u32>) -> (Vec3x, Float) {
-        gather_quads(indices, |path| &self.0[path].0[place])
+    fn gather(&self, place: usize, indices: &Indices) -> (Vec3x, Float) {
+        indices.gather(&self.0, |line| &line.0[place])
     }
 
     /// Sets it. Where a path is in several lanes, these must say the same.
     #[inline(always)]
-    fn scatter(&mut self, place: usize, indices: &Lanes<u32>, columns: (Vec3x, Float)) {
-        let quads = quads_of(columns);
-        let lines = self.0.as_mut_slice();
-        for lane in 0..LANES {
-            lines[indices[lane] as usize].0[place] = quads[lane];
-        }
+    fn scatter(&mut self, place: usize, indices: &Indices, columns: (Vec3x, Float)) {
+        indices.scatter(&mut self.0, |line| &mut line.0[place], columns);
+    }
+
+    /// The paths in `lanes`, all of which must be there.
+    #[inline(always)]
+    pub(super) fn indices(&self, lanes: Int) -> Indices {
+        Indices::new(lanes, self.0.len())
     }
 
     /// The segments of the paths `indices`.
     #[inline(always)]
-    pub(super) fn segments(&self, indices: &Lanes<u32>) -> Segment {
+    pub(super) fn segments(&self, indices: &Indices) -> Segment {
         let (origin, time) = self.gather(0, indices);
         let (direction, pdf) = self.gather(1, indices);
         Segment { origin, time, direction, pdf }
@@ -79,7 +81,7 @@ impl Paths {
 
     /// Gives new segments to the paths `indices`; those that have ended need none, but do not mind.
     #[inline(always)]
-    pub(super) fn set_segments(&mut self, indices: &Lanes<u32>, segments: &Segment) {
+    pub(super) fn set_segments(&mut self, indices: &Indices, segments: &Segment) {
         let Segment { origin, time, direction, pdf } = *segments;
         self.scatter(0, indices, (origin, time));
         self.scatter(1, indices, (direction, pdf));
@@ -87,7 +89,7 @@ impl Paths {
 
     /// The histories of the paths `indices`.
     #[inline(always)]
-    pub(super) fn histories(&self, indices: &Lanes<u32>) -> History {
+    pub(super) fn histories(&self, indices: &Indices) -> History {
         let (beta, pixel_word) = self.gather(2, indices);
         let (radiance, sample_word) = self.gather(3, indices);
         let keys =
@@ -97,13 +99,13 @@ impl Paths {
 
     /// Sets the throughputs of the paths `indices`.
     #[inline(always)]
-    pub(super) fn set_beta(&mut self, indices: &Lanes<u32>, history: &History) {
+    pub(super) fn set_beta(&mut self, indices: &Indices, history: &History) {
         self.scatter(2, indices, (history.beta, Float::from_bits(history.keys.pixel_word)));
     }
 
     /// Sets what has arrived along the paths `indices`.
     #[inline(always)]
-    pub(super) fn set_radiance(&mut self, indices: &Lanes<u32>, history: &History) {
+    pub(super) fn set_radiance(&mut self, indices: &Indices, history: &History) {
         self.scatter(3, indices, (history.radiance, Float::from_bits(history.keys.sample_word)));
     }
 
@@ -117,7 +119,7 @@ impl Paths {
     /// Adds `light` to what has arrived along those of the paths `indices` whose bits are set. Where a
     /// path is in several lanes, these must say the same.
     #[inline(always)]
-    pub(super) fn add_radiance(&mut self, indices: &Lanes<u32>, light: Vec3x, bits: u32) {
+    pub(super) fn add_radiance(&mut self, indices: &Indices, light: Vec3x, bits: u32) {
         let (radiance, sample_word) = self.gather(3, indices);
         let sum = Vec3x::select(Mask::from_bits(bits), radiance + light, radiance);
         self.scatter(3, indices, (sum, sample_word));

@@ -3,7 +3,7 @@
 use super::cells::Cells;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
-use crate::simd::{Float, LANES, Lanes};
+use crate::simd::{Float, Int, LANES};
 
 /// Rays, and which path each is of.
 #[derive(Debug)]
@@ -31,8 +31,8 @@ impl Rays {
 
     /// The paths of rays `first..`, one a lane.
     #[inline(always)]
-    pub(super) fn paths(&self, first: usize) -> Lanes<u32> {
-        *self.paths[first..].first_chunk().expect("whole vectors")
+    pub(super) fn paths(&self, first: usize) -> Int {
+        Int::load(&self.paths[first..])
     }
 
     /// Begins a wave, whose paths are numbered from 0.
@@ -50,7 +50,8 @@ impl Rays {
         self.paths.resize(len.next_multiple_of(LANES), last);
         self.batch.clear();
         for first in (0..len).step_by(LANES) {
-            let Segment { origin, time, direction, .. } = paths.segments(&self.paths(first));
+            let Segment { origin, time, direction, .. } =
+                paths.segments(&paths.indices(self.paths(first)));
             let (t_min, t_max) = (Float::ZERO, Float::INFINITY);
             let rays = RayVector { origin, direction, time, t_min, t_max };
             self.batch.extend(&rays, LANES.min(len - first));

@@ -17,7 +17,7 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: 
         let present = first_bits(rays.len() - first);
         let t = Float::load(&hits.t[first..]).to_bits();
         let primitive = Int::load(&hits.primitive[first..]);
-        let row = [Int::new(rays.paths(first)), t, primitive];
+        let row = [rays.paths(first), t, primitive];
         let bins = Int::new(primitive.to_array().map(|p| u32::from(materials.bin(p))));
         for (bin, queue) in queues.iter_mut().enumerate() {
             let bits = bins.eq(Int::splat(bin as u32)).bits() & present;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::{Geometry, Primitive, Quad, Ray};
 use crate::math::UNIT_ROUNDOFF;
-use crate::simd::{Float, LANES, Lanes, Quad as Words, Vec3x, axes, gather_quads, quad};
+use crate::simd::{Float, Indices, Int, LANES, Lanes, Quad as Words, Vec3x, axes, quad};
 
 /// One [`Surface`](crate::geometry::Surface) a lane.
 #[derive(Clone, Copy, Debug)]
@@ -94,9 +94,10 @@ impl<'a> Surfaces<'a> {
 
     #[inline(always)]
     fn spheres<const MOVING: bool>(&self, hits: &HitPoints) -> SurfaceLanes {
-        let (mut center, radius) = gather_quads(&hits.primitive, |p| &self.spheres[p]);
+        let indices = Indices::new(Int::new(hits.primitive), self.spheres.len());
+        let (mut center, radius) = indices.gather(&self.spheres, |sphere| sphere);
         if MOVING {
-            let (motion, _) = gather_quads(&hits.primitive, |p| &self.motions[p]);
+            let (motion, _) = indices.gather(&self.motions, |motion| motion);
             center = center + motion * hits.time;
         }
         let normal = (hits.origin + hits.direction * hits.t - center).normalize();
@@ -112,8 +113,9 @@ impl<'a> Surfaces<'a> {
 
     #[inline(always)]
     fn quads(&self, hits: &HitPoints) -> SurfaceLanes {
-        let first = self.spheres.len();
-        let part = |i: usize| gather_quads(&hits.primitive, |p| &self.quads[p - first][i]);
+        let number = Int::new(hits.primitive) - Int::splat(self.spheres.len() as u32);
+        let indices = Indices::new(number, self.quads.len());
+        let part = |i: usize| indices.gather(&self.quads, |quad| &quad[i]);
         let ((q, offset), (u, x), (v, y)) = (part(0), part(1), part(2));
         let ((dual_u, z), (dual_v, _)) = (part(3), part(4));
         let p = (hits.origin - q) + hits.direction * hits.t;

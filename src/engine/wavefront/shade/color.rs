@@ -6,7 +6,7 @@ use super::Shading;
 use super::vertex::Vertex;
 use crate::engine::wavefront::materials::{Pattern, texture};
 use crate::geometry::{Ray, Surface};
-use crate::simd::{Float, LANES, Lanes, Mask, Vec3x, axes, gather_quads};
+use crate::simd::{Float, Indices, Int, LANES, Lanes, Mask, Vec3x, axes, gather_quads};
 
 impl Shading<'_> {
     /// The albedo at each vertex, and the materials' number.
@@ -25,9 +25,9 @@ impl Shading<'_> {
     #[inline(always)]
     pub(super) fn solid(&self, primitives: &Lanes<u32>) -> (Vec3x, Float) {
         let Self { scene, materials, .. } = self;
-        gather_quads(primitives, |primitive| {
-            &materials.solid[scene.material_index(primitive as u32) as usize]
-        })
+        let table = scene.material_indices();
+        let material = Indices::new(Int::new(*primitives), table.len()).pick(table);
+        gather_quads(&material, |material| &materials.solid[material as usize])
     }
 
     /// [`Checker`](crate::scene::Checker) a lane.
@@ -36,7 +36,7 @@ impl Shading<'_> {
         let Self { scene, materials, .. } = self;
         let quads = |place: usize| {
             gather_quads(&vertex.primitive, |primitive| {
-                &materials.checkers[scene.material_index(primitive as u32) as usize][place]
+                &materials.checkers[scene.material_index(primitive) as usize][place]
             })
         };
         let ((odd_color, frequency), (even_color, _)) = (quads(0), quads(1));

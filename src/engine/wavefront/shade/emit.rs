@@ -8,13 +8,13 @@ use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::Shape;
 use crate::scene::{Background, Sampling};
-use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, by_key};
+use crate::simd::{Bits, Float, LANES, Mask, Vec3x, by_key};
 
 impl Shading<'_> {
     /// Paths that leave the scene.
     pub(super) fn background(&self, queue: &Queue, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
-            let [path, ..] = queue.rows(first).map(Int::to_array);
+            let path = shaded.paths.indices(queue.rows(first)[0]);
             let seen = match *self.scene.background() {
                 Background::Constant(seen) => Vec3x::splat(seen),
                 Background::Gradient { bottom, top } => {

@@ -87,7 +87,7 @@ impl Shading<'_> {
             let histories = History { beta, ..vertex.history };
             shaded.paths.set_beta(&vertex.path, &histories);
             let cells = self.cells.of(origin, direction);
-            shaded.next.append(&[Int::new(vertex.path), cells], goes_on);
+            shaded.next.append(&[Int::new(*vertex.path.lanes()), cells], goes_on);
         }
     }
 }

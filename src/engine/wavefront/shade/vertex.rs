@@ -6,11 +6,11 @@ use crate::engine::wavefront::paths::{History, Paths, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::{HitPoints, Shape, SurfaceLanes};
 use crate::simd::random::PathKeys;
-use crate::simd::{Float, LANES, Lanes, Mask, Vec3x, first_bits};
+use crate::simd::{Float, Indices, LANES, Lanes, Mask, Vec3x, first_bits};
 
 /// A point of a surface a lane, and a path that has come there.
 pub(super) struct Vertex {
-    pub(super) path: Lanes<u32>,
+    pub(super) path: Indices,
     /// Lanes of paths; others repeat the last.
     pub(super) present: u32,
     /// Which has come there.
@@ -37,7 +37,8 @@ impl Shading<'_> {
         paths: &Paths,
     ) -> Vertex {
         let [path, t, primitive] = queue.rows(first);
-        let (path, t, primitive) = (path.to_array(), Float::from_bits(t), primitive.to_array());
+        let (path, t) = (paths.indices(path), Float::from_bits(t));
+        let primitive = primitive.to_array();
         let segment = paths.segments(&path);
         let Segment { origin, direction, time, .. } = segment;
         let surface =

@@ -1,0 +1,112 @@
+//! Places in a table, a lane each, whose bounds are checked together.
+//!
+//! Measured (AVX-512, cycles of whole renders): spheres 0.96, cornell with light samples 0.96 of what
+//! a check a lane costs, since loops become a quarter shorter.
+#![allow(unsafe_code)]
+
+use super::{Float, Int, LANES, Lanes, Quad, Vec3x, first_bits, gather_quads, quads_of};
+
+/// Places in a table of at least `end` entries, one a lane, all below `end`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Indices {
+    lanes: Lanes<u32>,
+    end: usize,
+}
+
+impl Indices {
+    /// # Panics
+    /// Where a lane is not below `end`.
+    #[inline(always)]
+    pub(crate) fn new(lanes: Int, end: usize) -> Self {
+        let last = end.checked_sub(1).expect("a table with entries");
+        let last = Int::splat(u32::try_from(last).unwrap_or(u32::MAX));
+        assert!(lanes.le(last).bits() == first_bits(LANES), "an index is not below {end}");
+        Self { lanes: lanes.to_array(), end }
+    }
+
+    pub(crate) fn lanes(&self) -> &Lanes<u32> {
+        &self.lanes
+    }
+
+    /// The quads of these entries of `table`.
+    #[inline(always)]
+    pub(crate) fn gather<T>(&self, table: &[T], quad: impl Fn(&T) -> &Quad) -> (Vec3x, Float) {
+        assert!(self.end <= table.len());
+        // SAFETY: all indices are below `end`.
+        gather_quads(&self.lanes, |index| quad(unsafe { table.get_unchecked(index as usize) }))
+    }
+
+    /// Sets the quads of these entries of `table`. Where an entry is in several lanes, these must
+    /// say the same.
+    #[inline(always)]
+    pub(crate) fn scatter<T>(
+        &self,
+        table: &mut [T],
+        quad: impl Fn(&mut T) -> &mut Quad,
+        columns: (Vec3x, Float),
+    ) {
+        assert!(self.end <= table.len());
+        let quads = quads_of(columns);
+        for (words, &index) in quads.into_iter().zip(&self.lanes) {
+            // SAFETY: all indices are below `end`.
+            *quad(unsafe { table.get_unchecked_mut(index as usize) }) = words;
+        }
+    }
+
+    /// These entries of `table`.
+    #[inline(always)]
+    pub(crate) fn pick(&self, table: &[u32]) -> Lanes<u32> {
+        assert!(self.end <= table.len());
+        let mut picked = self.lanes;
+        for word in &mut picked {
+            // SAFETY: all indices are below `end`.
+            *word = *unsafe { table.get_unchecked(*word as usize) };
+        }
+        picked
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+    use crate::simd::quad;
+    use glam::Vec3;
+
+    #[test]
+    fn entries_are_read_and_written() {
+        let mut random = Stream::new(7);
+        let mut table: Vec<[Quad; 2]> =
+            (0..40).map(|i| [[i; 4], quad(Vec3::splat(i as f32), -1.0)]).collect();
+        let words: Vec<u32> = (0..40).map(|i| i * i).collect();
+        for _ in 0..100 {
+            let lanes: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 40) as u32);
+            let indices = Indices::new(Int::new(lanes), table.len());
+            assert_eq!(indices.pick(&words), lanes.map(|i| i * i));
+            let (vector, number) = indices.gather(&table, |quads| &quads[1]);
+            assert_eq!(vector[2].to_array(), lanes.map(|i| i as f32));
+            let changed = (vector, number + Float::splat(1.0));
+            indices.scatter(&mut table, |quads| &mut quads[0], changed);
+            for (i, quads) in (0..).zip(&mut table) {
+                let written = quad(Vec3::splat(i as f32), 0.0);
+                assert_eq!(quads[0], if lanes.contains(&i) { written } else { [i; 4] });
+                quads[0] = [i; 4];
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_entry_is_the_last() {
+        for lane in 0..LANES {
+            let mut lanes = [0; LANES];
+            lanes[lane] = 39;
+            let lanes = Int::new(lanes);
+            assert_eq!(Indices::new(lanes, 40).lanes()[lane], 39);
+            let below = |end| std::panic::catch_unwind(|| Indices::new(lanes, end)).is_ok();
+            assert!(below(40) && !below(39) && !below(1) && !below(0), "lane {lane}");
+        }
+        let table = [0; 40];
+        let longer = Indices::new(Int::splat(3), 41);
+        assert!(std::panic::catch_unwind(|| longer.pick(&table)).is_err());
+    }
+}
