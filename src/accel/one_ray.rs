@@ -98,8 +98,8 @@ impl<'a> OneRay<'a> {
             length2: self.splat(&self.table.length2),
             inv_length2: self.splat(&self.table.inv_length2),
             t_min: self.splat(&self.table.t_min),
-            // Of use where many rays meet one sphere.
-            padded_inv_length2: Float::ZERO,
+            // For many rays and one sphere; infinite, it would rule nothing out.
+            padded_inv_length2: Float::INFINITY,
         }
     }
 

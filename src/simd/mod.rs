@@ -196,7 +196,8 @@ mod tests {
             let y: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
             let (v, w, by) = (Int::new(x), Int::new(y), y[0] % 32);
             type Scalar<'a> = &'a dyn Fn(usize) -> u32;
-            let operations: [(Int, Scalar); 10] = [
+            let operations: [(Int, Scalar); 11] = [
+                (v - w, &|i| x[i].wrapping_sub(y[i])),
                 (v + w, &|i| x[i].wrapping_add(y[i])),
                 (v * w, &|i| x[i].wrapping_mul(y[i])),
                 (v & w, &|i| x[i] & y[i]),

@@ -26,9 +26,15 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// The cells of rays. From the highest bits: the octant of the direction; the place by fours of
-    /// cells; the direction within the octant; the place within the fours. The lowest bits may be
-    /// left out.
+    /// Bits of a cell's number that are worth telling apart for so many rays: about as many cells as
+    /// rays, since more cost more than they bring.
+    pub(super) fn bits_for(rays: usize) -> u32 {
+        rays.max(1).ilog2().clamp(3, Self::BITS)
+    }
+
+    /// The cells of rays. From the highest bits: the octant of the direction; the place, by pairs of
+    /// cells along each axis; the direction within the octant; the place within the pairs. The lowest
+    /// bits may be left out.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // 1.5 · 2²³: the sum is rounded to an integer, which is in its last bits.
@@ -64,3 +70,57 @@ const SPREAD: Int = {
     }
     Int::new(spread)
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+    use crate::simd::Lanes;
+
+    fn cells() -> Cells {
+        Cells::new(&Bounds { min: Vec3::splat(-12.0), max: Vec3::splat(12.0) })
+    }
+
+    fn cell(origin: Vec3, direction: Vec3) -> u32 {
+        cells().of(Vec3x::splat(origin), Vec3x::splat(direction)).to_array()[0]
+    }
+
+    /// What tells rays apart, in the bits that are its own.
+    #[test]
+    fn fields_have_bits_of_their_own() {
+        let along = crate::math::normalize(Vec3::new(0.1, 1.0, 0.1));
+        let base = cell(Vec3::ZERO, along);
+        let place = |x: f32, y: f32, z: f32| cell(Vec3::new(x, y, z), along) ^ base;
+        assert_eq!([place(1.0, 0.0, 0.0), place(0.0, 1.0, 0.0), place(0.0, 0.0, 1.0)], [1, 2, 4]);
+        for (axis, by) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
+            for cells in 2..8 {
+                let changed = cell(by * cells as f32, along) ^ base;
+                assert_eq!(changed & !((1 | 1 << 7 | 1 << 10) << axis), 0, "{changed:b}");
+            }
+            assert_eq!(cell(by * 8.0, along), base, "cells eight apart share their number");
+            let mirrored = Vec3::ONE - 2.0 * by;
+            assert_eq!(cell(Vec3::ZERO, along * mirrored) ^ base, 1 << (13 + axis));
+        }
+        for (direction, part) in [(Vec3::X, 3), (Vec3::Z, 3 << 2), (Vec3::Y, 0)] {
+            assert_eq!(cell(Vec3::ZERO, direction) >> 3 & 15, part);
+        }
+    }
+
+    /// A number above would be no place in a table of counts.
+    #[test]
+    fn all_rays_have_a_cell() {
+        let (mut random, odd) =
+            (Stream::new(3), [f32::NAN, f32::INFINITY, -0.0, 1e38, 1e-45, -7.0]);
+        for _ in 0..10_000 {
+            let mut number = || match random.bits() as usize % 12 {
+                i if i < odd.len() => odd[i],
+                _ => random.between(-20.0, 20.0),
+            };
+            let mut lanes = || std::array::from_fn(|_| number());
+            let mut vector = || Vec3x::new(&[lanes(), lanes(), lanes()]);
+            let numbers: Lanes<u32> = cells().of(vector(), vector()).to_array();
+            assert!(numbers.iter().all(|&number| number < 1 << Cells::BITS), "{numbers:?}");
+        }
+        assert_eq!([0, 1, 8, 4095, 4096, 1 << 20].map(Cells::bits_for), [3, 3, 3, 11, 12, 16]);
+    }
+}

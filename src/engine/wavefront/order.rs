@@ -23,8 +23,7 @@ pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) 
 
 /// Sorts the paths by cell, by counting.
 fn sort(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
-    // About as many cells as rays: more cost more than they bring.
-    let bits = next.len().ilog2().clamp(3, Cells::BITS);
+    let bits = Cells::bits_for(next.len());
     let leave_out = Cells::BITS - bits;
     starts.clear();
     starts.resize(1 << bits, 0);

@@ -21,7 +21,7 @@ impl Rays {
         Self {
             batch: RayBatch::with_capacity(capacity),
             paths: Vec::with_capacity(capacity + LANES),
-            starts: Vec::with_capacity(1 << Cells::BITS),
+            starts: Vec::with_capacity(1 << Cells::bits_for(capacity)),
         }
     }
 

@@ -38,7 +38,7 @@ impl RayLanes {
         time: Float::ZERO,
         length2: Float::ZERO,
         inv_length2: Float::ZERO,
-        padded_inv_length2: Float::ZERO,
+        padded_inv_length2: Float::INFINITY,
         t_min: Float::ZERO,
     };
 

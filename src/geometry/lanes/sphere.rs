@@ -42,9 +42,11 @@ pub(crate) fn sphere<const ASK: bool>(
 /// arithmetic, half the work of the test: for lanes of which mostly none comes near. Of the spheres
 /// it takes [`padded_radius2`].
 ///
-/// With `f` known exactly and u the unit roundoff, r² − l·l is off by less than 13u f·f + 3u r² here,
-/// by less than 16u f·f in the test, and f·f is r² + (f·d)²/d·d − l·l. So 64u of r² and of (f·d)²/d·d
-/// are enough. A ray that is surely outside and goes away hits nothing at distances above 0.
+/// With `f` known exactly and u the unit roundoff, r² − l·l = r² − f·f + (f·d)²/d·d is off by at most
+/// 17u f·f + 3u r² here, by 16u f·f in the test. Of a ray that hits, r² + (f·d)²/d·d is thus f·f but
+/// for 16u of it, and 37u of both terms are enough; 64u are taken. Where the sign of f·d is in doubt,
+/// (f·d)²/d·d is below 9u² f·f. A ray that is surely outside and goes away hits nothing at distances
+/// above 0.
 #[inline(always)]
 pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
