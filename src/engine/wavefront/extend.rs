@@ -5,6 +5,7 @@ use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
 use crate::simd::LANES;
 
 /// Finds the closest hits of `rays`. Returns the work, if it is to `count` it.
+#[inline(never)]
 pub(super) fn extend(
     accelerator: &Accelerator,
     kernel: Kernel,
