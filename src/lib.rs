@@ -43,7 +43,9 @@
 struct Readme;
 
 pub mod accel;
+mod bench;
 pub mod cli;
+mod dashboard;
 pub mod engine;
 pub mod error;
 pub mod film;

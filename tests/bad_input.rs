@@ -223,7 +223,9 @@ fn wrong_usage() {
         folder.path(),
         &[],
         2,
-        &["a command is missing: render, scenes, figures, compare, rays or trace"],
+        &[
+            "a command is missing: render, scenes, figures, compare, rays, trace, bench or dashboard",
+        ],
     );
 }
 

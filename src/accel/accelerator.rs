@@ -31,8 +31,8 @@ pub struct Accelerator<'a> {
     /// The tree over all but the primitives that span the scene.
     tree: BinaryTree,
     /// The primitives that span the scene, which every ray would meet the boxes of.
-    spanning: (Blocks, Vec<BlockRef>),
-    extent: Extent,
+    pub(super) spanning: (Blocks, Vec<BlockRef>),
+    pub(super) extent: Extent,
     scalar: Lazy<Bvh2>,
     wide: Lazy<WideTree>,
     pair: Lazy<PairTree>,
@@ -129,7 +129,7 @@ impl<'a> Accelerator<'a> {
         self.scalar.get(|| Bvh2::new(self.geometry, self.shutter))
     }
 
-    fn pair(&self) -> &PairTree {
+    pub(super) fn pair(&self) -> &PairTree {
         self.pair.get(|| PairTree::new(self.geometry, &self.tree, &self.extent))
     }
 

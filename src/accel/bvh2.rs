@@ -113,7 +113,7 @@ impl Bvh2 {
 
     /// As [`Self::closest`]; `count` is told the work.
     #[inline]
-    pub(super) fn count_closest(
+    pub(crate) fn count_closest(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -147,7 +147,7 @@ impl Bvh2 {
 
     /// As [`Self::occluded`]; `count` is told the work.
     #[inline]
-    pub(super) fn count_occluded(
+    pub(crate) fn count_occluded(
         &self,
         geometry: &Geometry,
         ray: &Ray,

@@ -2,8 +2,10 @@
 
 use std::ops::AddAssign;
 
+use serde::{Deserialize, Serialize};
+
 /// Is told what a kernel does. `()` is nobody: its calls compile to nothing.
-pub(super) trait Count {
+pub(crate) trait Count {
     /// A node was visited for `active` of `issued` lanes: rays or children.
     fn node(&mut self, issued: u32, active: u32);
     /// A primitive was tested against rays in `issued` lanes, or a ray against primitives, of which
@@ -27,7 +29,8 @@ impl Count for () {
 }
 
 /// How often what was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Counters {
     /// Nodes visited: by the reference with both children.
     pub node_visits: u64,

@@ -21,6 +21,7 @@ mod one_ray_blocks;
 mod packet;
 mod pair;
 mod pair_traversal;
+mod probe;
 mod queues;
 mod rays;
 mod setup;

@@ -217,6 +217,22 @@ pub(super) fn trace<const ANY: bool, C: Count>(
     left
 }
 
+/// Tests all rays against the boxes of all nodes: how often they enter one.
+pub(super) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
+    let mut entered = 0;
+    let none = const { &[[Float::ZERO; 6]; VECTORS] };
+    job.trace::<false, VECTORS, ()>(hits, &mut (), |packet, ()| {
+        for sides in tree.middles.iter().flat_map(|node| &node.boxes) {
+            let (entries, _) = packet.enter::<MIXED>(sides, &([0; 3], [0; 3]), none);
+            for (entry, rays) in entries.iter().zip(&packet.vectors) {
+                let bits = entry.lt(Float::INFINITY).bits() & rays.setup.active;
+                entered += u64::from(bits.count_ones());
+            }
+        }
+    });
+    entered
+}
+
 thread_local! {
     static STACK: Cell<Stack> = const { Cell::new(Vec::new()) };
 }

@@ -1,7 +1,10 @@
 //! The command line: parse, run, and say what went wrong in one line.
 
 mod args;
+mod bench;
+mod bench_table;
 mod compare;
+mod dashboard;
 mod figures;
 mod plan;
 mod progress;
@@ -10,6 +13,7 @@ mod record;
 mod render;
 mod scenes;
 mod stats;
+mod timeline;
 mod trace;
 
 use std::fmt;
@@ -48,6 +52,8 @@ fn dispatch(command: &Command) -> Result<u8> {
         Command::Compare(args) => compare::run(args),
         Command::Rays(args) => rays::run(args).map(|()| 0),
         Command::Trace(args) => trace::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Dashboard(args) => dashboard::run(args).map(|()| 0),
     }
 }
 
@@ -68,7 +74,8 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let what = what.split("\n\nFor more information").next().unwrap_or_default();
     let what = what.strip_prefix("error: ").unwrap_or(what);
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        "a command is missing: render, scenes, figures, compare, rays or trace".to_owned()
+        "a command is missing: render, scenes, figures, compare, rays, trace, bench or dashboard"
+            .to_owned()
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")
     };

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::engine::{Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
 use crate::image::Metadata;
-use crate::machine::{Machine, peak_rss_bytes};
+use crate::machine::{Interference, Machine, peak_rss_bytes};
 use crate::scene::Scene;
 
 /// Wall-clock seconds of the steps of a run.
@@ -26,6 +26,7 @@ pub(super) fn render_record(
     render: &Render,
     hash: &str,
     seconds: StepSeconds,
+    interference: Interference,
 ) -> Value {
     let samples = render.tally.rays.primary as f64;
     json!({
@@ -55,6 +56,7 @@ pub(super) fn render_record(
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
         "non_finite": render.tally.non_finite.count,
+        "interference": interference,
         "pinned": renderer.pinned().name(),
         "plan": renderer.plan(),
         "endings": Value::from_iter(render.tally.endings.each()),

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{RenderArgs, Switch};
-use super::record::{StepSeconds, metadata, render_record};
-use super::{advise_on_build, notice, plan, progress, say};
+use super::record::{self, StepSeconds, metadata};
+use super::{advise_on_build, notice, plan, progress, say, timeline};
 use crate::engine::{Engine, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::isa::Isa;
+use crate::machine::Interference;
 use crate::output::{check_writable, same_file, write_atomically};
 use crate::scene::Scene;
 
@@ -23,17 +24,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
-    if args.json.as_ref().is_some_and(|record| same_file(record, &output)) {
-        let message = format!("{}: the image and the record need two files", output.display());
-        return Err(Error::Usage(message));
-    }
-    let scene_file = Some(Path::new(&args.scene)).filter(|file| file.is_file());
-    if scene_file.zip(args.json.as_ref()).is_some_and(|(file, record)| same_file(file, record)) {
-        return Err(Error::Usage(format!("{}: the record would replace the scene", args.scene)));
-    }
-    for file in [Some(&output), args.json.as_ref()].into_iter().flatten() {
-        check_writable(file)?;
-    }
+    check_outputs(args, &output)?;
     let renderer = Renderer::new(&scene, settings.clone())?;
     if !args.quiet {
         advise_on_build(Isa::Avx2);
@@ -42,7 +33,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(plan) = renderer.plan().filter(|_| !args.quiet) {
         notice(format_args!("{}", plan::describe(plan)));
     }
+    let before = Interference::so_far();
     let render = progress::render(&renderer, scene.name(), &settings, args.quiet)?;
+    let interference = Interference::so_far().since(before);
 
     let hash = render.image.hash();
     let writing = Instant::now();
@@ -55,13 +48,49 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write: writing.elapsed().as_secs_f64(),
     };
     if let Some(path) = &args.json {
-        let record = render_record(&scene, &settings, &renderer, &render, &hash, seconds);
+        let record = record::render_record(
+            &scene,
+            &settings,
+            &renderer,
+            &render,
+            &hash,
+            seconds,
+            interference,
+        );
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+    }
+    if let Some(path) = &args.trace {
+        timeline::write(path, scene.name(), renderer.threads(), &render)?;
     }
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
     summarize(&scene, &settings, &renderer, &render, &hash, seconds, &output)
+}
+
+/// Each file that is written is another, none is the scene, and all can be written.
+fn check_outputs(args: &RenderArgs, image: &Path) -> Result<()> {
+    let scene = Some(Path::new(&args.scene)).filter(|file| file.is_file());
+    let files = [
+        ("the image", Some(image)),
+        ("the record", args.json.as_deref()),
+        ("the trace", args.trace.as_deref()),
+    ];
+    let named = files.into_iter().filter_map(|(name, file)| Some((name, file?)));
+    let mut written: Vec<(&str, &Path)> = Vec::new();
+    for (name, file) in named {
+        if let Some((other, _)) = written.iter().find(|(_, other)| same_file(other, file)) {
+            let message = format!("{}: {other} and {name} need two files", file.display());
+            return Err(Error::Usage(message));
+        }
+        if scene.is_some_and(|scene| same_file(scene, file)) {
+            let message = format!("{}: {name} would replace the scene", args.scene);
+            return Err(Error::Usage(message));
+        }
+        check_writable(file)?;
+        written.push((name, file));
+    }
+    Ok(())
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
@@ -93,6 +122,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         wave_size: args.wave_size.unwrap_or(0),
         plan,
         count: args.stats,
+        timeline: args.trace.is_some(),
     })
 }
 

@@ -7,8 +7,11 @@ mod recording;
 mod renderer;
 mod scalar;
 mod settings;
+#[cfg(feature = "slowed")]
+mod slowed;
 mod stats;
 mod tally;
+mod timeline;
 mod wavefront;
 
 pub use pool::{Pin, Pinned};
@@ -17,4 +20,5 @@ pub use renderer::{Observer, Progress, Render, Renderer, Seconds};
 pub use settings::{Engine, RenderSettings};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};
+pub use timeline::{Event, Work};
 pub use wavefront::{Plan, SegmentPlan};

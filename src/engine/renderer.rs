@@ -11,6 +11,7 @@ use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
 use super::stats::WaveStats;
 use super::tally::Tally;
+use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, WavefrontEngine};
 use crate::error::Result;
 use crate::film::{Tile, Tiles};
@@ -55,10 +56,13 @@ pub struct Render {
     pub image: Image,
     /// What was traced, and what came of it.
     pub tally: Tally,
-    /// What the stages of the wavefront engine did; empty for others.
+    /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
+    /// the work of its rays, without times.
     pub waves: WaveStats,
     /// Time of each step.
     pub seconds: Seconds,
+    /// What each worker did when, if that was asked for.
+    pub timeline: Vec<Event>,
 }
 
 /// Wall-clock seconds.
@@ -78,6 +82,8 @@ pub(super) struct TileResult {
     pub(super) pixels: Vec<[f32; 3]>,
     pub(super) tally: Tally,
     pub(super) waves: WaveStats,
+    /// The stages one by one, if that was asked for.
+    pub(super) laps: Vec<Lap>,
 }
 
 /// How far a render is.
@@ -160,13 +166,23 @@ impl<'a> Renderer<'a> {
         };
         let tiles = Tiles::new(width, height, self.engine.tile_size());
         let next = AtomicU64::new(0);
-        self.pool.broadcast(|_| {
+        self.pool.broadcast(|thread| {
             // None for threads that find no work.
             let mut worker = None;
             while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let worker = worker.get_or_insert_with(|| self.engine.worker());
-                let result = worker.render_tile(tile, &report);
-                film.lock().expect("no thread panics while it holds the film").add(tile, &result);
+                let begin = Instant::now();
+                let mut result = worker.render_tile(tile, &report);
+                #[cfg(feature = "slowed")]
+                super::slowed::dawdle(begin.elapsed());
+                if self.settings.timeline {
+                    let (end, work) = (Instant::now(), Work::Tile(tile));
+                    result.laps.push(Lap { start: begin, end, work });
+                }
+                let mut film = film.lock().expect("no thread panics while it holds the film");
+                film.add(tile, &result);
+                film.timeline
+                    .extend(result.laps.iter().map(|lap| lap.event(start, thread.index())));
             }
         });
         let film = film.into_inner().expect("no thread panicked while it held the film");
@@ -175,6 +191,7 @@ impl<'a> Renderer<'a> {
             tally: film.tally,
             waves: film.waves,
             seconds: Seconds { render: start.elapsed().as_secs_f64(), ..self.seconds },
+            timeline: film.timeline,
         })
     }
 }
@@ -185,11 +202,13 @@ struct Film {
     image: Image,
     tally: Tally,
     waves: WaveStats,
+    timeline: Vec<Event>,
 }
 
 impl Film {
     fn new(image: Image) -> Self {
-        Self { image, tally: Tally::default(), waves: WaveStats::default() }
+        let (tally, waves) = (Tally::default(), WaveStats::default());
+        Self { image, tally, waves, timeline: Vec::new() }
     }
 
     fn add(&mut self, tile: Tile, result: &TileResult) {

@@ -65,6 +65,8 @@ pub struct RenderSettings {
     pub plan: Option<Plan>,
     /// Whether kernels count their work, which costs them some time.
     pub count: bool,
+    /// Whether it is kept what each worker did when.
+    pub timeline: bool,
 }
 
 impl RenderSettings {
@@ -86,6 +88,7 @@ impl RenderSettings {
             wave_size: 0,
             plan: None,
             count: false,
+            timeline: false,
         }
     }
 

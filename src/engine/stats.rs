@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::tally::Endings;
+use super::timeline::{Lap, Work};
 use crate::accel::Counters;
 use crate::simd::LANES;
 
@@ -167,12 +168,16 @@ impl WaveStats {
 #[derive(Debug)]
 pub(super) struct Stopwatch {
     pub(super) stats: WaveStats,
+    /// The stages one by one, where that is asked for.
+    pub(super) laps: Option<Vec<Lap>>,
     last: Instant,
 }
 
 impl Stopwatch {
-    pub(super) fn new() -> Self {
-        Self { stats: WaveStats::default(), last: Instant::now() }
+    /// Keeps the stages one by one where that is asked for.
+    pub(super) fn new(timeline: bool) -> Self {
+        let laps = timeline.then(Vec::new);
+        Self { stats: WaveStats::default(), laps, last: Instant::now() }
     }
 
     /// The next stage begins.
@@ -184,6 +189,10 @@ impl Stopwatch {
     pub(super) fn lap(&mut self, stage: Stage, segment: u32, work: StageWork) {
         let now = Instant::now();
         let seconds = (now - self.last).as_secs_f64();
+        if let Some(laps) = &mut self.laps {
+            let work = Work::Stage { stage, segment, active: work.active };
+            laps.push(Lap { start: self.last, end: now, work });
+        }
         self.last = now;
         self.stats.note(stage, segment, &StageWork { seconds, ..work });
     }

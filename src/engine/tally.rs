@@ -1,5 +1,7 @@
 //! Exact counts of what was rendered, the same for every engine.
 
+use serde::{Deserialize, Serialize};
+
 /// What was traced, and what came of it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -20,7 +22,7 @@ impl Tally {
 }
 
 /// Rays by kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
     /// From the camera.
     pub primary: u64,

@@ -1,6 +1,7 @@
 //! What the path tracing loop asks of a scene's geometry.
 
-use crate::accel::Bvh2;
+use crate::accel::{Bvh2, Counters};
+use crate::engine::stats::{Stage, StageWork, WaveStats};
 use crate::geometry::{Geometry, Hit, Ray};
 
 /// Finds what rays hit, from distance 0 on.
@@ -29,5 +30,36 @@ impl Intersect for Tree<'_> {
     #[inline]
     fn occluded(&mut self, ray: &Ray, t_max: f32, _segment: u32) -> bool {
         self.tree.occluded(self.geometry, ray, 0.0, t_max)
+    }
+}
+
+/// A tree whose work is counted, segment by segment.
+#[derive(Debug)]
+pub(super) struct CountingTree<'a> {
+    pub(super) tree: Tree<'a>,
+    pub(super) stats: WaveStats,
+}
+
+impl CountingTree<'_> {
+    /// Notes the work for one ray.
+    fn note(&mut self, stage: Stage, segment: u32, counters: Counters) {
+        let work = StageWork { counters, ..StageWork::in_lanes(1, 1) };
+        self.stats.note(stage, segment, &work);
+    }
+}
+
+impl Intersect for CountingTree<'_> {
+    fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit> {
+        let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
+        let hit = tree.count_closest(geometry, ray, 0.0, f32::INFINITY, &mut counters);
+        self.note(Stage::Extend, segment, counters);
+        hit
+    }
+
+    fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
+        let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
+        let occluded = tree.count_occluded(geometry, ray, 0.0, t_max, &mut counters);
+        self.note(Stage::Connect, segment, counters);
+        occluded
     }
 }

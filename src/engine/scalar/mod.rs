@@ -9,12 +9,14 @@ mod spherical_rectangle;
 use super::dimension::{Dimension, Randoms};
 use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
+use super::stats::WaveStats;
 use super::tally::RayCounts;
 use crate::accel::Bvh2;
 use crate::film::{PixelSum, Tile};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
 use crate::scene::{CameraFrame, CameraSample, Scene};
+use intersect::CountingTree;
 pub(super) use intersect::{Intersect, Tree};
 pub(super) use path::PathTracer;
 
@@ -67,8 +69,26 @@ impl TileEngine for ScalarEngine<'_> {
 
 impl TileWorker for &ScalarEngine<'_> {
     fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
+        if self.settings.count {
+            let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
+            let (result, counting) = self.trace_tile(tile, tree, report);
+            TileResult { waves: counting.stats, ..result }
+        } else {
+            self.trace_tile(tile, self.tree(), report).0
+        }
+    }
+}
+
+impl ScalarEngine<'_> {
+    /// Renders `tile` with what finds the hits, and gives that back.
+    fn trace_tile<I: Intersect>(
+        &self,
+        tile: Tile,
+        intersect: I,
+        report: &dyn Fn(u64, u64),
+    ) -> (TileResult, I) {
         let mut result = TileResult::default();
-        let mut tracer = PathTracer::new(self.scene, self.tree(), &self.settings);
+        let mut tracer = PathTracer::new(self.scene, intersect, &self.settings);
         let mut sum = PixelSum::default();
         let mut reported = RayCounts::default();
         for y in tile.y..tile.y + tile.height {
@@ -95,7 +115,7 @@ impl TileWorker for &ScalarEngine<'_> {
         report(tracer.rays.primary - reported.primary, rays);
         result.tally.rays = tracer.rays;
         result.tally.endings = tracer.endings;
-        result
+        (result, tracer.intersect)
     }
 }
 

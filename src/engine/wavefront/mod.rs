@@ -164,7 +164,7 @@ impl<'a> Worker<'a> {
             wave: Wave::new(prepared, capacity),
             sum: PixelSum::default(),
             result: TileResult::default(),
-            watch: Stopwatch::new(),
+            watch: Stopwatch::new(prepared.settings.timeline),
         }
     }
 
@@ -173,7 +173,7 @@ impl<'a> Worker<'a> {
         self.plan = plan;
         self.sum = PixelSum::default();
         self.result = TileResult::default();
-        self.watch = Stopwatch::new();
+        self.watch = Stopwatch::new(false);
     }
 
     /// Takes the paths number `range` of `tile` wave after wave. Tells `report` how many paths and
@@ -245,6 +245,7 @@ impl TileWorker for Worker<'_> {
         let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
         self.trace_all(tile, 0..paths, report);
         self.result.waves = std::mem::take(&mut self.watch.stats);
+        self.result.laps = self.watch.laps.as_mut().map(std::mem::take).unwrap_or_default();
         for segment in &self.result.waves.segments {
             self.result.tally.endings.add(&segment.endings);
         }

@@ -1,31 +1,34 @@
 //! The machine and build that a record speaks of.
 
+mod interference;
+
 use std::fs;
 
-use serde::Serialize;
+pub use interference::Interference;
+use serde::{Deserialize, Serialize};
 
 use crate::isa::{compiled_isa, cpu_name};
 use crate::simd::LANES;
 
 /// Where and with what a figure was measured.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The CPU's name.
     pub cpu: String,
     /// Logical cores that the process may use.
     pub cores: usize,
     /// Instruction set that the program was compiled for.
-    pub isa: &'static str,
+    pub isa: String,
     /// f32 lanes of its vectors.
     pub lanes: u32,
     /// Operating system and kernel.
     pub os: String,
     /// Compiler version.
-    pub rustc: &'static str,
+    pub rustc: String,
     /// `RUSTFLAGS` of the build.
-    pub flags: &'static str,
+    pub flags: String,
     /// Commit of the source, `-dirty` where it was changed.
-    pub commit: &'static str,
+    pub commit: String,
 }
 
 impl Machine {
@@ -35,12 +38,12 @@ impl Machine {
         Self {
             cpu: cpu_name(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
-            isa: compiled_isa().name(),
+            isa: compiled_isa().name().to_owned(),
             lanes: LANES as u32,
             os: format!("{} {}", std::env::consts::OS, kernel.trim()).trim().to_owned(),
-            rustc: env!("PTFAST_RUSTC"),
-            flags: env!("PTFAST_FLAGS"),
-            commit: env!("PTFAST_COMMIT"),
+            rustc: env!("PTFAST_RUSTC").to_owned(),
+            flags: env!("PTFAST_FLAGS").to_owned(),
+            commit: env!("PTFAST_COMMIT").to_owned(),
         }
     }
 }

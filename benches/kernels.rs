@@ -1,0 +1,143 @@
+//! Kernels by themselves: boxes, primitives, and whole traversals of recorded rays. Throughput in rays;
+//! `slab` and `primitive` test every ray against every box, or against 16 primitives of a kind.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3;
+use ptfast::accel::{Accelerator, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use ptfast::math::random::Stream;
+use ptfast::rayset::{self, Query, RaySet};
+use ptfast::{RenderSettings, Scene};
+
+/// Scenes whose rays are traced, one of each size.
+const SCENES: [&str; 4] = ["spheres", "cornell", "cloud:30000", "mesh:20480"];
+/// Rays of a set, at most.
+const RAYS: u64 = 1 << 14;
+
+/// What a render of `scene` traces.
+fn sets(scene: &str) -> (Geometry, Vec<RaySet>) {
+    let scene = Scene::load(scene).expect("the scene is built in");
+    let settings = RenderSettings { width: 160, height: 90, spp: 2, ..RenderSettings::of(&scene) };
+    let sets = rayset::record(&scene, &settings, RAYS).expect("the settings are in range");
+    (sets.geometry, sets.sets)
+}
+
+fn slab(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("slab");
+    let (geometry, sets) = sets("spheres");
+    let rays = &sets.iter().find(|set| set.name == "bounce").expect("paths bounce").rays;
+    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let range = 0..rays.len().min(2048);
+    group.throughput(Throughput::Elements(range.len() as u64));
+    group.bench_function("packet", |bencher| {
+        bencher.iter(|| accelerator.boxes_entered(rays, range.clone()));
+    });
+    group.bench_function("scalar", |bencher| {
+        bencher.iter(|| accelerator.boxes_entered_by_scalar(rays, range.clone()));
+    });
+    group.finish();
+}
+
+/// Primitives of one kind within a few units of the origin.
+fn primitives() -> [(&'static str, Geometry); 5] {
+    let mut random = Stream::new(1);
+    let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| random.between(-size, size)));
+    let none = Geometry::default;
+    let mut sixteen =
+        || -> Vec<[Vec3; 3]> { (0..16).map(|_| [vector(3.0), vector(1.0), vector(1.0)]).collect() };
+    let still = sixteen().into_iter().map(|[at, ..]| Sphere::still(at, 0.5)).collect();
+    let moving = sixteen()
+        .into_iter()
+        .map(|[at, by, _]| Sphere { center: at, center1: at + by, radius: 0.5 })
+        .collect();
+    let quad = |q, u, v| Quad::new(q, u, v).expect("its edges are not parallel");
+    let quads = sixteen().into_iter().map(|[q, u, v]| quad(q, u, v)).collect();
+    let aligned = sixteen()
+        .into_iter()
+        .map(|[q, u, v]| quad(q, Vec3::X * (u.x + 2.0), Vec3::Z * (v.z + 2.0)));
+    let aligned = aligned.collect();
+    let triangles =
+        sixteen().into_iter().map(|[a, b, c]| Triangle { vertices: [a, a + b, a + c] }).collect();
+    [
+        ("sphere", Geometry { spheres: still, ..none() }),
+        ("moving-sphere", Geometry { spheres: moving, ..none() }),
+        ("quad", Geometry { quads, ..none() }),
+        ("aligned-quad", Geometry { quads: aligned, ..none() }),
+        ("triangle", Geometry { triangles, ..none() }),
+    ]
+}
+
+fn primitive(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("primitive");
+    let mut random = Stream::new(2);
+    let mut rays = RayBatch::default();
+    for _ in 0..4096 {
+        let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| random.between(-size, size)));
+        let (origin, target) = (vector(6.0), vector(3.0));
+        let ray = Ray { origin, direction: target - origin, time: random.uniform() };
+        rays.push(&ray, 0.0, f32::INFINITY);
+    }
+    for (name, geometry) in primitives() {
+        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        accelerator.prepare(Kernel::Flat);
+        let brute_force = |rays: &RayBatch| -> HitBatch {
+            let mut hits = HitBatch::default();
+            for index in 0..rays.len() {
+                let (ray, t_min, t_max) = rays.get(index);
+                hits.push(geometry.closest_by_brute_force(&ray, t_min, t_max));
+            }
+            hits
+        };
+        let want = brute_force(&rays);
+        let mut hits = HitBatch::default();
+        group.throughput(Throughput::Elements(rays.len() as u64));
+        group.bench_function(BenchmarkId::new(name, "lanes"), |bencher| {
+            bencher.iter(|| {
+                hits.reset(rays.len());
+                accelerator.closest(Kernel::Flat, &rays, 0..rays.len(), &mut hits);
+            });
+        });
+        // Empty where it was filtered out.
+        assert!(hits.is_empty() || hits == want, "{name}");
+        group.bench_function(BenchmarkId::new(name, "scalar"), |bencher| {
+            bencher.iter(|| brute_force(&rays));
+        });
+    }
+    group.finish();
+}
+
+fn traversal(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("traversal");
+    for scene in SCENES {
+        let (geometry, sets) = sets(scene);
+        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        for set in &sets {
+            let may_win = |kernel: &Kernel| accelerator.may_win(*kernel);
+            for kernel in Kernel::ALL.into_iter().filter(|k| may_win(k) || *k == Kernel::Scalar) {
+                accelerator.prepare(kernel);
+                let all = 0..set.rays.len();
+                let mut hits = HitBatch::default();
+                group.throughput(Throughput::Elements(all.len() as u64));
+                let id = format!("{scene}/{}/{}", set.name, kernel.name());
+                group.bench_function(id, |bencher| {
+                    bencher.iter(|| {
+                        hits.reset(all.len());
+                        match set.query {
+                            Query::Closest => {
+                                accelerator.closest(kernel, &set.rays, all.clone(), &mut hits);
+                            }
+                            Query::Occluded => {
+                                accelerator.occluded(kernel, &set.rays, all.clone(), &mut hits);
+                            }
+                        }
+                    });
+                });
+                assert!(hits.is_empty() || hits == set.hits, "{scene} {} {kernel:?}", set.name);
+            }
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, slab, primitive, traversal);
+criterion_main!(benches);

@@ -1,0 +1,29 @@
+//! The Bencher Metric Format.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::bench::record::Record;
+use crate::error::Result;
+use crate::output::write_atomically;
+
+/// `bmf.json`: throughput in rays a second.
+pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
+    let file = folder.join("bmf.json");
+    let metrics = record.runs.iter().map(|run| {
+        let speed = run.mrays_per_s;
+        let metric = json!({
+            "throughput": {
+                "value": speed.median * 1e6,
+                "lower_value": speed.lo * 1e6,
+                "upper_value": speed.hi * 1e6,
+            }
+        });
+        (super::name(run), metric)
+    });
+    let metrics: Value = metrics.collect();
+    write_atomically(&file, |out| writeln!(out, "{metrics:#}"))?;
+    Ok(file)
+}

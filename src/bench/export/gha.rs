@@ -1,0 +1,34 @@
+//! github-action-benchmark, tool `customBiggerIsBetter`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::bench::record::{Record, Run};
+use crate::error::Result;
+use crate::output::write_atomically;
+
+/// `benchmark.json`.
+pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
+    let file = folder.join("benchmark.json");
+    let rows: Vec<Value> = record.runs.iter().map(|run| row(run, record)).collect();
+    write_atomically(&file, |out| writeln!(out, "{:#}", Value::from(rows)))?;
+    Ok(file)
+}
+
+fn row(run: &Run, record: &Record) -> Value {
+    let speed = run.mrays_per_s;
+    let machine = &record.machine;
+    let Run { width, height, spp, threads, hash, .. } = run;
+    json!({
+        "name": super::name(run),
+        "unit": "Mrays/s",
+        "value": speed.median,
+        "range": format!("{:.3} to {:.3}", speed.lo, speed.hi),
+        "extra": format!(
+            "{width} x {height}, {spp} spp, {threads} threads\n{}, {} lanes, {}\nimage {hash}",
+            machine.cpu, machine.lanes, machine.rustc
+        ),
+    })
+}

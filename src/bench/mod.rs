@@ -1,0 +1,223 @@
+//! Measuring: renders take turns, block by block, so that what a shared machine does to one side it
+//! does to all.
+//!
+//! A *side* is an engine of a program; a *group* are the sides of one scene and number of threads. In
+//! a *block* each side renders twice, forth and back: A B C C B A. What drifts steadily is the same
+//! for all of them. One of the sides takes part twice: it is the control, whose ratio to itself is 1.
+
+mod block;
+mod bootstrap;
+mod clock;
+mod compare;
+mod export;
+mod program;
+mod record;
+mod statistics;
+mod summary;
+
+use std::path::PathBuf;
+
+use crate::engine::{Engine, Plan};
+use crate::error::{Error, Result};
+use block::Series;
+pub(crate) use compare::{Outcome, Reference, Verdict, counter_changes, decide, judge};
+pub(crate) use export::{Format, export};
+use program::{Program, Rendered, Task};
+pub(crate) use record::{Lanes, Ratio, Record, Run};
+pub(crate) use statistics::Estimate;
+
+/// What is to be measured.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// The binary that is measured.
+    pub(crate) program: PathBuf,
+    /// Another, that it is compared with.
+    pub(crate) against: Option<PathBuf>,
+    /// Names of scenes, and the width and height of their images.
+    pub(crate) scenes: Vec<(String, (u32, u32))>,
+    pub(crate) engines: Vec<Engine>,
+    pub(crate) threads: Vec<usize>,
+    pub(crate) spp: u32,
+    pub(crate) seed: u64,
+}
+
+/// Sides that are ready to be measured.
+#[derive(Debug)]
+pub(crate) struct Bench {
+    /// The one that is measured, and the one that it is compared with.
+    programs: Vec<Program>,
+    groups: Vec<Group>,
+    time: String,
+}
+
+/// Sides that take turns.
+#[derive(Debug)]
+struct Group {
+    task: Task,
+    sides: Vec<Side>,
+}
+
+/// An engine of a program.
+#[derive(Debug)]
+struct Side {
+    /// Place among the programs.
+    program: usize,
+    engine: Engine,
+    /// What a render that was not timed told.
+    counted: Rendered,
+    /// How it works when it is timed.
+    plan: Option<Plan>,
+}
+
+/// What blocks have told: for each group, if it took part, a series a side and one of the control.
+#[derive(Debug)]
+pub(crate) struct Sample(Vec<Option<Vec<Series>>>);
+
+/// Blocks that are done, of so many.
+pub(crate) type Progress<'a> = &'a mut dyn FnMut(usize, usize);
+
+impl Bench {
+    /// Renders everything once, counting and not timed; by the plans of `baseline` where it has some.
+    ///
+    /// # Errors
+    /// Where a program fails, or engines of one program give different images.
+    pub(crate) fn new(options: &Options, baseline: Option<&Record>) -> Result<Self> {
+        let mut programs = vec![Program::new(&options.program)?];
+        programs.extend(options.against.as_deref().map(Program::new).transpose()?);
+        let mut bench = Self { programs, groups: Vec::new(), time: now() };
+        for &(ref scene, (width, height)) in &options.scenes {
+            for &threads in &options.threads {
+                let Options { spp, seed, .. } = *options;
+                let task = Task { scene: scene.clone(), width, height, spp, seed, threads };
+                let sides = bench.sides(&task, &options.engines, baseline)?;
+                bench.groups.push(Group { task, sides });
+            }
+        }
+        Ok(bench)
+    }
+
+    fn sides(
+        &self,
+        task: &Task,
+        engines: &[Engine],
+        baseline: Option<&Record>,
+    ) -> Result<Vec<Side>> {
+        let mut sides: Vec<Side> = Vec::new();
+        for (number, program) in self.programs.iter().enumerate() {
+            for &engine in engines {
+                let mut counted = program.render(task, engine, None, true)?;
+                let plan = counted.plan.clone();
+                // One plan for all whose work is compared.
+                let old = baseline.and_then(|record| record.plan(task, engine));
+                let first = sides.iter().find(|side| side.engine == engine);
+                let common = old.or_else(|| first.and_then(|side| side.counted.plan.clone()));
+                if common.is_some() && common != plan {
+                    counted = program.render(task, engine, common.as_ref(), true)?;
+                }
+                sides.push(Side { program: number, engine, counted, plan });
+            }
+        }
+        let own = sides.iter().filter(|side| side.program == 0);
+        check_hashes(&task.scene, own.map(|side| (side.engine.name(), &*side.counted.hash)))?;
+        Ok(sides)
+    }
+
+    /// Measures `blocks` blocks of those groups that `wanted` says, scene and threads told; tells
+    /// `progress`.
+    ///
+    /// # Errors
+    /// Where a program fails, or gives another image than before.
+    pub(crate) fn measure(
+        &self,
+        blocks: usize,
+        wanted: impl Fn(&str, usize) -> bool,
+        progress: Progress<'_>,
+    ) -> Result<Sample> {
+        let wanted: Vec<bool> = self
+            .groups
+            .iter()
+            .map(|Group { task, .. }| wanted(&task.scene, task.threads))
+            .collect();
+        let all = blocks * wanted.iter().filter(|&&wanted| wanted).count();
+        let mut sample: Vec<Option<Vec<Series>>> = wanted
+            .iter()
+            .zip(&self.groups)
+            .map(|(&wanted, group)| wanted.then(|| vec![Series::default(); group.sides.len() + 1]))
+            .collect();
+        let mut done = 0;
+        for block in 0..blocks {
+            for (group, series) in self.groups.iter().zip(&mut sample) {
+                let Some(series) = series else { continue };
+                progress(done, all);
+                block::measure(&self.programs, group, block % 2 == 1, series)?;
+                done += 1;
+            }
+        }
+        Ok(Sample(sample))
+    }
+
+    /// Scenes whose image is another one than that of the program that it is compared with.
+    pub(crate) fn other_images(&self) -> impl Iterator<Item = &str> {
+        let differs = |group: &&Group| {
+            let first = &group.sides[0].counted.hash;
+            group.sides.iter().any(|side| side.counted.hash != *first)
+        };
+        self.groups.iter().filter(differs).map(|group| &*group.task.scene)
+    }
+}
+
+impl Group {
+    /// The side that takes part twice: the wavefront engine of the program that is measured, or what
+    /// there is.
+    fn control(&self) -> usize {
+        let own = |side: &Side| side.program == 0 && side.engine == Engine::Wavefront;
+        self.sides.iter().position(own).unwrap_or(0)
+    }
+
+    /// Every place in the order of a block's first half: the control last, for which stands the
+    /// number of sides.
+    fn places(&self) -> Vec<usize> {
+        (0..=self.sides.len()).collect()
+    }
+
+    /// The side at a place.
+    fn side(&self, place: usize) -> &Side {
+        self.sides.get(place).unwrap_or(&self.sides[self.control()])
+    }
+}
+
+/// One image from all of one program's engines.
+fn check_hashes<'a>(
+    scene: &str,
+    hashes: impl Iterator<Item = (&'a str, &'a str)> + Clone,
+) -> Result<()> {
+    let Some((engine, hash)) = hashes.clone().next() else { return Ok(()) };
+    let Some((other, found)) = hashes.clone().find(|(_, found)| *found != hash) else {
+        return Ok(());
+    };
+    Err(Error::Internal(format!(
+        "{scene}: the {engine} engine's image has the hash {hash}, the {other} engine's {found}"
+    )))
+}
+
+/// The time in UTC, to the second.
+fn now() -> String {
+    let now = jiff::Timestamp::now();
+    now.round(jiff::Unit::Second).unwrap_or(now).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_images_are_found() {
+        let check = |hashes: &[(&'static str, &'static str)]| {
+            check_hashes("cornell", hashes.iter().copied()).map_err(|error| error.to_string())
+        };
+        assert_eq!(check(&[]), Ok(()));
+        assert_eq!(check(&[("scalar", "a"), ("wavefront", "a")]), Ok(()));
+        let error = check(&[("scalar", "a"), ("wavefront", "b")]).unwrap_err();
+        assert!(error.contains("cornell") && error.contains("wavefront engine's b"), "{error}");
+    }
+}

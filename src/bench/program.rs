@@ -1,0 +1,173 @@
+//! A ptfast binary that renders, as a user runs it: each render is a process of its own, so that none
+//! profits from what another has left in caches or from where its memory happens to lie.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde::Deserialize;
+
+use super::record::Lanes;
+use crate::accel::Counters;
+use crate::engine::{Engine, Plan, RayCounts};
+use crate::error::{Error, Result};
+use crate::machine::{Interference, Machine};
+
+/// What is rendered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Task {
+    pub(super) scene: String,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) spp: u32,
+    pub(super) seed: u64,
+    pub(super) threads: usize,
+}
+
+/// A binary, and a folder for what it writes.
+#[derive(Debug)]
+pub(super) struct Program {
+    path: PathBuf,
+    scratch: tempfile::TempDir,
+}
+
+/// The record of a render (`ptfast render --json`), as far as a bench reads it. Binaries of other
+/// versions may not write all of it.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Rendered {
+    pub(super) machine: Machine,
+    #[serde(default)]
+    pub(super) scene_hash: String,
+    pub(super) sampling: String,
+    pub(super) depth: u32,
+    pub(super) hash: String,
+    pub(super) seconds: Seconds,
+    pub(super) rays: RayCounts,
+    #[serde(default)]
+    pub(super) peak_rss_bytes: Option<u64>,
+    #[serde(default)]
+    pub(super) interference: Interference,
+    #[serde(default)]
+    pub(super) plan: Option<Plan>,
+    #[serde(default)]
+    pub(super) stages: BTreeMap<String, f64>,
+    #[serde(default)]
+    segments: Vec<Segment>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Seconds {
+    pub(super) render: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Segment {
+    stages: BTreeMap<String, Work>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+struct Work {
+    active: u64,
+    issued: u64,
+    #[serde(default)]
+    counters: Option<Counters>,
+}
+
+impl Program {
+    /// The binary at `path`.
+    ///
+    /// # Errors
+    /// Where there is none, or no room for what it writes.
+    pub(super) fn new(path: &Path) -> Result<Self> {
+        let file = fs::metadata(path).map_err(Error::io(path, "run"))?;
+        if !file.is_file() {
+            return Err(Error::Usage(format!("{}: not a program", path.display())));
+        }
+        let folder = std::env::temp_dir();
+        let scratch = tempfile::Builder::new().prefix("ptfast-bench-").tempdir_in(&folder);
+        let scratch = scratch.map_err(Error::io(&folder, "make a folder"))?;
+        let path = fs::canonicalize(path).map_err(Error::io(path, "run"))?;
+        Ok(Self { path, scratch })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Renders `task`, by `plan` or its own, and counts the work if asked to, which takes time.
+    ///
+    /// # Errors
+    /// Where the program cannot be run, fails or tells nothing that can be read.
+    pub(super) fn render(
+        &self,
+        task: &Task,
+        engine: Engine,
+        plan: Option<&Plan>,
+        count: bool,
+    ) -> Result<Rendered> {
+        let here = |name: &str| self.scratch.path().join(name);
+        let record = here("record.json");
+        let mut command = Command::new(&self.path);
+        command.args(["render", "--quiet", "--scene", &task.scene, "--engine", engine.name()]);
+        for (name, value) in [
+            ("--width", u64::from(task.width)),
+            ("--height", u64::from(task.height)),
+            ("--spp", u64::from(task.spp)),
+            ("--seed", task.seed),
+            ("--threads", task.threads as u64),
+        ] {
+            command.arg(name).arg(value.to_string());
+        }
+        command.arg("--output").arg(here("image.png")).arg("--json").arg(&record);
+        if count {
+            command.arg("--stats");
+        }
+        if let Some(plan) = plan {
+            let file = here("plan.json");
+            let text = serde_json::to_string(plan).map_err(|e| Error::Internal(e.to_string()))?;
+            fs::write(&file, text).map_err(Error::io(&file, "write"))?;
+            command.arg("--plan").arg(file);
+        }
+        let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output();
+        let output = output.map_err(Error::io(&self.path, "run"))?;
+        if !output.status.success() {
+            return Err(self.failed(&String::from_utf8_lossy(&output.stderr), output.status));
+        }
+        let text = fs::read_to_string(&record).map_err(Error::io(&record, "read"))?;
+        serde_json::from_str(&text).map_err(|error| {
+            Error::Usage(format!("{}: tells no record of a render: {error}", self.path.display()))
+        })
+    }
+
+    fn failed(&self, said: &str, status: std::process::ExitStatus) -> Error {
+        let said = said.lines().last().unwrap_or("it said nothing");
+        let said = said.strip_prefix("ptfast: ").unwrap_or(said);
+        Error::Internal(format!("{} failed with {status}: {said}", self.path.display()))
+    }
+}
+
+impl Rendered {
+    /// All the work that was counted.
+    pub(super) fn counters(&self) -> Counters {
+        let works = self.segments.iter().flat_map(|segment| segment.stages.values());
+        works.filter_map(|work| work.counters).fold(Counters::default(), |mut sum, counters| {
+            sum += counters;
+            sum
+        })
+    }
+
+    /// Lanes by segment and stage.
+    pub(super) fn lanes(&self) -> Vec<BTreeMap<String, Lanes>> {
+        let lanes = |work: &Work| match work.counters {
+            Some(counters) => {
+                Lanes { active: counters.lanes_active, issued: counters.lanes_issued }
+            }
+            None => Lanes { active: work.active, issued: work.issued },
+        };
+        let of = |segment: &Segment| {
+            segment.stages.iter().map(|(stage, work)| (stage.clone(), lanes(work))).collect()
+        };
+        self.segments.iter().map(of).collect()
+    }
+}

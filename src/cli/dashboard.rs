@@ -1,0 +1,58 @@
+//! `ptfast dashboard`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Component, Path};
+
+use super::args::DashboardArgs;
+use super::say;
+use crate::dashboard::{History, page};
+use crate::error::{Error, Result};
+use crate::output::write_atomically;
+
+pub(super) fn run(args: &DashboardArgs) -> Result<()> {
+    let history = History::read(&args.history)?;
+    fs::create_dir_all(&args.out).map_err(Error::io(&args.out, "make the folder"))?;
+    let report = args.criterion.join("report").join("index.html");
+    let link = report.is_file().then(|| link(&args.out, &report)).transpose()?;
+    let html = page(&history, link.as_deref())?;
+    let file = args.out.join("index.html");
+    write_atomically(&file, |out| out.write_all(html.as_bytes()))?;
+    say(format_args!("{} records  {}", history.records.len(), file.display()))
+}
+
+/// The way from a page in `folder` to `file`.
+fn link(folder: &Path, file: &Path) -> Result<String> {
+    let folder = fs::canonicalize(folder).map_err(Error::io(folder, "find"))?;
+    let file = fs::canonicalize(file).map_err(Error::io(file, "find"))?;
+    Ok(relative(&folder, &file))
+}
+
+fn relative(folder: &Path, file: &Path) -> String {
+    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (folder.components().collect(), file.components().collect());
+    let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let up = from[common..].iter().map(|_| "..".into());
+    let down = to[common..].iter().map(|part| encoded(&part.as_os_str().to_string_lossy()));
+    up.chain(down).collect::<Vec<String>>().join("/")
+}
+
+/// What has a meaning in links stands for itself (RFC 3986).
+fn encoded(name: &str) -> String {
+    let plain = |c: u8| c.is_ascii_alphanumeric() || b"-._~".contains(&c);
+    name.bytes()
+        .map(|c| if plain(c) { char::from(c).to_string() } else { format!("%{c:02X}") })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_lead_from_folder_to_file() {
+        let to = |folder, file| relative(Path::new(folder), Path::new(file));
+        assert_eq!(to("/a/out", "/a/target/criterion/x.html"), "../target/criterion/x.html");
+        assert_eq!(to("/a", "/a/b c/100%.html"), "b%20c/100%25.html");
+    }
+}

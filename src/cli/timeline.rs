@@ -1,0 +1,57 @@
+//! `ptfast render --trace`: what each worker did when, in the Trace Event Format that Perfetto and
+//! Chrome open.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::engine::{Event, Render, Work};
+use crate::error::Result;
+use crate::output::write_atomically;
+
+/// Writes what the workers of `render` did.
+pub(super) fn write(path: &Path, scene: &str, threads: usize, render: &Render) -> Result<()> {
+    let process = json!({ "name": format!("ptfast {scene}") });
+    let names =
+        std::iter::once(metadata("process_name", 0, process)).chain((0..threads).map(|worker| {
+            metadata("thread_name", worker, json!({ "name": format!("worker {worker}") }))
+        }));
+    write_atomically(path, |file| {
+        // A line an event: there may be a million.
+        writeln!(file, "{{\"displayTimeUnit\":\"ms\",\"traceEvents\":[")?;
+        let events = names.chain(render.timeline.iter().map(event));
+        for (number, event) in events.enumerate() {
+            let comma = if number == 0 { "" } else { ",\n" };
+            write!(file, "{comma}{event}")?;
+        }
+        writeln!(file, "\n]}}")
+    })
+}
+
+fn metadata(name: &str, worker: usize, args: Value) -> Value {
+    json!({ "ph": "M", "pid": 1, "tid": worker, "name": name, "args": args })
+}
+
+/// A complete event, in microseconds.
+fn event(event: &Event) -> Value {
+    let (name, category, args) = match event.work {
+        Work::Tile(tile) => {
+            let place = format!("tile {}, {}", tile.x, tile.y);
+            (place, "tile", json!({ "width": tile.width, "height": tile.height }))
+        }
+        Work::Stage { stage, segment, active } => {
+            (stage.name().to_owned(), "stage", json!({ "segment": segment, "active": active }))
+        }
+    };
+    json!({
+        "ph": "X",
+        "pid": 1,
+        "tid": event.worker,
+        "ts": event.start * 1e6,
+        "dur": event.seconds * 1e6,
+        "name": name,
+        "cat": category,
+        "args": args,
+    })
+}

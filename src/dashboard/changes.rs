@@ -1,0 +1,88 @@
+//! Change points: where a series begins to be faster or slower.
+
+use crate::bench::{Estimate, Outcome, decide};
+
+/// A change of speed that counts: 1%.
+const THRESHOLD: f64 = 0.01;
+
+/// A series changed at a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Change {
+    /// How many times as fast it has been from there on.
+    pub(super) ratio: Estimate,
+    /// Whether the next record says the same; the last has none yet.
+    pub(super) confirmed: bool,
+}
+
+/// Where speeds change: `records` holds those of each record's blocks. A record begins another level
+/// where it is beyond the threshold beside all blocks of the level so far, and so is the next, the
+/// same way: a busy hour alone does not.
+pub(super) fn changes(records: &[&[f64]]) -> Vec<Option<Change>> {
+    let mut level: Vec<f64> = Vec::new();
+    let mut changes = Vec::with_capacity(records.len());
+    for (number, blocks) in records.iter().enumerate() {
+        let change = (!level.is_empty()).then(|| change(&level, blocks, records.get(number + 1)));
+        let change = change.flatten();
+        if change.is_some() {
+            level.clear();
+        }
+        level.extend_from_slice(blocks);
+        changes.push(change);
+    }
+    changes
+}
+
+fn change(level: &[f64], blocks: &[f64], next: Option<&&[f64]>) -> Option<Change> {
+    let beside = |blocks: &[f64]| Estimate::of_ratio(blocks, level);
+    let ratio = beside(blocks);
+    let outcome = decide(&ratio, THRESHOLD);
+    if outcome == Outcome::Same {
+        return None;
+    }
+    match next {
+        None => Some(Change { ratio, confirmed: false }),
+        Some(next) if decide(&beside(next), THRESHOLD) == outcome => {
+            Some(Change { ratio, confirmed: true })
+        }
+        Some(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    /// Ten blocks a record, with noise of a percent, at these speeds.
+    fn history(random: &mut Stream, speeds: &[f64]) -> Vec<Vec<f64>> {
+        let mut block = |speed: f64| speed * f64::from(random.between(0.99, 1.01));
+        speeds.iter().map(|&speed| (0..10).map(|_| block(speed)).collect()).collect()
+    }
+
+    fn found(records: &[Vec<f64>]) -> Vec<Option<Change>> {
+        changes(&records.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn steps_are_found_and_one_bad_record_is_none() {
+        let mut random = Stream::new(3);
+        let speeds = [100.0, 100.0, 100.0, 95.0, 95.0, 95.0, 80.0, 95.0, 110.0];
+        let found = found(&history(&mut random, &speeds));
+        let places: Vec<usize> = (0..speeds.len()).filter(|&i| found[i].is_some()).collect();
+        assert_eq!(places, [3, 8], "{found:?}");
+        let down = found[3].unwrap();
+        assert!(down.confirmed && (down.ratio.median - 0.95).abs() < 0.01, "{down:?}");
+        assert!(!found[8].unwrap().confirmed);
+    }
+
+    /// Without a change none is found, but for 2.5% either way: it has to be beyond the threshold, too.
+    #[test]
+    fn steady_series_have_no_changes() {
+        let mut random = Stream::new(4);
+        let alarms = (0..1000)
+            .flat_map(|_| found(&history(&mut random, &[50.0; 8])))
+            .filter(Option::is_some)
+            .count();
+        assert_eq!(alarms, 0);
+    }
+}

@@ -1,0 +1,9 @@
+//! The dashboard: what a folder of bench records tells, as one page that needs nothing else.
+
+mod changes;
+mod history;
+mod page;
+mod series;
+
+pub(crate) use history::History;
+pub(crate) use page::page;

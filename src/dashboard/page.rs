@@ -1,0 +1,54 @@
+//! The page: data, charts and styles in one file.
+
+use super::history::History;
+use super::series::Data;
+use crate::error::{Error, Result};
+
+/// A page of `history` that opens from disk without a network, with a link to criterion's own
+/// report if there is one.
+///
+/// # Errors
+/// Never, but for faults of the program.
+pub(crate) fn page(history: &History, criterion: Option<&str>) -> Result<String> {
+    let data = serde_json::to_string(&Data::of(history));
+    let data = data.map_err(|error| Error::Internal(error.to_string()))?;
+    let criterion = criterion.map_or_else(String::new, |link| {
+        format!(
+            r#"<p><a href="{}">Criterion's report</a> of single kernels, stages and frames.</p>"#,
+            attribute(link)
+        )
+    });
+    let parts = [
+        ("/*uplot.css*/", include_str!("uplot/uPlot.min.css")),
+        ("/*page.css*/", include_str!("page.css")),
+        ("/*uplot.licence*/", include_str!("uplot/LICENSE")),
+        ("/*uplot.js*/", include_str!("uplot/uPlot.iife.min.js")),
+        ("/*page.js*/", include_str!("page.js")),
+        ("<!--criterion-->", &criterion),
+        ("<!--version-->", env!("CARGO_PKG_VERSION")),
+        // Last: nothing is looked for in what files say.
+        ("/*data*/", &in_script(&data)),
+    ];
+    let page = include_str!("page.html").to_owned();
+    Ok(parts.into_iter().fold(page, |page, (mark, part)| page.replacen(mark, part, 1)))
+}
+
+/// JSON that cannot end the script it stands in.
+fn in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+fn attribute(text: &str) -> String {
+    text.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_files_say_stays_data() {
+        assert_eq!(in_script(r#"{"a":"</script>"}"#), r#"{"a":"\u003c/script>"}"#);
+        assert_eq!(attribute("a\"b&<"), "a&quot;b&amp;&lt;");
+    }
+}

@@ -1,0 +1,198 @@
+//! Runs of a history, sorted into series that may be joined by a line.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::changes::{Change, changes};
+use super::history::History;
+use crate::accel::Counters;
+use crate::bench::{Estimate, Lanes, Record, Run};
+use crate::machine::Machine;
+
+/// All that the page shows.
+#[derive(Debug, Serialize)]
+pub(super) struct Data {
+    /// What machines were measured on, as the page names them.
+    machines: Vec<String>,
+    records: Vec<Entry>,
+    series: Vec<Series>,
+}
+
+/// A record.
+#[derive(Debug, Serialize)]
+struct Entry {
+    file: String,
+    time: String,
+    commit: String,
+    rustc: String,
+    flags: String,
+    os: String,
+}
+
+/// Runs of the same work on the same machine.
+#[derive(Debug, Serialize)]
+struct Series {
+    /// Place in `machines`.
+    machine: usize,
+    scene: String,
+    engine: String,
+    threads: usize,
+    /// Size, samples and what else decides the work.
+    settings: String,
+    points: Vec<Point>,
+}
+
+/// A run.
+#[derive(Debug, Serialize)]
+struct Point {
+    /// Place in `records`.
+    record: usize,
+    mrays: Estimate,
+    msamples: Estimate,
+    cycle: Option<Estimate>,
+    seconds: Estimate,
+    speedup: Option<Estimate>,
+    /// Seconds.
+    stages: BTreeMap<String, f64>,
+    /// Of the whole render.
+    counters: Counters,
+    rays: u64,
+    /// Shares of lanes in use, by segment and stage.
+    lanes: Vec<BTreeMap<String, f64>>,
+    blocks: usize,
+    contaminated: usize,
+    change: Option<Level>,
+    /// What repeats it.
+    bench: String,
+    render: String,
+}
+
+/// A change point.
+#[derive(Debug, Serialize)]
+struct Level {
+    ratio: Estimate,
+    confirmed: bool,
+}
+
+/// Machines are told apart by what decides speed beside the program; builds for another instruction
+/// set are not the same program.
+fn machine_name(machine: &Machine) -> String {
+    let Machine { cpu, cores, isa, lanes, .. } = machine;
+    format!("{cpu}, {cores} cores, {isa} ({lanes} lanes)")
+}
+
+fn settings(run: &Run) -> String {
+    let Run { width, height, spp, depth, seed, sampling, scene_hash, .. } = run;
+    let scene: String = scene_hash.chars().take(8).collect();
+    format!("{width} x {height}, {spp} spp, depth {depth}, {sampling}, seed {seed}, scene {scene}")
+}
+
+impl Data {
+    pub(super) fn of(history: &History) -> Self {
+        let mut machines: Vec<String> = Vec::new();
+        let mut series: Vec<Series> = Vec::new();
+        let mut runs: Vec<Vec<&Run>> = Vec::new();
+        for (record_number, (_, record)) in history.records.iter().enumerate() {
+            let machine = place(&mut machines, machine_name(&record.machine));
+            for run in &record.runs {
+                let point = point(record_number, record, run);
+                let of_run = |series: &Series| {
+                    (series.machine, &series.scene, &series.engine, series.threads)
+                        == (machine, &run.scene, &run.engine, run.threads)
+                        && series.settings == settings(run)
+                };
+                if let Some(found) = series.iter().position(of_run) {
+                    series[found].points.push(point);
+                    runs[found].push(run);
+                } else {
+                    runs.push(vec![run]);
+                    series.push(Series {
+                        machine,
+                        scene: run.scene.clone(),
+                        engine: run.engine.clone(),
+                        threads: run.threads,
+                        settings: settings(run),
+                        points: vec![point],
+                    });
+                }
+            }
+        }
+        for (series, runs) in series.iter_mut().zip(runs) {
+            for (point, change) in series.points.iter_mut().zip(levels(&runs)) {
+                point.change = change.map(|Change { ratio, confirmed }| Level { ratio, confirmed });
+            }
+        }
+        Self { machines, records: history.records.iter().map(entry).collect(), series }
+    }
+}
+
+/// Where a name is in a list; it is added if it is not there.
+fn place(names: &mut Vec<String>, name: String) -> usize {
+    names.iter().position(|known| *known == name).unwrap_or_else(|| {
+        names.push(name);
+        names.len() - 1
+    })
+}
+
+fn entry((file, record): &(String, Record)) -> Entry {
+    let Machine { commit, rustc, flags, os, .. } = record.machine.clone();
+    Entry { file: file.clone(), time: record.time.clone(), commit, rustc, flags, os }
+}
+
+/// Changes of rays a cycle, where all records tell that: clocks change from hour to hour.
+fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
+    let cycles: Option<Vec<Vec<f64>>> = runs
+        .iter()
+        .map(|run| run.blocks.iter().map(|block| block.rays_per_cycle(run.threads)).collect())
+        .collect();
+    let speeds = cycles.unwrap_or_else(|| {
+        runs.iter().map(|run| run.blocks.iter().map(|block| block.speed()).collect()).collect()
+    });
+    changes(&speeds.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+fn point(number: usize, record: &Record, run: &Run) -> Point {
+    let speedup = record.ratios.iter().find(|ratio| {
+        let same = ratio.scene == run.scene && ratio.threads == run.threads;
+        same && ratio.of == run.engine && ratio.to == "scalar" && ratio.of != ratio.to
+    });
+    let shares = |stages: &BTreeMap<String, Lanes>| {
+        let used = stages.iter().filter(|(_, lanes)| lanes.issued > 0);
+        used.map(|(stage, lanes)| (stage.clone(), lanes.active as f64 / lanes.issued as f64))
+            .collect()
+    };
+    Point {
+        record: number,
+        mrays: run.mrays_per_s,
+        msamples: run.msamples_per_s,
+        cycle: run.rays_per_cycle,
+        seconds: Estimate::of(run.blocks.iter().map(|block| block.seconds)),
+        speedup: speedup.map(|ratio| ratio.speed),
+        stages: run.stages.clone(),
+        counters: run.counters,
+        rays: run.blocks.first().map_or(0, |block| block.rays.total()),
+        lanes: run.lanes.iter().map(shares).collect(),
+        blocks: run.blocks.len(),
+        contaminated: run.contaminated(),
+        change: None,
+        bench: command(record, run, "bench"),
+        render: command(record, run, "render"),
+    }
+}
+
+/// What repeats a run at its commit.
+fn command(record: &Record, run: &Run, what: &str) -> String {
+    let Run { scene, engine, threads, spp, seed, width, height, depth, sampling, .. } = run;
+    let commit = record.machine.commit.trim_end_matches("-dirty");
+    let build = format!("git checkout {commit} && cargo run --release --");
+    let common = format!(
+        "--scene '{scene}' --engine {engine} --threads {threads} --width {width} --spp {spp} --seed {seed}"
+    );
+    match what {
+        "bench" => format!("{build} bench {common} --blocks {}", run.blocks.len()),
+        _ => format!(
+            "{build} render {common} --height {height} --depth {depth} --sampling {sampling}"
+        ),
+    }
+}

@@ -1,0 +1,106 @@
+//! What else a machine did while something was timed.
+
+use std::fs;
+
+use serde::{Deserialize, Serialize};
+
+/// What others took from this process. Zeros where the operating system does not tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Interference {
+    /// Seconds that a hypervisor took from all cores of this machine (proc_stat(5), steal).
+    pub stolen: f64,
+    /// Seconds that threads of this process were ready and waited for a core, summed
+    /// (/proc/PID/task/TID/schedstat).
+    pub waited: f64,
+    /// Times that threads of this process had to leave a core to others (proc_pid_status(5)).
+    pub switches: u64,
+}
+
+impl Interference {
+    /// Since the machine, and the threads that are alive, began.
+    pub fn so_far() -> Self {
+        let (waited, switches) = threads()
+            .fold((0.0, 0), |(waited, switches), thread| (waited + thread.0, switches + thread.1));
+        Self { stolen: stolen().unwrap_or(0.0), waited, switches }
+    }
+
+    /// What came after `earlier`, when no other threads were alive than are now.
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            stolen: (self.stolen - earlier.stolen).max(0.0),
+            waited: (self.waited - earlier.waited).max(0.0),
+            switches: self.switches.saturating_sub(earlier.switches),
+        }
+    }
+}
+
+/// Linux tells times of all cores in hundredths of a second, whatever its own clock.
+const TICKS_PER_SECOND: f64 = 100.0;
+
+/// The eighth number after `cpu` in the first line.
+fn stolen() -> Option<f64> {
+    let stat = fs::read_to_string("/proc/stat").ok()?;
+    let ticks: u64 = stat.lines().next()?.split_whitespace().nth(8)?.parse().ok()?;
+    Some(ticks as f64 / TICKS_PER_SECOND)
+}
+
+/// Of each thread: seconds waited, and switches.
+fn threads() -> impl Iterator<Item = (f64, u64)> {
+    let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    tasks.map(|task| {
+        let read = |name: &str| fs::read_to_string(task.path().join(name)).unwrap_or_default();
+        (waited(&read("schedstat")).unwrap_or(0.0), switches(&read("status")).unwrap_or(0))
+    })
+}
+
+/// The second number, in nanoseconds.
+fn waited(schedstat: &str) -> Option<f64> {
+    let nanoseconds: u64 = schedstat.split_whitespace().nth(1)?.parse().ok()?;
+    Some(nanoseconds as f64 * 1e-9)
+}
+
+fn switches(status: &str) -> Option<u64> {
+    let name = "nonvoluntary_ctxt_switches:";
+    status.lines().find_map(|line| line.strip_prefix(name))?.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_found() {
+        assert_eq!(waited("1203 2000000000 7\n"), Some(2.0));
+        assert_eq!(waited(""), None);
+        let status = "Name:\ta\nvoluntary_ctxt_switches:\t3\nnonvoluntary_ctxt_switches:\t5\n";
+        assert_eq!(switches(status), Some(5));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn threads_that_crowd_the_cores_wait() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let (before, seen) = (Interference::so_far(), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            for _ in 0..4 * cores {
+                scope.spawn(|| {
+                    while !seen.load(Ordering::Relaxed) {
+                        std::hint::spin_loop();
+                    }
+                });
+            }
+            // So often at most; the first time is mostly enough.
+            for _ in 0..1000 {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+                let now = Interference::so_far().since(before);
+                if now.waited > 0.0 && now.switches > 0 {
+                    seen.store(true, Ordering::Relaxed);
+                    return;
+                }
+            }
+            seen.store(true, Ordering::Relaxed);
+            panic!("{:?}", Interference::so_far().since(before));
+        });
+    }
+}
