@@ -36,6 +36,10 @@ pub enum Error {
         source: io::Error,
     },
 
+    /// A signal, of this number, ended the run.
+    #[error("interrupted by {}", if *.0 == 2 { "SIGINT" } else { "SIGTERM" })]
+    Interrupted(u8),
+
     /// A fault of the program or of the machine it runs on.
     #[error("internal fault: {0}")]
     Internal(String),
@@ -61,13 +65,15 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
-    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed.
+    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed, 130
+    /// and 143 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
             Self::Input { .. } => 65,
             Self::Internal(_) => 70,
             Self::Io { .. } => 74,
+            Self::Interrupted(signal) => 128 + signal,
         }
     }
 }
@@ -107,5 +113,10 @@ mod tests {
         assert_eq!(error.to_string(), "a.ron:3:4: bad");
         assert_eq!(Error::input("a.ron", "", "bad").to_string(), "a.ron: bad");
         assert_eq!(error.exit_code(), 65);
+        let interrupted = [(2, "interrupted by SIGINT", 130), (15, "interrupted by SIGTERM", 143)];
+        for (signal, line, code) in interrupted {
+            let error = Error::Interrupted(signal);
+            assert_eq!((error.to_string().as_str(), error.exit_code()), (line, code));
+        }
     }
 }

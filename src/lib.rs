@@ -52,6 +52,7 @@ pub mod film;
 pub mod geometry;
 pub mod image;
 mod input;
+pub mod interrupt;
 pub mod isa;
 pub mod limits;
 pub mod machine;

@@ -172,9 +172,12 @@ fn exports_are_what_their_programs_read() {
     }
     let benchmark = read(&criterion.join("benchmark.json"));
     assert_eq!(benchmark["full_id"], "cornell/wavefront/1");
-    let rays = number(&benchmark["throughput"]["Elements"]);
-    let mrays = rays / number(&estimates["median"]["point_estimate"]) * 1e3;
-    assert!((mrays / number(&speed["median"]) - 1.0).abs() < 0.2, "{mrays} {speed}");
+    let blocks = record["runs"][0]["blocks"].as_array().unwrap();
+    let rays = blocks[0]["rays"].as_object().unwrap().values().map(number).sum::<f64>();
+    assert_eq!(number(&benchmark["throughput"]["Elements"]), rays);
+    let mean = blocks.iter().map(|block| number(&block["seconds"])).sum::<f64>() / 12.0;
+    let told = number(&estimates["mean"]["point_estimate"]);
+    assert!((told / (mean * 1e9) - 1.0).abs() < 1e-9, "{told} {mean}");
 
     let rows = read(&here.join("out/benchmark.json"));
     assert_eq!(
@@ -249,8 +252,8 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fails(&["--export", "gah", "out"], 2, &["did you mean `gha`"]);
     fails(&["--scene", "spheers"], 2, &["did you mean `spheres`"]);
     fails(&["--baseline", "none.json"], 74, &["none.json"]);
-    fails(&["--against", "none"], 74, &["none", "run"]);
-    fails(&["--against", "."], 2, &["not a program"]);
+    fails(&["--quiet", "--against", "none"], 74, &["none", "run"]);
+    fails(&["--quiet", "--against", "."], 2, &["not a program"]);
     fails(&["--json", "none/a.json"], 74, &["none/a.json"]);
     fs::write(here.join("a.json"), "{}").unwrap();
     fails(&["--json", "a.json", "--baseline", "./a.json"], 2, &["would replace the baseline"]);
@@ -345,6 +348,34 @@ fn the_gate_shuts_where_a_program_is_slower() {
     assert_eq!((code, outcomes), (Some(0), vec!["improved".to_owned(); 2]));
     let (code, outcomes, ..) = gate(&fast, &fast, "1");
     assert_eq!((code, outcomes), (Some(0), vec!["same".to_owned(); 2]));
+}
+
+/// Nothing is left behind, and what ended it is told.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let endless = ["--blocks", "10000", "--json", "bench.json"];
+    let child = Command::new(env!("CARGO_BIN_EXE_ptfast"))
+        .args([&SMALL[..], &endless].concat())
+        .current_dir(here)
+        .env("TMPDIR", here)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // As soon as it has made its folder.
+    while fs::read_dir(here).unwrap().count() == 0 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(143), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "ptfast: interrupted by SIGTERM\n");
+    assert_eq!(fs::read_dir(here).unwrap().count(), 0);
 }
 
 #[cfg(unix)]

@@ -12,6 +12,7 @@ use super::record::Lanes;
 use crate::accel::Counters;
 use crate::engine::{Engine, Plan, RayCounts};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::machine::{Interference, Machine};
 
 /// What is rendered.
@@ -130,6 +131,8 @@ impl Program {
             command.arg("--plan").arg(file);
         }
         let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output();
+        // The signal that ended it came to this process too.
+        interrupt::check()?;
         let output = output.map_err(Error::io(&self.path, "run"))?;
         if !output.status.success() {
             return Err(self.failed(&String::from_utf8_lossy(&output.stderr), output.status));

@@ -117,8 +117,8 @@ pub(crate) struct Lanes {
     pub(crate) issued: u64,
 }
 
-/// How many times as fast one side was as another: the median over blocks. A side against itself is
-/// the control.
+/// How many times as fast one side was as another, in the time that each was given: the median over
+/// blocks. A side against itself is the control.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Ratio {
     pub(crate) scene: String,
@@ -172,13 +172,16 @@ impl Block {
         self.rays.total() as f64 / self.seconds
     }
 
-    /// Rays a cycle that so many threads were given: of the cores that they had, less what others took.
-    /// `None` where that is not known.
-    pub(crate) fn rays_per_cycle(&self, threads: usize) -> Option<f64> {
-        // Two renders.
+    /// Seconds of a render that its threads had cores for: less what others took.
+    pub(crate) fn given(&self, threads: usize) -> f64 {
         let Interference { stolen, waited, .. } = self.interference;
-        let given = self.seconds * threads as f64 - 0.5 * (stolen + waited);
-        let cycles = self.clock * 1e9 * given;
+        // That is of two renders and all threads.
+        (self.seconds - 0.5 * (stolen + waited) / threads as f64).max(0.1 * self.seconds)
+    }
+
+    /// Rays a cycle that so many threads were given; `None` where the clock is not known.
+    pub(crate) fn rays_per_cycle(&self, threads: usize) -> Option<f64> {
+        let cycles = self.clock * 1e9 * self.given(threads) * threads as f64;
         (cycles > 0.0).then(|| self.rays.total() as f64 / cycles)
     }
 }

@@ -90,7 +90,7 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
         threads: group.task.threads,
         of: name(of),
         to: to_name,
-        speed: speed_ratio(&series[of].blocks, &series[to].blocks),
+        speed: speed_ratio(&series[of].blocks, &series[to].blocks, group.task.threads),
     };
     let mut ratios = Vec::new();
     if let (Some(of), Some(to)) = (find(0, Engine::Wavefront), find(0, Engine::Scalar)) {
@@ -107,8 +107,9 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
 }
 
 /// How many times as fast `of` was as `to`, block by block.
-fn speed_ratio(of: &[Block], to: &[Block]) -> Estimate {
-    Estimate::of_positive(of.iter().zip(to).map(|(of, to)| to.seconds / of.seconds))
+fn speed_ratio(of: &[Block], to: &[Block], threads: usize) -> Estimate {
+    let ratio = |(of, to): (&Block, &Block)| to.given(threads) / of.given(threads);
+    Estimate::of_positive(of.iter().zip(to).map(ratio))
 }
 
 impl Record {

@@ -233,7 +233,7 @@ pub(super) struct BenchArgs {
     /// Width in pixels, the height is in proportion [default: 640 x 360 pixels in all]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) width: Option<u32>,
-    /// Blocks: each renders everything twice, forth and back [default: 10]
+    /// Blocks: each renders everything twice, forth and back [default: 12]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(Estimate::LEAST as i64..=10_000))]
     pub(super) blocks: Option<u32>,
     /// Samples a pixel

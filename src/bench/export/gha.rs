@@ -25,7 +25,7 @@ fn row(run: &Run, record: &Record) -> Value {
         "name": super::name(run),
         "unit": "Mrays/s",
         "value": speed.median,
-        "range": format!("{:.3} to {:.3}", speed.lo, speed.hi),
+        "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),
         "extra": format!(
             "{width} x {height}, {spp} spp, {threads} threads\n{}, {} lanes, {}\nimage {hash}",
             machine.cpu, machine.lanes, machine.rustc
