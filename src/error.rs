@@ -36,6 +36,17 @@ pub enum Error {
         source: io::Error,
     },
 
+    /// Another program that was run has failed.
+    #[error("{program}: {message}")]
+    Program {
+        /// Its path.
+        program: String,
+        /// What it said.
+        message: String,
+        /// The exit code that says the same.
+        code: u8,
+    },
+
     /// A signal, of this number, ended the run.
     #[error("interrupted by {}", if *.0 == 2 { "SIGINT" } else { "SIGTERM" })]
     Interrupted(u8),
@@ -73,6 +84,7 @@ impl Error {
             Self::Input { .. } => 65,
             Self::Internal(_) => 70,
             Self::Io { .. } => 74,
+            Self::Program { code, .. } => *code,
             Self::Interrupted(signal) => 128 + signal,
         }
     }

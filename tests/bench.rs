@@ -45,7 +45,7 @@ fn records_have_the_fields_that_scripts_rely_on() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let table = bench(here, &["--blocks", "7", "--json", "bench.json", "--threads", "2"]);
-    for word in ["Mrays/s", "x scalar", "cornell", "wavefront", "control", "extend", "commit"] {
+    for word in ["Mrays/s", "x scalar", "cornell", "wavefront", "control", "shade", "commit"] {
         assert!(table.contains(word), "{word} is not in {table}");
     }
     let record = read(&here.join("bench.json"));
@@ -196,10 +196,11 @@ fn exports_are_what_their_programs_read() {
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!((lines[0], lines.len()), ("time,commit,cornell/wavefront", 3));
     assert!(lines[2].contains(commit) && lines[2].ends_with(&speed["median"].to_string()), "{csv}");
-    // A line of other columns does not fit, and nothing is lost.
-    let other = [&SMALL[..], &["--export", "csv", "out"]].concat();
+    // A line of other columns does not fit, which is known before anything is measured.
+    let other = [&SMALL[..], &["--export", "csv", "out", "--json", "new.json"]].concat();
     fails(here, &other, 65, &["bench.csv:1", "time,commit,cornell/scalar"]);
     assert_eq!(fs::read_to_string(here.join("out/bench.csv")).unwrap(), csv);
+    assert!(!here.join("new.json").exists());
 }
 
 #[test]
@@ -208,8 +209,8 @@ fn baselines_are_compared_and_counters_told() {
     let here = folder.path();
     bench(here, &["--json", "old.json"]);
     let same = bench(here, &["--baseline", "old.json"]);
-    assert!(same.contains("counters are those of the baseline"), "{same}");
-    assert!(same.contains("times as fast") && !same.contains("by more than"), "{same}");
+    assert!(same.contains("exact counts of 2 runs compared: no change\n"), "{same}");
+    assert!(same.contains("times ") && !same.contains("by more than"), "{same}");
 
     let old = read(&here.join("old.json"));
     let with = |change: &dyn Fn(&mut Value)| {
@@ -220,6 +221,7 @@ fn baselines_are_compared_and_counters_told() {
     let compared = [&SMALL[..], &["--baseline", "changed.json"]].concat();
     with(&|record| record["runs"][1]["counters"]["leaf_tests"] = json!(1));
     let told = stdout(&ptfast(here, &compared));
+    assert!(told.contains("exact counts of 2 runs compared: changed\n"), "{told}");
     assert!(told.contains("cornell wavefront 1: leaf tests 1 -> "), "{told}");
     assert_eq!(told.matches("counter ").count(), 1, "{told}");
 
@@ -229,12 +231,22 @@ fn baselines_are_compared_and_counters_told() {
     fails(here, &compared, 65, &["changed.json:schema", "version 2"]);
     with(&|record| record["runs"][0]["blocks"] = json!([]));
     fails(here, &compared, 65, &["changed.json:runs[0].blocks"]);
-    with(&|record| record["runs"][1]["blocks"][2]["seconds"] = json!(0));
-    fails(here, &compared, 65, &["changed.json:runs[1].blocks[2]"]);
+    for (field, value) in
+        [("seconds", json!(0)), ("clock", json!(1e300)), ("seconds", json!(1e-320))]
+    {
+        with(&|record| record["runs"][1]["blocks"][2][field] = value.clone());
+        fails(here, &compared, 65, &["changed.json:runs[1].blocks[2]"]);
+    }
+    with(&|record| record["runs"][0]["mrays_per_s"]["hi"] = json!(0.0));
+    fails(here, &compared, 65, &["changed.json:runs[0].mrays_per_s", "finite"]);
+    // Of another version: its plan is unknown here, and what was counted by it.
+    with(&|record| record["runs"][1]["plan"] = json!({ "kernels": ["quantum"] }));
+    let told = stdout(&ptfast(here, &compared));
+    assert!(told.contains("of 1 runs compared: no change; 1 cannot be compared"), "{told}");
     with(&|record| {
         record["runs"].as_array_mut().unwrap().iter_mut().for_each(|run| run["spp"] = json!(3));
     });
-    fails(here, &compared, 65, &["changed.json:runs", "no run of what was measured"]);
+    fails(here, &compared, 65, &["changed.json:runs", "nothing of what is to be measured"]);
     fs::write(here.join("changed.json"), "{\"schema\":1").unwrap();
     fails(here, &compared, 65, &["changed.json:1:11"]);
 }
@@ -257,7 +269,11 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fails(&["--json", "none/a.json"], 74, &["none/a.json"]);
     fs::write(here.join("a.json"), "{}").unwrap();
     fails(&["--json", "a.json", "--baseline", "./a.json"], 2, &["would replace the baseline"]);
-    assert_eq!(fs::read_dir(here).unwrap().count(), 1);
+    fs::copy(here.join("a.json"), here.join("benchmark.json")).unwrap();
+    let gha = ["--json", "benchmark.json", "--export", "gha", "."];
+    fails(&[&["--quiet"], &gha[..]].concat(), 2, &["benchmark.json", "export"]);
+    fails(&["--width", "60000", "--spp", "100000"], 2, &["at most"]);
+    assert_eq!(fs::read_dir(here).unwrap().count(), 2);
 }
 
 /// A program that renders nothing: it says what a render of cornell said, but for its time and hash.
@@ -324,7 +340,7 @@ fn the_gate_shuts_where_a_program_is_slower() {
         ];
         let output = ptfast(here, &[&SMALL[..], &more].concat());
         let record = read(&here.join("gate.json"));
-        let verdicts = record["verdicts"].as_array().unwrap();
+        let verdicts = record["gate"]["verdicts"].as_array().unwrap();
         let outcomes: Vec<String> = verdicts
             .iter()
             .map(|verdict| verdict["outcome"].as_str().unwrap().to_owned())
@@ -335,10 +351,12 @@ fn the_gate_shuts_where_a_program_is_slower() {
     let (code, outcomes, record, told) = gate(&slow, &fast, "1");
     assert_eq!((code, outcomes), (Some(3), vec!["regressed".to_owned(); 2]), "{told}");
     assert!(told.contains("REGRESSED"), "{told}");
-    let change = &record["verdicts"][0]["change"];
+    let verdict = &record["gate"]["verdicts"][0];
+    let change = &verdict["change"];
     assert!((number(&change["median"]) - 0.5 / 0.52).abs() < 1e-9, "{change}");
-    assert_eq!(*change, record["verdicts"][0]["again"]);
-    assert_eq!(record["against"]["program"], json!(fast));
+    assert_eq!(*change, verdict["again"]);
+    assert_eq!(record["gate"]["again"]["runs"][0]["blocks"].as_array().unwrap().len(), 24);
+    assert!(told.contains("exact counts of 2 runs compared: no change\n"), "{told}");
     assert_eq!(record["against"]["runs"][0]["engine"], "scalar");
     let to = record["ratios"][2]["to"].as_str().unwrap();
     assert!(to.starts_with("wavefront@") || to.starts_with("scalar@"), "{to}");
@@ -358,7 +376,7 @@ fn an_interrupt_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let endless = ["--blocks", "10000", "--json", "bench.json"];
-    let child = Command::new(env!("CARGO_BIN_EXE_ptfast"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ptfast"))
         .args([&SMALL[..], &endless].concat())
         .current_dir(here)
         .env("TMPDIR", here)
@@ -367,7 +385,11 @@ fn an_interrupt_leaves_nothing() {
         .spawn()
         .unwrap();
     // As soon as it has made its folder.
-    while fs::read_dir(here).unwrap().count() == 0 {
+    let made = |entry: std::io::Result<fs::DirEntry>| {
+        entry.unwrap().file_name().to_string_lossy().starts_with("ptfast-bench-")
+    };
+    while !fs::read_dir(here).unwrap().any(made) {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended before");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();

@@ -73,12 +73,8 @@ fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
 
 impl Series {
     fn add(&mut self, turns: &[Rendered], threads: usize, clock: f64) {
-        let sum = |sum: Interference, turn: &Rendered| Interference {
-            stolen: sum.stolen + turn.interference.stolen,
-            waited: sum.waited + turn.interference.waited,
-            switches: sum.switches + turn.interference.switches,
-        };
-        let interference = turns.iter().fold(Interference::default(), sum);
+        let taken = turns.iter().map(|turn| turn.interference);
+        let interference = taken.reduce(|a, b| Some(a? + b?)).flatten();
         let seconds = mean(turns.iter().map(|turn| turn.seconds.render));
         let core_seconds = seconds * (turns.len() * threads) as f64;
         for turn in turns {
@@ -93,7 +89,7 @@ impl Series {
             rays: turns.first().map_or(RayCounts::default(), |turn| turn.rays),
             clock,
             interference,
-            contaminated: is_contaminated(&interference, core_seconds),
+            contaminated: interference.is_some_and(|taken| is_contaminated(&taken, core_seconds)),
         });
     }
 }

@@ -2,19 +2,41 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::record::{Record, Run};
+use super::record::{Ratio, Record, Run};
 use super::statistics::Estimate;
 use super::{Bench, Progress};
-use crate::accel::Counters;
 use crate::error::{Error, Result};
 
-/// What a run is compared with.
+/// What runs are compared with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reference<'a> {
-    /// A record of another time, and its file. Clocks are different then: rays a cycle count.
-    Baseline(&'a Record, &'a str),
-    /// The other program of the same run, block by block.
+    /// A record of another time. Clocks were different then: paths a cycle count.
+    Baseline(&'a Record),
+    /// The other program of the same bench, block by block.
     Against,
+}
+
+/// What came of a comparison.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Gate {
+    /// The change that counts: 0.01 for 1%.
+    pub(crate) threshold: f64,
+    /// Commit of what was compared with.
+    pub(crate) commit: String,
+    pub(crate) verdicts: Vec<Verdict>,
+    /// What was measured again, since something seemed to have changed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) again: Option<Again>,
+}
+
+/// A second sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Again {
+    pub(crate) runs: Vec<Run>,
+    pub(crate) ratios: Vec<Ratio>,
+    /// Of the other program.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) against: Vec<Run>,
 }
 
 /// Of a run.
@@ -25,12 +47,14 @@ pub(crate) struct Verdict {
     pub(crate) threads: usize,
     /// How many times as fast it is.
     pub(crate) change: Estimate,
-    /// The same, measured once more, where the first was a reason to.
+    /// The same of the second sample, where there was a reason for one.
     pub(crate) again: Option<Estimate>,
     pub(crate) outcome: Outcome,
+    /// Why it is unclear, or still the same.
+    #[serde(default)]
+    pub(crate) reason: String,
 }
 
-/// What came of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Outcome {
@@ -40,7 +64,7 @@ pub(crate) enum Outcome {
     Same,
     /// Slower by more than the threshold, twice.
     Regressed,
-    /// The machine was too busy: the control is not what it must be, or most blocks are contaminated.
+    /// Nothing can be said, for a reason that is told.
     Unclear,
 }
 
@@ -53,89 +77,9 @@ impl Outcome {
             Self::Unclear => "unclear",
         }
     }
-}
 
-/// Compares every run of `record`, which `bench` has measured, with its like; those that have changed
-/// by more than `threshold` (0.01 for 1%) are measured `again` with so many blocks, if any.
-///
-/// # Errors
-/// Where a program fails, or nothing can be compared.
-pub(crate) fn judge(
-    bench: &Bench,
-    record: &Record,
-    reference: Reference<'_>,
-    threshold: f64,
-    again: Option<usize>,
-    progress: Progress<'_>,
-) -> Result<Vec<Verdict>> {
-    if let Reference::Baseline(baseline, file) = reference {
-        check_machine(record, baseline, file)?;
-    }
-    let mut verdicts: Vec<Verdict> =
-        record.runs.iter().filter_map(|run| first(run, record, reference, threshold)).collect();
-    if let (true, Reference::Baseline(_, file)) = (verdicts.is_empty(), reference) {
-        let message = "holds no run of what was measured: scene, size, samples, seed, engine and threads must be the same";
-        return Err(Error::input(file, "runs", message));
-    }
-    let changed =
-        |verdict: &Verdict| matches!(verdict.outcome, Outcome::Improved | Outcome::Regressed);
-    let doubtful: Vec<(String, usize)> = verdicts
-        .iter()
-        .filter(|verdict| changed(verdict))
-        .map(|verdict| (verdict.scene.clone(), verdict.threads))
-        .collect();
-    let Some(blocks) = again.filter(|_| !doubtful.is_empty()) else { return Ok(verdicts) };
-    let wanted =
-        |scene: &str, threads| doubtful.iter().any(|(of, with)| of == scene && *with == threads);
-    let again = bench.record(&bench.measure(blocks, wanted, progress)?);
-    for verdict in verdicts.iter_mut().filter(|verdict| changed(verdict)) {
-        let run = again.runs.iter().find(|run| verdict.is_of(run));
-        let second = run.and_then(|run| first(run, &again, reference, threshold));
-        verdict.confirm(second);
-    }
-    Ok(verdicts)
-}
-
-/// What one sample says of a run; `None` where it has no like.
-fn first(run: &Run, record: &Record, reference: Reference<'_>, threshold: f64) -> Option<Verdict> {
-    let change = match reference {
-        Reference::Baseline(baseline, _) => {
-            change(run, baseline.runs.iter().find(|old| old.is_same_work(run))?)
-        }
-        Reference::Against => {
-            let to = format!("{}@", run.engine);
-            let is = |of: &str| of == run.engine;
-            let mut ratios = record.ratios.iter().filter(|ratio| {
-                ratio.scene == run.scene && ratio.threads == run.threads && is(&ratio.of)
-            });
-            ratios.find(|ratio| ratio.to.starts_with(&to))?.speed
-        }
-    };
-    let outcome = if is_clear(run, record, threshold) {
-        decide(&change, threshold)
-    } else {
-        Outcome::Unclear
-    };
-    Some(Verdict {
-        scene: run.scene.clone(),
-        engine: run.engine.clone(),
-        threads: run.threads,
-        change,
-        again: None,
-        outcome,
-    })
-}
-
-/// How many times as fast `new` is as `old`, measured at another time: a cycle, where both clocks
-/// are known.
-fn change(new: &Run, old: &Run) -> Estimate {
-    let cycles = |run: &Run| -> Option<Vec<f64>> {
-        run.blocks.iter().map(|block| block.rays_per_cycle(run.threads)).collect()
-    };
-    let seconds = |run: &Run| -> Vec<f64> { run.blocks.iter().map(|b| b.speed()).collect() };
-    match (cycles(new), cycles(old)) {
-        (Some(new), Some(old)) => Estimate::of_ratio(&new, &old),
-        _ => Estimate::of_ratio(&seconds(new), &seconds(old)),
+    fn is_change(self) -> bool {
+        matches!(self, Self::Improved | Self::Regressed)
     }
 }
 
@@ -150,72 +94,134 @@ pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
     }
 }
 
-/// Whether the machine was quiet enough: what is measured against itself is the same, and no more than
-/// half of the blocks are contaminated.
-fn is_clear(run: &Run, record: &Record, threshold: f64) -> bool {
-    let control = record.control(&run.scene, run.threads);
-    control.is_some_and(|control| decide(&control.speed, threshold) == Outcome::Same)
-        && run.contaminated() * 2 <= run.blocks.len()
+/// Whether what `bench` will measure can be compared with `baseline`, a record from `file`.
+///
+/// # Errors
+/// Where it was measured on another machine, or holds nothing of the same work.
+pub(crate) fn check_baseline(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
+    let (here, there) = (bench.machine(0), &baseline.machine);
+    if (&here.cpu, here.cores) != (&there.cpu, there.cores) {
+        let message = format!(
+            "measured on {} cores of `{}`, here are {} of `{}`: speeds cannot be compared",
+            there.cores, there.cpu, here.cores, here.cpu
+        );
+        return Err(Error::input(file, "machine", message));
+    }
+    let works = bench.works();
+    if !baseline.runs.iter().any(|run| works.contains(&run.work())) {
+        let message = "holds nothing of what is to be measured: scene and its hash, size, samples, depth, \
+                       sampling, seed, engine and threads must be the same";
+        return Err(Error::input(file, "runs", message));
+    }
+    Ok(())
+}
+
+/// Compares every run of `record`, which `bench` has measured, with its like, if it has one. Where some
+/// have changed by more than `threshold`, their groups are measured `again` with so many blocks, if
+/// any: what is said of them then needs both samples.
+///
+/// # Errors
+/// Where a program fails.
+pub(crate) fn judge(
+    bench: &Bench,
+    record: &Record,
+    reference: Reference<'_>,
+    threshold: f64,
+    again: Option<usize>,
+    progress: Progress<'_>,
+) -> Result<Gate> {
+    let commit = match reference {
+        Reference::Baseline(baseline) => &baseline.machine.commit,
+        Reference::Against => &bench.machine(1).commit,
+    };
+    let verdicts = verdicts(record, reference, threshold);
+    let mut gate = Gate { threshold, commit: commit.clone(), verdicts, again: None };
+    let doubtful = |scene: &str, threads: usize| {
+        let of = |verdict: &&Verdict| verdict.scene == scene && verdict.threads == threads;
+        gate.verdicts.iter().filter(of).any(|verdict| verdict.outcome.is_change())
+    };
+    let any = gate.verdicts.iter().any(|verdict| verdict.outcome.is_change());
+    let Some(blocks) = again.filter(|_| any) else { return Ok(gate) };
+    let second = bench.record(&bench.measure(blocks, doubtful, progress)?);
+    let confirming = self::verdicts(&second, reference, threshold);
+    for verdict in gate.verdicts.iter_mut().filter(|verdict| verdict.outcome.is_change()) {
+        verdict.confirm(confirming.iter().find(|second| second.is_like(verdict)));
+    }
+    gate.again = Some(Again {
+        runs: second.runs,
+        ratios: second.ratios,
+        against: second.against.map_or_else(Vec::new, |against| against.runs),
+    });
+    Ok(gate)
+}
+
+/// What one sample says of each run that has a like.
+fn verdicts(record: &Record, reference: Reference<'_>, threshold: f64) -> Vec<Verdict> {
+    let verdict = |run: &Run| -> Option<Verdict> {
+        let (change, old_run, old_record) = match reference {
+            Reference::Baseline(baseline) => {
+                let old = baseline.runs.iter().find(|old| old.work() == run.work())?;
+                (change(run, old), old, baseline)
+            }
+            Reference::Against => {
+                let against = record.against.as_ref()?;
+                let old = against.runs.iter().find(|old| old.work() == run.work())?;
+                let to = format!("{}@{}", run.engine, against.machine.commit);
+                (record.ratio(run, &to)?.speed, old, record)
+            }
+        };
+        let doubt = (run.hash != old_run.hash)
+            .then_some("another image")
+            .or_else(|| doubt(run, record, threshold))
+            .or_else(|| doubt(old_run, old_record, threshold).map(|_| "the other was disturbed"));
+        Some(Verdict {
+            scene: run.scene.clone(),
+            engine: run.engine.clone(),
+            threads: run.threads,
+            change,
+            again: None,
+            outcome: doubt.map_or_else(|| decide(&change, threshold), |_| Outcome::Unclear),
+            reason: doubt.unwrap_or_default().to_owned(),
+        })
+    };
+    record.runs.iter().filter_map(verdict).collect()
+}
+
+/// How many times as fast `new` is as `old`, measured at another time: a cycle, where both clocks
+/// are known.
+fn change(new: &Run, old: &Run) -> Estimate {
+    match (new.paths_per_cycle(), old.paths_per_cycle()) {
+        (Some(new), Some(old)) => Estimate::of_ratio(&new, &old),
+        _ => Estimate::of_ratio(&new.paths_per_second(), &old.paths_per_second()),
+    }
+}
+
+/// Why nothing can be said of a run of `record`: its control is off 1 by more than the threshold, or by
+/// half of it for certain; or most of its blocks are contaminated.
+fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<&'static str> {
+    if run.contaminated() * 2 > run.blocks.len() {
+        return Some("most blocks are contaminated");
+    }
+    let Some(Ratio { speed, .. }) = record.control(run) else { return Some("there is no control") };
+    let off = |speed: f64| speed.max(1.0 / speed) - 1.0;
+    let surely = speed.lo > 1.0 + 0.5 * threshold || 1.0 / speed.hi > 1.0 + 0.5 * threshold;
+    (off(speed.median) > threshold || surely).then_some("the control is not 1")
 }
 
 impl Verdict {
-    fn is_of(&self, run: &Run) -> bool {
-        self.scene == run.scene && self.engine == run.engine && self.threads == run.threads
+    fn is_like(&self, other: &Self) -> bool {
+        (&self.scene, &self.engine, self.threads) == (&other.scene, &other.engine, other.threads)
     }
 
-    /// What was measured again must say the same.
-    fn confirm(&mut self, second: Option<Self>) {
-        self.again = second.as_ref().map(|second| second.change);
-        self.outcome = match second.map(|second| second.outcome) {
-            Some(second) if second == self.outcome => second,
-            Some(Outcome::Unclear) => Outcome::Unclear,
-            _ => Outcome::Same,
-        };
-    }
-}
-
-/// Speeds of two machines say nothing of two programs.
-fn check_machine(record: &Record, baseline: &Record, file: &str) -> Result<()> {
-    let (here, there) = (&record.machine, &baseline.machine);
-    if (&here.cpu, here.cores) == (&there.cpu, there.cores) {
-        return Ok(());
-    }
-    let message = format!(
-        "measured on {} cores of `{}`, here are {} of `{}`: speeds cannot be compared",
-        there.cores, there.cpu, here.cores, here.cpu
-    );
-    Err(Error::input(file, "machine", message))
-}
-
-/// A line for each exact count that is not what it was, where seed, plan and lanes are the same.
-pub(crate) fn counter_changes(record: &Record, baseline: &Record) -> Vec<String> {
-    let mut lines = Vec::new();
-    for run in &record.runs {
-        let Some(old) = baseline.runs.iter().find(|old| old.is_same_work(run)) else { continue };
-        let same_plan = old.plan == run.plan && record.machine.lanes == baseline.machine.lanes;
-        if !same_plan || old.counters == Counters::default() {
-            continue;
-        }
-        for (name, new, old) in differences(&run.counters, &old.counters) {
-            let ratio = new as f64 / old as f64;
-            let Run { scene, engine, threads, .. } = run;
-            lines.push(format!(
-                "{scene} {engine} {threads}: {name} {old} -> {new} ({ratio:.4} times as many)"
-            ));
+    /// The second sample must say the same.
+    fn confirm(&mut self, second: Option<&Self>) {
+        self.again = second.map(|second| second.change);
+        match second {
+            Some(second) if second.outcome == self.outcome => {}
+            Some(second) if second.outcome == Outcome::Unclear => {
+                (self.outcome, self.reason) = (Outcome::Unclear, second.reason.clone());
+            }
+            _ => (self.outcome, self.reason) = (Outcome::Same, "not confirmed".to_owned()),
         }
     }
-    lines
-}
-
-/// Counts that are not equal: name, new and old.
-fn differences(new: &Counters, old: &Counters) -> impl Iterator<Item = (&'static str, u64, u64)> {
-    [
-        ("node visits", new.node_visits, old.node_visits),
-        ("leaf tests", new.leaf_tests, old.leaf_tests),
-        ("lanes issued", new.lanes_issued, old.lanes_issued),
-        ("lanes active", new.lanes_active, old.lanes_active),
-        ("rays left to scalar", new.scalar_rays, old.scalar_rays),
-    ]
-    .into_iter()
-    .filter(|(_, new, old)| new != old)
 }

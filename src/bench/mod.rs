@@ -9,21 +9,27 @@ mod block;
 mod bootstrap;
 mod clock;
 mod compare;
+mod counts;
 mod export;
 mod program;
+mod read;
 mod record;
 mod statistics;
 mod summary;
 
 use std::path::PathBuf;
 
-use crate::engine::{Engine, Plan};
+use serde_json::Value;
+
+use crate::engine::Engine;
 use crate::error::{Error, Result};
+use crate::machine::Machine;
 use block::Series;
-pub(crate) use compare::{Outcome, Reference, Verdict, counter_changes, decide, judge};
-pub(crate) use export::{Format, export};
+pub(crate) use compare::{Gate, Outcome, Reference, Verdict, check_baseline, decide, judge};
+pub(crate) use counts::{CountChanges, count_changes};
+pub(crate) use export::{Format, check_export, export, export_file};
 use program::{Program, Rendered, Task};
-pub(crate) use record::{Lanes, Ratio, Record, Run};
+pub(crate) use record::{Lanes, Ratio, Record, Run, Work};
 pub(crate) use statistics::Estimate;
 
 /// What is to be measured.
@@ -66,7 +72,7 @@ struct Side {
     /// What a render that was not timed told.
     counted: Rendered,
     /// How it works when it is timed.
-    plan: Option<Plan>,
+    plan: Option<Value>,
 }
 
 /// What blocks have told: for each group, if it took part, a series a side and one of the control.
@@ -108,18 +114,39 @@ impl Bench {
                 let mut counted = program.render(task, engine, None, true)?;
                 let plan = counted.plan.clone();
                 // One plan for all whose work is compared.
-                let old = baseline.and_then(|record| record.plan(task, engine));
+                let old = baseline.and_then(|record| record.plan(task, engine.name()));
                 let first = sides.iter().find(|side| side.engine == engine);
                 let common = old.or_else(|| first.and_then(|side| side.counted.plan.clone()));
                 if common.is_some() && common != plan {
-                    counted = program.render(task, engine, common.as_ref(), true)?;
+                    // Another version may know no such plan: its counts are not comparable then.
+                    if let Ok(by_common) = program.render(task, engine, common.as_ref(), true) {
+                        counted = by_common;
+                    }
                 }
                 sides.push(Side { program: number, engine, counted, plan });
             }
         }
-        let own = sides.iter().filter(|side| side.program == 0);
+        let before = self.groups.iter().filter(|group| group.task.scene == task.scene);
+        let all = before.flat_map(|group| &group.sides).chain(&sides);
+        let own = all.filter(|side| side.program == 0);
         check_hashes(&task.scene, own.map(|side| (side.engine.name(), &*side.counted.hash)))?;
         Ok(sides)
+    }
+
+    /// The build of a program, 0 for the one that is measured, and where it runs.
+    fn machine(&self, program: usize) -> &Machine {
+        let mut sides = self.groups.iter().flat_map(|group| &group.sides);
+        let side = sides.find(|side| side.program == program);
+        &side.expect("every program has a side").counted.machine
+    }
+
+    /// What the program that is measured will render.
+    pub(crate) fn works(&self) -> Vec<Work> {
+        let of = |group: &'_ Group| -> Vec<Work> {
+            let own = group.sides.iter().filter(|side| side.program == 0);
+            own.map(|side| side.work(&group.task)).collect()
+        };
+        self.groups.iter().flat_map(of).collect()
     }
 
     /// Measures `blocks` blocks of those groups that `wanted` says, scene and threads told; tells
@@ -155,14 +182,14 @@ impl Bench {
         }
         Ok(Sample(sample))
     }
+}
 
-    /// Scenes whose image is another one than that of the program that it is compared with.
-    pub(crate) fn other_images(&self) -> impl Iterator<Item = &str> {
-        let differs = |group: &&Group| {
-            let first = &group.sides[0].counted.hash;
-            group.sides.iter().any(|side| side.counted.hash != *first)
-        };
-        self.groups.iter().filter(differs).map(|group| &*group.task.scene)
+impl Side {
+    fn work(&self, task: &Task) -> Work {
+        let Task { scene, width, height, spp, seed, threads } = task.clone();
+        let Rendered { scene_hash, sampling, depth, .. } = self.counted.clone();
+        let engine = self.engine.name().to_owned();
+        Work { scene, scene_hash, engine, sampling, threads, width, height, spp, depth, seed }
     }
 }
 

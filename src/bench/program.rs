@@ -3,14 +3,15 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
 
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::record::Lanes;
 use crate::accel::Counters;
-use crate::engine::{Engine, Plan, RayCounts};
+use crate::engine::{Engine, RayCounts};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::machine::{Interference, Machine};
@@ -29,9 +30,16 @@ pub(super) struct Task {
 /// A binary, and a folder for what it writes.
 #[derive(Debug)]
 pub(super) struct Program {
-    path: PathBuf,
+    /// As it was named.
+    name: String,
     scratch: tempfile::TempDir,
 }
+
+/// Names in the folder: a copy of the binary, which is not replaced by a build meanwhile, and files.
+const BINARY: &str = "ptfast";
+const IMAGE: &str = "image.png";
+const RECORD: &str = "record.json";
+const PLAN: &str = "plan.json";
 
 /// The record of a render (`ptfast render --json`), as far as a bench reads it. Binaries of other
 /// versions may not write all of it.
@@ -48,9 +56,9 @@ pub(super) struct Rendered {
     #[serde(default)]
     pub(super) peak_rss_bytes: Option<u64>,
     #[serde(default)]
-    pub(super) interference: Interference,
+    pub(super) interference: Option<Interference>,
     #[serde(default)]
-    pub(super) plan: Option<Plan>,
+    pub(super) plan: Option<Value>,
     #[serde(default)]
     pub(super) stages: BTreeMap<String, f64>,
     #[serde(default)]
@@ -88,12 +96,8 @@ impl Program {
         let folder = std::env::temp_dir();
         let scratch = tempfile::Builder::new().prefix("ptfast-bench-").tempdir_in(&folder);
         let scratch = scratch.map_err(Error::io(&folder, "make a folder"))?;
-        let path = fs::canonicalize(path).map_err(Error::io(path, "run"))?;
-        Ok(Self { path, scratch })
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+        fs::copy(path, scratch.path().join(BINARY)).map_err(Error::io(path, "copy"))?;
+        Ok(Self { name: path.display().to_string(), scratch })
     }
 
     /// Renders `task`, by `plan` or its own, and counts the work if asked to, which takes time.
@@ -104,12 +108,12 @@ impl Program {
         &self,
         task: &Task,
         engine: Engine,
-        plan: Option<&Plan>,
+        plan: Option<&Value>,
         count: bool,
     ) -> Result<Rendered> {
         let here = |name: &str| self.scratch.path().join(name);
-        let record = here("record.json");
-        let mut command = Command::new(&self.path);
+        let record = here(RECORD);
+        let mut command = Command::new(here(BINARY));
         command.args(["render", "--quiet", "--scene", &task.scene, "--engine", engine.name()]);
         for (name, value) in [
             ("--width", u64::from(task.width)),
@@ -120,33 +124,44 @@ impl Program {
         ] {
             command.arg(name).arg(value.to_string());
         }
-        command.arg("--output").arg(here("image.png")).arg("--json").arg(&record);
+        command.arg("--output").arg(here(IMAGE)).arg("--json").arg(&record);
         if count {
             command.arg("--stats");
         }
         if let Some(plan) = plan {
-            let file = here("plan.json");
-            let text = serde_json::to_string(plan).map_err(|e| Error::Internal(e.to_string()))?;
-            fs::write(&file, text).map_err(Error::io(&file, "write"))?;
+            let file = here(PLAN);
+            fs::write(&file, plan.to_string()).map_err(Error::io(&file, "write"))?;
             command.arg("--plan").arg(file);
         }
         let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output();
         // The signal that ended it came to this process too.
         interrupt::check()?;
-        let output = output.map_err(Error::io(&self.path, "run"))?;
+        let output = output.map_err(Error::io(Path::new(&self.name), "run"))?;
         if !output.status.success() {
             return Err(self.failed(&String::from_utf8_lossy(&output.stderr), output.status));
         }
-        let text = fs::read_to_string(&record).map_err(Error::io(&record, "read"))?;
-        serde_json::from_str(&text).map_err(|error| {
-            Error::Usage(format!("{}: tells no record of a render: {error}", self.path.display()))
-        })
+        let no_record = |why: String| {
+            Error::Usage(format!("{}: no ptfast, it wrote no record of a render: {why}", self.name))
+        };
+        let text = fs::read_to_string(&record).map_err(|error| no_record(error.to_string()))?;
+        // Of this render, not of the next.
+        fs::remove_file(&record).map_err(Error::io(&record, "remove"))?;
+        let rendered: Rendered =
+            serde_json::from_str(&text).map_err(|error| no_record(error.to_string()))?;
+        let Seconds { render } = rendered.seconds;
+        if !(render > 0.0 && render.is_finite() && rendered.rays.primary > 0) {
+            return Err(no_record(format!("{render} seconds, {:?}", rendered.rays)));
+        }
+        Ok(rendered)
     }
 
-    fn failed(&self, said: &str, status: std::process::ExitStatus) -> Error {
+    /// What the program said, with its own exit code where that is known to mean something.
+    fn failed(&self, said: &str, status: ExitStatus) -> Error {
         let said = said.lines().last().unwrap_or("it said nothing");
-        let said = said.strip_prefix("ptfast: ").unwrap_or(said);
-        Error::Internal(format!("{} failed with {status}: {said}", self.path.display()))
+        let message = said.strip_prefix("ptfast: ").unwrap_or(said).to_owned();
+        let code = status.code().and_then(|code| u8::try_from(code).ok());
+        let code = code.filter(|code| [2, 65, 74].contains(code)).unwrap_or(70);
+        Error::Program { program: self.name.clone(), message: format!("{status}: {message}"), code }
     }
 }
 

@@ -1,22 +1,21 @@
 //! The record of a bench, as scripts read it: field names are fixed, more may be added.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use super::compare::Verdict;
+use super::compare::Gate;
+use super::program::Task;
 use super::statistics::Estimate;
 use crate::accel::Counters;
-use crate::engine::{Plan, RayCounts};
-use crate::error::{Error, Result};
-use crate::input::read_json;
+use crate::engine::RayCounts;
 use crate::machine::{Interference, Machine};
 
 /// The one version of the format.
 pub(crate) const SCHEMA: u32 = 1;
 
-/// What was measured in one run.
+/// What was measured in one bench.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Record {
     /// Version of the format.
@@ -34,15 +33,13 @@ pub(crate) struct Record {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) against: Option<Against>,
     /// What came of a comparison with a baseline or another program.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) verdicts: Vec<Verdict>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) gate: Option<Gate>,
 }
 
 /// Another program's part.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Against {
-    /// Its path.
-    pub(crate) program: String,
     /// Its build.
     pub(crate) machine: Machine,
     /// As those of this one.
@@ -72,39 +69,37 @@ pub(crate) struct Run {
     pub(crate) mrays_per_s: Estimate,
     /// Camera paths.
     pub(crate) msamples_per_s: Estimate,
-    /// Rays a cycle that the threads were given.
-    #[serde(default)]
-    pub(crate) rays_per_cycle: Option<Estimate>,
-    /// Seconds of a render, summed over threads: means over all blocks. Empty for engines that have
-    /// no stages.
+    /// Seconds of a render, summed over threads: means over all blocks. Zeros where an engine has no
+    /// such stage.
     pub(crate) stages: BTreeMap<String, f64>,
     /// From a render that was not timed.
     pub(crate) counters: Counters,
     /// From there too: lanes by segment and stage, of extend and connect those of the traversal.
     #[serde(default)]
     pub(crate) lanes: Vec<BTreeMap<String, Lanes>>,
-    /// How the wavefront engine worked there.
+    /// The plan by which the wavefront engine worked there. As it was written: what other versions can
+    /// plan is no concern of the record.
     #[serde(default)]
-    pub(crate) plan: Option<Plan>,
-    /// How it worked when it was timed.
+    pub(crate) plan: Option<Value>,
+    /// The plan by which it worked when it was timed.
     #[serde(default)]
-    pub(crate) timed_plan: Option<Plan>,
+    pub(crate) timed_plan: Option<Value>,
     pub(crate) peak_rss_bytes: u64,
 }
 
-/// One render after the other, forth and back, took so long for one side.
+/// One side in one block: two renders.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Block {
-    /// Of a render, the mean of two.
+    /// Of a render, the mean of both.
     pub(crate) seconds: f64,
     /// Of a render.
     pub(crate) rays: RayCounts,
     /// Clock of the cores in GHz: the mean over the block, the same for all sides.
     #[serde(default)]
     pub(crate) clock: f64,
-    /// What others took from both.
+    /// What others took from both renders; unknown of programs that do not tell.
     #[serde(default)]
-    pub(crate) interference: Interference,
+    pub(crate) interference: Option<Interference>,
     /// Whether that was too much.
     #[serde(default)]
     pub(crate) contaminated: bool,
@@ -117,8 +112,8 @@ pub(crate) struct Lanes {
     pub(crate) issued: u64,
 }
 
-/// How many times as fast one side was as another, in the time that each was given: the median over
-/// blocks. A side against itself is the control.
+/// How many times as fast one side was as another: the median over blocks. A side against itself is
+/// the control.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Ratio {
     pub(crate) scene: String,
@@ -130,70 +125,61 @@ pub(crate) struct Ratio {
     pub(crate) speed: Estimate,
 }
 
-impl Record {
-    /// From a file.
-    ///
-    /// # Errors
-    /// Where it cannot be read, or is no record of a bench.
-    pub(crate) fn read(path: &Path) -> Result<Self> {
-        let record: Self = read_json(path, "the record of a bench")?;
-        record
-            .check()
-            .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;
-        Ok(record)
-    }
-
-    /// `Err` says which place is wrong, and what would be right.
-    fn check(&self) -> Result<(), (String, String)> {
-        if self.schema != SCHEMA {
-            let message = format!("version {} is not known, {SCHEMA} is", self.schema);
-            return Err(("schema".to_owned(), message));
-        }
-        for (number, run) in self.runs.iter().enumerate() {
-            let place = format!("runs[{number}].blocks");
-            let can_be = |block: &Block| {
-                block.seconds > 0.0 && block.seconds.is_finite() && block.rays.total() > 0
-            };
-            if run.blocks.is_empty() {
-                return Err((place, "there must be one at least".to_owned()));
-            }
-            if let Some(block) = run.blocks.iter().position(|block| !can_be(block)) {
-                let message = "seconds and rays must be more than 0".to_owned();
-                return Err((format!("{place}[{block}]"), message));
-            }
-        }
-        Ok(())
-    }
+/// What is rendered, and how: runs of the same work can be compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Work {
+    pub(crate) scene: String,
+    pub(crate) scene_hash: String,
+    pub(crate) engine: String,
+    pub(crate) sampling: String,
+    pub(crate) threads: usize,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) spp: u32,
+    pub(crate) depth: u32,
+    pub(crate) seed: u64,
 }
 
 impl Block {
     /// Rays a second.
-    pub(crate) fn speed(&self) -> f64 {
+    pub(crate) fn rays_per_second(&self) -> f64 {
         self.rays.total() as f64 / self.seconds
     }
 
-    /// Seconds of a render that its threads had cores for: less what others took.
-    pub(crate) fn given(&self, threads: usize) -> f64 {
-        let Interference { stolen, waited, .. } = self.interference;
-        // That is of two renders and all threads.
-        (self.seconds - 0.5 * (stolen + waited) / threads as f64).max(0.1 * self.seconds)
-    }
-
-    /// Rays a cycle that so many threads were given; `None` where the clock is not known.
-    pub(crate) fn rays_per_cycle(&self, threads: usize) -> Option<f64> {
-        let cycles = self.clock * 1e9 * self.given(threads) * threads as f64;
-        (cycles > 0.0).then(|| self.rays.total() as f64 / cycles)
+    /// Camera paths a second.
+    pub(crate) fn paths_per_second(&self) -> f64 {
+        self.rays.primary as f64 / self.seconds
     }
 }
 
 impl Run {
-    /// Whether `other` is the same work.
-    pub(crate) fn is_same_work(&self, other: &Self) -> bool {
-        let work = |run: &Self| {
-            let size = (run.width, run.height, run.spp, run.depth, run.seed);
-            (run.scene_hash.clone(), run.sampling.clone(), size, run.threads, run.engine.clone())
+    /// What was rendered, and how.
+    pub(crate) fn work(&self) -> Work {
+        Work {
+            scene: self.scene.clone(),
+            scene_hash: self.scene_hash.clone(),
+            engine: self.engine.clone(),
+            sampling: self.sampling.clone(),
+            threads: self.threads,
+            width: self.width,
+            height: self.height,
+            spp: self.spp,
+            depth: self.depth,
+            seed: self.seed,
+        }
+    }
+
+    /// Of each block.
+    pub(crate) fn paths_per_second(&self) -> Vec<f64> {
+        self.blocks.iter().map(Block::paths_per_second).collect()
+    }
+
+    /// Camera paths a cycle of the clock, of each block; `None` where clocks are not known.
+    pub(crate) fn paths_per_cycle(&self) -> Option<Vec<f64>> {
+        let of = |block: &Block| {
+            (block.clock > 0.0).then(|| block.paths_per_second() / (block.clock * 1e9))
         };
-        self.scene == other.scene && work(self) == work(other)
+        self.blocks.iter().map(of).collect()
     }
 
     /// Blocks that others disturbed.
@@ -205,5 +191,30 @@ impl Run {
     pub(crate) fn occupancy(&self) -> Option<f64> {
         let Counters { lanes_active, lanes_issued, .. } = self.counters;
         (lanes_issued > 0).then(|| lanes_active as f64 / lanes_issued as f64)
+    }
+}
+
+impl Record {
+    /// The plan by which the work of an engine was counted.
+    pub(super) fn plan(&self, task: &Task, engine: &str) -> Option<Value> {
+        let same = |run: &&Run| {
+            (&*run.engine, &run.scene, run.threads) == (engine, &task.scene, task.threads)
+        };
+        self.runs.iter().find(same)?.plan.clone()
+    }
+
+    /// How many times as fast `run` was as the side of its group that is named `to`.
+    pub(crate) fn ratio(&self, run: &Run, to: &str) -> Option<&Ratio> {
+        self.ratios.iter().find(|ratio| {
+            (&ratio.scene, ratio.threads, &*ratio.of) == (&run.scene, run.threads, &run.engine)
+                && ratio.to == to
+        })
+    }
+
+    /// The control of a run's group: how many times as fast as itself a side was.
+    pub(crate) fn control(&self, run: &Run) -> Option<&Ratio> {
+        self.ratios.iter().find(|ratio| {
+            (&ratio.scene, ratio.threads) == (&run.scene, run.threads) && ratio.of == ratio.to
+        })
     }
 }

@@ -59,6 +59,10 @@ pub(super) fn middle(sorted: &[f64]) -> f64 {
 
 /// Values on either side of the interval of a median: the most that leave each tail 2.5%.
 fn beyond_median(count: usize) -> usize {
+    if count > 500 {
+        // By the normal approximation; one half to the power of 1075 is 0.
+        return (0.5 * (count as f64 - 1.96 * (count as f64).sqrt()) - 0.5) as usize;
+    }
     let (mut below, mut probability, mut tail) = (0, 0.5f64.powi(count as i32), 0.0);
     loop {
         tail += probability;
@@ -93,6 +97,9 @@ mod tests {
         for (count, cut) in table {
             assert_eq!(beyond_median(count), cut, "{count} values");
         }
+        // Both ways of counting meet.
+        assert_eq!((beyond_median(500), beyond_median(501)), (227, 228));
+        assert_eq!(beyond_median(20_000), 9860);
     }
 
     /// Critical values of Mann and Whitney's U, two-sided 5%, or one less.

@@ -1,20 +1,14 @@
 //! From samples to records.
 
 use super::block::Series;
-use super::record::{Against, Block, Ratio, Record, Run, SCHEMA};
+use super::record::{Against, Block, Ratio, Record, Run, SCHEMA, Work};
 use super::statistics::Estimate;
 use super::{Bench, Group, Sample, Side};
-use crate::engine::{Engine, Plan};
-use crate::machine::Machine;
+use crate::engine::{Engine, Stage};
 
 impl Bench {
     /// What `sample` tells.
     pub(crate) fn record(&self, sample: &Sample) -> Record {
-        let machine = |program| {
-            let mut sides = self.groups.iter().flat_map(|group| &group.sides);
-            let side = sides.find(|side| side.program == program);
-            side.map_or_else(Machine::this, |side| side.counted.machine.clone())
-        };
         let measured = || {
             let groups = self.groups.iter().zip(&sample.0);
             groups.filter_map(|(group, series)| Some((group, series.as_ref()?)))
@@ -27,49 +21,47 @@ impl Bench {
             };
             measured().flat_map(of).collect()
         };
-        let against = self.programs.get(1).map(|program| Against {
-            program: program.path().display().to_string(),
-            machine: machine(1),
-            runs: runs(1),
-        });
+        let against = (self.programs.len() > 1)
+            .then(|| Against { machine: self.machine(1).clone(), runs: runs(1) });
         let other = against.as_ref().map_or("", |against| &against.machine.commit);
         Record {
             schema: SCHEMA,
             time: self.time.clone(),
-            machine: machine(0),
+            machine: self.machine(0).clone(),
             runs: runs(0),
             ratios: measured().flat_map(|(group, series)| ratios(group, series, other)).collect(),
             against,
-            verdicts: Vec::new(),
+            gate: None,
         }
     }
 }
 
 fn run(group: &Group, side: &Side, series: &Series) -> Run {
-    let (task, counted) = (&group.task, &side.counted);
-    let over_blocks = |of: &dyn Fn(&Block) -> f64| Estimate::of(series.blocks.iter().map(of));
-    let paths = counted.rays.primary as f64;
-    let cycles: Option<Vec<f64>> =
-        series.blocks.iter().map(|block| block.rays_per_cycle(task.threads)).collect();
-    let stages = series.stages.iter();
-    let stages = stages.map(|(stage, seconds)| (stage.clone(), seconds / series.renders as f64));
+    let counted = &side.counted;
+    let over_blocks =
+        |of: fn(&Block) -> f64| Estimate::of(series.blocks.iter().map(|block| of(block) * 1e-6));
+    let mean = |stage: Stage| {
+        let seconds = series.stages.get(stage.name()).copied().unwrap_or(0.0);
+        (stage.name().to_owned(), seconds / series.renders as f64)
+    };
+    let Work { scene, scene_hash, engine, sampling, threads, width, height, spp, depth, seed } =
+        side.work(&group.task);
     Run {
-        scene: task.scene.clone(),
-        scene_hash: counted.scene_hash.clone(),
-        engine: side.engine.name().to_owned(),
-        threads: task.threads,
-        width: task.width,
-        height: task.height,
-        spp: task.spp,
-        depth: counted.depth,
-        sampling: counted.sampling.clone(),
-        seed: task.seed,
+        scene,
+        scene_hash,
+        engine,
+        sampling,
+        threads,
+        width,
+        height,
+        spp,
+        depth,
+        seed,
         hash: counted.hash.clone(),
         blocks: series.blocks.clone(),
-        mrays_per_s: over_blocks(&|block| block.speed() * 1e-6),
-        msamples_per_s: over_blocks(&|block| paths / block.seconds * 1e-6),
-        rays_per_cycle: cycles.map(Estimate::of),
-        stages: stages.filter(|(_, seconds)| *seconds > 0.0).collect(),
+        mrays_per_s: over_blocks(Block::rays_per_second),
+        msamples_per_s: over_blocks(Block::paths_per_second),
+        stages: Stage::ALL.map(mean).into(),
         counters: counted.counters(),
         lanes: counted.lanes(),
         plan: counted.plan.clone(),
@@ -90,7 +82,7 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
         threads: group.task.threads,
         of: name(of),
         to: to_name,
-        speed: speed_ratio(&series[of].blocks, &series[to].blocks, group.task.threads),
+        speed: speed_ratio(&series[of].blocks, &series[to].blocks),
     };
     let mut ratios = Vec::new();
     if let (Some(of), Some(to)) = (find(0, Engine::Wavefront), find(0, Engine::Scalar)) {
@@ -107,25 +99,6 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
 }
 
 /// How many times as fast `of` was as `to`, block by block.
-fn speed_ratio(of: &[Block], to: &[Block], threads: usize) -> Estimate {
-    let ratio = |(of, to): (&Block, &Block)| to.given(threads) / of.given(threads);
-    Estimate::of_positive(of.iter().zip(to).map(ratio))
-}
-
-impl Record {
-    /// The plan by which the work of `engine` on such a task was counted.
-    pub(super) fn plan(&self, task: &super::Task, engine: Engine) -> Option<Plan> {
-        let same = |run: &&Run| {
-            run.scene == task.scene && run.threads == task.threads && run.engine == engine.name()
-        };
-        self.runs.iter().find(same)?.plan.clone()
-    }
-
-    /// The control of a group: how many times as fast as itself its side was.
-    pub(crate) fn control(&self, scene: &str, threads: usize) -> Option<&Ratio> {
-        let of = |ratio: &&Ratio| {
-            ratio.scene == scene && ratio.threads == threads && ratio.of == ratio.to
-        };
-        self.ratios.iter().find(of)
-    }
+fn speed_ratio(of: &[Block], to: &[Block]) -> Estimate {
+    Estimate::of_positive(of.iter().zip(to).map(|(of, to)| to.seconds / of.seconds))
 }

@@ -5,91 +5,95 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::BenchArgs;
-use super::{advise_on_build, bench_table, notice};
+use super::{advise_on_build, bench_table, files, notice};
 use crate::bench::{
-    Bench, Format, Options, Outcome, Record, Reference, Verdict, counter_changes, export, judge,
+    Bench, CountChanges, Format, Gate, Options, Outcome, Record, Reference, check_baseline,
+    check_export, count_changes, export, export_file, judge,
 };
 use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
 use crate::interrupt;
 use crate::isa::Isa;
-use crate::output::{check_folder, check_writable, same_file, write_atomically};
+use crate::output::{same_file, write_atomically};
 use crate::scene::{BUILTIN_NAMES, Scene};
 
-/// Pixels of an image, about, and blocks: in 5 minutes the built-in scenes on two cores.
-const USUAL: (u32, u32) = (640 * 360, 12);
-/// In a minute.
-const QUICK: (u32, u32) = (320 * 180, 6);
+/// How much is measured where nothing is said.
+struct Usual {
+    /// Of an image, about.
+    pixels: u32,
+    blocks: u32,
+}
+const USUAL: Usual = Usual { pixels: 640 * 360, blocks: 12 };
+const QUICK: Usual = Usual { pixels: 320 * 180, blocks: 6 };
 /// Exit code where something regressed.
 const REGRESSION: u8 = 3;
 
 pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     // Whatever can fail fails before the work is done.
-    let (options, blocks) = (options(args)?, blocks(args));
-    let exports = exports(args)?;
-    check_outputs(args, &exports)?;
+    let (options, exports) = (options(args)?, exports(args)?);
+    let blocks = args.blocks.unwrap_or(usual(args).blocks) as usize;
+    check_files(args, &options, &exports)?;
     let baseline = args.baseline.as_deref().map(Record::read).transpose()?;
     if !args.quiet {
         advise_on_build(Isa::Avx512);
-    }
-
-    // So that what is begun is cleared away.
-    interrupt::watch()?;
-    if !args.quiet {
         notice(format_args!("everything is rendered once, counted and not timed"));
     }
+    // So that what is begun is cleared away.
+    interrupt::watch()?;
     let bench = Bench::new(&options, baseline.as_ref())?;
-    if let Some(scene) = bench.other_images().next().filter(|_| !args.quiet) {
-        notice(format_args!("{scene}: the two programs give different images"));
+    if let Some((baseline, file)) = baseline.as_ref().zip(args.baseline.as_ref()) {
+        check_baseline(&bench, baseline, &file.display().to_string())?;
     }
-    let mut progress = Progress::new(args.quiet);
-    let sample = bench.measure(blocks, |_, _| true, &mut |done, of| progress.tell(done, of))?;
-    let mut record = bench.record(&sample);
-    bench_table::print(&record)?;
+    for (format, folder) in &exports {
+        check_export(&bench.works(), *format, folder)?;
+    }
 
-    let baseline = baseline.as_ref().zip(args.baseline.as_deref());
-    if let Some((old, _)) = baseline {
-        bench_table::print_counters(&counter_changes(&record, old))?;
-    }
-    let name = args.baseline.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
-    let reference = match baseline {
-        Some((old, _)) => Some(Reference::Baseline(old, &name)),
+    let mut progress = Progress::new(args.quiet);
+    let mut tell = |done, of| progress.tell(done, of);
+    let mut record = bench.record(&bench.measure(blocks, |_, _| true, &mut tell)?);
+    write(args, &record)?;
+    bench_table::print(&record)?;
+    let reference = match &baseline {
+        Some(baseline) => Some(Reference::Baseline(baseline)),
         None => args.against.as_ref().map(|_| Reference::Against),
     };
     if let Some(reference) = reference {
+        bench_table::print_counts(&counts(&record, reference))?;
         // What decides alone is measured twice as long: a few busy moments must not hide a change.
         let again = args.gate.then_some(2 * blocks);
-        let mut tell = |done, of| progress.tell(done, of);
-        let threshold = args.threshold / 100.0;
-        let verdicts = judge(&bench, &record, reference, threshold, again, &mut tell)?;
-        bench_table::print_verdicts(&verdicts, args.gate.then_some(args.threshold))?;
+        let gate = judge(&bench, &record, reference, args.threshold / 100.0, again, &mut tell)?;
+        bench_table::print_gate(&record, &gate, args.gate)?;
         // What is not measured again is no verdict.
-        record.verdicts = if args.gate { verdicts } else { Vec::new() };
+        record.gate = Some(gate).filter(|_| args.gate);
+        write(args, &record)?;
     }
-    if let Some(path) = &args.json {
-        let json = serde_json::to_string_pretty(&record);
-        let json = json.map_err(|error| Error::Internal(error.to_string()))?;
-        write_atomically(path, |file| writeln!(file, "{json}"))?;
+    for (format, folder) in &exports {
+        export(&record, *format, folder)?;
     }
-    let mut failed = None;
-    for (format, folder) in exports {
-        match export(&record, format, &folder) {
-            Ok(file) if !args.quiet => notice(format_args!("{} written", file.display())),
-            Ok(_) => {}
-            // The others are written all the same.
-            Err(error) => failed = failed.or(Some(error)),
-        }
-    }
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    let regressed = |verdict: &Verdict| verdict.outcome == Outcome::Regressed;
-    Ok(if args.gate && record.verdicts.iter().any(regressed) { REGRESSION } else { 0 })
+    let regressed =
+        |gate: &Gate| gate.verdicts.iter().any(|verdict| verdict.outcome == Outcome::Regressed);
+    Ok(if record.gate.as_ref().is_some_and(regressed) { REGRESSION } else { 0 })
 }
 
-fn blocks(args: &BenchArgs) -> usize {
-    let (_, usual) = if args.quick { QUICK } else { USUAL };
-    args.blocks.unwrap_or(usual) as usize
+fn counts(record: &Record, reference: Reference<'_>) -> CountChanges {
+    match (reference, &record.against) {
+        (Reference::Baseline(old), _) => count_changes(record, &old.runs, old.machine.lanes),
+        (Reference::Against, Some(other)) => {
+            count_changes(record, &other.runs, other.machine.lanes)
+        }
+        (Reference::Against, None) => CountChanges::default(),
+    }
+}
+
+fn write(args: &BenchArgs, record: &Record) -> Result<()> {
+    let Some(path) = &args.json else { return Ok(()) };
+    let json = serde_json::to_string_pretty(record);
+    let json = json.map_err(|error| Error::Internal(error.to_string()))?;
+    write_atomically(path, |file| writeln!(file, "{json}"))
+}
+
+fn usual(args: &BenchArgs) -> Usual {
+    if args.quick { QUICK } else { USUAL }
 }
 
 fn options(args: &BenchArgs) -> Result<Options> {
@@ -108,7 +112,9 @@ fn options(args: &BenchArgs) -> Result<Options> {
     };
     let with_size = |name: String| {
         let defaults = RenderSettings::of(&Scene::load(&name)?);
-        Ok((name, size(args, (defaults.width, defaults.height))))
+        let (width, height) = size(args, (defaults.width, defaults.height));
+        RenderSettings { width, height, spp: args.spp, ..defaults }.check()?;
+        Ok((name, (width, height)))
     };
     let engines = match &args.engines[..] {
         // The slow one first: it is what others are compared with.
@@ -136,7 +142,7 @@ fn options(args: &BenchArgs) -> Result<Options> {
 
 /// In a scene's proportion: of the width that is asked for, or of about as many pixels as usual.
 fn size(args: &BenchArgs, (width, height): (u32, u32)) -> (u32, u32) {
-    let (pixels, _) = if args.quick { QUICK } else { USUAL };
+    let Usual { pixels, .. } = usual(args);
     let proportion = f64::from(height) / f64::from(width);
     let usual = (f64::from(pixels) / proportion).sqrt().round().max(1.0) as u32;
     let width = args.width.unwrap_or(usual);
@@ -166,15 +172,26 @@ fn exports(args: &BenchArgs) -> Result<Vec<(Format, PathBuf)>> {
     args.export.chunks_exact(2).map(pair).collect()
 }
 
-fn check_outputs(args: &BenchArgs, exports: &[(Format, PathBuf)]) -> Result<()> {
-    if let Some(path) = &args.json {
-        check_writable(path)?;
-        if args.baseline.as_ref().is_some_and(|baseline| same_file(baseline, path)) {
-            let message = format!("{}: the record would replace the baseline", path.display());
-            return Err(Error::Usage(message));
-        }
+/// No file that is written is one that is read, or written twice.
+fn check_files(args: &BenchArgs, options: &Options, exports: &[(Format, PathBuf)]) -> Result<()> {
+    let scenes = options.scenes.iter().map(|(scene, _)| ("the scene", Path::new(scene)));
+    let named = [
+        ("the baseline", &args.baseline),
+        ("the program", &args.program),
+        ("the other program", &args.against),
+    ];
+    let named = named.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?)));
+    let read: Vec<files::Named<'_>> = scenes.chain(named).collect();
+    let record = args.json.as_deref().map(|file| ("the record", file));
+    files::check(&read, record.as_slice())?;
+    // Their folders may not be there yet.
+    let clash = exports.iter().map(|(format, folder)| export_file(*format, folder)).find(|file| {
+        read.iter().chain(&record).any(|(_, other)| file.is_file() && same_file(other, file))
+    });
+    match clash {
+        None => Ok(()),
+        Some(file) => Err(Error::Usage(format!("{}: is needed for an export", file.display()))),
     }
-    exports.iter().try_for_each(|(_, folder)| check_folder(folder))
 }
 
 /// Tells how many blocks are done.

@@ -1,7 +1,7 @@
 //! What `ptfast bench` prints.
 
 use super::{printable, say};
-use crate::bench::{Estimate, Ratio, Record, Run, Verdict};
+use crate::bench::{CountChanges, Estimate, Gate, Ratio, Record, Run, Verdict};
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
 
@@ -13,38 +13,49 @@ pub(super) fn print(record: &Record) -> Result<()> {
         machine.cpu, machine.cores, machine.isa, machine.lanes, machine.os
     ))?;
     say(format_args!("build   {}, {}, commit {}", machine.rustc, machine.flags, machine.commit))?;
+    if let Some(run) = record.runs.first() {
+        let Run { width, height, spp, seed, blocks, .. } = run;
+        let (pixels, blocks) = (width * height / 1000, blocks.len());
+        say(format_args!(
+            "blocks  {blocks}, each twice {pixels} thousand pixels, {spp} spp, seed {seed}"
+        ))?;
+    }
     say(format_args!(
-        "\nscene       threads  engine     Mrays/s         Msamples/s  x scalar              lanes  stages"
+        "\n{:<12}{:<9}{:<12}{:>7}  {:<8}{:>10}  {:<22}{:>5}  most time in",
+        "scene", "threads", "engine", "Mrays/s", "", "Msamples/s", "x scalar", "lanes"
     ))?;
     for run in &record.runs {
-        let named = |of: &str, to: &str| find(record, run, of, to);
-        let speedup = named(&run.engine, Engine::Scalar.name())
-            .filter(|ratio| ratio.of != ratio.to)
-            .map_or_else(String::new, |ratio| interval(&ratio.speed));
-        let line = format!(
-            "{:<12}{:<9}{:<11}{:>7.2} {:<7} {:>10.2}  {speedup:<22}{:>4}  {}",
-            printable(&run.scene),
-            run.threads,
-            run.engine,
-            run.mrays_per_s.median,
-            error(&run.mrays_per_s),
-            run.msamples_per_s.median,
-            lanes(run),
-            stages(run),
-        );
-        say(format_args!("{}", line.trim_end()))?;
+        let to_scalar = record.ratio(run, Engine::Scalar.name()).filter(|r| r.of != r.to);
+        line(run, &run.engine, to_scalar.map_or_else(String::new, |r| interval(&r.speed)))?;
+    }
+    if let Some(other) = &record.against {
+        for run in &other.runs {
+            line(run, &format!("{}@", run.engine), String::new())?;
+        }
+        say(format_args!("@: commit {}", other.machine.commit))?;
     }
     noise(record)
 }
 
-/// The ratio of a run's group that has these names.
-fn find<'a>(record: &'a Record, run: &Run, of: &str, to: &str) -> Option<&'a Ratio> {
-    record.ratios.iter().find(|ratio| {
-        ratio.scene == run.scene && ratio.threads == run.threads && ratio.of == of && ratio.to == to
-    })
+fn line(run: &Run, engine: &str, speedup: String) -> Result<()> {
+    let busy = match run.contaminated() {
+        0 => String::new(),
+        blocks => format!("  {blocks} blocks contaminated"),
+    };
+    let line = format!(
+        "{:<12}{:<9}{engine:<12}{:>7.2}  {:<8}{:>10.2}  {speedup:<22}{:>5}  {}{busy}",
+        printable(&run.scene),
+        run.threads,
+        run.mrays_per_s.median,
+        error(&run.mrays_per_s),
+        run.msamples_per_s.median,
+        lanes(run),
+        stages(run),
+    );
+    say(format_args!("{}", line.trim_end()))
 }
 
-/// Shares of the stages, the largest first.
+/// Shares of the three stages that take most of the time.
 fn stages(run: &Run) -> String {
     let all: f64 = run.stages.values().sum();
     let mut stages: Vec<(&str, f64)> = Stage::ALL
@@ -53,7 +64,7 @@ fn stages(run: &Run) -> String {
         .collect();
     stages.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let told = |(name, share): &(&str, f64)| format!("{name} {:.0}%", share * 100.0);
-    stages.iter().map(told).collect::<Vec<_>>().join(" ")
+    stages.iter().filter(|(_, share)| *share > 0.0).take(3).map(told).collect::<Vec<_>>().join(" ")
 }
 
 /// The share of lanes in use, of engines that have some.
@@ -72,61 +83,76 @@ fn error(estimate: &Estimate) -> String {
     format!("±{:.1}%", estimate.relative_error() * 100.0)
 }
 
-/// How far the control is from 1, and how many blocks were disturbed.
+/// How far controls are off 1, and how many blocks were disturbed.
 fn noise(record: &Record) -> Result<()> {
     let controls = record.ratios.iter().filter(|ratio| ratio.of == ratio.to);
     let controls: Vec<String> = controls
-        .map(|ratio| {
-            format!(
-                "{} {} {:.3} ({:.3} to {:.3})",
-                printable(&ratio.scene),
-                ratio.threads,
-                ratio.speed.median,
-                ratio.speed.lo,
-                ratio.speed.hi
-            )
+        .map(|Ratio { scene, threads, speed: Estimate { median, lo, hi }, .. }| {
+            format!("{} {threads} {median:.3} ({lo:.3} to {hi:.3})", printable(scene))
         })
         .collect();
     say(format_args!("\ncontrol, the same against the same: {}", controls.join(", ")))?;
-    let disturbed: usize = record.runs.iter().map(Run::contaminated).sum();
-    let blocks: usize = record.runs.iter().map(|run| run.blocks.len()).sum();
+    let others = record.against.iter().flat_map(|against| &against.runs);
+    let runs: Vec<&Run> = record.runs.iter().chain(others).collect();
+    let disturbed: usize = runs.iter().map(|run| run.contaminated()).sum();
+    let blocks: usize = runs.iter().map(|run| run.blocks.len()).sum();
     say(format_args!(
-        "{disturbed} of {blocks} blocks contaminated: others took 5% of the cores or more, or threads had to leave them often"
+        "contaminated, since others took 5% of the cores or more or threads had to leave them often: \
+         {disturbed} of {blocks} times a side in a block"
     ))
 }
 
 /// Exact counts that are not what they were.
-pub(super) fn print_counters(changes: &[String]) -> Result<()> {
-    match changes {
-        [] => say(format_args!("\ncounters are those of the baseline, where plan and lanes are")),
-        changes => changes.iter().try_for_each(|line| say(format_args!("counter {line}"))),
-    }
+pub(super) fn print_counts(changes: &CountChanges) -> Result<()> {
+    let CountChanges { compared, others, lines } = changes;
+    let others = match others {
+        0 => String::new(),
+        _ => format!("; {others} cannot be compared: other work, plan or lanes"),
+    };
+    let what = if lines.is_empty() { "no change" } else { "changed" };
+    say(format_args!("\nexact counts of {compared} runs compared: {what}{others}"))?;
+    lines.iter().try_for_each(|line| say(format_args!("counter {}", printable(line))))
 }
 
-/// What became of each run, with a gate at so many percent if there is one.
-pub(super) fn print_verdicts(verdicts: &[Verdict], gate: Option<f64>) -> Result<()> {
-    let gated = gate.map_or_else(String::new, |percent| {
-        format!("{:<29}by more than {percent}%", "measured again")
-    });
+/// What became of each run of `record`; only intervals, unless it was `judged`.
+pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<()> {
+    let gated = if judged {
+        format!("{:<29}by more than {}%", "measured again", gate.threshold * 100.0)
+    } else {
+        String::new()
+    };
     say(format_args!(
-        "\n{:<12}{:<9}{:<11}{:<29}{gated}",
-        "scene", "threads", "engine", "times as fast as the other"
+        "\n{:<12}{:<9}{:<12}{:<29}{gated}",
+        "scene",
+        "threads",
+        "engine",
+        format!("times {} ", gate.commit)
     ))?;
-    for verdict in verdicts {
-        let change = |estimate: &Estimate| {
-            let Estimate { median, lo, hi } = estimate;
-            format!("{median:.4} ({lo:.4} to {hi:.4})")
+    for run in &record.runs {
+        let of = |verdict: &&Verdict| {
+            (&verdict.scene, &verdict.engine, verdict.threads)
+                == (&run.scene, &run.engine, run.threads)
         };
-        let again = verdict.again.as_ref().map_or_else(String::new, change);
-        let outcome = if gate.is_some() { verdict.outcome.name() } else { "" };
-        let line = format!(
-            "{:<12}{:<9}{:<11}{:<29}{again:<29}{outcome}",
-            printable(&verdict.scene),
-            verdict.threads,
-            verdict.engine,
-            change(&verdict.change),
-        );
-        say(format_args!("{}", line.trim_end()))?;
+        let told = match gate.verdicts.iter().find(of) {
+            None => "no such run there".to_owned(),
+            Some(verdict) => told(verdict, judged),
+        };
+        let (scene, threads, engine) = (printable(&run.scene), run.threads, &run.engine);
+        say(format_args!("{}", format!("{scene:<12}{threads:<9}{engine:<12}{told}").trim_end()))?;
     }
     Ok(())
+}
+
+fn told(verdict: &Verdict, judged: bool) -> String {
+    let change = |estimate: &Estimate| {
+        let Estimate { median, lo, hi } = estimate;
+        format!("{median:.4} ({lo:.4} to {hi:.4})")
+    };
+    let (first, again) = (change(&verdict.change), verdict.again.as_ref().map(change));
+    let outcome = if judged { verdict.outcome.name() } else { "" };
+    let reason = match &*verdict.reason {
+        "" => String::new(),
+        reason => format!(" ({reason})"),
+    };
+    format!("{first:<29}{:<29}{outcome}{reason}", again.unwrap_or_default())
 }

@@ -6,6 +6,7 @@ mod bench_table;
 mod compare;
 mod dashboard;
 mod figures;
+mod files;
 mod plan;
 mod progress;
 mod rays;

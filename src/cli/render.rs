@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use super::args::{RenderArgs, Switch};
 use super::record::{self, StepSeconds, metadata};
-use super::{advise_on_build, notice, plan, progress, say, timeline};
+use super::{advise_on_build, files, notice, plan, progress, say, timeline};
 use crate::engine::{Engine, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::isa::Isa;
 use crate::machine::Interference;
-use crate::output::{check_writable, same_file, write_atomically};
+use crate::output::write_atomically;
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
@@ -24,7 +24,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
-    check_outputs(args, &output)?;
+    let more = [("the record", &args.json), ("the trace", &args.trace)];
+    let mut written = vec![("the image", &*output)];
+    written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
+    files::check(&[("the scene", Path::new(&args.scene))], &written)?;
     let renderer = Renderer::new(&scene, settings.clone())?;
     if !args.quiet {
         advise_on_build(Isa::Avx2);
@@ -66,31 +69,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         super::stats::print(&render, renderer.plan())?;
     }
     summarize(&scene, &settings, &renderer, &render, &hash, seconds, &output)
-}
-
-/// Each file that is written is another, none is the scene, and all can be written.
-fn check_outputs(args: &RenderArgs, image: &Path) -> Result<()> {
-    let scene = Some(Path::new(&args.scene)).filter(|file| file.is_file());
-    let files = [
-        ("the image", Some(image)),
-        ("the record", args.json.as_deref()),
-        ("the trace", args.trace.as_deref()),
-    ];
-    let named = files.into_iter().filter_map(|(name, file)| Some((name, file?)));
-    let mut written: Vec<(&str, &Path)> = Vec::new();
-    for (name, file) in named {
-        if let Some((other, _)) = written.iter().find(|(_, other)| same_file(other, file)) {
-            let message = format!("{}: {other} and {name} need two files", file.display());
-            return Err(Error::Usage(message));
-        }
-        if scene.is_some_and(|scene| same_file(scene, file)) {
-            let message = format!("{}: {name} would replace the scene", args.scene);
-            return Err(Error::Usage(message));
-        }
-        check_writable(file)?;
-        written.push((name, file));
-    }
-    Ok(())
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.

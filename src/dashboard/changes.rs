@@ -1,12 +1,14 @@
 //! Change points: where a series begins to be faster or slower.
 
+use serde::Serialize;
+
 use crate::bench::{Estimate, Outcome, decide};
 
 /// A change of speed that counts: 1%.
 const THRESHOLD: f64 = 0.01;
 
 /// A series changed at a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Change {
     /// How many times as fast it has been from there on.
     pub(super) ratio: Estimate,
@@ -14,25 +16,32 @@ pub(super) struct Change {
     pub(super) confirmed: bool,
 }
 
-/// Where speeds change: `records` holds those of each record's blocks. A record begins another level
-/// where it is beyond the threshold beside all blocks of the level so far, and so is the next, the
-/// same way: a busy hour alone does not.
+/// Records that a level is made of, at most: the last ones.
+const LEVEL: usize = 8;
+
+/// Where speeds change: `records` holds those of each record's blocks, none where it does not take part.
+/// A record begins another level where it is beyond the threshold beside the blocks of the level so
+/// far, and so is the next, the same way: a busy hour alone does not.
 pub(super) fn changes(records: &[&[f64]]) -> Vec<Option<Change>> {
-    let mut level: Vec<f64> = Vec::new();
-    let mut changes = Vec::with_capacity(records.len());
-    for (number, blocks) in records.iter().enumerate() {
-        let change = (!level.is_empty()).then(|| change(&level, blocks, records.get(number + 1)));
-        let change = change.flatten();
-        if change.is_some() {
+    let mut changes = vec![None; records.len()];
+    let mut level: Vec<&[f64]> = Vec::new();
+    let known: Vec<usize> = (0..records.len()).filter(|&i| !records[i].is_empty()).collect();
+    for (place, &number) in known.iter().enumerate() {
+        let blocks = records[number];
+        if !level.is_empty() {
+            let next = known.get(place + 1).map(|&next| records[next]);
+            changes[number] =
+                change(&level[level.len().saturating_sub(LEVEL)..].concat(), blocks, next);
+        }
+        if changes[number].is_some() {
             level.clear();
         }
-        level.extend_from_slice(blocks);
-        changes.push(change);
+        level.push(blocks);
     }
     changes
 }
 
-fn change(level: &[f64], blocks: &[f64], next: Option<&&[f64]>) -> Option<Change> {
+fn change(level: &[f64], blocks: &[f64], next: Option<&[f64]>) -> Option<Change> {
     let beside = |blocks: &[f64]| Estimate::of_ratio(blocks, level);
     let ratio = beside(blocks);
     let outcome = decide(&ratio, THRESHOLD);
@@ -57,6 +66,18 @@ mod tests {
     fn history(random: &mut Stream, speeds: &[f64]) -> Vec<Vec<f64>> {
         let mut block = |speed: f64| speed * f64::from(random.between(0.99, 1.01));
         speeds.iter().map(|&speed| (0..10).map(|_| block(speed)).collect()).collect()
+    }
+
+    #[test]
+    fn records_that_say_nothing_are_passed_over() {
+        let mut random = Stream::new(5);
+        let mut records = history(&mut random, &[100.0, 1.0, 100.0, 90.0, 1.0, 90.0]);
+        records[1].clear();
+        records[4].clear();
+        let found = found(&records);
+        let places: Vec<usize> = (0..6).filter(|&i| found[i].is_some()).collect();
+        assert_eq!(places, [3]);
+        assert!(found[3].unwrap().confirmed);
     }
 
     fn found(records: &[Vec<f64>]) -> Vec<Option<Change>> {

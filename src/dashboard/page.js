@@ -7,7 +7,7 @@ const estimate = (name) => (point) => point[name];
 const METRICS = {
   mrays: { label: "Mrays/s", of: estimate("mrays") },
   msamples: { label: "Msamples/s", of: estimate("msamples") },
-  cycle: { label: "rays a 1000 clock cycles", of: (point) => scaled(point.cycle, 1000) },
+  cycle: { label: "paths a million clock cycles", of: (point) => scaled(point.cycle, 1e6) },
   speedup: { label: "times as fast as scalar", of: estimate("speedup") },
   seconds: { label: "seconds of the render", of: estimate("seconds") },
 };
@@ -66,7 +66,8 @@ const column = (series, records, of) => records.map((record) => {
   return value === undefined ? null : value;
 });
 
-// `lines`: { label, values, lo, hi, color, changes }. `labels` are those of x.
+const plots = [];
+// `lines`: { label, values, lo, hi, color, fill, tell, changes }. `labels` are those of x.
 function chart(parent, title, labels, lines, more = {}) {
   const box = element(parent, "div", undefined, { class: "chart", "data-title": title });
   element(box, "h3", title);
@@ -75,31 +76,37 @@ function chart(parent, title, labels, lines, more = {}) {
   const bands = [];
   for (const line of lines) {
     const at = columns.length;
-    const digits = (_, value) => (value === null ? "" : Number(value).toPrecision(4));
+    const told = line.tell || line.values;
+    const digits = (_, value, s, i) => (told[i] === null || told[i] === undefined ? "" : told[i].toPrecision(4));
     const style = { stroke: line.color, width: 2, points: { show: true, size: 6 } };
     series.push({ label: line.label, value: digits, fill: line.fill, ...style });
     columns.push(line.values);
     if (line.hi) {
-      const edge = { stroke: "transparent", points: { show: false }, class: "edge" };
+      // A band of one record would be nothing: its ends are points.
+      const points = { show: labels.length === 1, size: 4, stroke: line.color };
+      const edge = { stroke: "transparent", points, class: "edge" };
       series.push({ ...edge, label: "hi" }, { ...edge, label: "lo" });
       columns.push(line.hi, line.lo);
       bands.push({ series: [at + 1, at + 2], fill: line.color + "40" });
     }
   }
-  const changes = lines.flatMap((line) => (line.changes || []).map((at) => ({ at, color: line.color })));
+  const changes = lines.flatMap((line) => (line.changes || []).map((change) => ({ ...change, color: line.color })));
+  const every = Math.ceil(labels.length / 40);
+  const splits = labels.map((_, i) => i).filter((i) => i % every === 0);
   const ink = matchMedia("(prefers-color-scheme: dark)").matches ? "#ccc" : "#333";
   const axis = { stroke: ink, grid: { stroke: "#8883" }, ticks: { stroke: "#8883" } };
   const plot = new uPlot({
     width: Math.max(320, box.clientWidth - 24), height: 260, series, bands,
     scales: { x: { time: false, range: [-0.5, labels.length - 0.5] }, y: more.y || { range: range } },
     axes: [
-      { ...axis, splits: () => labels.map((_, i) => i), values: () => labels.map(String), rotate: labels.length > 12 ? -60 : 0, size: labels.length > 12 ? 70 : 40 },
+      { ...axis, splits: () => splits, values: () => splits.map((i) => String(labels[i])), rotate: labels.length > 12 ? -60 : 0, size: labels.length > 12 ? 70 : 40 },
       { ...axis, size: 60 },
     ],
     legend: { live: true },
     hooks: { draw: [(u) => changes.forEach((change) => dashed(u, change))] },
   }, columns, box);
   plot.root.querySelectorAll(".u-series").forEach((row, i) => { row.hidden = i > 0 && series[i].class === "edge"; });
+  plots.push(plot);
   if (more.click) plot.over.addEventListener("click", () => plot.cursor.idx !== null && more.click(plot));
   return plot;
 }
@@ -109,13 +116,13 @@ function range(_, lo, hi) {
   const room = Math.max((hi - lo) * 0.15, Math.abs(hi) * 0.05, 1e-9);
   return [Math.max(0, lo - room), hi + room];
 }
-function dashed(u, { at, color }) {
+function dashed(u, { at, color, confirmed }) {
   const x = Math.round(u.valToPos(at, "x", true));
   const { ctx, bbox } = u;
   ctx.save();
-  ctx.setLineDash([6, 5]);
+  ctx.setLineDash(confirmed ? [6, 5] : [2, 6]);
   ctx.strokeStyle = color;
-  ctx.lineWidth = 2;
+  ctx.lineWidth = confirmed ? 2 : 1;
   ctx.beginPath();
   ctx.moveTo(x, bbox.top);
   ctx.lineTo(x, bbox.top + bbox.height);
@@ -135,7 +142,8 @@ function speeds(all) {
       values: column(series, records, (p) => metric.of(p)?.median),
       lo: column(series, records, (p) => metric.of(p)?.lo),
       hi: column(series, records, (p) => metric.of(p)?.hi),
-      changes: series.points.filter((p) => p.change).map((p) => records.indexOf(p.record)),
+      changes: series.points.filter((p) => p.change)
+        .map((p) => ({ at: records.indexOf(p.record), confirmed: p.change.confirmed })),
     }));
     const click = (plot) => {
       const y = plot.posToVal(plot.cursor.top, "y");
@@ -180,7 +188,8 @@ function changes(all) {
 }
 
 function stages(all) {
-  for (const series of all.filter((s) => s.points.some((p) => Object.keys(p.stages).length > 0))) {
+  const timed = (p) => Object.values(p.stages).some((seconds) => seconds > 0);
+  for (const series of all.filter((s) => s.points.some(timed))) {
     const records = recordsOf([series]);
     const used = STAGES.filter((stage) => series.points.some((p) => p.stages[stage] > 0));
     const sum = (p) => used.reduce((all, stage) => all + (p.stages[stage] || 0), 0);
@@ -188,7 +197,8 @@ function stages(all) {
     const lines = used.map((_, i) => ({
       label: used[i],
       color: COLORS[i % COLORS.length],
-      fill: COLORS[i % COLORS.length] + "cc",
+      fill: COLORS[i % COLORS.length],
+      tell: column(series, records, (p) => (sum(p) > 0 ? (100 * (p.stages[used[i]] || 0)) / sum(p) : null)),
       values: column(series, records, (p) => {
         const upTo = used.slice(0, i + 1).reduce((all, stage) => all + (p.stages[stage] || 0), 0);
         return sum(p) > 0 ? (100 * upTo) / sum(p) : null;
@@ -228,6 +238,8 @@ function counters(all) {
 }
 
 function draw() {
+  plots.splice(0).forEach((plot) => plot.destroy());
+  byId("point").hidden = true;
   for (const id of ["speeds", "changes", "stages", "lanes", "counters"]) byId(id).replaceChildren();
   const all = shown();
   speeds(all);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::changes::{Change, changes};
+use super::command;
 use super::history::History;
 use crate::accel::Counters;
 use crate::bench::{Estimate, Lanes, Record, Run};
@@ -62,17 +63,10 @@ struct Point {
     lanes: Vec<BTreeMap<String, f64>>,
     blocks: usize,
     contaminated: usize,
-    change: Option<Level>,
+    change: Option<Change>,
     /// What repeats it.
     bench: String,
     render: String,
-}
-
-/// A change point.
-#[derive(Debug, Serialize)]
-struct Level {
-    ratio: Estimate,
-    confirmed: bool,
 }
 
 /// Machines are told apart by what decides speed beside the program; builds for another instruction
@@ -120,7 +114,7 @@ impl Data {
         }
         for (series, runs) in series.iter_mut().zip(runs) {
             for (point, change) in series.points.iter_mut().zip(levels(&runs)) {
-                point.change = change.map(|Change { ratio, confirmed }| Level { ratio, confirmed });
+                point.change = change;
             }
         }
         Self { machines, records: history.records.iter().map(entry).collect(), series }
@@ -140,23 +134,21 @@ fn entry((file, record): &(String, Record)) -> Entry {
     Entry { file: file.clone(), time: record.time.clone(), commit, rustc, flags, os }
 }
 
-/// Changes of rays a cycle, where all records tell that: clocks change from hour to hour.
+/// Changes of paths a cycle: clocks change from hour to hour. Runs whose clock is not known, and those of
+/// which most blocks are contaminated, do not take part.
 fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
-    let cycles: Option<Vec<Vec<f64>>> = runs
+    let quiet = |run: &&&Run| run.contaminated() * 2 <= run.blocks.len();
+    let speeds: Vec<Vec<f64>> = runs
         .iter()
-        .map(|run| run.blocks.iter().map(|block| block.rays_per_cycle(run.threads)).collect())
+        .map(|run| {
+            Some(run).filter(quiet).and_then(|run| run.paths_per_cycle()).unwrap_or_default()
+        })
         .collect();
-    let speeds = cycles.unwrap_or_else(|| {
-        runs.iter().map(|run| run.blocks.iter().map(|block| block.speed()).collect()).collect()
-    });
     changes(&speeds.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 fn point(number: usize, record: &Record, run: &Run) -> Point {
-    let speedup = record.ratios.iter().find(|ratio| {
-        let same = ratio.scene == run.scene && ratio.threads == run.threads;
-        same && ratio.of == run.engine && ratio.to == "scalar" && ratio.of != ratio.to
-    });
+    let speedup = record.ratio(run, "scalar").filter(|ratio| ratio.of != ratio.to);
     let shares = |stages: &BTreeMap<String, Lanes>| {
         let used = stages.iter().filter(|(_, lanes)| lanes.issued > 0);
         used.map(|(stage, lanes)| (stage.clone(), lanes.active as f64 / lanes.issued as f64))
@@ -166,7 +158,7 @@ fn point(number: usize, record: &Record, run: &Run) -> Point {
         record: number,
         mrays: run.mrays_per_s,
         msamples: run.msamples_per_s,
-        cycle: run.rays_per_cycle,
+        cycle: run.paths_per_cycle().map(Estimate::of),
         seconds: Estimate::of(run.blocks.iter().map(|block| block.seconds)),
         speedup: speedup.map(|ratio| ratio.speed),
         stages: run.stages.clone(),
@@ -176,23 +168,7 @@ fn point(number: usize, record: &Record, run: &Run) -> Point {
         blocks: run.blocks.len(),
         contaminated: run.contaminated(),
         change: None,
-        bench: command(record, run, "bench"),
-        render: command(record, run, "render"),
-    }
-}
-
-/// What repeats a run at its commit.
-fn command(record: &Record, run: &Run, what: &str) -> String {
-    let Run { scene, engine, threads, spp, seed, width, height, depth, sampling, .. } = run;
-    let commit = record.machine.commit.trim_end_matches("-dirty");
-    let build = format!("git checkout {commit} && cargo run --release --");
-    let common = format!(
-        "--scene '{scene}' --engine {engine} --threads {threads} --width {width} --spp {spp} --seed {seed}"
-    );
-    match what {
-        "bench" => format!("{build} bench {common} --blocks {}", run.blocks.len()),
-        _ => format!(
-            "{build} render {common} --height {height} --depth {depth} --sampling {sampling}"
-        ),
+        bench: command::bench(record, run),
+        render: command::render(record, run),
     }
 }

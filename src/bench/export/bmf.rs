@@ -1,7 +1,7 @@
 //! The Bencher Metric Format.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -9,9 +9,8 @@ use crate::bench::record::Record;
 use crate::error::Result;
 use crate::output::write_atomically;
 
-/// `bmf.json`: throughput in rays a second.
-pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
-    let file = folder.join("bmf.json");
+/// Writes the throughput of each run, in rays a second.
+pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let metrics = record.runs.iter().map(|run| {
         let speed = run.mrays_per_s;
         let metric = json!({
@@ -21,9 +20,8 @@ pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
                 "upper_value": speed.hi * 1e6,
             }
         });
-        (super::name(run), metric)
+        (super::name(&run.work()), metric)
     });
     let metrics: Value = metrics.collect();
-    write_atomically(&file, |out| writeln!(out, "{metrics:#}"))?;
-    Ok(file)
+    write_atomically(file, |out| writeln!(out, "{metrics:#}"))
 }

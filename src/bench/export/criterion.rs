@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -12,12 +12,11 @@ use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 /// A baseline named after the commit, beside those of other commits: `critcmp --target-dir FOLDER`.
-pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
-    let top = folder.join("criterion");
+pub(super) fn write(record: &Record, folder: &Path) -> Result<()> {
     for run in &record.runs {
         let id = [&run.scene, &run.engine, &run.threads.to_string()].map(|part| file_name(part));
         let directory = id.join("/");
-        let place = top.join(&directory).join(file_name(&record.machine.commit));
+        let place = folder.join(&directory).join(file_name(&record.machine.commit));
         fs::create_dir_all(&place).map_err(Error::io(&place, "make the folder"))?;
         for (name, value) in [
             ("benchmark.json", benchmark(run, &directory)),
@@ -27,13 +26,14 @@ pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
             write_atomically(&place.join(name), |out| writeln!(out, "{value:#}"))?;
         }
     }
-    Ok(top)
+    Ok(())
 }
 
-/// As criterion makes names of files.
+/// As criterion makes names of files. Of long ones the end: of paths it tells more.
 fn file_name(text: &str) -> String {
     let safe = |c: char| if "?\"/\\*<>:|^".contains(c) || c.is_control() { '_' } else { c };
-    text.chars().map(safe).take(64).collect()
+    let end = text.chars().count().saturating_sub(60);
+    text.chars().skip(end).map(safe).collect()
 }
 
 fn benchmark(run: &Run, directory: &str) -> Value {

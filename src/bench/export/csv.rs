@@ -2,33 +2,44 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::bench::record::Record;
+use crate::bench::record::{Record, Run, Work};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
-/// `bench.csv`: Mrays/s. A line is added to those of other runs.
-pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
-    let file = folder.join("bench.csv");
-    let mut header = vec!["time".to_owned(), "commit".to_owned()];
-    header.extend(record.runs.iter().map(|run| field(&super::name(run))));
+/// Adds a line of Mrays/s to those of other runs.
+pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
+    let works: Vec<Work> = record.runs.iter().map(Run::work).collect();
+    let before = before(&works, file)?;
     let mut line = vec![field(&record.time), field(&record.machine.commit)];
     line.extend(record.runs.iter().map(|run| run.mrays_per_s.median.to_string()));
-    let (header, line) = (header.join(","), line.join(","));
-
-    let before = match fs::read_to_string(&file) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => format!("{header}\n"),
-        Err(error) => return Err(Error::io(&file, "read")(error)),
-    };
-    if before.lines().next() != Some(&header) {
-        let message = format!("a line of other columns cannot be added, these are `{header}`");
-        return Err(Error::input(file.display().to_string(), "1", message));
-    }
     let end = if before.ends_with('\n') { "" } else { "\n" };
-    write_atomically(&file, |out| writeln!(out, "{before}{end}{line}"))?;
-    Ok(file)
+    write_atomically(file, |out| writeln!(out, "{before}{end}{}", line.join(",")))
+}
+
+/// Finds out whether a line of these columns fits to what is there.
+pub(super) fn check(works: &[Work], file: &Path) -> Result<()> {
+    before(works, file).map(drop)
+}
+
+/// What the file holds, or the line of names where there is none.
+fn before(works: &[Work], file: &Path) -> Result<String> {
+    let mut columns = vec!["time".to_owned(), "commit".to_owned()];
+    columns.extend(works.iter().map(|work| field(&super::name(work))));
+    let columns = columns.join(",");
+    let text = match fs::read_to_string(file) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Ok(format!("{columns}\n"));
+        }
+        Err(error) => return Err(Error::io(file, "read")(error)),
+    };
+    if text.lines().next() == Some(&columns) {
+        return Ok(text);
+    }
+    let message = format!("a line of other columns cannot be added, these are `{columns}`");
+    Err(Error::input(file.display().to_string(), "1", message))
 }
 
 /// Quoted where it must be (RFC 4180).

@@ -1,7 +1,7 @@
 //! github-action-benchmark, tool `customBiggerIsBetter`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -9,12 +9,10 @@ use crate::bench::record::{Record, Run};
 use crate::error::Result;
 use crate::output::write_atomically;
 
-/// `benchmark.json`.
-pub(super) fn write(record: &Record, folder: &Path) -> Result<PathBuf> {
-    let file = folder.join("benchmark.json");
+/// Writes a row for each run.
+pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let rows: Vec<Value> = record.runs.iter().map(|run| row(run, record)).collect();
-    write_atomically(&file, |out| writeln!(out, "{:#}", Value::from(rows)))?;
-    Ok(file)
+    write_atomically(file, |out| writeln!(out, "{:#}", Value::from(rows)))
 }
 
 fn row(run: &Run, record: &Record) -> Value {
@@ -22,7 +20,7 @@ fn row(run: &Run, record: &Record) -> Value {
     let machine = &record.machine;
     let Run { width, height, spp, threads, hash, .. } = run;
     json!({
-        "name": super::name(run),
+        "name": super::name(&run.work()),
         "unit": "Mrays/s",
         "value": speed.median,
         "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),

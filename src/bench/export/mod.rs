@@ -8,8 +8,9 @@ mod gha;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::record::{Record, Run};
+use super::record::{Record, Work};
 use crate::error::{Error, Result};
+use crate::output::check_folder;
 
 /// A format that another program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,25 +40,48 @@ impl Format {
     }
 }
 
+/// What [`export`] writes in `folder`: a file, or the folder of several.
+pub(crate) fn export_file(format: Format, folder: &Path) -> PathBuf {
+    folder.join(match format {
+        Format::Criterion => "criterion",
+        Format::Gha => "benchmark.json",
+        Format::Bmf => "bmf.json",
+        Format::Csv => "bench.csv",
+    })
+}
+
+/// Finds out whether a record of these `works` can be exported into `folder`.
+///
+/// # Errors
+/// Where it cannot: what [`export`] says, as far as that is known before.
+pub(crate) fn check_export(works: &[Work], format: Format, folder: &Path) -> Result<()> {
+    check_folder(folder)?;
+    match format {
+        Format::Csv => csv::check(works, &export_file(format, folder)),
+        Format::Criterion | Format::Gha | Format::Bmf => Ok(()),
+    }
+}
+
 /// Writes `record` into `folder`, which is made if missing. What of other runs is there stays, where
-/// the format has room for it. The file, or the folder of several.
+/// the format has room for it.
 ///
 /// # Errors
 /// Where that cannot be written, or a file of other runs is none of this format.
-pub(crate) fn export(record: &Record, format: Format, folder: &Path) -> Result<PathBuf> {
+pub(crate) fn export(record: &Record, format: Format, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
+    let file = export_file(format, folder);
     match format {
-        Format::Criterion => criterion::write(record, folder),
-        Format::Gha => gha::write(record, folder),
-        Format::Bmf => bmf::write(record, folder),
-        Format::Csv => csv::write(record, folder),
+        Format::Criterion => criterion::write(record, &file),
+        Format::Gha => gha::write(record, &file),
+        Format::Bmf => bmf::write(record, &file),
+        Format::Csv => csv::write(record, &file),
     }
 }
 
 /// `spheres/wavefront`, and the number of threads where that is not one.
-fn name(run: &Run) -> String {
-    match run.threads {
-        1 => format!("{}/{}", run.scene, run.engine),
-        threads => format!("{}/{}/{threads}", run.scene, run.engine),
+fn name(Work { scene, engine, threads, .. }: &Work) -> String {
+    match threads {
+        1 => format!("{scene}/{engine}"),
+        _ => format!("{scene}/{engine}/{threads}"),
     }
 }

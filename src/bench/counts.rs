@@ -1,0 +1,54 @@
+//! Exact counts beside those of another record.
+
+use super::record::{Record, Run};
+use crate::accel::Counters;
+
+/// What came of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct CountChanges {
+    /// Runs whose counts can be compared: of the same work, by the same plan, with as many lanes.
+    pub(crate) compared: usize,
+    /// Runs whose counts cannot.
+    pub(crate) others: usize,
+    /// A line for each count that is not what it was.
+    pub(crate) lines: Vec<String>,
+}
+
+/// Compares the counts of `record` with those of the runs `old`, counted with so many lanes.
+pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountChanges {
+    let mut changes = CountChanges::default();
+    for run in &record.runs {
+        let alike = |old: &&Run| {
+            old.work() == run.work()
+                && old.plan == run.plan
+                && lanes == record.machine.lanes
+                && old.counters != Counters::default()
+        };
+        let Some(old) = old.iter().find(alike) else {
+            changes.others += 1;
+            continue;
+        };
+        changes.compared += 1;
+        let Run { scene, engine, threads, .. } = run;
+        for (name, new, old) in differences(&run.counters, &old.counters) {
+            let ratio = new as f64 / old.max(1) as f64;
+            changes.lines.push(format!(
+                "{scene} {engine} {threads}: {name} {old} -> {new} ({ratio:.4} times as many)"
+            ));
+        }
+    }
+    changes
+}
+
+/// Counts that are not equal: name, new and old.
+fn differences(new: &Counters, old: &Counters) -> impl Iterator<Item = (&'static str, u64, u64)> {
+    [
+        ("node visits", new.node_visits, old.node_visits),
+        ("leaf tests", new.leaf_tests, old.leaf_tests),
+        ("lanes issued", new.lanes_issued, old.lanes_issued),
+        ("lanes active", new.lanes_active, old.lanes_active),
+        ("rays left to scalar", new.scalar_rays, old.scalar_rays),
+    ]
+    .into_iter()
+    .filter(|(_, new, old)| new != old)
+}

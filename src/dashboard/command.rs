@@ -1,0 +1,58 @@
+//! The commands that repeat a run.
+
+use crate::bench::{Record, Run};
+
+/// Measures all engines again, so that the speed-up is told too.
+pub(super) fn bench(record: &Record, run: &Run) -> String {
+    format!("{} bench {} --blocks {}", build(record), work(run), run.blocks.len())
+}
+
+/// Renders the image once.
+pub(super) fn render(record: &Record, run: &Run) -> String {
+    let Run { engine, height, depth, sampling, .. } = run;
+    format!(
+        "{} render {} --height {height} --depth {depth} --engine {} --sampling {}",
+        build(record),
+        work(run),
+        quoted(engine),
+        quoted(sampling)
+    )
+}
+
+/// Builds the commit as it was built.
+fn build(record: &Record) -> String {
+    let (commit, flags) = (&record.machine.commit, &record.machine.flags);
+    let changed =
+        if commit.ends_with("-dirty") { "# and with changes that no commit has\n" } else { "" };
+    let commit = quoted(commit.trim_end_matches("-dirty"));
+    format!("{changed}git checkout {commit} && RUSTFLAGS={} cargo run --release --", quoted(flags))
+}
+
+fn work(run: &Run) -> String {
+    let Run { scene, threads, width, spp, seed, .. } = run;
+    let scene = quoted(scene);
+    format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
+}
+
+/// A word of a shell, whatever it holds.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_they_must_be() {
+        assert_eq!(quoted("cloud:1000"), "cloud:1000");
+        assert_eq!(quoted("-C target-cpu=native"), "'-C target-cpu=native'");
+        assert_eq!(quoted("it's; rm"), "'it'\\''s; rm'");
+        assert_eq!(quoted(""), "''");
+    }
+}
