@@ -106,6 +106,59 @@ fn one_side_keeps_the_proportion() {
     assert!(folder.path().join("spheres.png").exists(), "the default target");
 }
 
+/// Each worker's stages, one after the other, within its tiles; all the work, and the same image.
+#[test]
+fn traces_tell_what_each_worker_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let arguments = ["40", "--threads", "2", "--trace", "trace.json", "--json", "record.json"];
+    succeeds(here, &[&SMALL[..], &arguments].concat());
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(here.join(name)).unwrap()).unwrap()
+    };
+    let (trace, record) = (read("trace.json"), read("record.json"));
+    let events = trace["traceEvents"].as_array().unwrap();
+    assert_eq!(events.iter().filter(|event| event["name"] == "thread_name").count(), 2);
+    let all = |stage: &str, segment: u64| -> u64 {
+        let is = |event: &&Value| event["name"] == stage && event["args"]["segment"] == segment;
+        events.iter().filter(is).map(|event| event["args"]["active"].as_u64().unwrap()).sum()
+    };
+    assert_eq!((all("generate", 1), all("accumulate", 1)), (40 * 40 * 3, 40 * 40 * 3));
+    for (number, segment) in record["segments"].as_array().unwrap().iter().enumerate().take(15) {
+        for stage in ["extend", "shade", "connect"] {
+            let active = segment["stages"][stage]["active"].as_u64().unwrap_or(0);
+            assert_eq!(all(stage, number as u64 + 1), active, "{stage} {number}");
+        }
+    }
+    let span = |event: &Value| {
+        let [start, seconds] = ["ts", "dur"].map(|field| event[field].as_f64().unwrap());
+        (start, start + seconds)
+    };
+    for worker in 0..2 {
+        let of = |category: &'static str| {
+            let mut spans: Vec<(f64, f64)> = events
+                .iter()
+                .filter(|event| event["tid"] == worker && event["cat"] == category)
+                .map(span)
+                .collect();
+            spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+            spans
+        };
+        let (tiles, stages) = (of("tile"), of("stage"));
+        for spans in [&tiles, &stages] {
+            for pair in spans.windows(2) {
+                assert!(pair[0].1 <= pair[1].0 + 1e-3, "{pair:?} of worker {worker}");
+            }
+        }
+        for stage in stages {
+            let holds = |tile: &&(f64, f64)| tile.0 <= stage.0 + 1e-3 && stage.1 <= tile.1 + 1e-3;
+            assert!(tiles.iter().any(|tile| holds(&tile)), "{stage:?} is in no tile");
+        }
+    }
+    succeeds(here, &[&SMALL[..], &["40", "--json", "plain.json"]].concat());
+    assert_eq!(read("plain.json")["hash"], record["hash"]);
+}
+
 #[test]
 fn compare_measures_and_paints() {
     let folder = tempfile::tempdir().unwrap();

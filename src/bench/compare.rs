@@ -225,3 +225,112 @@ impl Verdict {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    const THRESHOLD: f64 = 0.01;
+
+    /// A record of one run: seconds of its blocks at such a clock, so many of them contaminated, and
+    /// a control.
+    fn record(seconds: f64, clock: f64, contaminated: usize, control: [f64; 3]) -> Record {
+        let block = |number: usize| {
+            json!({
+                "seconds": seconds * (1.0 + 0.0002 * (number % 3) as f64),
+                "rays": { "primary": 1000, "bounce": 1000, "shadow": 0 },
+                "clock": clock, "contaminated": number < contaminated,
+            })
+        };
+        let estimate = json!({ "median": 1.0, "lo": 1.0, "hi": 1.0 });
+        let [lo, median, hi] = control;
+        let record = json!({
+            "schema": 1,
+            "machine": { "cpu": "a", "cores": 2, "isa": "avx2", "lanes": 8, "os": "", "rustc": "",
+                         "flags": "", "commit": "c" },
+            "runs": [{
+                "scene": "s", "engine": "wavefront", "threads": 1, "width": 1, "height": 1, "spp": 1,
+                "seed": 1, "hash": "h", "blocks": (0..12).map(block).collect::<Vec<_>>(),
+                "mrays_per_s": estimate, "msamples_per_s": estimate, "stages": {}, "counters": {},
+                "peak_rss_bytes": 0,
+            }],
+            "ratios": [{ "scene": "s", "threads": 1, "of": "wavefront", "to": "wavefront",
+                         "median": median, "lo": lo, "hi": hi }],
+        });
+        serde_json::from_value(record).unwrap()
+    }
+
+    const CLEAN: [f64; 3] = [0.998, 1.001, 1.004];
+
+    fn verdict(new: &Record, old: &Record) -> Verdict {
+        verdicts(new, Reference::Baseline(old), THRESHOLD).remove(0)
+    }
+
+    #[test]
+    fn verdicts_follow_the_clock() {
+        let old = record(1.0, 4.0, 0, CLEAN);
+        let outcome = |seconds, clock| verdict(&record(seconds, clock, 0, CLEAN), &old).outcome;
+        assert_eq!(outcome(1.0, 4.0), Outcome::Same);
+        assert_eq!(outcome(1.03, 4.0), Outcome::Regressed);
+        assert_eq!(outcome(0.97, 4.0), Outcome::Improved);
+        assert_eq!(outcome(1.009, 4.0), Outcome::Same, "within the threshold");
+        // A clock of four fifths: a quarter longer is the same.
+        assert_eq!(outcome(1.25, 3.2), Outcome::Same);
+        assert_eq!(outcome(1.0, 3.2), Outcome::Improved);
+        // Without one, seconds are all there is.
+        assert_eq!(outcome(1.25, 0.0), Outcome::Regressed);
+    }
+
+    #[test]
+    fn nothing_is_said_where_there_is_doubt() {
+        let (old, slow) = (record(1.0, 4.0, 0, CLEAN), record(1.05, 4.0, 0, CLEAN));
+        assert_eq!(verdict(&slow, &old).outcome, Outcome::Regressed);
+        let reason = |new: &Record, old: &Record| {
+            let Verdict { outcome, reason, .. } = verdict(new, old);
+            assert_eq!(outcome, Outcome::Unclear);
+            reason
+        };
+        assert_eq!(verdict(&record(1.05, 4.0, 6, CLEAN), &old).outcome, Outcome::Regressed);
+        assert!(reason(&record(1.05, 4.0, 7, CLEAN), &old).contains("contaminated"));
+        assert!(reason(&slow, &record(1.0, 4.0, 7, CLEAN)).contains("the other"));
+        for dirty in
+            [[0.9, 1.02, 1.3], [1.006, 1.008, 1.009], [0.97, 0.98, 0.99], [0.9, 0.985, 1.1]]
+        {
+            assert!(reason(&record(1.05, 4.0, 0, dirty), &old).contains("control"), "{dirty:?}");
+        }
+        let mut other = slow.clone();
+        other.runs[0].hash = "another".to_owned();
+        assert_eq!(reason(&other, &old), "another image");
+        other.ratios.clear();
+        other.runs[0].hash = "h".to_owned();
+        assert!(reason(&other, &old).contains("no control"));
+    }
+
+    #[test]
+    fn other_work_is_not_compared() {
+        let old = record(1.0, 4.0, 0, CLEAN);
+        let mut new = old.clone();
+        new.runs[0].spp = 2;
+        assert!(verdicts(&new, Reference::Baseline(&old), THRESHOLD).is_empty());
+    }
+
+    #[test]
+    fn a_second_sample_must_say_the_same() {
+        let old = record(1.0, 4.0, 0, CLEAN);
+        let of = |seconds| verdict(&record(seconds, 4.0, 0, CLEAN), &old);
+        let confirmed = |second: Option<&Verdict>| {
+            let mut first = of(1.05);
+            first.confirm(second);
+            (first.outcome, first.reason)
+        };
+        assert_eq!(confirmed(Some(&of(1.04))), (Outcome::Regressed, String::new()));
+        for second in [of(1.0), of(0.95)] {
+            let (outcome, reason) = confirmed(Some(&second));
+            assert_eq!((outcome, &*reason), (Outcome::Same, "not confirmed"));
+        }
+        assert_eq!(confirmed(None).0, Outcome::Same);
+        let unclear = verdict(&record(1.05, 4.0, 12, CLEAN), &old);
+        assert_eq!(confirmed(Some(&unclear)).0, Outcome::Unclear);
+    }
+}

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::args::{RenderArgs, Switch};
 use super::record::{self, StepSeconds, metadata};
 use super::{advise_on_build, files, notice, plan, progress, say, timeline};
-use crate::engine::{Engine, Render, RenderSettings, Renderer};
+use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::isa::Isa;
@@ -64,6 +64,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     if let Some(path) = &args.trace {
         timeline::write(path, scene.name(), renderer.threads(), &render)?;
+        if render.timeline.len() == MOST_EVENTS {
+            notice(format_args!("{}: ends after {MOST_EVENTS} events", path.display()));
+        }
     }
     if args.stats {
         super::stats::print(&render, renderer.plan())?;

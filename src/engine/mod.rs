@@ -16,7 +16,7 @@ mod wavefront;
 
 pub use pool::{Pin, Pinned};
 pub use recording::{PathRecorder, RayKind, TracedRay};
-pub use renderer::{Observer, Progress, Render, Renderer, Seconds};
+pub use renderer::{MOST_EVENTS, Observer, Progress, Render, Renderer, Seconds};
 pub use settings::{Engine, RenderSettings};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};

@@ -61,9 +61,12 @@ pub struct Render {
     pub waves: WaveStats,
     /// Time of each step.
     pub seconds: Seconds,
-    /// What each worker did when, if that was asked for.
+    /// What each worker did when, if that was asked for; the first [`MOST_EVENTS`].
     pub timeline: Vec<Event>,
 }
+
+/// Events of a timeline, at most: some hundred megabytes.
+pub const MOST_EVENTS: usize = 1 << 21;
 
 /// Wall-clock seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -181,8 +184,9 @@ impl<'a> Renderer<'a> {
                 }
                 let mut film = film.lock().expect("no thread panics while it holds the film");
                 film.add(tile, &result);
-                film.timeline
-                    .extend(result.laps.iter().map(|lap| lap.event(start, thread.index())));
+                let room = MOST_EVENTS - film.timeline.len();
+                let laps = result.laps.iter().take(room);
+                film.timeline.extend(laps.map(|lap| lap.event(start, thread.index())));
             }
         });
         let film = film.into_inner().expect("no thread panicked while it held the film");

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 pub(super) fn dawdle(work: Duration) {
     static SHARE: OnceLock<f64> = OnceLock::new();
     let share = *SHARE.get_or_init(|| {
-        let percent = std::env::var("PTFAST_SLOWED").ok();
-        percent.and_then(|percent| percent.parse::<f64>().ok()).unwrap_or(0.0) / 100.0
+        let percent = std::env::var("PTFAST_SLOWED").unwrap_or_else(|_| "0".to_owned());
+        let percent = percent.parse::<f64>().ok().filter(|percent| (0.0..1e6).contains(percent));
+        percent.expect("PTFAST_SLOWED is a percentage, 0 or more") / 100.0
     });
     let (start, wait) = (Instant::now(), work.as_secs_f64() * share);
     while start.elapsed().as_secs_f64() < wait {}
