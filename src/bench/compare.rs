@@ -1,9 +1,8 @@
 //! Faster, slower or the same? Asked of each run, beside a baseline or another program.
 
-use serde::{Deserialize, Serialize};
-
 use super::record::{Ratio, Record, Run};
 use super::statistics::Estimate;
+use super::verdict::{Again, Gate, Outcome, Verdict, decide};
 use super::{Bench, Progress};
 use crate::error::{Error, Result};
 
@@ -14,84 +13,6 @@ pub(crate) enum Reference<'a> {
     Baseline(&'a Record),
     /// The other program of the same bench, block by block.
     Against,
-}
-
-/// What came of a comparison.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Gate {
-    /// The change that counts: 0.01 for 1%.
-    pub(crate) threshold: f64,
-    /// Commit of what was compared with.
-    pub(crate) commit: String,
-    pub(crate) verdicts: Vec<Verdict>,
-    /// What was measured again, since something seemed to have changed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) again: Option<Again>,
-}
-
-/// A second sample.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Again {
-    pub(crate) runs: Vec<Run>,
-    pub(crate) ratios: Vec<Ratio>,
-    /// Of the other program.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) against: Vec<Run>,
-}
-
-/// Of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Verdict {
-    pub(crate) scene: String,
-    pub(crate) engine: String,
-    pub(crate) threads: usize,
-    /// How many times as fast it is.
-    pub(crate) change: Estimate,
-    /// The same of the second sample, where there was a reason for one.
-    pub(crate) again: Option<Estimate>,
-    pub(crate) outcome: Outcome,
-    /// Why it is unclear, or still the same.
-    #[serde(default)]
-    pub(crate) reason: String,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Outcome {
-    /// Faster by more than the threshold, twice.
-    Improved,
-    /// Neither is shown.
-    Same,
-    /// Slower by more than the threshold, twice.
-    Regressed,
-    /// Nothing can be said, for a reason that is told.
-    Unclear,
-}
-
-impl Outcome {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Improved => "improved",
-            Self::Same => "same",
-            Self::Regressed => "REGRESSED",
-            Self::Unclear => "unclear",
-        }
-    }
-
-    fn is_change(self) -> bool {
-        matches!(self, Self::Improved | Self::Regressed)
-    }
-}
-
-/// Improved or regressed only where the whole interval is beyond the threshold.
-pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
-    if change.lo > 1.0 + threshold {
-        Outcome::Improved
-    } else if change.hi < 1.0 / (1.0 + threshold) {
-        Outcome::Regressed
-    } else {
-        Outcome::Same
-    }
 }
 
 /// Whether what `bench` will measure can be compared with `baseline`, a record from `file`.
@@ -206,24 +127,6 @@ fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<&'static str> {
     let off = |speed: f64| speed.max(1.0 / speed) - 1.0;
     let surely = speed.lo > 1.0 + 0.5 * threshold || 1.0 / speed.hi > 1.0 + 0.5 * threshold;
     (off(speed.median) > threshold || surely).then_some("the control is not 1")
-}
-
-impl Verdict {
-    fn is_like(&self, other: &Self) -> bool {
-        (&self.scene, &self.engine, self.threads) == (&other.scene, &other.engine, other.threads)
-    }
-
-    /// The second sample must say the same.
-    fn confirm(&mut self, second: Option<&Self>) {
-        self.again = second.map(|second| second.change);
-        match second {
-            Some(second) if second.outcome == self.outcome => {}
-            Some(second) if second.outcome == Outcome::Unclear => {
-                (self.outcome, self.reason) = (Outcome::Unclear, second.reason.clone());
-            }
-            _ => (self.outcome, self.reason) = (Outcome::Same, "not confirmed".to_owned()),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod read;
 mod record;
 mod statistics;
 mod summary;
+mod verdict;
 
 use std::path::PathBuf;
 
@@ -25,12 +26,13 @@ use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use block::Series;
-pub(crate) use compare::{Gate, Outcome, Reference, Verdict, check_baseline, decide, judge};
+pub(crate) use compare::{Reference, check_baseline, judge};
 pub(crate) use counts::{CountChanges, count_changes};
 pub(crate) use export::{Format, check_export, export, export_file};
 use program::{Program, Rendered, Task};
 pub(crate) use record::{Lanes, Ratio, Record, Run, Work};
 pub(crate) use statistics::Estimate;
+pub(crate) use verdict::{Gate, Outcome, Verdict, decide};
 
 /// What is to be measured.
 #[derive(Clone, Debug)]
@@ -134,7 +136,7 @@ impl Bench {
     }
 
     /// The build of a program, 0 for the one that is measured, and where it runs.
-    fn machine(&self, program: usize) -> &Machine {
+    pub(crate) fn machine(&self, program: usize) -> &Machine {
         let mut sides = self.groups.iter().flat_map(|group| &group.sides);
         let side = sides.find(|side| side.program == program);
         &side.expect("every program has a side").counted.machine

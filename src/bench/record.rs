@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::compare::Gate;
 use super::program::Task;
 use super::statistics::Estimate;
+use super::verdict::Gate;
 use crate::accel::Counters;
 use crate::engine::RayCounts;
 use crate::machine::{Interference, Machine};

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::bench_args::{BenchArgs, DashboardArgs};
 use crate::accel::Kernel;
-use crate::bench::Estimate;
 use crate::engine::{Engine, Pin};
 use crate::image::Transfer;
 use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS, MAX_WAVE};
@@ -41,7 +41,7 @@ pub(super) enum Command {
 }
 
 /// A parser of the names of `all`.
-fn named<T: Copy + Send + Sync + 'static>(
+pub(super) fn named<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
@@ -213,74 +213,6 @@ pub(super) struct TraceArgs {
     /// Write the table as JSON
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct BenchArgs {
-    /// Built-in scene, cloud:N, mesh:N or path; may be given several times [default: the built-in
-    /// scenes]
-    #[arg(long = "scene", value_name = "NAME|FILE")]
-    pub(super) scenes: Vec<String>,
-    /// Engine; may be given several times [default: all]
-    #[arg(long = "engine", value_name = "ENGINE", value_parser = named(&Engine::ALL, Engine::name))]
-    pub(super) engines: Vec<Engine>,
-    /// Worker threads; may be given several times [default: one, and one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
-    pub(super) threads: Vec<u32>,
-    /// A quarter of the pixels, and 6 blocks: about a minute
-    #[arg(long)]
-    pub(super) quick: bool,
-    /// Width in pixels, the height is in proportion [default: 640 x 360 pixels in all]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
-    pub(super) width: Option<u32>,
-    /// Blocks: each renders everything twice, forth and back [default: 12]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(Estimate::LEAST as i64..=10_000))]
-    pub(super) blocks: Option<u32>,
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
-    pub(super) spp: u32,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
-    /// Write the record as JSON
-    #[arg(long, value_name = "FILE")]
-    pub(super) json: Option<PathBuf>,
-    /// Compare with a record that --json wrote on this machine
-    #[arg(long, value_name = "FILE", conflicts_with = "against")]
-    pub(super) baseline: Option<PathBuf>,
-    /// Compare with another ptfast binary, in turn with this one
-    #[arg(long, value_name = "PROGRAM")]
-    pub(super) against: Option<PathBuf>,
-    /// Say of each row whether it improved or regressed, measure again what did, and exit with 3
-    /// where something regressed
-    #[arg(long)]
-    pub(super) gate: bool,
-    /// Changes of speed that count for --gate, in percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0)]
-    pub(super) threshold: f64,
-    /// Also write the record as another program reads it: criterion, gha, bmf or csv; may be given
-    /// several times
-    #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
-    pub(super) export: Vec<String>,
-    /// Measure another ptfast binary instead of this one
-    #[arg(long, value_name = "PROGRAM")]
-    pub(super) program: Option<PathBuf>,
-    /// No progress and no notices
-    #[arg(long, short)]
-    pub(super) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct DashboardArgs {
-    /// Folder of records that `ptfast bench --json` wrote, one a run
-    #[arg(long, value_name = "DIR")]
-    pub(super) history: PathBuf,
-    /// Folder for index.html; made if missing
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: PathBuf,
-    /// Folder of criterion's own report, which is linked if it is there
-    #[arg(long, value_name = "DIR", default_value = "target/criterion")]
-    pub(super) criterion: PathBuf,
 }
 
 /// A kernel, or the fastest.

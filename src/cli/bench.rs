@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::BenchArgs;
+use super::bench_args::BenchArgs;
 use super::{advise_on_build, bench_table, files, notice};
 use crate::bench::{
     Bench, CountChanges, Format, Gate, Options, Outcome, Record, Reference, check_baseline,
@@ -14,6 +14,7 @@ use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
 use crate::interrupt;
 use crate::isa::Isa;
+use crate::machine::Machine;
 use crate::output::{same_file, write_atomically};
 use crate::scene::{BUILTIN_NAMES, Scene};
 
@@ -43,6 +44,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     let bench = Bench::new(&options, baseline.as_ref())?;
     if let Some((baseline, file)) = baseline.as_ref().zip(args.baseline.as_ref()) {
         check_baseline(&bench, baseline, &file.display().to_string())?;
+        tell_other_build(&bench, baseline, args.quiet);
     }
     for (format, folder) in &exports {
         check_export(&bench.works(), *format, folder)?;
@@ -63,6 +65,13 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
         let again = args.gate.then_some(2 * blocks);
         let gate = judge(&bench, &record, reference, args.threshold / 100.0, again, &mut tell)?;
         bench_table::print_gate(&record, &gate, args.gate)?;
+        let unclear = gate.verdicts.iter().filter(|v| v.outcome == Outcome::Unclear).count();
+        if args.gate && unclear > 0 && !args.quiet {
+            notice(format_args!(
+                "{unclear} of {} rows are unclear: nothing is said of them",
+                record.runs.len()
+            ));
+        }
         // What is not measured again is no verdict.
         record.gate = Some(gate).filter(|_| args.gate);
         write(args, &record)?;
@@ -73,6 +82,16 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     let regressed =
         |gate: &Gate| gate.verdicts.iter().any(|verdict| verdict.outcome == Outcome::Regressed);
     Ok(if record.gate.as_ref().is_some_and(regressed) { REGRESSION } else { 0 })
+}
+
+/// A line where the baseline was built otherwise: it may be that which is compared.
+fn tell_other_build(bench: &Bench, baseline: &Record, quiet: bool) {
+    let build =
+        |machine: &Machine| format!("{} ({}), {}", machine.isa, machine.flags, machine.rustc);
+    let (here, there) = (build(bench.machine(0)), build(&baseline.machine));
+    if here != there && !quiet {
+        notice(format_args!("the baseline was built for {there}, this for {here}"));
+    }
 }
 
 fn counts(record: &Record, reference: Reference<'_>) -> CountChanges {

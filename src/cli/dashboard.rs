@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Component, Path};
 
-use super::args::DashboardArgs;
+use super::bench_args::DashboardArgs;
 use super::say;
 use crate::dashboard::{History, page};
 use crate::error::{Error, Result};

@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod bench_args;
 mod bench_table;
 mod compare;
 mod dashboard;
