@@ -67,6 +67,7 @@ const column = (series, records, of) => records.map((record) => {
 });
 
 const plots = [];
+const HEIGHT = 260;
 // `lines`: { label, values, lo, hi, color, fill, tell, changes }. `labels` are those of x.
 function chart(parent, title, labels, lines, more = {}) {
   const box = element(parent, "div", undefined, { class: "chart", "data-title": title });
@@ -96,7 +97,7 @@ function chart(parent, title, labels, lines, more = {}) {
   const ink = matchMedia("(prefers-color-scheme: dark)").matches ? "#ccc" : "#333";
   const axis = { stroke: ink, grid: { stroke: "#8883" }, ticks: { stroke: "#8883" } };
   const plot = new uPlot({
-    width: Math.max(320, box.clientWidth - 24), height: 260, series, bands,
+    width: 320, height: HEIGHT, series, bands,
     scales: { x: { time: false, range: [-0.5, labels.length - 0.5] }, y: more.y || { range: range } },
     axes: [
       { ...axis, splits: () => splits, values: () => splits.map((i) => String(labels[i])), rotate: labels.length > 12 ? -60 : 0, size: labels.length > 12 ? 70 : 40 },
@@ -247,6 +248,8 @@ function draw() {
   stages(all);
   lanes(all);
   counters(all);
+  // Once all are there, the columns have their width.
+  plots.forEach((plot) => plot.setSize({ width: plot.root.parentElement.clientWidth - 24, height: HEIGHT }));
 }
 
 options(byId("machine"), DATA.machines.map((label, i) => [i, label]));

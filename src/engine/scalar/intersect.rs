@@ -33,7 +33,8 @@ impl Intersect for Tree<'_> {
     }
 }
 
-/// A tree whose work is counted, segment by segment.
+/// A tree whose work is counted, segment by segment. Its functions are out of line: inlined, they move
+/// the code of renders that do not count, which then take 1.02 to 1.04 of the cycles.
 #[derive(Debug)]
 pub(super) struct CountingTree<'a> {
     pub(super) tree: Tree<'a>,
@@ -49,6 +50,7 @@ impl CountingTree<'_> {
 }
 
 impl Intersect for CountingTree<'_> {
+    #[inline(never)]
     fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit> {
         let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
         let hit = tree.count_closest(geometry, ray, 0.0, f32::INFINITY, &mut counters);
@@ -56,6 +58,7 @@ impl Intersect for CountingTree<'_> {
         hit
     }
 
+    #[inline(never)]
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
         let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
         let occluded = tree.count_occluded(geometry, ray, 0.0, t_max, &mut counters);
