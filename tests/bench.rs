@@ -106,6 +106,13 @@ fn records_have_the_fields_that_scripts_rely_on() {
     }
 }
 
+/// What a bench renders to count the work, with its record in a file.
+fn render_counting(folder: &Path, engine: &str, record: &str) {
+    let what = ["--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1"];
+    let how = ["-q", "--stats", "--engine", engine, "--json", record];
+    assert!(ptfast(folder, &[&["render"], &what[..], &how[..]].concat()).status.success());
+}
+
 /// Counts are exact, of a render that anyone can repeat.
 #[test]
 fn counters_are_those_of_a_render_that_counts() {
@@ -114,24 +121,7 @@ fn counters_are_those_of_a_render_that_counts() {
     bench(here, &["--json", "bench.json"]);
     for run in read(&here.join("bench.json"))["runs"].as_array().unwrap() {
         let engine = run["engine"].as_str().unwrap();
-        let arguments = [
-            "render",
-            "--scene",
-            "cornell",
-            "--width",
-            "16",
-            "--spp",
-            "2",
-            "--threads",
-            "1",
-            "-q",
-            "--stats",
-            "--json",
-            "render.json",
-            "--engine",
-            engine,
-        ];
-        assert!(ptfast(here, &arguments).status.success());
+        render_counting(here, engine, "render.json");
         let render = read(&here.join("render.json"));
         let mut node_visits = 0;
         for segment in render["segments"].as_array().unwrap() {
@@ -282,24 +272,7 @@ fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>)
     use std::os::unix::fs::PermissionsExt;
     for engine in ["scalar", "wavefront"] {
         let file = format!("{name}.{engine}.json");
-        let arguments = [
-            "render",
-            "--scene",
-            "cornell",
-            "--width",
-            "16",
-            "--spp",
-            "2",
-            "--threads",
-            "1",
-            "-q",
-            "--stats",
-            "--engine",
-            engine,
-            "--json",
-            &file,
-        ];
-        assert!(ptfast(folder, &arguments).status.success());
+        render_counting(folder, engine, &file);
         let mut record = read(&folder.join(&file));
         record["seconds"]["render"] = json!(seconds);
         record["interference"] = json!({ "stolen": 0.0, "waited": 0.0, "switches": 0 });
