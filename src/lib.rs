@@ -61,6 +61,7 @@ pub mod output;
 pub mod rayset;
 pub mod scene;
 mod simd;
+mod statistics;
 
 pub use engine::{Engine, Render, RenderSettings, Renderer};
 pub use error::{Error, Result};

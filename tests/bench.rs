@@ -269,7 +269,6 @@ fn wrong_usage_is_told_before_anything_is_measured() {
 /// A program that renders nothing: it says what a render of cornell said, but for its time and hash.
 #[cfg(unix)]
 fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>) -> PathBuf {
-    use std::os::unix::fs::PermissionsExt;
     for engine in ["scalar", "wavefront"] {
         let file = format!("{name}.{engine}.json");
         render_counting(folder, engine, &file);
@@ -287,9 +286,15 @@ fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>)
          shift\ndone\ncat '{}'.$engine.json > \"$to\"\n",
         path.display()
     );
-    fs::write(&path, script).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    write_program(&path, &script);
     path
+}
+
+#[cfg(unix)]
+fn write_program(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::write(path, script).unwrap();
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
 }
 
 #[cfg(unix)]
@@ -325,10 +330,11 @@ fn the_gate_shuts_where_a_program_is_slower() {
     assert_eq!((code, outcomes), (Some(3), vec!["regressed".to_owned(); 2]), "{told}");
     assert!(told.contains("REGRESSED"), "{told}");
     let verdict = &record["gate"]["verdicts"][0];
-    let change = &verdict["change"];
+    let findings = verdict["findings"].as_array().unwrap();
+    let change = &findings[0]["change"];
     assert!((number(&change["median"]) - 0.5 / 0.52).abs() < 1e-9, "{change}");
-    assert_eq!(*change, verdict["again"]);
-    assert_eq!(record["gate"]["again"]["runs"][0]["blocks"].as_array().unwrap().len(), 24);
+    assert_eq!(findings, &[json!({ "change": change }), json!({ "change": change })]);
+    assert_eq!(record["gate"]["again"][0]["runs"][0]["blocks"].as_array().unwrap().len(), 24);
     assert!(told.contains("exact counts of 2 runs compared: no change\n"), "{told}");
     assert_eq!(record["against"]["runs"][0]["engine"], "scalar");
     let to = record["ratios"][2]["to"].as_str().unwrap();
@@ -339,6 +345,41 @@ fn the_gate_shuts_where_a_program_is_slower() {
     assert_eq!((code, outcomes), (Some(0), vec!["improved".to_owned(); 2]));
     let (code, outcomes, ..) = gate(&fast, &fast, "1");
     assert_eq!((code, outcomes), (Some(0), vec!["same".to_owned(); 2]));
+}
+
+/// One that is disturbed in the first blocks is measured until two samples are clean, or four were taken.
+#[cfg(unix)]
+#[test]
+fn disturbed_samples_are_measured_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let [slow, fast] = [("slow", 0.52), ("fast", 0.50)]
+        .map(|(name, seconds)| pretender(here, name, seconds, None).display().to_string());
+    let (disturbed, calls) = (here.join("disturbed"), here.join("calls"));
+    let gate = |renders: u32| {
+        let script = format!(
+            "#!/bin/sh\n'{slow}' \"$@\"\necho >> '{calls}'\n[ $(wc -l < '{calls}') -gt {renders} ] && exit\n\
+             while [ \"$1\" != --json ]; do shift; done\n\
+             sed 's/\"switches\":0/\"switches\":100000/' \"$2\" > \"$2.new\"\nmv \"$2.new\" \"$2\"\n",
+            calls = calls.display()
+        );
+        write_program(&disturbed, &script);
+        fs::write(&calls, "").unwrap();
+        let engine = ["--engine", "scalar", "--gate", "--json", "gate.json", "--against", &fast];
+        let more = ["--program", disturbed.to_str().unwrap()];
+        let output = ptfast(here, &[&SMALL[..], &engine, &more].concat());
+        let gate = read(&here.join("gate.json"))["gate"].clone();
+        let findings = gate["verdicts"][0]["findings"].as_array().unwrap().clone();
+        let doubts: Vec<bool> = findings.iter().map(|f| f["doubt"] == "contaminated").collect();
+        (output.status.code(), doubts, gate["again"].as_array().unwrap().len(), stdout(&output))
+    };
+    // Four renders of it in a block, of which the first sample has 12.
+    let (code, doubts, again, told) = gate(1 + 4 * 12);
+    assert_eq!((code, &doubts[..], again), (Some(3), &[true, false, false][..], 2), "{told}");
+    assert!(told.contains("REGRESSED (1 of 3 samples discarded)"), "{told}");
+    let (code, doubts, again, told) = gate(u32::MAX);
+    assert_eq!((code, &doubts[..], again), (Some(0), &[true; 4][..], 3), "{told}");
+    assert!(told.contains("unclear (most blocks are contaminated, 4 of 4"), "{told}");
 }
 
 /// Nothing is left behind, and what ended it is told.

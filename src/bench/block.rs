@@ -27,14 +27,15 @@ pub(super) struct Series {
 }
 
 /// Measures one block of `group`: backwards first where it is `reversed`, so that no side is always
-/// the first. Adds to `series`, in the order of the group's places.
+/// the first. Adds to `series`, in the order of the group's turns.
 pub(super) fn measure(
     programs: &[Program],
     group: &Group,
     reversed: bool,
     series: &mut [Series],
 ) -> Result<()> {
-    let mut order = group.places();
+    let sides: Vec<&Side> = group.turns().collect();
+    let mut order: Vec<usize> = (0..sides.len()).collect();
     if reversed {
         order.reverse();
     }
@@ -42,19 +43,19 @@ pub(super) fn measure(
     let half = order.len() / 2;
     order[half..].reverse();
 
-    let mut turns: Vec<Vec<Rendered>> = group.places().iter().map(|_| Vec::new()).collect();
+    let mut rendered: Vec<Vec<Rendered>> = sides.iter().map(|_| Vec::new()).collect();
     let mut clocks = vec![gigahertz(group.task.threads)];
-    for place in order {
-        let side = group.side(place);
+    for turn in order {
+        let side = sides[turn];
         let program = &programs[side.program];
-        let rendered = program.render(&group.task, side.engine, side.plan.as_ref(), false)?;
-        check_hash(group, side, &rendered)?;
-        turns[place].push(rendered);
+        let render = program.render(&group.task, side.engine, side.plan.as_ref(), false)?;
+        check_hash(group, side, &render)?;
+        rendered[turn].push(render);
         clocks.push(gigahertz(group.task.threads));
     }
     let clock = mean(clocks.into_iter());
-    for (series, turns) in series.iter_mut().zip(&turns) {
-        series.add(turns, group.task.threads, clock);
+    for (series, renders) in series.iter_mut().zip(&rendered) {
+        series.add(renders, group.task.threads, clock);
     }
     Ok(())
 }
@@ -72,21 +73,21 @@ fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
 }
 
 impl Series {
-    fn add(&mut self, turns: &[Rendered], threads: usize, clock: f64) {
-        let taken = turns.iter().map(|turn| turn.interference);
+    fn add(&mut self, renders: &[Rendered], threads: usize, clock: f64) {
+        let taken = renders.iter().map(|render| render.interference);
         let interference = taken.reduce(|a, b| Some(a? + b?)).flatten();
-        let seconds = mean(turns.iter().map(|turn| turn.seconds.render));
-        let core_seconds = seconds * (turns.len() * threads) as f64;
-        for turn in turns {
-            for (stage, seconds) in &turn.stages {
+        let seconds = mean(renders.iter().map(|render| render.seconds.render));
+        let core_seconds = seconds * (renders.len() * threads) as f64;
+        for render in renders {
+            for (stage, seconds) in &render.stages {
                 *self.stages.entry(stage.clone()).or_default() += seconds;
             }
             self.renders += 1;
-            self.peak_rss_bytes = self.peak_rss_bytes.max(turn.peak_rss_bytes.unwrap_or(0));
+            self.peak_rss_bytes = self.peak_rss_bytes.max(render.peak_rss_bytes.unwrap_or(0));
         }
         self.blocks.push(Block {
             seconds,
-            rays: turns.first().map_or(RayCounts::default(), |turn| turn.rays),
+            rays: renders.first().map_or(RayCounts::default(), |render| render.rays),
             clock,
             interference,
             contaminated: interference.is_some_and(|taken| is_contaminated(&taken, core_seconds)),

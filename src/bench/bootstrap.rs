@@ -1,7 +1,7 @@
 //! The four estimates of criterion, by resampling as criterion does.
 
-use super::statistics::{middle, sorted};
 use crate::math::random::Stream;
+use crate::statistics::{middle, sorted};
 
 /// An estimate with its standard error and an interval of 95%.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::thread;
 use std::time::Instant;
 
-use super::statistics::Estimate;
+use crate::statistics::Estimate;
 
 /// Steps of a slice: about a fifth of a millisecond.
 const STEPS: u32 = 1 << 17;

@@ -1,10 +1,10 @@
 //! Faster, slower or the same? Asked of each run, beside a baseline or another program.
 
-use super::record::{Ratio, Record, Run};
-use super::statistics::Estimate;
-use super::verdict::{Again, Gate, Outcome, Verdict, decide};
+use super::record::{Ratio, Record, Run, Work};
+use super::verdict::{Again, Doubt, Finding, Gate, Verdict};
 use super::{Bench, Progress};
 use crate::error::{Error, Result};
+use crate::statistics::Estimate;
 
 /// What runs are compared with.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ pub(crate) fn check_baseline(bench: &Bench, baseline: &Record, file: &str) -> Re
         return Err(Error::input(file, "machine", message));
     }
     let works = bench.works();
-    if !baseline.runs.iter().any(|run| works.contains(&run.work())) {
+    if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
         let message = "holds nothing of what is to be measured: scene and its hash, size, samples, depth, \
                        sampling, seed, engine and threads must be the same";
         return Err(Error::input(file, "runs", message));
@@ -37,9 +37,12 @@ pub(crate) fn check_baseline(bench: &Bench, baseline: &Record, file: &str) -> Re
     Ok(())
 }
 
+/// Samples of a run, at most.
+const MOST_SAMPLES: usize = 4;
+
 /// Compares every run of `record`, which `bench` has measured, with its like, if it has one. Where some
-/// have changed by more than `threshold`, their groups are measured `again` with so many blocks, if
-/// any: what is said of them then needs both samples.
+/// seem to have changed by more than `threshold`, or nothing can be said of them, their groups are
+/// measured `again` with so many blocks, if any.
 ///
 /// # Errors
 /// Where a program fails.
@@ -55,62 +58,69 @@ pub(crate) fn judge(
         Reference::Baseline(baseline) => &baseline.machine.commit,
         Reference::Against => &bench.machine(1).commit,
     };
-    let verdicts = verdicts(record, reference, threshold);
-    let mut gate = Gate { threshold, commit: commit.clone(), verdicts, again: None };
-    let doubtful = |scene: &str, threads: usize| {
-        let of = |verdict: &&Verdict| verdict.scene == scene && verdict.threads == threads;
-        gate.verdicts.iter().filter(of).any(|verdict| verdict.outcome.is_change())
-    };
-    let any = gate.verdicts.iter().any(|verdict| verdict.outcome.is_change());
-    let Some(blocks) = again.filter(|_| any) else { return Ok(gate) };
-    let second = bench.record(&bench.measure(blocks, doubtful, progress)?);
-    let confirming = self::verdicts(&second, reference, threshold);
-    for verdict in gate.verdicts.iter_mut().filter(|verdict| verdict.outcome.is_change()) {
-        verdict.confirm(confirming.iter().find(|second| second.is_like(verdict)));
-    }
-    gate.again = Some(Again {
-        runs: second.runs,
-        ratios: second.ratios,
-        against: second.against.map_or_else(Vec::new, |against| against.runs),
+    let first = findings(record, reference, threshold).into_iter().map(|(work, finding)| {
+        let mut verdict = Verdict::new(work);
+        verdict.add(finding, threshold);
+        verdict
     });
+    let (commit, verdicts) = (commit.clone(), first.collect());
+    let mut gate = Gate { threshold, commit, verdicts, again: Vec::new() };
+    let Some(blocks) = again else { return Ok(gate) };
+    while gate.again.len() + 1 < MOST_SAMPLES && gate.verdicts.iter().any(Verdict::is_open) {
+        let open = |scene: &str, threads: usize| {
+            let mut open = gate.verdicts.iter().filter(|verdict| verdict.is_open());
+            open.any(|verdict| verdict.scene == scene && verdict.threads == threads)
+        };
+        let next = bench.record(&bench.measure(blocks, open, progress)?);
+        for (work, finding) in findings(&next, reference, threshold) {
+            let mut open = gate.verdicts.iter_mut().filter(|verdict| verdict.is_open());
+            if let Some(verdict) = open.find(|verdict| verdict.is_of(work)) {
+                verdict.add(finding, threshold);
+            }
+        }
+        let against = next.against.map_or_else(Vec::new, |against| against.runs);
+        gate.again.push(Again { runs: next.runs, ratios: next.ratios, against });
+    }
     Ok(gate)
 }
 
-/// What one sample says of each run that has a like.
-fn verdicts(record: &Record, reference: Reference<'_>, threshold: f64) -> Vec<Verdict> {
-    let verdict = |run: &Run| -> Option<Verdict> {
-        let (change, old_run, old_record) = match reference {
-            Reference::Baseline(baseline) => {
-                let old = baseline.runs.iter().find(|old| old.work() == run.work())?;
-                (change(run, old), old, baseline)
-            }
-            Reference::Against => {
-                let against = record.against.as_ref()?;
-                let old = against.runs.iter().find(|old| old.work() == run.work())?;
-                let to = format!("{}@{}", run.engine, against.machine.commit);
-                (record.ratio(run, &to)?.speed, old, record)
-            }
-        };
-        let doubt = (run.hash != old_run.hash)
-            .then_some("another image")
-            .or_else(|| doubt(run, record, threshold))
-            .or_else(|| doubt(old_run, old_record, threshold).map(|_| "the other was disturbed"));
-        Some(Verdict {
-            scene: run.scene.clone(),
-            engine: run.engine.clone(),
-            threads: run.threads,
-            change,
-            again: None,
-            outcome: doubt.map_or_else(|| decide(&change, threshold), |_| Outcome::Unclear),
-            reason: doubt.unwrap_or_default().to_owned(),
-        })
+/// What a sample says of each run that has a like.
+fn findings<'a>(
+    record: &'a Record,
+    reference: Reference<'_>,
+    threshold: f64,
+) -> Vec<(&'a Work, Finding)> {
+    let of = |run: &'a Run| Some((&run.work, finding(run, record, reference, threshold)?));
+    record.runs.iter().filter_map(of).collect()
+}
+
+fn finding(
+    run: &Run,
+    record: &Record,
+    reference: Reference<'_>,
+    threshold: f64,
+) -> Option<Finding> {
+    let like = |old: &&Run| old.work == run.work;
+    let (change, old, of_old) = match reference {
+        Reference::Baseline(baseline) => {
+            let old = baseline.runs.iter().find(like)?;
+            let doubt = doubt(old, baseline, threshold).map(|_| Doubt::Baseline);
+            (speed_up(run, old), old, doubt)
+        }
+        Reference::Against => {
+            let against = record.against.as_ref()?;
+            let old = against.runs.iter().find(like)?;
+            let to = format!("{}@{}", run.work.engine, against.machine.commit);
+            (record.ratio(run, &to)?.speed, old, doubt(old, record, threshold))
+        }
     };
-    record.runs.iter().filter_map(verdict).collect()
+    let image = (run.hash != old.hash).then_some(Doubt::Image);
+    Some(Finding { change, doubt: image.or(of_old).or(doubt(run, record, threshold)) })
 }
 
 /// How many times as fast `new` is as `old`, measured at another time: a cycle, where both clocks
 /// are known.
-fn change(new: &Run, old: &Run) -> Estimate {
+fn speed_up(new: &Run, old: &Run) -> Estimate {
     match (new.paths_per_cycle(), old.paths_per_cycle()) {
         (Some(new), Some(old)) => Estimate::of_ratio(&new, &old),
         _ => Estimate::of_ratio(&new.paths_per_second(), &old.paths_per_second()),
@@ -119,14 +129,14 @@ fn change(new: &Run, old: &Run) -> Estimate {
 
 /// Why nothing can be said of a run of `record`: its control is off 1 by more than the threshold, or by
 /// half of it for certain; or most of its blocks are contaminated.
-fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<&'static str> {
+fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     if run.contaminated() * 2 > run.blocks.len() {
-        return Some("most blocks are contaminated");
+        return Some(Doubt::Contaminated);
     }
-    let Some(Ratio { speed, .. }) = record.control(run) else { return Some("there is no control") };
+    let Some(Ratio { speed, .. }) = record.control(run) else { return Some(Doubt::Uncontrolled) };
     let off = |speed: f64| speed.max(1.0 / speed) - 1.0;
     let surely = speed.lo > 1.0 + 0.5 * threshold || 1.0 / speed.hi > 1.0 + 0.5 * threshold;
-    (off(speed.median) > threshold || surely).then_some("the control is not 1")
+    (off(speed.median) > threshold || surely).then_some(Doubt::Control)
 }
 
 #[cfg(test)]
@@ -166,74 +176,56 @@ mod tests {
 
     const CLEAN: [f64; 3] = [0.998, 1.001, 1.004];
 
-    fn verdict(new: &Record, old: &Record) -> Verdict {
-        verdicts(new, Reference::Baseline(old), THRESHOLD).remove(0)
+    fn found(new: &Record, old: &Record) -> Finding {
+        findings(new, Reference::Baseline(old), THRESHOLD).remove(0).1
     }
 
     #[test]
-    fn verdicts_follow_the_clock() {
+    fn changes_follow_the_clock() {
         let old = record(1.0, 4.0, 0, CLEAN);
-        let outcome = |seconds, clock| verdict(&record(seconds, clock, 0, CLEAN), &old).outcome;
-        assert_eq!(outcome(1.0, 4.0), Outcome::Same);
-        assert_eq!(outcome(1.03, 4.0), Outcome::Regressed);
-        assert_eq!(outcome(0.97, 4.0), Outcome::Improved);
-        assert_eq!(outcome(1.009, 4.0), Outcome::Same, "within the threshold");
+        let change = |seconds, clock| found(&record(seconds, clock, 0, CLEAN), &old).change;
+        let near = |found: Estimate, want: f64| {
+            assert!(found.lo <= found.median && found.median <= found.hi, "{found:?}");
+            assert!(
+                (found.lo - want).abs() < 0.001 && (found.hi - want).abs() < 0.001,
+                "{found:?}"
+            );
+        };
+        near(change(1.0, 4.0), 1.0);
+        near(change(1.03, 4.0), 1.0 / 1.03);
         // A clock of four fifths: a quarter longer is the same.
-        assert_eq!(outcome(1.25, 3.2), Outcome::Same);
-        assert_eq!(outcome(1.0, 3.2), Outcome::Improved);
+        near(change(1.25, 3.2), 1.0);
+        near(change(1.0, 3.2), 1.25);
         // Without one, seconds are all there is.
-        assert_eq!(outcome(1.25, 0.0), Outcome::Regressed);
+        near(change(1.25, 0.0), 0.8);
     }
 
     #[test]
     fn nothing_is_said_where_there_is_doubt() {
         let (old, slow) = (record(1.0, 4.0, 0, CLEAN), record(1.05, 4.0, 0, CLEAN));
-        assert_eq!(verdict(&slow, &old).outcome, Outcome::Regressed);
-        let reason = |new: &Record, old: &Record| {
-            let Verdict { outcome, reason, .. } = verdict(new, old);
-            assert_eq!(outcome, Outcome::Unclear);
-            reason
-        };
-        assert_eq!(verdict(&record(1.05, 4.0, 6, CLEAN), &old).outcome, Outcome::Regressed);
-        assert!(reason(&record(1.05, 4.0, 7, CLEAN), &old).contains("contaminated"));
-        assert!(reason(&slow, &record(1.0, 4.0, 7, CLEAN)).contains("the other"));
+        let doubt = |new: &Record, old: &Record| found(new, old).doubt;
+        assert_eq!(doubt(&slow, &old), None);
+        assert_eq!(doubt(&record(1.05, 4.0, 6, CLEAN), &old), None);
+        assert_eq!(doubt(&record(1.05, 4.0, 7, CLEAN), &old), Some(Doubt::Contaminated));
+        assert_eq!(doubt(&slow, &record(1.0, 4.0, 7, CLEAN)), Some(Doubt::Baseline));
         for dirty in
             [[0.9, 1.02, 1.3], [1.006, 1.008, 1.009], [0.97, 0.98, 0.99], [0.9, 0.985, 1.1]]
         {
-            assert!(reason(&record(1.05, 4.0, 0, dirty), &old).contains("control"), "{dirty:?}");
+            let dirty = record(1.05, 4.0, 0, dirty);
+            assert_eq!(doubt(&dirty, &old), Some(Doubt::Control), "{dirty:?}");
         }
         let mut other = slow.clone();
-        other.runs[0].hash = "another".to_owned();
-        assert_eq!(reason(&other, &old), "another image");
         other.ratios.clear();
-        other.runs[0].hash = "h".to_owned();
-        assert!(reason(&other, &old).contains("no control"));
+        assert_eq!(doubt(&other, &old), Some(Doubt::Uncontrolled));
+        other.runs[0].hash = "another".to_owned();
+        assert_eq!(doubt(&other, &old), Some(Doubt::Image));
     }
 
     #[test]
     fn other_work_is_not_compared() {
         let old = record(1.0, 4.0, 0, CLEAN);
         let mut new = old.clone();
-        new.runs[0].spp = 2;
-        assert!(verdicts(&new, Reference::Baseline(&old), THRESHOLD).is_empty());
-    }
-
-    #[test]
-    fn a_second_sample_must_say_the_same() {
-        let old = record(1.0, 4.0, 0, CLEAN);
-        let of = |seconds| verdict(&record(seconds, 4.0, 0, CLEAN), &old);
-        let confirmed = |second: Option<&Verdict>| {
-            let mut first = of(1.05);
-            first.confirm(second);
-            (first.outcome, first.reason)
-        };
-        assert_eq!(confirmed(Some(&of(1.04))), (Outcome::Regressed, String::new()));
-        for second in [of(1.0), of(0.95)] {
-            let (outcome, reason) = confirmed(Some(&second));
-            assert_eq!((outcome, &*reason), (Outcome::Same, "not confirmed"));
-        }
-        assert_eq!(confirmed(None).0, Outcome::Same);
-        let unclear = verdict(&record(1.05, 4.0, 12, CLEAN), &old);
-        assert_eq!(confirmed(Some(&unclear)).0, Outcome::Unclear);
+        new.runs[0].work.spp = 2;
+        assert!(findings(&new, Reference::Baseline(&old), THRESHOLD).is_empty());
     }
 }

@@ -1,6 +1,6 @@
 //! Exact counts beside those of another record.
 
-use super::record::{Record, Run};
+use super::record::{Record, Run, Work};
 use crate::accel::Counters;
 
 /// What came of it.
@@ -19,7 +19,7 @@ pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountCh
     let mut changes = CountChanges::default();
     for run in &record.runs {
         let alike = |old: &&Run| {
-            old.work() == run.work()
+            old.work == run.work
                 && old.plan == run.plan
                 && lanes == record.machine.lanes
                 && old.counters != Counters::default()
@@ -29,7 +29,7 @@ pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountCh
             continue;
         };
         changes.compared += 1;
-        let Run { scene, engine, threads, .. } = run;
+        let Work { scene, engine, threads, .. } = &run.work;
         for (name, new, old) in differences(&run.counters, &old.counters) {
             let ratio = new as f64 / old.max(1) as f64;
             changes.lines.push(format!(

@@ -14,7 +14,6 @@ mod export;
 mod program;
 mod read;
 mod record;
-mod statistics;
 mod summary;
 mod verdict;
 
@@ -31,7 +30,6 @@ pub(crate) use counts::{CountChanges, count_changes};
 pub(crate) use export::{Format, check_export, export, export_file};
 use program::{Program, Rendered, Task};
 pub(crate) use record::{Lanes, Ratio, Record, Run, Work};
-pub(crate) use statistics::Estimate;
 pub(crate) use verdict::{Gate, Outcome, Verdict, decide};
 
 /// What is to be measured.
@@ -77,7 +75,7 @@ struct Side {
     plan: Option<Value>,
 }
 
-/// What blocks have told: for each group, if it took part, a series a side and one of the control.
+/// What blocks have told: for each group, if it took part, a series a turn.
 #[derive(Debug)]
 pub(crate) struct Sample(Vec<Option<Vec<Series>>>);
 
@@ -171,7 +169,7 @@ impl Bench {
         let mut sample: Vec<Option<Vec<Series>>> = wanted
             .iter()
             .zip(&self.groups)
-            .map(|(&wanted, group)| wanted.then(|| vec![Series::default(); group.sides.len() + 1]))
+            .map(|(&wanted, group)| wanted.then(|| vec![Series::default(); group.turns().count()]))
             .collect();
         let mut done = 0;
         for block in 0..blocks {
@@ -204,15 +202,9 @@ impl Group {
         self.sides.iter().position(own).unwrap_or(0)
     }
 
-    /// Every place in the order of a block's first half: the control last, for which stands the
-    /// number of sides.
-    fn places(&self) -> Vec<usize> {
-        (0..=self.sides.len()).collect()
-    }
-
-    /// The side at a place.
-    fn side(&self, place: usize) -> &Side {
-        self.sides.get(place).unwrap_or(&self.sides[self.control()])
+    /// The sides that take turns in the first half of a block: each once, the control at the end.
+    fn turns(&self) -> impl Iterator<Item = &Side> {
+        self.sides.iter().chain([&self.sides[self.control()]])
     }
 }
 

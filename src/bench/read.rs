@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::record::{Block, Ratio, Record, Run, SCHEMA};
-use super::statistics::Estimate;
 use crate::error::{Error, Result};
 use crate::input::read_json;
+use crate::statistics::Estimate;
 
 /// What is wrong at a place, and what would be right.
 type Wrong = (String, String);

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::program::Task;
-use super::statistics::Estimate;
 use super::verdict::Gate;
 use crate::accel::Counters;
 use crate::engine::RayCounts;
 use crate::machine::{Interference, Machine};
+use crate::statistics::Estimate;
 
 /// The one version of the format.
 pub(crate) const SCHEMA: u32 = 1;
@@ -49,19 +49,8 @@ pub(crate) struct Against {
 /// One engine on one scene with so many threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Run {
-    pub(crate) scene: String,
-    #[serde(default)]
-    pub(crate) scene_hash: String,
-    pub(crate) engine: String,
-    pub(crate) threads: usize,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) spp: u32,
-    #[serde(default)]
-    pub(crate) depth: u32,
-    #[serde(default)]
-    pub(crate) sampling: String,
-    pub(crate) seed: u64,
+    #[serde(flatten)]
+    pub(crate) work: Work,
     /// BLAKE3 of the linear image, the same in all blocks.
     pub(crate) hash: String,
     pub(crate) blocks: Vec<Block>,
@@ -85,6 +74,24 @@ pub(crate) struct Run {
     #[serde(default)]
     pub(crate) timed_plan: Option<Value>,
     pub(crate) peak_rss_bytes: u64,
+}
+
+/// What is rendered, and how: runs of the same work can be compared.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Work {
+    pub(crate) scene: String,
+    #[serde(default)]
+    pub(crate) scene_hash: String,
+    pub(crate) engine: String,
+    pub(crate) threads: usize,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) spp: u32,
+    #[serde(default)]
+    pub(crate) depth: u32,
+    #[serde(default)]
+    pub(crate) sampling: String,
+    pub(crate) seed: u64,
 }
 
 /// One side in one block: two renders.
@@ -125,21 +132,6 @@ pub(crate) struct Ratio {
     pub(crate) speed: Estimate,
 }
 
-/// What is rendered, and how: runs of the same work can be compared.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Work {
-    pub(crate) scene: String,
-    pub(crate) scene_hash: String,
-    pub(crate) engine: String,
-    pub(crate) sampling: String,
-    pub(crate) threads: usize,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) spp: u32,
-    pub(crate) depth: u32,
-    pub(crate) seed: u64,
-}
-
 impl Block {
     /// Rays a second.
     pub(crate) fn rays_per_second(&self) -> f64 {
@@ -153,22 +145,6 @@ impl Block {
 }
 
 impl Run {
-    /// What was rendered, and how.
-    pub(crate) fn work(&self) -> Work {
-        Work {
-            scene: self.scene.clone(),
-            scene_hash: self.scene_hash.clone(),
-            engine: self.engine.clone(),
-            sampling: self.sampling.clone(),
-            threads: self.threads,
-            width: self.width,
-            height: self.height,
-            spp: self.spp,
-            depth: self.depth,
-            seed: self.seed,
-        }
-    }
-
     /// Of each block.
     pub(crate) fn paths_per_second(&self) -> Vec<f64> {
         self.blocks.iter().map(Block::paths_per_second).collect()
@@ -198,7 +174,8 @@ impl Record {
     /// The plan by which the work of an engine was counted.
     pub(super) fn plan(&self, task: &Task, engine: &str) -> Option<Value> {
         let same = |run: &&Run| {
-            (&*run.engine, &run.scene, run.threads) == (engine, &task.scene, task.threads)
+            (&*run.work.engine, &run.work.scene, run.work.threads)
+                == (engine, &task.scene, task.threads)
         };
         self.runs.iter().find(same)?.plan.clone()
     }
@@ -206,7 +183,8 @@ impl Record {
     /// How many times as fast `run` was as the side of its group that is named `to`.
     pub(crate) fn ratio(&self, run: &Run, to: &str) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
-            (&ratio.scene, ratio.threads, &*ratio.of) == (&run.scene, run.threads, &run.engine)
+            (&ratio.scene, ratio.threads, &*ratio.of)
+                == (&run.work.scene, run.work.threads, &run.work.engine)
                 && ratio.to == to
         })
     }
@@ -214,7 +192,8 @@ impl Record {
     /// The control of a run's group: how many times as fast as itself a side was.
     pub(crate) fn control(&self, run: &Run) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
-            (&ratio.scene, ratio.threads) == (&run.scene, run.threads) && ratio.of == ratio.to
+            (&ratio.scene, ratio.threads) == (&run.work.scene, run.work.threads)
+                && ratio.of == ratio.to
         })
     }
 }

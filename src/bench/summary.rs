@@ -1,10 +1,10 @@
 //! From samples to records.
 
 use super::block::Series;
-use super::record::{Against, Block, Ratio, Record, Run, SCHEMA, Work};
-use super::statistics::Estimate;
+use super::record::{Against, Block, Ratio, Record, Run, SCHEMA};
 use super::{Bench, Group, Sample, Side};
 use crate::engine::{Engine, Stage};
+use crate::statistics::Estimate;
 
 impl Bench {
     /// What `sample` tells.
@@ -44,19 +44,8 @@ fn run(group: &Group, side: &Side, series: &Series) -> Run {
         let seconds = series.stages.get(stage.name()).copied().unwrap_or(0.0);
         (stage.name().to_owned(), seconds / series.renders as f64)
     };
-    let Work { scene, scene_hash, engine, sampling, threads, width, height, spp, depth, seed } =
-        side.work(&group.task);
     Run {
-        scene,
-        scene_hash,
-        engine,
-        sampling,
-        threads,
-        width,
-        height,
-        spp,
-        depth,
-        seed,
+        work: side.work(&group.task),
         hash: counted.hash.clone(),
         blocks: series.blocks.clone(),
         mrays_per_s: over_blocks(Block::rays_per_second),
@@ -76,7 +65,8 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
         let is = |side: &Side| side.program == program && side.engine == engine;
         group.sides.iter().position(is)
     };
-    let name = |place: usize| group.side(place).engine.name().to_owned();
+    let name = |side: usize| group.sides[side].engine.name().to_owned();
+    // Series are in the order of turns: those of the sides, then the control.
     let ratio = |of: usize, to: usize, to_name: String| Ratio {
         scene: group.task.scene.clone(),
         threads: group.task.threads,
@@ -88,8 +78,8 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
     if let (Some(of), Some(to)) = (find(0, Engine::Wavefront), find(0, Engine::Scalar)) {
         ratios.push(ratio(of, to, name(to)));
     }
-    let control = group.sides.len();
-    ratios.push(ratio(group.control(), control, name(control)));
+    let control = group.control();
+    ratios.push(ratio(control, group.sides.len(), name(control)));
     for engine in Engine::ALL {
         if let (Some(of), Some(to)) = (find(0, engine), find(1, engine)) {
             ratios.push(ratio(of, to, format!("{}@{other}", name(to))));

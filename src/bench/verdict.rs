@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::record::{Ratio, Run};
-use super::statistics::Estimate;
+use super::record::{Ratio, Run, Work};
+use crate::statistics::Estimate;
 
 /// What came of a comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -13,12 +13,12 @@ pub(crate) struct Gate {
     /// Commit of what was compared with.
     pub(crate) commit: String,
     pub(crate) verdicts: Vec<Verdict>,
-    /// What was measured again, since something seemed to have changed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) again: Option<Again>,
+    /// What was measured again, since something seemed to have changed or was disturbed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) again: Vec<Again>,
 }
 
-/// A second sample.
+/// A further sample, of some groups.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Again {
     pub(crate) runs: Vec<Run>,
@@ -34,14 +34,37 @@ pub(crate) struct Verdict {
     pub(crate) scene: String,
     pub(crate) engine: String,
     pub(crate) threads: usize,
-    /// How many times as fast it is.
-    pub(crate) change: Estimate,
-    /// The same of the second sample, where there was a reason for one.
-    pub(crate) again: Option<Estimate>,
+    /// Of each sample, the first one first.
+    pub(crate) findings: Vec<Finding>,
     pub(crate) outcome: Outcome,
     /// Why it is unclear, or still the same.
     #[serde(default)]
     pub(crate) reason: String,
+}
+
+/// What a sample says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Finding {
+    /// How many times as fast it is.
+    pub(crate) change: Estimate,
+    /// Why nothing follows from it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) doubt: Option<Doubt>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Doubt {
+    /// It does other work.
+    Image,
+    /// The baseline was disturbed.
+    Baseline,
+    /// Nothing tells how noisy it was.
+    Uncontrolled,
+    /// Others disturbed most blocks.
+    Contaminated,
+    /// The same against the same is not 1.
+    Control,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,6 +80,23 @@ pub(crate) enum Outcome {
     Unclear,
 }
 
+impl Doubt {
+    fn reason(self) -> &'static str {
+        match self {
+            Self::Image => "another image",
+            Self::Baseline => "the baseline was disturbed",
+            Self::Uncontrolled => "there is no control",
+            Self::Contaminated => "most blocks are contaminated",
+            Self::Control => "the control is not 1",
+        }
+    }
+
+    /// Whether another sample may be free of it.
+    fn passes(self) -> bool {
+        matches!(self, Self::Contaminated | Self::Control)
+    }
+}
+
 impl Outcome {
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -65,10 +105,6 @@ impl Outcome {
             Self::Regressed => "REGRESSED",
             Self::Unclear => "unclear",
         }
-    }
-
-    pub(super) fn is_change(self) -> bool {
-        matches!(self, Self::Improved | Self::Regressed)
     }
 }
 
@@ -84,19 +120,98 @@ pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
 }
 
 impl Verdict {
-    pub(super) fn is_like(&self, other: &Self) -> bool {
-        (&self.scene, &self.engine, self.threads) == (&other.scene, &other.engine, other.threads)
+    /// Of a run that nothing is known of.
+    pub(super) fn new(Work { scene, engine, threads, .. }: &Work) -> Self {
+        Self {
+            scene: scene.clone(),
+            engine: engine.clone(),
+            threads: *threads,
+            findings: Vec::new(),
+            outcome: Outcome::Unclear,
+            reason: String::new(),
+        }
     }
 
-    /// The second sample must say the same.
-    pub(super) fn confirm(&mut self, second: Option<&Self>) {
-        self.again = second.map(|second| second.change);
-        match second {
-            Some(second) if second.outcome == self.outcome => {}
-            Some(second) if second.outcome == Outcome::Unclear => {
-                (self.outcome, self.reason) = (Outcome::Unclear, second.reason.clone());
-            }
-            _ => (self.outcome, self.reason) = (Outcome::Same, "not confirmed".to_owned()),
+    pub(crate) fn is_of(&self, work: &Work) -> bool {
+        (&self.scene, &self.engine, self.threads) == (&work.scene, &work.engine, work.threads)
+    }
+
+    /// With what one more sample says.
+    pub(super) fn add(&mut self, finding: Finding, threshold: f64) {
+        self.findings.push(finding);
+        let decided: Vec<Outcome> =
+            self.clean().map(|change| decide(change, threshold)).take(2).collect();
+        let (outcome, reason) = match decided[..] {
+            [] => (Outcome::Unclear, finding.doubt.map_or("", Doubt::reason)),
+            [Outcome::Same, ..] => (Outcome::Same, ""),
+            [_] => (Outcome::Unclear, finding.doubt.map_or("measured only once", Doubt::reason)),
+            [first, second, ..] if first == second => (first, ""),
+            _ => (Outcome::Same, "not confirmed"),
+        };
+        (self.outcome, self.reason) = (outcome, reason.to_owned());
+    }
+
+    /// Whether another sample may tell more.
+    pub(super) fn is_open(&self) -> bool {
+        let lasting = |finding: &Finding| finding.doubt.is_some_and(|doubt| !doubt.passes());
+        self.outcome == Outcome::Unclear && !self.findings.iter().any(lasting)
+    }
+
+    /// Of the samples that nothing is against.
+    pub(crate) fn clean(&self) -> impl Iterator<Item = &Estimate> {
+        let clean = self.findings.iter().filter(|finding| finding.doubt.is_none());
+        clean.map(|finding| &finding.change)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(findings: &[(f64, Option<Doubt>)]) -> Verdict {
+        let mut verdict = Verdict::new(&Work::default());
+        for &(median, doubt) in findings {
+            let change = Estimate { median, lo: 0.995 * median, hi: 1.005 * median };
+            verdict.add(Finding { change, doubt }, 0.01);
+        }
+        verdict
+    }
+
+    fn told(findings: &[(f64, Option<Doubt>)]) -> (Outcome, String, bool) {
+        let verdict = verdict(findings);
+        let open = verdict.is_open();
+        (verdict.outcome, verdict.reason, open)
+    }
+
+    #[test]
+    fn a_change_needs_two_samples_that_agree() {
+        let (slow, same, fast) = ((0.97, None), (1.0, None), (1.03, None));
+        assert_eq!(told(&[same]), (Outcome::Same, String::new(), false));
+        assert_eq!(told(&[slow]), (Outcome::Unclear, "measured only once".to_owned(), true));
+        assert_eq!(told(&[slow, slow]), (Outcome::Regressed, String::new(), false));
+        assert_eq!(told(&[fast, fast]), (Outcome::Improved, String::new(), false));
+        for second in [same, fast] {
+            let not_confirmed = (Outcome::Same, "not confirmed".to_owned(), false);
+            assert_eq!(told(&[slow, second]), not_confirmed);
+        }
+    }
+
+    #[test]
+    fn disturbed_samples_do_not_count() {
+        let (slow, same) = ((0.97, None), (1.0, None));
+        for passing in [Doubt::Contaminated, Doubt::Control] {
+            let disturbed = (0.97, Some(passing));
+            let unclear = (Outcome::Unclear, passing.reason().to_owned(), true);
+            assert_eq!(told(&[disturbed]), unclear);
+            assert_eq!(told(&[slow, disturbed]), unclear);
+            assert_eq!(told(&[disturbed, same]).0, Outcome::Same);
+            assert_eq!(told(&[disturbed, slow]).0, Outcome::Unclear);
+            assert_eq!(told(&[disturbed, slow, disturbed, slow]).0, Outcome::Regressed);
+            assert_eq!(verdict(&[disturbed, slow]).clean().count(), 1);
+        }
+        for lasting in [Doubt::Image, Doubt::Baseline, Doubt::Uncontrolled] {
+            let unclear = (Outcome::Unclear, lasting.reason().to_owned(), false);
+            assert_eq!(told(&[(0.97, Some(lasting))]), unclear);
         }
     }
 }

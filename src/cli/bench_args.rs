@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::args::named;
-use crate::bench::Estimate;
 use crate::engine::Engine;
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
+use crate::statistics::Estimate;
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {

@@ -1,9 +1,10 @@
 //! What `ptfast bench` prints.
 
 use super::{printable, say};
-use crate::bench::{CountChanges, Estimate, Gate, Ratio, Record, Run, Verdict};
+use crate::bench::{CountChanges, Gate, Ratio, Record, Run, Verdict, Work};
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
+use crate::statistics::Estimate;
 
 /// The machine, then a line a run.
 pub(super) fn print(record: &Record) -> Result<()> {
@@ -14,8 +15,8 @@ pub(super) fn print(record: &Record) -> Result<()> {
     ))?;
     say(format_args!("build   {}, {}, commit {}", machine.rustc, machine.flags, machine.commit))?;
     if let Some(run) = record.runs.first() {
-        let Run { width, height, spp, seed, blocks, .. } = run;
-        let (pixels, blocks) = (width * height / 1000, blocks.len());
+        let Work { width, height, spp, seed, .. } = run.work;
+        let (pixels, blocks) = (width * height / 1000, run.blocks.len());
         say(format_args!(
             "blocks  {blocks}, each twice {pixels} thousand pixels, {spp} spp, seed {seed}"
         ))?;
@@ -26,11 +27,11 @@ pub(super) fn print(record: &Record) -> Result<()> {
     ))?;
     for run in &record.runs {
         let to_scalar = record.ratio(run, Engine::Scalar.name()).filter(|r| r.of != r.to);
-        line(run, &run.engine, to_scalar.map_or_else(String::new, |r| interval(&r.speed)))?;
+        line(run, &run.work.engine, to_scalar.map_or_else(String::new, |r| interval(&r.speed)))?;
     }
     if let Some(other) = &record.against {
         for run in &other.runs {
-            line(run, &format!("{}@", run.engine), String::new())?;
+            line(run, &format!("{}@", run.work.engine), String::new())?;
         }
         say(format_args!("@: commit {}", other.machine.commit))?;
     }
@@ -44,8 +45,8 @@ fn line(run: &Run, engine: &str, speedup: String) -> Result<()> {
     };
     let line = format!(
         "{:<12}{:<9}{engine:<12}{:>7.2}  {:<8}{:>10.2}  {speedup:<22}{:>5}  {}{busy}",
-        printable(&run.scene),
-        run.threads,
+        printable(&run.work.scene),
+        run.work.threads,
         run.mrays_per_s.median,
         error(&run.mrays_per_s),
         run.msamples_per_s.median,
@@ -69,7 +70,7 @@ fn stages(run: &Run) -> String {
 
 /// The share of lanes in use, of engines that have some.
 fn lanes(run: &Run) -> String {
-    let vectors = run.engine != Engine::Scalar.name();
+    let vectors = run.work.engine != Engine::Scalar.name();
     let share = run.occupancy().filter(|_| vectors);
     share.map_or_else(String::new, |share| format!("{:.0}%", share * 100.0))
 }
@@ -129,30 +130,35 @@ pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
         format!("times {} ", gate.commit)
     ))?;
     for run in &record.runs {
-        let of = |verdict: &&Verdict| {
-            (&verdict.scene, &verdict.engine, verdict.threads)
-                == (&run.scene, &run.engine, run.threads)
-        };
-        let told = match gate.verdicts.iter().find(of) {
+        let told = match gate.verdicts.iter().find(|verdict| verdict.is_of(&run.work)) {
             None => "no such run there".to_owned(),
             Some(verdict) => told(verdict, judged),
         };
-        let (scene, threads, engine) = (printable(&run.scene), run.threads, &run.engine);
+        let Work { scene, threads, engine, .. } = &run.work;
+        let scene = printable(scene);
         say(format_args!("{}", format!("{scene:<12}{threads:<9}{engine:<12}{told}").trim_end()))?;
     }
     Ok(())
 }
 
+/// The samples that decided it, or else the last one; and what came of it.
 fn told(verdict: &Verdict, judged: bool) -> String {
     let change = |estimate: &Estimate| {
         let Estimate { median, lo, hi } = estimate;
         format!("{median:.4} ({lo:.4} to {hi:.4})")
     };
-    let (first, again) = (change(&verdict.change), verdict.again.as_ref().map(change));
-    let outcome = if judged { verdict.outcome.name() } else { "" };
-    let reason = match &*verdict.reason {
-        "" => String::new(),
-        reason => format!(" ({reason})"),
-    };
-    format!("{first:<29}{:<29}{outcome}{reason}", again.unwrap_or_default())
+    let mut clean = verdict.clean().map(change);
+    let last = || verdict.findings.last().map(|finding| change(&finding.change));
+    let (first, again) = (clean.next().or_else(last), clean.next());
+    let (first, again) = (first.unwrap_or_default(), again.unwrap_or_default());
+    if !judged {
+        return first;
+    }
+    let samples = verdict.findings.len();
+    let discarded = samples - verdict.clean().count();
+    let discarded = (discarded > 0).then(|| format!("{discarded} of {samples} samples discarded"));
+    let reason = Some(verdict.reason.clone()).filter(|reason| !reason.is_empty());
+    let why: Vec<String> = reason.into_iter().chain(discarded).collect();
+    let why = if why.is_empty() { String::new() } else { format!(" ({})", why.join(", ")) };
+    format!("{first:<29}{again:<29}{}{why}", verdict.outcome.name())
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::bench::{Estimate, Outcome, decide};
+use crate::bench::{Outcome, decide};
+use crate::statistics::Estimate;
 
 /// A change of speed that counts: 1%.
 const THRESHOLD: f64 = 0.01;

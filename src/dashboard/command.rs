@@ -1,19 +1,19 @@
 //! The commands that repeat a run.
 
-use crate::bench::{Record, Run};
+use crate::bench::{Record, Run, Work};
 
 /// Measures all engines again, so that the speed-up is told too.
 pub(super) fn bench(record: &Record, run: &Run) -> String {
-    format!("{} bench {} --blocks {}", build(record), work(run), run.blocks.len())
+    format!("{} bench {} --blocks {}", build(record), work(&run.work), run.blocks.len())
 }
 
 /// Renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
-    let Run { engine, height, depth, sampling, .. } = run;
+    let Work { engine, height, depth, sampling, .. } = &run.work;
     format!(
         "{} render {} --height {height} --depth {depth} --engine {} --sampling {}",
         build(record),
-        work(run),
+        work(&run.work),
         quoted(engine),
         quoted(sampling)
     )
@@ -28,8 +28,8 @@ fn build(record: &Record) -> String {
     format!("{changed}git checkout {commit} && RUSTFLAGS={} cargo run --release --", quoted(flags))
 }
 
-fn work(run: &Run) -> String {
-    let Run { scene, threads, width, spp, seed, .. } = run;
+fn work(work: &Work) -> String {
+    let Work { scene, threads, width, spp, seed, .. } = work;
     let scene = quoted(scene);
     format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
 }

@@ -8,8 +8,9 @@ use super::changes::{Change, changes};
 use super::command;
 use super::history::History;
 use crate::accel::Counters;
-use crate::bench::{Estimate, Lanes, Record, Run};
+use crate::bench::{Lanes, Record, Run, Work};
 use crate::machine::Machine;
+use crate::statistics::Estimate;
 
 /// All that the page shows.
 #[derive(Debug, Serialize)]
@@ -77,7 +78,7 @@ fn machine_name(machine: &Machine) -> String {
 }
 
 fn settings(run: &Run) -> String {
-    let Run { width, height, spp, depth, seed, sampling, scene_hash, .. } = run;
+    let Work { width, height, spp, depth, seed, sampling, scene_hash, .. } = &run.work;
     let scene: String = scene_hash.chars().take(8).collect();
     format!("{width} x {height}, {spp} spp, depth {depth}, {sampling}, seed {seed}, scene {scene}")
 }
@@ -93,7 +94,7 @@ impl Data {
                 let point = point(record_number, record, run);
                 let of_run = |series: &Series| {
                     (series.machine, &series.scene, &series.engine, series.threads)
-                        == (machine, &run.scene, &run.engine, run.threads)
+                        == (machine, &run.work.scene, &run.work.engine, run.work.threads)
                         && series.settings == settings(run)
                 };
                 if let Some(found) = series.iter().position(of_run) {
@@ -103,9 +104,9 @@ impl Data {
                     runs.push(vec![run]);
                     series.push(Series {
                         machine,
-                        scene: run.scene.clone(),
-                        engine: run.engine.clone(),
-                        threads: run.threads,
+                        scene: run.work.scene.clone(),
+                        engine: run.work.engine.clone(),
+                        threads: run.work.threads,
                         settings: settings(run),
                         points: vec![point],
                     });

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::{Query, RaySet};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel};
+use crate::statistics::{middle, sorted};
 
 /// How a kernel did on a set.
 #[derive(Clone, Debug)]
@@ -62,16 +63,9 @@ pub fn replay(
         }
     }
     for (replay, seconds) in replays.iter_mut().zip(seconds) {
-        replay.mrays_per_s = set.rays.len() as f64 / median(seconds) * 1e-6;
+        replay.mrays_per_s = set.rays.len() as f64 / middle(&sorted(seconds)) * 1e-6;
     }
     replays
-}
-
-/// Of one value at least; the mean of the two in the middle where these are two.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let (lower, upper) = (values[(values.len() - 1) / 2], values[values.len() / 2]);
-    0.5 * (lower + upper)
 }
 
 fn batches(set: &RaySet) -> impl Iterator<Item = std::ops::Range<usize>> {
@@ -85,17 +79,4 @@ fn differences(set: &RaySet, hits: &HitBatch) -> usize {
         same_t && hits.primitive[i] == set.hits.primitive[i]
     };
     (0..hits.len()).filter(|&i| !same(i)).count()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn medians_are_in_the_middle() {
-        assert_eq!(median(vec![3.0]), 3.0);
-        assert_eq!(median(vec![4.0, 1.0]), 2.5);
-        assert_eq!(median(vec![9.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(vec![9.0, 1.0, 2.0, 4.0]), 3.0);
-    }
 }

@@ -7,14 +7,15 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::bench::bootstrap::{Spread, bootstrap};
-use crate::bench::record::{Record, Run};
+use crate::bench::record::{Record, Run, Work};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 /// A baseline named after the commit, beside those of other commits: `critcmp --target-dir FOLDER`.
 pub(super) fn write(record: &Record, folder: &Path) -> Result<()> {
     for run in &record.runs {
-        let id = [&run.scene, &run.engine, &run.threads.to_string()].map(|part| file_name(part));
+        let Work { scene, engine, threads, .. } = &run.work;
+        let id = [scene, engine, &threads.to_string()].map(|part| file_name(part));
         let directory = id.join("/");
         let place = folder.join(&directory).join(file_name(&record.machine.commit));
         fs::create_dir_all(&place).map_err(Error::io(&place, "make the folder"))?;
@@ -37,7 +38,7 @@ fn file_name(text: &str) -> String {
 }
 
 fn benchmark(run: &Run, directory: &str) -> Value {
-    let Run { scene, engine, threads, .. } = run;
+    let Work { scene, engine, threads, .. } = &run.work;
     let rays = run.blocks.first().map_or(0, |block| block.rays.total());
     json!({
         "group_id": scene,

@@ -4,13 +4,13 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::bench::record::{Record, Run, Work};
+use crate::bench::record::{Record, Work};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 /// Adds a line of Mrays/s to those of other runs.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
-    let works: Vec<Work> = record.runs.iter().map(Run::work).collect();
+    let works: Vec<Work> = record.runs.iter().map(|run| run.work.clone()).collect();
     let before = before(&works, file)?;
     let mut line = vec![field(&record.time), field(&record.machine.commit)];
     line.extend(record.runs.iter().map(|run| run.mrays_per_s.median.to_string()));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::bench::record::{Record, Run};
+use crate::bench::record::{Record, Run, Work};
 use crate::error::Result;
 use crate::output::write_atomically;
 
@@ -18,9 +18,10 @@ pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
 fn row(run: &Run, record: &Record) -> Value {
     let speed = run.mrays_per_s;
     let machine = &record.machine;
-    let Run { width, height, spp, threads, hash, .. } = run;
+    let Work { width, height, spp, threads, .. } = run.work;
+    let hash = &run.hash;
     json!({
-        "name": super::name(&run.work()),
+        "name": super::name(&run.work),
         "unit": "Mrays/s",
         "value": speed.median,
         "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),
