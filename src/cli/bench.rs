@@ -2,9 +2,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use super::bench_args::BenchArgs;
+use super::progress::BlockReport;
 use super::{advise_on_build, bench_table, files, notice};
 use crate::bench::{
     Bench, CountChanges, Format, Gate, Options, Outcome, Record, Reference, check_baseline,
@@ -50,7 +50,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
         check_export(&bench.works(), *format, folder)?;
     }
 
-    let mut progress = Progress::new(args.quiet);
+    let mut progress = BlockReport::new(args.quiet);
     let mut tell = |done, of| progress.tell(done, of);
     let mut record = bench.record(&bench.measure(blocks, |_, _| true, &mut tell)?);
     write(args, &record)?;
@@ -131,9 +131,12 @@ fn options(args: &BenchArgs) -> Result<Options> {
     };
     let with_size = |name: String| {
         let defaults = RenderSettings::of(&Scene::load(&name)?);
-        let (width, height) = size(args, (defaults.width, defaults.height));
-        RenderSettings { width, height, spp: args.spp, ..defaults }.check()?;
-        Ok((name, (width, height)))
+        let proportion = f64::from(defaults.width) / f64::from(defaults.height);
+        let usual = (f64::from(usual(args).pixels) * proportion).sqrt().round().max(1.0) as u32;
+        let settings = defaults.with_size(args.width.or(Some(usual)), None);
+        let settings = RenderSettings { spp: args.spp, ..settings };
+        settings.check()?;
+        Ok((name, (settings.width, settings.height)))
     };
     let engines = match &args.engines[..] {
         // The slow one first: it is what others are compared with.
@@ -157,15 +160,6 @@ fn options(args: &BenchArgs) -> Result<Options> {
         spp: args.spp,
         seed: args.seed,
     })
-}
-
-/// In a scene's proportion: of the width that is asked for, or of about as many pixels as usual.
-fn size(args: &BenchArgs, (width, height): (u32, u32)) -> (u32, u32) {
-    let Usual { pixels, .. } = usual(args);
-    let proportion = f64::from(height) / f64::from(width);
-    let usual = (f64::from(pixels) / proportion).sqrt().round().max(1.0) as u32;
-    let width = args.width.unwrap_or(usual);
-    (width, (f64::from(width) * proportion).round().max(1.0) as u32)
 }
 
 fn without_repeats<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
@@ -210,35 +204,5 @@ fn check_files(args: &BenchArgs, options: &Options, exports: &[(Format, PathBuf)
     match clash {
         None => Ok(()),
         Some(file) => Err(Error::Usage(format!("{}: is needed for an export", file.display()))),
-    }
-}
-
-/// Tells how many blocks are done.
-struct Progress {
-    quiet: bool,
-    start: Instant,
-    told: Option<Instant>,
-}
-
-/// Seconds between two lines.
-const INTERVAL: f64 = 5.0;
-
-impl Progress {
-    fn new(quiet: bool) -> Self {
-        Self { quiet, start: Instant::now(), told: None }
-    }
-
-    /// `done` of so many blocks are done; the first of a series begins anew.
-    fn tell(&mut self, done: usize, of: usize) {
-        if done == 0 {
-            self.start = Instant::now();
-        }
-        let due = self.told.is_none_or(|told| told.elapsed().as_secs_f64() >= INTERVAL);
-        if self.quiet || done == 0 || !due {
-            return;
-        }
-        self.told = Some(Instant::now());
-        let left = self.start.elapsed().as_secs_f64() / done as f64 * (of - done) as f64;
-        notice(format_args!("{done} of {of} blocks  ETA {left:.0} s"));
     }
 }

@@ -82,15 +82,12 @@ fn default_output(scene: &str) -> PathBuf {
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
-    let defaults = RenderSettings::of(scene);
-    let (width, height) = size(args, &defaults);
+    let defaults = RenderSettings::of(scene).with_size(args.width, args.height);
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
     let plan = args.plan.as_deref().map(|file| plan::read(file, scene, args.quiet)).transpose()?;
     Ok(RenderSettings {
-        width,
-        height,
         spp: args.spp.unwrap_or(defaults.spp),
         depth: args.depth.unwrap_or(defaults.depth),
         seed: args.seed,
@@ -104,21 +101,8 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         plan,
         count: args.stats,
         timeline: args.trace.is_some(),
+        ..defaults
     })
-}
-
-/// One side given: the other follows in the scene's proportion.
-fn size(args: &RenderArgs, defaults: &RenderSettings) -> (u32, u32) {
-    let scale = |side: u32, by: u32, of: u32| {
-        let scaled = (u64::from(side) * u64::from(by) + u64::from(of) / 2) / u64::from(of);
-        u32::try_from(scaled.max(1)).unwrap_or(u32::MAX)
-    };
-    match (args.width, args.height) {
-        (Some(width), Some(height)) => (width, height),
-        (Some(width), None) => (width, scale(width, defaults.height, defaults.width)),
-        (None, Some(height)) => (scale(height, defaults.width, defaults.height), height),
-        (None, None) => (defaults.width, defaults.height),
-    }
 }
 
 fn summarize(

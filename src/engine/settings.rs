@@ -92,6 +92,23 @@ impl RenderSettings {
         }
     }
 
+    /// Of this width and height. Where only one is given, the other follows in proportion, rounded.
+    #[must_use]
+    pub fn with_size(self, width: Option<u32>, height: Option<u32>) -> Self {
+        let scale = |side: u32, by: u32, of: u32| {
+            let of = u64::from(of.max(1));
+            let scaled = (u64::from(side) * u64::from(by) + of / 2) / of;
+            u32::try_from(scaled.max(1)).unwrap_or(u32::MAX)
+        };
+        let (width, height) = match (width, height) {
+            (Some(width), Some(height)) => (width, height),
+            (Some(width), None) => (width, scale(width, self.height, self.width)),
+            (None, Some(height)) => (scale(height, self.width, self.height), height),
+            (None, None) => (self.width, self.height),
+        };
+        Self { width, height, ..self }
+    }
+
     /// # Errors
     /// [`Error::Usage`] that names the first setting out of range.
     pub fn check(&self) -> Result<()> {
