@@ -1,5 +1,6 @@
 //! What the machine could do at most, for rooflines (`profiling/roofline`): instructions a second, and
-//! bytes a second from each level of memory, on one core.
+//! bytes a second from each level of memory, on one core. Instructions are those of a build with AVX2 or
+//! more: others need several for a vector's operation.
 
 use std::hint::black_box;
 

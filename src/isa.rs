@@ -98,6 +98,19 @@ pub fn cpu_name() -> String {
     }
 }
 
+/// Family, model and stepping: of different CPUs that a hypervisor gives one name to. Empty where the
+/// CPU does not tell.
+pub fn cpu_model() -> String {
+    #[cfg(target_arch = "x86_64")]
+    {
+        x86::model()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        String::new()
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::{__cpuid, __cpuid_count};
@@ -241,6 +254,16 @@ mod x86 {
             }
             None
         }
+    }
+
+    /// Leaf 1 (SDM vol. 2A, CPUID, figure 3-6): families from 15 on and the upper half of a model have
+    /// bits of their own.
+    pub(super) fn model() -> String {
+        let signature = __cpuid(1).eax;
+        let bits = |first: u32, count: u32| signature >> first & ((1 << count) - 1);
+        let family = bits(8, 4) + if bits(8, 4) == 15 { bits(20, 8) } else { 0 };
+        let model = bits(4, 4) + if matches!(bits(8, 4), 6 | 15) { bits(16, 4) << 4 } else { 0 };
+        format!("family {family} model {model} stepping {}", bits(0, 4))
     }
 
     pub(super) fn brand() -> String {

@@ -1,6 +1,7 @@
 //! A block: each side renders forth and back, and the clock is told in between.
 
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 use super::clock::gigahertz;
 use super::program::{Program, Rendered};
@@ -8,7 +9,7 @@ use super::record::Block;
 use super::{Group, Side};
 use crate::engine::RayCounts;
 use crate::error::{Error, Result};
-use crate::machine::Interference;
+use crate::machine::{Interference, busy_seconds_of_others};
 
 /// Share of the cores' time that a hypervisor and other processes may take of a block.
 const MOST_LOST: f64 = 0.05;
@@ -44,6 +45,7 @@ pub(super) fn measure(
     order[half..].reverse();
 
     let mut rendered: Vec<Vec<Rendered>> = sides.iter().map(|_| Vec::new()).collect();
+    let (start, busy) = (Instant::now(), busy_seconds_of_others());
     let mut clocks = vec![gigahertz(group.task.threads)];
     for turn in order {
         let side = sides[turn];
@@ -53,9 +55,15 @@ pub(super) fn measure(
         rendered[turn].push(render);
         clocks.push(gigahertz(group.task.threads));
     }
-    let clock = mean(clocks.into_iter());
+    let common = Common {
+        threads: group.task.threads,
+        cores: group.sides[0].counted.machine.cores,
+        clock: mean(clocks.into_iter()),
+        seconds: start.elapsed().as_secs_f64(),
+        busy: busy.zip(busy_seconds_of_others()).map(|(before, after)| after - before),
+    };
     for (series, renders) in series.iter_mut().zip(&rendered) {
-        series.add(renders, group.task.threads, clock);
+        series.add(renders, &common);
     }
     Ok(())
 }
@@ -73,11 +81,11 @@ fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
 }
 
 impl Series {
-    fn add(&mut self, renders: &[Rendered], threads: usize, clock: f64) {
+    fn add(&mut self, renders: &[Rendered], common: &Common) {
         let taken = renders.iter().map(|render| render.interference);
         let interference = taken.reduce(|a, b| Some(a? + b?)).flatten();
         let seconds = mean(renders.iter().map(|render| render.seconds.render));
-        let core_seconds = seconds * (renders.len() * threads) as f64;
+        let seconds_of_renders = seconds * renders.len() as f64;
         for render in renders {
             for (stage, seconds) in &render.stages {
                 *self.stages.entry(stage.clone()).or_default() += seconds;
@@ -88,10 +96,39 @@ impl Series {
         self.blocks.push(Block {
             seconds,
             rays: renders.first().map_or(RayCounts::default(), |render| render.rays),
-            clock,
+            clock: common.clock,
+            load: common.load(),
             interference,
-            contaminated: interference.is_some_and(|taken| is_contaminated(&taken, core_seconds)),
+            contaminated: interference
+                .is_some_and(|taken| common.is_contaminated(&taken, seconds_of_renders)),
         });
+    }
+}
+
+/// What is the same for all sides of a block.
+struct Common {
+    threads: usize,
+    cores: usize,
+    /// GHz.
+    clock: f64,
+    /// How long it took.
+    seconds: f64,
+    /// Seconds that other processes kept cores busy.
+    busy: Option<f64>,
+}
+
+impl Common {
+    fn load(&self) -> Option<f64> {
+        Some((self.busy? / (self.seconds * self.cores as f64)).clamp(0.0, 1.0))
+    }
+
+    /// Whether others took too much from renders of so many seconds. A hypervisor's share is known of
+    /// all cores together, and is taken to be the same of each.
+    fn is_contaminated(&self, interference: &Interference, seconds: f64) -> bool {
+        let Interference { stolen, waited, switches } = *interference;
+        let core_seconds = seconds * self.threads as f64;
+        let stolen = stolen * (self.threads as f64 / self.cores as f64).min(1.0);
+        stolen + waited > MOST_LOST * core_seconds || switches as f64 > MOST_SWITCHES * core_seconds
     }
 }
 
@@ -100,22 +137,28 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / count
 }
 
-/// Whether others took too much while threads worked for so many seconds.
-fn is_contaminated(interference: &Interference, core_seconds: f64) -> bool {
-    let Interference { stolen, waited, switches } = *interference;
-    stolen + waited > MOST_LOST * core_seconds || switches as f64 > MOST_SWITCHES * core_seconds
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn contamination_is_a_share_or_a_rate() {
+        let block = Common { threads: 1, cores: 1, clock: 3.0, seconds: 2.0, busy: None };
         let quiet = Interference { stolen: 0.0, waited: 0.02, switches: 100 };
-        assert!(!is_contaminated(&quiet, 0.41));
-        assert!(is_contaminated(&quiet, 0.39));
-        assert!(is_contaminated(&Interference { stolen: 0.04, ..quiet }, 1.0));
-        assert!(is_contaminated(&Interference { switches: 251, ..quiet }, 1.0));
+        assert!(!block.is_contaminated(&quiet, 0.41));
+        assert!(block.is_contaminated(&quiet, 0.39));
+        assert!(block.is_contaminated(&Interference { switches: 251, ..quiet }, 1.0));
+        let stolen = Interference { stolen: 0.04, ..quiet };
+        assert!(block.is_contaminated(&stolen, 1.0));
+        // Of 64 cores, not of the one that was used.
+        assert!(!Common { cores: 64, ..block }.is_contaminated(&stolen, 1.0));
+    }
+
+    #[test]
+    fn load_is_a_share_of_all_cores() {
+        let block = Common { threads: 1, cores: 4, clock: 3.0, seconds: 2.0, busy: Some(1.0) };
+        assert_eq!(block.load(), Some(0.125));
+        assert_eq!(Common { busy: Some(-0.01), ..block }.load(), Some(0.0));
+        assert_eq!(Common { busy: None, ..block }.load(), None);
     }
 }

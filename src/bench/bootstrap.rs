@@ -26,12 +26,15 @@ const RESAMPLES: usize = 10_000;
 /// Of one value or more (Efron and Tibshirani 1993, "An Introduction to the Bootstrap", chapters 6 and
 /// 13: percentiles).
 pub(super) fn bootstrap(values: &[f64]) -> Spreads {
-    let mut random = Stream::new(1);
-    let mut pick = || values[(random.bits() % values.len() as u64) as usize];
-    let resamples: Vec<Vec<f64>> =
-        (0..RESAMPLES).map(|_| values.iter().map(|_| pick()).collect()).collect();
     let spread = |statistic: fn(&[f64]) -> f64| {
-        let of_resamples = sorted(resamples.iter().map(|resample| statistic(resample)));
+        // The same resamples for each.
+        let mut random = Stream::new(1);
+        let mut pick = || values[(random.bits() % values.len() as u64) as usize];
+        let mut resample = vec![0.0; values.len()];
+        let of_resamples = sorted((0..RESAMPLES).map(|_| {
+            resample.fill_with(&mut pick);
+            statistic(&resample)
+        }));
         let beyond = RESAMPLES / 40;
         Spread {
             point: statistic(values),

@@ -4,6 +4,7 @@ use super::record::{Ratio, Record, Run, Work};
 use super::verdict::{Again, Doubt, Finding, Gate, Verdict};
 use super::{Bench, Progress};
 use crate::error::{Error, Result};
+use crate::machine::Machine;
 use crate::statistics::Estimate;
 
 /// What runs are compared with.
@@ -15,19 +16,31 @@ pub(crate) enum Reference<'a> {
     Against,
 }
 
-/// Whether what `bench` will measure can be compared with `baseline`, a record from `file`.
+/// Whether speeds of `baseline`, a record from `file`, can be compared with those of this machine.
 ///
 /// # Errors
-/// Where it was measured on another machine, or holds nothing of the same work.
-pub(crate) fn check_baseline(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
-    let (here, there) = (bench.machine(0), &baseline.machine);
-    if (&here.cpu, here.cores) != (&there.cpu, there.cores) {
-        let message = format!(
-            "measured on {} cores of `{}`, here are {} of `{}`: speeds cannot be compared",
-            there.cores, there.cpu, here.cores, here.cpu
-        );
-        return Err(Error::input(file, "machine", message));
+/// Where it was measured on another.
+pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
+    let (here, there) = (&Machine::this(), &baseline.machine);
+    let models = [&here.cpu_model, &there.cpu_model];
+    // Records of old do not tell.
+    let same_model = models[0] == models[1] || models.iter().any(|model| model.is_empty());
+    if (&here.cpu, here.cores) == (&there.cpu, there.cores) && same_model {
+        return Ok(());
     }
+    let told = |machine: &Machine| {
+        format!("{} cores of `{}` ({})", machine.cores, machine.cpu, machine.cpu_model)
+    };
+    let (here, there) = (told(here), told(there));
+    let message = format!("measured on {there}, here are {here}: speeds cannot be compared");
+    Err(Error::input(file, "machine", message))
+}
+
+/// Whether `baseline`, a record from `file`, holds any of what `bench` will measure.
+///
+/// # Errors
+/// Where it does not.
+pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
         let message = "holds nothing of what is to be measured: scene and its hash, size, samples, depth, \
@@ -36,6 +49,10 @@ pub(crate) fn check_baseline(bench: &Bench, baseline: &Record, file: &str) -> Re
     }
     Ok(())
 }
+
+/// Share of the cores by which others may keep more or fewer of them busy than when a baseline was
+/// measured.
+const MOST_LOAD_CHANGE: f64 = 0.1;
 
 /// Samples of a run, at most.
 const MOST_SAMPLES: usize = 4;
@@ -104,8 +121,8 @@ fn finding(
     let (change, old, of_old) = match reference {
         Reference::Baseline(baseline) => {
             let old = baseline.runs.iter().find(like)?;
-            let doubt = doubt(old, baseline, threshold).map(|_| Doubt::Baseline);
-            (speed_up(run, old), old, doubt)
+            let disturbed = doubt(old, baseline, threshold).map(|_| Doubt::Baseline);
+            (speed_up(run, old), old, disturbed.or(other_load(run, old)))
         }
         Reference::Against => {
             let against = record.against.as_ref()?;
@@ -127,6 +144,12 @@ fn speed_up(new: &Run, old: &Run) -> Estimate {
     }
 }
 
+/// Others take memory and caches, too, which no control tells: it suffers as well.
+fn other_load(new: &Run, old: &Run) -> Option<Doubt> {
+    let (new, old) = new.load().zip(old.load())?;
+    ((new - old).abs() > MOST_LOAD_CHANGE).then_some(Doubt::Load)
+}
+
 /// Why nothing can be said of a run of `record`: its control is off 1 by more than the threshold, or by
 /// half of it for certain; or most of its blocks are contaminated.
 fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
@@ -139,12 +162,31 @@ fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     (off(speed.median) > threshold || surely).then_some(Doubt::Control)
 }
 
+/// Runs of `record` that tell nothing as a baseline, and why.
+pub(crate) fn doubtful(record: &Record, threshold: f64) -> Vec<(&Work, Doubt)> {
+    let of = |run: &'_ Run| doubt(run, record, threshold);
+    record.runs.iter().filter_map(|run| Some((&run.work, of(run)?))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde_json::json;
 
     const THRESHOLD: f64 = 0.01;
+
+    #[test]
+    fn busier_machines_are_not_compared() {
+        let loaded = |load: f64| {
+            let mut record = record(1.0, 4.0, 0, CLEAN);
+            record.runs[0].blocks.iter_mut().for_each(|block| block.load = Some(load));
+            record
+        };
+        assert_eq!(found(&loaded(0.1), &loaded(0.15)).doubt, None);
+        assert_eq!(found(&loaded(0.1), &loaded(0.6)).doubt, Some(Doubt::Load));
+        assert_eq!(found(&loaded(0.6), &loaded(0.1)).doubt, Some(Doubt::Load));
+        assert_eq!(found(&loaded(0.6), &record(1.0, 4.0, 0, CLEAN)).doubt, None, "not known");
+    }
 
     /// A record of one run: seconds of its blocks at such a clock, so many of them contaminated, and
     /// a control.

@@ -21,11 +21,11 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, Planning};
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use block::Series;
-pub(crate) use compare::{Reference, check_baseline, judge};
+pub(crate) use compare::{Reference, check_machine, check_works, doubtful, judge};
 pub(crate) use counts::{CountChanges, count_changes};
 pub(crate) use export::{Format, check_export, export, export_file};
 use program::{Program, Rendered, Task};
@@ -45,6 +45,21 @@ pub(crate) struct Options {
     pub(crate) threads: Vec<usize>,
     pub(crate) spp: u32,
     pub(crate) seed: u64,
+}
+
+impl Options {
+    /// Scene, engine and threads of each run of the program that is measured, in their order.
+    pub(crate) fn runs(&self) -> Vec<(&str, Engine, usize)> {
+        let of = |(scene, threads)| {
+            self.engines
+                .iter()
+                .map(move |&engine| -> (&str, Engine, usize) { (scene, engine, threads) })
+        };
+        let scenes = self.scenes.iter().map(|(scene, _)| &**scene);
+        let groups =
+            scenes.flat_map(|scene| self.threads.iter().map(move |&threads| (scene, threads)));
+        groups.flat_map(of).collect()
+    }
 }
 
 /// Sides that are ready to be measured.
@@ -112,7 +127,8 @@ impl Bench {
         for (number, program) in self.programs.iter().enumerate() {
             for &engine in engines {
                 let mut counted = program.render(task, engine, None, true)?;
-                let plan = counted.plan.clone();
+                let mut plan = counted.plan.clone();
+                let measured = counted.planning.as_deref() == Some(Planning::Measured.name());
                 // One plan for all whose work is compared.
                 let old = baseline.and_then(|record| record.plan(task, engine.name()));
                 let first = sides.iter().find(|side| side.engine == engine);
@@ -121,6 +137,10 @@ impl Bench {
                     // Another version may know no such plan: its counts are not comparable then.
                     if let Ok(by_common) = program.render(task, engine, common.as_ref(), true) {
                         counted = by_common;
+                        // What chance has a part in would be taken for a difference of programs.
+                        if measured {
+                            plan = common;
+                        }
                     }
                 }
                 sides.push(Side { program: number, engine, counted, plan });

@@ -2,9 +2,11 @@
 //! profits from what another has left in caches or from where its memory happens to lie.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -40,6 +42,10 @@ const BINARY: &str = "ptfast";
 const IMAGE: &str = "image.png";
 const RECORD: &str = "record.json";
 const PLAN: &str = "plan.json";
+const SAID: &str = "stderr.txt";
+/// How often it is looked whether a render has ended, once it takes long: rarely, since that takes a core
+/// for a moment.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 /// The record of a render (`ptfast render --json`), as far as a bench reads it. Binaries of other
 /// versions may not write all of it.
@@ -59,6 +65,8 @@ pub(super) struct Rendered {
     pub(super) interference: Option<Interference>,
     #[serde(default)]
     pub(super) plan: Option<Value>,
+    #[serde(default)]
+    pub(super) planning: Option<String>,
     #[serde(default)]
     pub(super) stages: BTreeMap<String, f64>,
     #[serde(default)]
@@ -133,12 +141,12 @@ impl Program {
             fs::write(&file, plan.to_string()).map_err(Error::io(&file, "write"))?;
             command.arg("--plan").arg(file);
         }
-        let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output();
-        // The signal that ended it came to this process too.
-        interrupt::check()?;
-        let output = output.map_err(Error::io(Path::new(&self.name), "run"))?;
-        if !output.status.success() {
-            return Err(self.failed(&String::from_utf8_lossy(&output.stderr), output.status));
+        let said = File::create(here(SAID)).map_err(Error::io(&here(SAID), "write"))?;
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(said);
+        let status = self.run(&mut command)?;
+        if !status.success() {
+            let said = fs::read(here(SAID)).map_err(Error::io(&here(SAID), "read"))?;
+            return Err(self.failed(&String::from_utf8_lossy(&said), status));
         }
         let no_record = |why: String| {
             Error::Usage(format!("{}: no ptfast, it wrote no record of a render: {why}", self.name))
@@ -146,13 +154,43 @@ impl Program {
         let text = fs::read_to_string(&record).map_err(|error| no_record(error.to_string()))?;
         // Of this render, not of the next.
         fs::remove_file(&record).map_err(Error::io(&record, "remove"))?;
-        let rendered: Rendered =
+        let mut rendered: Rendered =
             serde_json::from_str(&text).map_err(|error| no_record(error.to_string()))?;
+        // It ran here, whatever its version tells of that.
+        let here = Machine::this();
+        rendered.machine = Machine {
+            cpu: here.cpu,
+            cpu_model: here.cpu_model,
+            cores: here.cores,
+            ..rendered.machine
+        };
         let Seconds { render } = rendered.seconds;
         if !(render > 0.0 && render.is_finite() && rendered.rays.primary > 0) {
             return Err(no_record(format!("{render} seconds, {:?}", rendered.rays)));
         }
         Ok(rendered)
+    }
+
+    /// Runs it to its end, or to that of this process.
+    fn run(&self, command: &mut Command) -> Result<ExitStatus> {
+        let failed = || Error::io(Path::new(&self.name), "run");
+        let mut child = command.spawn().map_err(failed())?;
+        let mut pause = LOOK_EVERY / 16;
+        loop {
+            let status = child.try_wait().map_err(failed())?;
+            // A signal that ended it mostly came to this process too.
+            if let Err(interrupted) = interrupt::check() {
+                // Both fail where it has ended.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(interrupted);
+            }
+            match status {
+                Some(status) => return Ok(status),
+                None => thread::sleep(pause),
+            }
+            pause = (2 * pause).min(LOOK_EVERY);
+        }
     }
 
     /// What the program said, with its own exit code where that is known to mean something.

@@ -48,7 +48,7 @@ fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
         return Err((format!("{place}.blocks"), message));
     }
     if let Some(number) = run.blocks.iter().position(|block| !can_be(block)) {
-        let message = "seconds, rays, clock or interference cannot be so".to_owned();
+        let message = "seconds, rays, clock, load or interference cannot be so".to_owned();
         return Err((format!("{place}.blocks[{number}]"), message));
     }
     check_estimate(&run.mrays_per_s, format!("{place}.mrays_per_s"))?;
@@ -69,6 +69,7 @@ fn can_be(block: &Block) -> bool {
         && rays.iter().all(|&rays| rays < 1 << 53)
         && block.rays.primary > 0
         && (block.clock == 0.0 || (0.01..100.0).contains(&block.clock))
+        && block.load.is_none_or(|load| (0.0..=1.0).contains(&load))
         && (0.0..1e12).contains(&taken.stolen)
         && (0.0..1e12).contains(&taken.waited)
 }

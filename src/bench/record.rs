@@ -10,7 +10,7 @@ use super::verdict::Gate;
 use crate::accel::Counters;
 use crate::engine::RayCounts;
 use crate::machine::{Interference, Machine};
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, middle, sorted};
 
 /// The one version of the format.
 pub(crate) const SCHEMA: u32 = 1;
@@ -104,6 +104,9 @@ pub(crate) struct Block {
     /// Clock of the cores in GHz: the mean over the block, the same for all sides.
     #[serde(default)]
     pub(crate) clock: f64,
+    /// Share of all cores that other processes kept busy, 0 to 1: the same for all sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) load: Option<f64>,
     /// What others took from both renders; unknown of programs that do not tell.
     #[serde(default)]
     pub(crate) interference: Option<Interference>,
@@ -156,6 +159,12 @@ impl Run {
             (block.clock > 0.0).then(|| block.paths_per_second() / (block.clock * 1e9))
         };
         self.blocks.iter().map(of).collect()
+    }
+
+    /// Share of all cores that other processes kept busy: the median over blocks, where it is known.
+    pub(crate) fn load(&self) -> Option<f64> {
+        let loads: Option<Vec<f64>> = self.blocks.iter().map(|block| block.load).collect();
+        Some(middle(&sorted(loads?)))
     }
 
     /// Blocks that others disturbed.

@@ -57,8 +57,10 @@ pub(crate) struct Finding {
 pub(crate) enum Doubt {
     /// It does other work.
     Image,
-    /// The baseline was disturbed.
+    /// The baseline was disturbed, or had no control.
     Baseline,
+    /// Others kept more cores busy than then, or fewer.
+    Load,
     /// Nothing tells how noisy it was.
     Uncontrolled,
     /// Others disturbed most blocks.
@@ -81,10 +83,11 @@ pub(crate) enum Outcome {
 }
 
 impl Doubt {
-    fn reason(self) -> &'static str {
+    pub(crate) fn reason(self) -> &'static str {
         match self {
             Self::Image => "another image",
-            Self::Baseline => "the baseline was disturbed",
+            Self::Baseline => "the baseline was disturbed or has no control",
+            Self::Load => "other processes kept more or fewer cores busy then",
             Self::Uncontrolled => "there is no control",
             Self::Contaminated => "most blocks are contaminated",
             Self::Control => "the control is not 1",
@@ -93,7 +96,7 @@ impl Doubt {
 
     /// Whether another sample may be free of it.
     fn passes(self) -> bool {
-        matches!(self, Self::Contaminated | Self::Control)
+        matches!(self, Self::Contaminated | Self::Control | Self::Load)
     }
 }
 
@@ -106,6 +109,10 @@ impl Outcome {
             Self::Unclear => "unclear",
         }
     }
+}
+
+fn is_beyond(change: f64, threshold: f64) -> bool {
+    change.max(1.0 / change) > 1.0 + threshold
 }
 
 /// Improved or regressed only where the whole interval is beyond the threshold.
@@ -139,16 +146,25 @@ impl Verdict {
     /// With what one more sample says.
     pub(super) fn add(&mut self, finding: Finding, threshold: f64) {
         self.findings.push(finding);
-        let decided: Vec<Outcome> =
-            self.clean().map(|change| decide(change, threshold)).take(2).collect();
-        let (outcome, reason) = match decided[..] {
-            [] => (Outcome::Unclear, finding.doubt.map_or("", Doubt::reason)),
-            [Outcome::Same, ..] => (Outcome::Same, ""),
-            [_] => (Outcome::Unclear, finding.doubt.map_or("measured only once", Doubt::reason)),
-            [first, second, ..] if first == second => (first, ""),
-            _ => (Outcome::Same, "not confirmed"),
-        };
+        let (outcome, reason) = self.conclude(threshold);
         (self.outcome, self.reason) = (outcome, reason.to_owned());
+    }
+
+    /// A change needs two samples that agree, no change one. Those with something against them do not
+    /// count, nor those whose median is beyond the threshold and whose interval is not.
+    fn conclude(&self, threshold: f64) -> (Outcome, &'static str) {
+        let mut change = None;
+        for sample in self.clean() {
+            match (decide(sample, threshold), change) {
+                (Outcome::Same, _) if is_beyond(sample.median, threshold) => {}
+                (Outcome::Same, None) => return (Outcome::Same, ""),
+                (outcome, None) => change = Some(outcome),
+                (outcome, Some(first)) if outcome == first => return (outcome, ""),
+                (_, Some(_)) => return (Outcome::Same, "not confirmed"),
+            }
+        }
+        let doubt = self.findings.last().and_then(|finding| finding.doubt);
+        (Outcome::Unclear, doubt.map_or("it may have changed", Doubt::reason))
     }
 
     /// Whether another sample may tell more.
@@ -177,6 +193,12 @@ mod tests {
         verdict
     }
 
+    /// One whose interval reaches from there to a little beyond 1.
+    fn wide(median: f64) -> Finding {
+        let change = Estimate { median, lo: 0.97 * median, hi: 1.03 * median };
+        Finding { change, doubt: None }
+    }
+
     fn told(findings: &[(f64, Option<Doubt>)]) -> (Outcome, String, bool) {
         let verdict = verdict(findings);
         let open = verdict.is_open();
@@ -187,7 +209,7 @@ mod tests {
     fn a_change_needs_two_samples_that_agree() {
         let (slow, same, fast) = ((0.97, None), (1.0, None), (1.03, None));
         assert_eq!(told(&[same]), (Outcome::Same, String::new(), false));
-        assert_eq!(told(&[slow]), (Outcome::Unclear, "measured only once".to_owned(), true));
+        assert_eq!(told(&[slow]), (Outcome::Unclear, "it may have changed".to_owned(), true));
         assert_eq!(told(&[slow, slow]), (Outcome::Regressed, String::new(), false));
         assert_eq!(told(&[fast, fast]), (Outcome::Improved, String::new(), false));
         for second in [same, fast] {
@@ -197,9 +219,28 @@ mod tests {
     }
 
     #[test]
+    fn samples_that_are_not_sure_do_not_count() {
+        let of = |findings: &[Finding]| {
+            let mut verdict = verdict(&[]);
+            findings.iter().for_each(|&finding| verdict.add(finding, 0.01));
+            (verdict.outcome, verdict.is_open())
+        };
+        let change = |median| Estimate { median, lo: 0.995 * median, hi: 1.005 * median };
+        let [slow, same] = [0.97, 1.0].map(|m| Finding { change: change(m), doubt: None });
+        assert_eq!(of(&[wide(1.005)]), (Outcome::Same, false), "it seems the same");
+        for perhaps in [wide(0.98), wide(1.02)] {
+            assert_eq!(of(&[perhaps]), (Outcome::Unclear, true));
+            assert_eq!(of(&[perhaps, perhaps, perhaps]), (Outcome::Unclear, true));
+            assert_eq!(of(&[perhaps, same]), (Outcome::Same, false));
+            assert_eq!(of(&[perhaps, slow]), (Outcome::Unclear, true));
+            assert_eq!(of(&[slow, perhaps, slow]), (Outcome::Regressed, false));
+        }
+    }
+
+    #[test]
     fn disturbed_samples_do_not_count() {
         let (slow, same) = ((0.97, None), (1.0, None));
-        for passing in [Doubt::Contaminated, Doubt::Control] {
+        for passing in [Doubt::Contaminated, Doubt::Control, Doubt::Load] {
             let disturbed = (0.97, Some(passing));
             let unclear = (Outcome::Unclear, passing.reason().to_owned(), true);
             assert_eq!(told(&[disturbed]), unclear);

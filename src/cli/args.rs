@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use super::bench_args::{BenchArgs, DashboardArgs};
+use super::bench_args::BenchArgs;
+use super::dashboard::DashboardArgs;
 use crate::accel::Kernel;
 use crate::engine::{Engine, Pin};
 use crate::image::Transfer;

@@ -1,4 +1,4 @@
-//! The arguments of `ptfast bench` and `ptfast dashboard`.
+//! The arguments of `ptfast bench`.
 
 use std::path::PathBuf;
 
@@ -45,8 +45,9 @@ pub(super) struct BenchArgs {
     /// Compare with another ptfast binary, in turn with this one
     #[arg(long, value_name = "PROGRAM")]
     pub(super) against: Option<PathBuf>,
-    /// Say of each row whether it improved or regressed, measure again what did, and exit with 3
-    /// where something regressed
+    /// Say of each row whether it improved or regressed, measure again what seems so or was disturbed, up
+    /// to three times, and exit with 3 where something regressed; rows that stay unclear do not change
+    /// the exit code
     #[arg(long)]
     pub(super) gate: bool,
     /// Changes of speed that count for --gate, in percent
@@ -62,17 +63,4 @@ pub(super) struct BenchArgs {
     /// No progress and no notices
     #[arg(long, short)]
     pub(super) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct DashboardArgs {
-    /// Folder of records that `ptfast bench --json` wrote, one a run
-    #[arg(long, value_name = "DIR")]
-    pub(super) history: PathBuf,
-    /// Folder for index.html; made if missing
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: PathBuf,
-    /// Folder of criterion's own report, which is linked if it is there
-    #[arg(long, value_name = "DIR", default_value = "target/criterion")]
-    pub(super) criterion: PathBuf,
 }

@@ -1,7 +1,7 @@
 //! What `ptfast bench` prints.
 
 use super::{printable, say};
-use crate::bench::{CountChanges, Gate, Ratio, Record, Run, Verdict, Work};
+use crate::bench::{CountChanges, Gate, Outcome, Ratio, Record, Run, Verdict, Work};
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
 use crate::statistics::Estimate;
@@ -11,42 +11,59 @@ pub(super) fn print(record: &Record) -> Result<()> {
     let machine = &record.machine;
     say(format_args!(
         "machine {}, {} cores, {} ({} lanes), {}",
-        machine.cpu, machine.cores, machine.isa, machine.lanes, machine.os
+        printable(&machine.cpu),
+        machine.cores,
+        printable(&machine.isa),
+        machine.lanes,
+        printable(&machine.os)
     ))?;
-    say(format_args!("build   {}, {}, commit {}", machine.rustc, machine.flags, machine.commit))?;
+    let build = format!("{}, {}, commit {}", machine.rustc, machine.flags, machine.commit);
+    say(format_args!("build   {}", printable(&build)))?;
     if let Some(run) = record.runs.first() {
         let Work { width, height, spp, seed, .. } = run.work;
-        let (pixels, blocks) = (width * height / 1000, run.blocks.len());
+        let blocks = run.blocks.len();
         say(format_args!(
-            "blocks  {blocks}, each twice {pixels} thousand pixels, {spp} spp, seed {seed}"
+            "blocks  {blocks}, each twice {width} x {height} pixels or about as many, {spp} spp, seed {seed}"
         ))?;
     }
     say(format_args!(
-        "\n{:<12}{:<9}{:<12}{:>7}  {:<8}{:>10}  {:<22}{:>5}  most time in",
-        "scene", "threads", "engine", "Mrays/s", "", "Msamples/s", "x scalar", "lanes"
+        "\n{}{:>8}  {:<7}{:>11}  {:<22}{:>6}  most time in",
+        who(record, "scene", "threads", "engine"),
+        "Mrays/s",
+        "",
+        "Msamples/s",
+        "x scalar",
+        "lanes"
     ))?;
     for run in &record.runs {
         let to_scalar = record.ratio(run, Engine::Scalar.name()).filter(|r| r.of != r.to);
-        line(run, &run.work.engine, to_scalar.map_or_else(String::new, |r| interval(&r.speed)))?;
+        let speedup = to_scalar.map_or_else(String::new, |ratio| interval(&ratio.speed));
+        line(record, run, &run.work.engine, &speedup)?;
     }
     if let Some(other) = &record.against {
         for run in &other.runs {
-            line(run, &format!("{}@", run.work.engine), String::new())?;
+            line(record, run, &format!("{}@", run.work.engine), "")?;
         }
-        say(format_args!("@: commit {}", other.machine.commit))?;
+        say(format_args!("@: commit {}", printable(&other.machine.commit)))?;
     }
     noise(record)
 }
 
-fn line(run: &Run, engine: &str, speedup: String) -> Result<()> {
+/// The first columns, as wide as the longest names of a record need.
+fn who(record: &Record, scene: &str, threads: &str, engine: &str) -> String {
+    let names = record.runs.iter().map(|run| printable(&run.work.scene).chars().count());
+    let width = names.max().unwrap_or(0).max("spacetime".len()) + 2;
+    format!("{scene:<width$}{threads:<9}{engine:<12}")
+}
+
+fn line(record: &Record, run: &Run, engine: &str, speedup: &str) -> Result<()> {
     let busy = match run.contaminated() {
         0 => String::new(),
         blocks => format!("  {blocks} blocks contaminated"),
     };
     let line = format!(
-        "{:<12}{:<9}{engine:<12}{:>7.2}  {:<8}{:>10.2}  {speedup:<22}{:>5}  {}{busy}",
-        printable(&run.work.scene),
-        run.work.threads,
+        "{}{:>8.2}  {:<7}{:>11.2}  {speedup:<22}{:>6}  {}{busy}",
+        who(record, &printable(&run.work.scene), &run.work.threads.to_string(), engine),
         run.mrays_per_s.median,
         error(&run.mrays_per_s),
         run.msamples_per_s.median,
@@ -115,30 +132,36 @@ pub(super) fn print_counts(changes: &CountChanges) -> Result<()> {
     lines.iter().try_for_each(|line| say(format_args!("counter {}", printable(line))))
 }
 
-/// What became of each run of `record`; only intervals, unless it was `judged`.
+/// What became of each run of `record`; without outcomes, unless it was `judged`.
 pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<()> {
     let gated = if judged {
         format!("{:<29}by more than {}%", "measured again", gate.threshold * 100.0)
     } else {
         String::new()
     };
-    say(format_args!(
-        "\n{:<12}{:<9}{:<12}{:<29}{gated}",
-        "scene",
-        "threads",
-        "engine",
-        format!("times {} ", gate.commit)
-    ))?;
+    let times = format!("times {} ", printable(&gate.commit));
+    say(format_args!("\n{}{times:<29}{gated}", who(record, "scene", "threads", "engine")))?;
     for run in &record.runs {
         let told = match gate.verdicts.iter().find(|verdict| verdict.is_of(&run.work)) {
             None => "no such run there".to_owned(),
             Some(verdict) => told(verdict, judged),
         };
         let Work { scene, threads, engine, .. } = &run.work;
-        let scene = printable(scene);
-        say(format_args!("{}", format!("{scene:<12}{threads:<9}{engine:<12}{told}").trim_end()))?;
+        let who = who(record, &printable(scene), &threads.to_string(), engine);
+        say(format_args!("{}", format!("{who}{told}").trim_end()))?;
     }
-    Ok(())
+    if !judged {
+        return Ok(());
+    }
+    let count = |outcome| gate.verdicts.iter().filter(|v| v.outcome == outcome).count();
+    say(format_args!(
+        "gate: {} regressed, {} improved, {} the same, {} unclear, {} not compared",
+        count(Outcome::Regressed),
+        count(Outcome::Improved),
+        count(Outcome::Same),
+        count(Outcome::Unclear),
+        record.runs.len() - gate.verdicts.len()
+    ))
 }
 
 /// The samples that decided it, or else the last one; and what came of it.
@@ -148,11 +171,13 @@ fn told(verdict: &Verdict, judged: bool) -> String {
         format!("{median:.4} ({lo:.4} to {hi:.4})")
     };
     let mut clean = verdict.clean().map(change);
-    let last = || verdict.findings.last().map(|finding| change(&finding.change));
-    let (first, again) = (clean.next().or_else(last), clean.next());
+    let last = verdict.findings.last();
+    let or_last = || last.map(|finding| change(&finding.change));
+    let (first, again) = (clean.next().or_else(or_last), clean.next());
     let (first, again) = (first.unwrap_or_default(), again.unwrap_or_default());
     if !judged {
-        return first;
+        let doubt = last.and_then(|finding| finding.doubt);
+        return format!("{first:<29}{}", doubt.map_or("", |doubt| doubt.reason()));
     }
     let samples = verdict.findings.len();
     let discarded = samples - verdict.clean().count();

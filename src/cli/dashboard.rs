@@ -2,13 +2,27 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
-use super::bench_args::DashboardArgs;
+use clap::Args;
+
 use super::say;
 use crate::dashboard::{History, page};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
+
+#[derive(Debug, Args)]
+pub(super) struct DashboardArgs {
+    /// Folder of records that `ptfast bench --json` wrote, one a run
+    #[arg(long, value_name = "DIR")]
+    pub(super) history: PathBuf,
+    /// Folder for index.html; made if missing
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Folder of criterion's own report, which is linked if it is there
+    #[arg(long, value_name = "DIR", default_value = "target/criterion")]
+    pub(super) criterion: PathBuf,
+}
 
 pub(super) fn run(args: &DashboardArgs) -> Result<()> {
     let history = History::read(&args.history)?;

@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod bench_args;
+mod bench_options;
 mod bench_table;
 mod compare;
 mod dashboard;

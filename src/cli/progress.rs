@@ -1,4 +1,4 @@
-//! Progress on standard error: of a render a bar on a terminal, else a plain line every few seconds.
+//! Progress on standard error: a bar on a terminal, else a plain line every few seconds.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::{Mutex, Once};
@@ -99,31 +99,6 @@ impl Observer for ProgressReport {
                     notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
                 }
             }
-        }
-    }
-}
-
-/// Tells how many blocks of a bench are done.
-pub(super) struct BlockReport {
-    quiet: bool,
-    start: Instant,
-    told: Instant,
-}
-
-impl BlockReport {
-    pub(super) fn new(quiet: bool) -> Self {
-        let now = Instant::now();
-        Self { quiet, start: now, told: now }
-    }
-
-    /// `done` of so many blocks are done; the first of a series begins anew.
-    pub(super) fn tell(&mut self, done: usize, of: usize) {
-        if done == 0 {
-            self.start = Instant::now();
-        } else if !self.quiet && self.told.elapsed() >= INTERVAL {
-            self.told = Instant::now();
-            let left = self.start.elapsed().as_secs_f64() * (of - done) as f64 / done as f64;
-            notice(format_args!("{done} of {of} blocks  ETA {left:.0} s"));
         }
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::engine::{Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
+use crate::engine::{Planning, Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
 use crate::image::Metadata;
 use crate::machine::{Interference, Machine, peak_rss_bytes};
 use crate::scene::Scene;
@@ -59,6 +59,7 @@ pub(super) fn render_record(
         "interference": interference,
         "pinned": renderer.pinned().name(),
         "plan": renderer.plan(),
+        "planning": renderer.planning().map(Planning::name),
         "endings": Value::from_iter(render.tally.endings.each()),
         "stages": Value::from_iter(
             Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),

@@ -2,30 +2,50 @@
 
 use crate::bench::{Record, Run, Work};
 
-/// Measures all engines again, so that the speed-up is told too.
+/// Measures all engines again, so that the speed-up is told too. The bench is that of the checkout where
+/// it is run, since old commits have none.
 pub(super) fn bench(record: &Record, run: &Run) -> String {
-    format!("{} bench {} --blocks {}", build(record), work(&run.work), run.blocks.len())
+    format!(
+        "{}cargo run --release -- bench --program {}/target/release/ptfast {} --blocks {}",
+        build(record),
+        folder(record),
+        work(&run.work),
+        run.blocks.len()
+    )
 }
 
 /// Renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
     let Work { engine, height, depth, sampling, .. } = &run.work;
     format!(
-        "{} render {} --height {height} --depth {depth} --engine {} --sampling {}",
+        "{}{}/target/release/ptfast render {} --height {height} --depth {depth} --engine {} --sampling {}",
         build(record),
+        folder(record),
         work(&run.work),
         quoted(engine),
         quoted(sampling)
     )
 }
 
-/// Builds the commit as it was built.
+/// Builds the commit as it was built, beside the checkout.
 fn build(record: &Record) -> String {
     let (commit, flags) = (&record.machine.commit, &record.machine.flags);
     let changed =
         if commit.ends_with("-dirty") { "# and with changes that no commit has\n" } else { "" };
-    let commit = quoted(commit.trim_end_matches("-dirty"));
-    format!("{changed}git checkout {commit} && RUSTFLAGS={} cargo run --release --", quoted(flags))
+    let (commit, folder) = (quoted(clean(commit)), folder(record));
+    format!(
+        "{changed}git worktree add {folder} {commit}\n\
+         (cd {folder} && RUSTFLAGS={} cargo build --release)\n",
+        quoted(flags)
+    )
+}
+
+fn clean(commit: &str) -> &str {
+    commit.trim_end_matches("-dirty")
+}
+
+fn folder(record: &Record) -> String {
+    quoted(&format!("../ptfast-{}", clean(&record.machine.commit)))
 }
 
 fn work(work: &Work) -> String {

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use jiff::Timestamp;
+
 use crate::bench::Record;
 use crate::error::{Error, Result};
 
@@ -24,15 +26,28 @@ impl History {
             let path = entry.map_err(Error::io(folder, "read"))?.path();
             if path.extension().is_some_and(|extension| extension == "json") {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                records.push((name, Record::read(&path)?));
+                let record = Record::read(&path)?;
+                records.push((time(&record, &path)?, name, record));
             }
         }
         if records.is_empty() {
             let message = "no record is there: `ptfast bench --json FILE` writes one";
             return Err(Error::input(folder.display().to_string(), "", message));
         }
-        // RFC 3339 in UTC sorts as text; records of one second by their names.
-        records.sort_by(|(a, first), (b, second)| (&first.time, a).cmp(&(&second.time, b)));
-        Ok(Self { records })
+        // Those that do not tell come first, records of one second by their names.
+        records.sort_by(|(first, a, _), (second, b, _)| (first, a).cmp(&(second, b)));
+        Ok(Self { records: records.into_iter().map(|(_, name, record)| (name, record)).collect() })
     }
+}
+
+/// When a record was begun, if it tells.
+fn time(record: &Record, path: &Path) -> Result<Option<Timestamp>> {
+    if record.time.is_empty() {
+        return Ok(None);
+    }
+    let time = record.time.parse();
+    time.map(Some).map_err(|_| {
+        let message = "must be a time like 2026-11-22T20:15:30Z (RFC 3339)";
+        Error::input(path.display().to_string(), "time", message)
+    })
 }

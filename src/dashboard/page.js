@@ -15,17 +15,12 @@ const COUNTERS = ["node_visits", "leaf_tests", "lanes_issued", "lanes_active"];
 
 const byId = (id) => document.getElementById(id);
 const unique = (values) => [...new Set(values)];
+const keyOf = (series) => `${series.engine} ${series.threads}`;
+// A colour for each engine and number of threads, whatever is shown.
+const KEYS = unique(DATA.series.map(keyOf));
 function scaled(e, by) {
   return e && { median: e.median * by, lo: e.lo * by, hi: e.hi * by };
 }
-function element(parent, tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  if (text !== undefined) made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  parent.append(made);
-  return made;
-}
-
 // Filters.
 
 function options(select, names) {
@@ -53,9 +48,12 @@ function shown() {
 // Charts.
 
 function name(series, all) {
-  const base = `${series.engine} ${series.threads}`;
-  const alike = all.filter((other) => other.engine === series.engine && other.threads === series.threads);
-  return alike.length > 1 ? `${base} (${series.settings})` : base;
+  const alike = all.filter((other) => keyOf(other) === keyOf(series));
+  return alike.length > 1 ? `${keyOf(series)} (${series.settings})` : keyOf(series);
+}
+function color(series, all) {
+  const alike = all.filter((other) => keyOf(other) === keyOf(series));
+  return COLORS[(KEYS.indexOf(keyOf(series)) + KEYS.length * alike.indexOf(series)) % COLORS.length];
 }
 // The records that any of these series has, in order: what stands on x.
 const recordsOf = (all) => unique(all.flatMap((s) => s.points.map((p) => p.record))).sort((a, b) => a - b);
@@ -66,80 +64,15 @@ const column = (series, records, of) => records.map((record) => {
   return value === undefined ? null : value;
 });
 
-const plots = [];
-const HEIGHT = 260;
-// `lines`: { label, values, lo, hi, color, fill, tell, changes }. `labels` are those of x.
-function chart(parent, title, labels, lines, more = {}) {
-  const box = element(parent, "div", undefined, { class: "chart", "data-title": title });
-  element(box, "h3", title);
-  const series = [{ label: more.x || "commit", value: (_, i) => labels[i] ?? "" }];
-  const columns = [labels.map((_, i) => i)];
-  const bands = [];
-  for (const line of lines) {
-    const at = columns.length;
-    const told = line.tell || line.values;
-    const digits = (_, value, s, i) => (told[i] === null || told[i] === undefined ? "" : told[i].toPrecision(4));
-    const style = { stroke: line.color, width: 2, points: { show: true, size: 6 } };
-    series.push({ label: line.label, value: digits, fill: line.fill, ...style });
-    columns.push(line.values);
-    if (line.hi) {
-      // A band of one record would be nothing: its ends are points.
-      const points = { show: labels.length === 1, size: 4, stroke: line.color };
-      const edge = { stroke: "transparent", points, class: "edge" };
-      series.push({ ...edge, label: "hi" }, { ...edge, label: "lo" });
-      columns.push(line.hi, line.lo);
-      bands.push({ series: [at + 1, at + 2], fill: line.color + "40" });
-    }
-  }
-  const changes = lines.flatMap((line) => (line.changes || []).map((change) => ({ ...change, color: line.color })));
-  const every = Math.ceil(labels.length / 40);
-  const splits = labels.map((_, i) => i).filter((i) => i % every === 0);
-  const ink = matchMedia("(prefers-color-scheme: dark)").matches ? "#ccc" : "#333";
-  const axis = { stroke: ink, grid: { stroke: "#8883" }, ticks: { stroke: "#8883" } };
-  const plot = new uPlot({
-    width: 320, height: HEIGHT, series, bands,
-    scales: { x: { time: false, range: [-0.5, labels.length - 0.5] }, y: more.y || { range: range } },
-    axes: [
-      { ...axis, splits: () => splits, values: () => splits.map((i) => String(labels[i])), rotate: labels.length > 12 ? -60 : 0, size: labels.length > 12 ? 70 : 40 },
-      { ...axis, size: 60 },
-    ],
-    legend: { live: true },
-    hooks: { draw: [(u) => changes.forEach((change) => dashed(u, change))] },
-  }, columns, box);
-  plot.root.querySelectorAll(".u-series").forEach((row, i) => { row.hidden = i > 0 && series[i].class === "edge"; });
-  plots.push(plot);
-  if (more.click) plot.over.addEventListener("click", () => plot.cursor.idx !== null && more.click(plot));
-  return plot;
-}
-// From a little below the least to a little above the greatest, and at least 10% of it.
-function range(_, lo, hi) {
-  if (lo === null || hi === null) return [0, 1];
-  const room = Math.max((hi - lo) * 0.15, Math.abs(hi) * 0.05, 1e-9);
-  return [Math.max(0, lo - room), hi + room];
-}
-function dashed(u, { at, color, confirmed }) {
-  const x = Math.round(u.valToPos(at, "x", true));
-  const { ctx, bbox } = u;
-  ctx.save();
-  ctx.setLineDash(confirmed ? [6, 5] : [2, 6]);
-  ctx.strokeStyle = color;
-  ctx.lineWidth = confirmed ? 2 : 1;
-  ctx.beginPath();
-  ctx.moveTo(x, bbox.top);
-  ctx.lineTo(x, bbox.top + bbox.height);
-  ctx.stroke();
-  ctx.restore();
-}
-
 function speeds(all) {
   const metric = METRICS[byId("metric").value];
   for (const scene of unique(all.map((s) => s.scene))) {
     const of = all.filter((s) => s.scene === scene && s.points.some((p) => metric.of(p)));
     if (of.length === 0) continue;
     const records = recordsOf(of);
-    const lines = of.map((series, i) => ({
+    const lines = of.map((series) => ({
       label: name(series, of),
-      color: COLORS[i % COLORS.length],
+      color: color(series, of),
       values: column(series, records, (p) => metric.of(p)?.median),
       lo: column(series, records, (p) => metric.of(p)?.lo),
       hi: column(series, records, (p) => metric.of(p)?.hi),
@@ -153,6 +86,26 @@ function speeds(all) {
       tell(of[near[0][1]], records[plot.cursor.idx]);
     };
     chart(byId("speeds"), `${scene}: ${metric.label}`, records.map(commit), lines, { click });
+    numbers(byId("speeds").lastChild, of, records, metric);
+  }
+}
+
+// The same as numbers, with a button for what a click on a point does.
+function numbers(box, all, records, metric) {
+  const details = element(box, "details");
+  element(details, "summary", "as a table");
+  const table = element(details, "table");
+  for (const record of records) {
+    for (const series of all) {
+      const point = series.points.find((point) => point.record === record);
+      const value = point && metric.of(point);
+      if (!value) continue;
+      const row = element(table, "tr");
+      [commit(record), name(series, all), `${told(value.median)} (${told(value.lo)} to ${told(value.hi)})`]
+        .forEach((text) => element(row, "td", text));
+      const button = element(element(row, "td"), "button", "how to repeat it", { type: "button" });
+      button.addEventListener("click", () => tell(series, record));
+    }
   }
 }
 
@@ -169,6 +122,7 @@ function tell(series, record) {
   element(section, "div", `${time}, ${rustc}, ${flags}, ${os}, ${file}`);
   element(section, "pre", point.bench);
   element(section, "pre", point.render);
+  section.scrollIntoView({ block: "nearest" });
 }
 
 function changes(all) {
@@ -186,6 +140,26 @@ function changes(all) {
     }
   }
   if (table.rows.length === 1) element(element(table, "tr"), "td", "none", { colspan: 7 });
+}
+
+// Exact counts that are not those of the record before.
+function countChanges(all) {
+  const table = byId("countchanges");
+  const head = element(table, "tr");
+  ["commit", "scene", "engine", "threads", "times as many"].forEach((text) => element(head, "th", text));
+  for (const series of all) {
+    const counted = series.points.filter((p) => p.counters.lanes_issued > 0);
+    counted.slice(1).forEach((point, i) => {
+      const before = counted[i].counters;
+      const other = COUNTERS.filter((counter) => point.counters[counter] !== before[counter]);
+      if (other.length === 0) return;
+      const ratio = (counter) => `${counter.replace("_", " ")} ${(point.counters[counter] / before[counter]).toFixed(4)}`;
+      const row = element(table, "tr");
+      [commit(point.record), series.scene, series.engine, series.threads, other.map(ratio).join(", ")]
+        .forEach((text) => element(row, "td", text));
+    });
+  }
+  if (table.rows.length === 1) element(element(table, "tr"), "td", "none", { colspan: 5 });
 }
 
 function stages(all) {
@@ -241,13 +215,14 @@ function counters(all) {
 function draw() {
   plots.splice(0).forEach((plot) => plot.destroy());
   byId("point").hidden = true;
-  for (const id of ["speeds", "changes", "stages", "lanes", "counters"]) byId(id).replaceChildren();
+  for (const id of ["speeds", "changes", "stages", "lanes", "counters", "countchanges"]) byId(id).replaceChildren();
   const all = shown();
   speeds(all);
   changes(all);
   stages(all);
   lanes(all);
   counters(all);
+  countChanges(all);
   // Once all are there, the columns have their width.
   plots.forEach((plot) => plot.setSize({ width: plot.root.parentElement.clientWidth - 24, height: HEIGHT }));
 }

@@ -23,6 +23,7 @@ pub(crate) fn page(history: &History, criterion: Option<&str>) -> Result<String>
         ("/*page.css*/", include_str!("page.css")),
         ("/*uplot.licence*/", include_str!("uplot/LICENSE")),
         ("/*uplot.js*/", include_str!("uplot/uPlot.iife.min.js")),
+        ("/*charts.js*/", include_str!("charts.js")),
         ("/*page.js*/", include_str!("page.js")),
         ("<!--criterion-->", &criterion),
         ("<!--version-->", env!("CARGO_PKG_VERSION")),

@@ -73,8 +73,9 @@ struct Point {
 /// Machines are told apart by what decides speed beside the program; builds for another instruction
 /// set are not the same program.
 fn machine_name(machine: &Machine) -> String {
-    let Machine { cpu, cores, isa, lanes, .. } = machine;
-    format!("{cpu}, {cores} cores, {isa} ({lanes} lanes)")
+    let Machine { cpu, cpu_model, cores, isa, lanes, .. } = machine;
+    let model = if cpu_model.is_empty() { String::new() } else { format!(" ({cpu_model})") };
+    format!("{cpu}{model}, {cores} cores, {isa} ({lanes} lanes)")
 }
 
 fn settings(run: &Run) -> String {
@@ -135,16 +136,17 @@ fn entry((file, record): &(String, Record)) -> Entry {
     Entry { file: file.clone(), time: record.time.clone(), commit, rustc, flags, os }
 }
 
-/// Changes of paths a cycle: clocks change from hour to hour. Runs whose clock is not known, and those of
-/// which most blocks are contaminated, do not take part.
+/// Changes of paths a cycle, since clocks change from hour to hour; of paths a second where a clock is
+/// not known. Runs of which most blocks are contaminated do not take part.
 fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
-    let quiet = |run: &&&Run| run.contaminated() * 2 <= run.blocks.len();
-    let speeds: Vec<Vec<f64>> = runs
-        .iter()
-        .map(|run| {
-            Some(run).filter(quiet).and_then(|run| run.paths_per_cycle()).unwrap_or_default()
-        })
-        .collect();
+    let cycles: Option<Vec<Vec<f64>>> = runs.iter().map(|run| run.paths_per_cycle()).collect();
+    let mut speeds =
+        cycles.unwrap_or_else(|| runs.iter().map(|run| run.paths_per_second()).collect());
+    for (run, speeds) in runs.iter().zip(&mut speeds) {
+        if run.contaminated() * 2 > run.blocks.len() {
+            speeds.clear();
+        }
+    }
     changes(&speeds.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 

@@ -21,4 +21,4 @@ pub use settings::{Engine, RenderSettings};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};
 pub use timeline::{Event, Work};
-pub use wavefront::{Plan, SegmentPlan};
+pub use wavefront::{Plan, Planning, SegmentPlan};

@@ -12,7 +12,7 @@ use super::settings::{Engine, RenderSettings};
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
-use super::wavefront::{Plan, WavefrontEngine};
+use super::wavefront::{Plan, Planning, WavefrontEngine};
 use crate::error::Result;
 use crate::film::{Tile, Tiles};
 use crate::image::Image;
@@ -36,8 +36,8 @@ pub(super) trait TileEngine: Sync + std::fmt::Debug {
     /// Side of the tiles that work is handed out in.
     fn tile_size(&self) -> u32;
 
-    /// How it works, if it has a plan, and the seconds that finding it took.
-    fn plan(&self) -> Option<(&Plan, f64)> {
+    /// How it works, if it has a plan, where that is from, and the seconds that finding it took.
+    fn plan(&self) -> Option<(&Plan, Planning, f64)> {
         None
     }
 }
@@ -124,14 +124,19 @@ impl<'a> Renderer<'a> {
             Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
-        let plan = engine.plan().map_or(0.0, |(_, seconds)| seconds);
+        let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
         let seconds = Seconds { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 };
         Ok(Self { settings, engine, pool, pinned, seconds })
     }
 
     /// How the wavefront engine works; `None` for others.
     pub fn plan(&self) -> Option<&Plan> {
-        self.engine.plan().map(|(plan, _)| plan)
+        self.engine.plan().map(|(plan, ..)| plan)
+    }
+
+    /// Where that is from.
+    pub fn planning(&self) -> Option<Planning> {
+        self.engine.plan().map(|(_, planning, _)| planning)
     }
 
     /// Worker threads.

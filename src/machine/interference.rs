@@ -51,11 +51,38 @@ impl Interference {
 /// Linux tells times of all cores in hundredths of a second, whatever its own clock.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// The eighth number after `cpu` in the first line.
+/// Of all cores: the eighth number after `cpu` in the first line.
 fn stolen() -> Option<f64> {
     let stat = fs::read_to_string("/proc/stat").ok()?;
-    let ticks: u64 = stat.lines().next()?.split_whitespace().nth(8)?.parse().ok()?;
-    Some(ticks as f64 / TICKS_PER_SECOND)
+    Some(ticks(&stat, 1)?.nth(7)? / TICKS_PER_SECOND)
+}
+
+/// Seconds that other processes have kept cores busy since the machine began, summed over cores: all
+/// but this one and those of its children that have ended. `None` where the operating system does not
+/// tell.
+pub fn busy_seconds_of_others() -> Option<f64> {
+    let (stat, own) =
+        (fs::read_to_string("/proc/stat").ok()?, fs::read_to_string("/proc/self/stat").ok()?);
+    Some((busy(&stat)? - of_process(&own)?) / TICKS_PER_SECOND)
+}
+
+/// Numbers of the first line, from place `first` on.
+fn ticks(stat: &str, first: usize) -> Option<impl Iterator<Item = f64>> {
+    let words = stat.lines().next()?.split_whitespace().skip(first);
+    Some(words.filter_map(|word| word.parse().ok()))
+}
+
+/// User, nice, system, then after idle and waiting for disks: interrupts of both kinds (proc_stat(5)).
+fn busy(stat: &str) -> Option<f64> {
+    let all: Vec<f64> = ticks(stat, 1)?.collect();
+    [0, 1, 2, 5, 6].iter().map(|&place| all.get(place)).sum()
+}
+
+/// User and system, of the process and of its children (proc_pid_stat(5), fields 14 to 17). Its name,
+/// field 2, may hold anything.
+fn of_process(stat: &str) -> Option<f64> {
+    let (_, after_name) = stat.rsplit_once(')')?;
+    Some(ticks(after_name, 11)?.take(4).sum())
 }
 
 /// Of each thread: seconds waited, and switches.
@@ -88,6 +115,12 @@ mod tests {
         assert_eq!(waited(""), None);
         let status = "Name:\ta\nvoluntary_ctxt_switches:\t3\nnonvoluntary_ctxt_switches:\t5\n";
         assert_eq!(switches(status), Some(5));
+        let stat = "cpu  10 20 30 400 50 6 7 8 9 10\ncpu0 1 2 3 4 5 6 7 8 9 10\n";
+        assert_eq!(ticks(stat, 1).unwrap().nth(7), Some(8.0));
+        assert_eq!(busy(stat), Some(10.0 + 20.0 + 30.0 + 6.0 + 7.0));
+        assert_eq!(busy("cpu 1 2"), None);
+        let own = "1 (a) b) R 2 3 4 5 6 7 8 9 10 11 14 15 16 17 18 19";
+        assert_eq!(of_process(own), Some(14.0 + 15.0 + 16.0 + 17.0));
     }
 
     #[cfg(target_os = "linux")]

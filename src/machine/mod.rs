@@ -4,10 +4,10 @@ mod interference;
 
 use std::fs;
 
-pub use interference::Interference;
+pub use interference::{Interference, busy_seconds_of_others};
 use serde::{Deserialize, Serialize};
 
-use crate::isa::{compiled_isa, cpu_name};
+use crate::isa::{compiled_isa, cpu_model, cpu_name};
 use crate::simd::LANES;
 
 /// Where and with what a figure was measured.
@@ -15,6 +15,9 @@ use crate::simd::LANES;
 pub struct Machine {
     /// The CPU's name.
     pub cpu: String,
+    /// Its family, model and stepping; empty where they are not known.
+    #[serde(default)]
+    pub cpu_model: String,
     /// Logical cores that the process may use.
     pub cores: usize,
     /// Instruction set that the program was compiled for.
@@ -37,6 +40,7 @@ impl Machine {
         let kernel = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
         Self {
             cpu: cpu_name(),
+            cpu_model: cpu_model(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             isa: compiled_isa().name().to_owned(),
             lanes: LANES as u32,

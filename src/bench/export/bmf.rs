@@ -20,7 +20,7 @@ pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
                 "upper_value": speed.hi * 1e6,
             }
         });
-        (super::name(&run.work), metric)
+        (super::name_of(&run.work), metric)
     });
     let metrics: Value = metrics.collect();
     write_atomically(file, |out| writeln!(out, "{metrics:#}"))

@@ -4,29 +4,28 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use crate::bench::record::{Record, Work};
+use crate::bench::record::Record;
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 /// Adds a line of Mrays/s to those of other runs.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
-    let works: Vec<Work> = record.runs.iter().map(|run| run.work.clone()).collect();
-    let before = before(&works, file)?;
+    let before = before(record.runs.iter().map(|run| super::name_of(&run.work)), file)?;
     let mut line = vec![field(&record.time), field(&record.machine.commit)];
     line.extend(record.runs.iter().map(|run| run.mrays_per_s.median.to_string()));
     let end = if before.ends_with('\n') { "" } else { "\n" };
     write_atomically(file, |out| writeln!(out, "{before}{end}{}", line.join(",")))
 }
 
-/// Finds out whether a line of these columns fits to what is there.
-pub(super) fn check(works: &[Work], file: &Path) -> Result<()> {
-    before(works, file).map(drop)
+/// Finds out whether a line of runs of these names fits to what is there.
+pub(super) fn check(names: impl Iterator<Item = String>, file: &Path) -> Result<()> {
+    before(names, file).map(drop)
 }
 
 /// What the file holds, or the line of names where there is none.
-fn before(works: &[Work], file: &Path) -> Result<String> {
+fn before(names: impl Iterator<Item = String>, file: &Path) -> Result<String> {
     let mut columns = vec!["time".to_owned(), "commit".to_owned()];
-    columns.extend(works.iter().map(|work| field(&super::name(work))));
+    columns.extend(names.map(|name| field(&name)));
     let columns = columns.join(",");
     let text = match fs::read_to_string(file) {
         Ok(text) => text,

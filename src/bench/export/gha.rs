@@ -21,7 +21,7 @@ fn row(run: &Run, record: &Record) -> Value {
     let Work { width, height, spp, threads, .. } = run.work;
     let hash = &run.hash;
     json!({
-        "name": super::name(&run.work),
+        "name": super::name_of(&run.work),
         "unit": "Mrays/s",
         "value": speed.median,
         "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),

@@ -9,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::record::{Record, Work};
+use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::check_folder;
 
@@ -50,14 +51,23 @@ pub(crate) fn export_file(format: Format, folder: &Path) -> PathBuf {
     })
 }
 
-/// Finds out whether a record of these `works` can be exported into `folder`.
+/// Finds out whether a record of these `runs`, scene, engine and threads told, can be exported into
+/// `folder`.
 ///
 /// # Errors
 /// Where it cannot: what [`export`] says, as far as that is known before.
-pub(crate) fn check_export(works: &[Work], format: Format, folder: &Path) -> Result<()> {
+pub(crate) fn check_export(
+    runs: &[(&str, Engine, usize)],
+    format: Format,
+    folder: &Path,
+) -> Result<()> {
     check_folder(folder)?;
     match format {
-        Format::Csv => csv::check(works, &export_file(format, folder)),
+        Format::Csv => {
+            let names =
+                runs.iter().map(|&(scene, engine, threads)| name(scene, engine.name(), threads));
+            csv::check(names, &export_file(format, folder))
+        }
         Format::Criterion | Format::Gha | Format::Bmf => Ok(()),
     }
 }
@@ -79,9 +89,13 @@ pub(crate) fn export(record: &Record, format: Format, folder: &Path) -> Result<(
 }
 
 /// `spheres/wavefront`, and the number of threads where that is not one.
-fn name(Work { scene, engine, threads, .. }: &Work) -> String {
+fn name(scene: &str, engine: &str, threads: usize) -> String {
     match threads {
         1 => format!("{scene}/{engine}"),
         _ => format!("{scene}/{engine}/{threads}"),
     }
+}
+
+fn name_of(Work { scene, engine, threads, .. }: &Work) -> String {
+    name(scene, engine, *threads)
 }

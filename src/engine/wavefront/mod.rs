@@ -39,7 +39,7 @@ use materials::Materials;
 use order::{Next, order};
 use paths::Paths;
 use plan::wave_length;
-pub use plan::{Plan, SegmentPlan};
+pub use plan::{Plan, Planning, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
 use sort::{Queue, sort};
@@ -49,6 +49,7 @@ use sort::{Queue, sort};
 pub(super) struct WavefrontEngine<'a> {
     prepared: Prepared<'a>,
     plan: Plan,
+    planning: Planning,
     plan_seconds: f64,
 }
 
@@ -85,14 +86,17 @@ impl<'a> WavefrontEngine<'a> {
         let uncounted = RenderSettings { count: false, ..settings.clone() };
         let mut prepared = Prepared::new(scene, &uncounted);
         let start = Instant::now();
-        let plan = settings.plan.clone().unwrap_or_else(|| trial::find_plan(&prepared, pool));
+        let (plan, planning) = match &settings.plan {
+            Some(plan) => (plan.clone(), Planning::Given),
+            None => trial::find_plan(&prepared, pool),
+        };
         let plan_seconds = start.elapsed().as_secs_f64();
         prepared.settings.count = settings.count;
         for segment in &plan.segments {
             prepared.accelerator.prepare(segment.closest);
             prepared.accelerator.prepare(segment.occluded);
         }
-        Self { prepared, plan, plan_seconds }
+        Self { prepared, plan, planning, plan_seconds }
     }
 }
 
@@ -105,8 +109,8 @@ impl TileEngine for WavefrontEngine<'_> {
         self.plan.tile_size
     }
 
-    fn plan(&self) -> Option<(&Plan, f64)> {
-        Some((&self.plan, self.plan_seconds))
+    fn plan(&self) -> Option<(&Plan, Planning, f64)> {
+        Some((&self.plan, self.planning, self.plan_seconds))
     }
 }
 

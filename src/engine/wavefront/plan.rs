@@ -34,6 +34,28 @@ pub struct SegmentPlan {
     pub occluded: Kernel,
 }
 
+/// Where a plan is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Planning {
+    /// From the settings.
+    Given,
+    /// What is mostly best, in renders too small to measure anything.
+    Usual,
+    /// The fastest of some, by a measurement that may end otherwise another time.
+    Measured,
+}
+
+impl Planning {
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::Usual => "usual",
+            Self::Measured => "measured",
+        }
+    }
+}
+
 /// Paths of a wave: with fewer the last segments have too few, with more they leave the caches.
 const USUAL_WAVE: u32 = 1 << 14;
 /// So that threads end at about the same time.

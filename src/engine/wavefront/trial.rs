@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use rayon::ThreadPool;
 
 use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
-use super::plan::{Plan, SegmentPlan, tile_size};
+use super::plan::{Plan, Planning, SegmentPlan, tile_size};
 use super::{Prepared, Worker};
 use crate::accel::Kernel;
 use crate::engine::settings::RenderSettings;
@@ -32,13 +32,15 @@ const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// ... sizes by a few percent, and the parts of an image differ more.
 const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
-/// The fastest plan on waves from all over the image; in small renders the usual one.
-pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
+/// The fastest plan on waves from all over the image; in small renders the usual one. And whether it was
+/// measured.
+pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> (Plan, Planning) {
     let settings = &prepared.settings;
     let usual = Plan::usual(prepared, pool.current_num_threads());
 
     let ways = each_way(prepared, &usual);
     let tried = try_all(prepared, pool, &ways, WAYS_EFFORT);
+    let ways_tried = !tried.is_empty();
     let planned = 1..=settings.depth.min(PLANNED);
     let segment = |number| fastest_segment(&tried, number, usual.segment(number));
     let plan = match tried.as_slice() {
@@ -48,7 +50,9 @@ pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> Plan {
 
     let sizes = each_size(settings, &plan, pool.current_num_threads());
     let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
-    fastest(&tried).map_or(plan, |size| size.plan.clone())
+    let planning =
+        if ways_tried || !tried.is_empty() { Planning::Measured } else { Planning::Usual };
+    (fastest(&tried).map_or(plan, |size| size.plan.clone()), planning)
 }
 
 /// `plan` with each size of waves that may be chosen, and that tiles have paths enough for.
