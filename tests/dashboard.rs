@@ -169,6 +169,10 @@ fn bad_histories_are_told() {
     fails(65, "no record is there");
     fs::write(here.join("history/a.json"), "{}").unwrap();
     fails(65, "a.json");
+    let mut late = record(1, "", 1.0);
+    late["time"] = json!("yesterday");
+    fs::write(here.join("history/a.json"), late.to_string()).unwrap();
+    fails(65, "a.json:time");
 }
 
 /// What the browser is asked to do once the page is there: each step a filter, then what is seen.
@@ -295,8 +299,8 @@ fn the_page_works_in_a_browser() {
     assert_eq!(seen["second"], json!({ "titles": ["spheres: Mrays/s"], "rows": ["none"] }));
     assert_eq!(seen["none"]["titles"], json!([]));
     let point = seen["point"].as_str().unwrap();
-    let command = "git worktree add ../ptfast-c4ffee0123456 c4ffee0123456\n\
-                   (cd ../ptfast-c4ffee0123456 && RUSTFLAGS='</script><b>' cargo build --release)\n\
+    let command = "[ -d ../ptfast-c4ffee0123456 ] || git worktree add ../ptfast-c4ffee0123456 c4ffee0123456\n\
+                   (cd ../ptfast-c4ffee0123456 && RUSTFLAGS='</script><b>' cargo build --release --target-dir target)\n\
                    cargo run --release -- bench --program ../ptfast-c4ffee0123456/target/release/ptfast \
                    --scene spheres";
     assert!(point.contains(command), "{point}");

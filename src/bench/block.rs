@@ -57,10 +57,11 @@ pub(super) fn measure(
     }
     let common = Common {
         threads: group.task.threads,
-        cores: group.sides[0].counted.machine.cores,
         clock: mean(clocks.into_iter()),
         seconds: start.elapsed().as_secs_f64(),
-        busy: busy.zip(busy_seconds_of_others()).map(|(before, after)| after - before),
+        others: busy
+            .zip(busy_seconds_of_others())
+            .map(|((before, cores), (after, _))| (after - before, cores)),
     };
     for (series, renders) in series.iter_mut().zip(&rendered) {
         series.add(renders, &common);
@@ -108,26 +109,27 @@ impl Series {
 /// What is the same for all sides of a block.
 struct Common {
     threads: usize,
-    cores: usize,
     /// GHz.
     clock: f64,
     /// How long it took.
     seconds: f64,
-    /// Seconds that other processes kept cores busy.
-    busy: Option<f64>,
+    /// Seconds that other processes kept cores busy, and how many cores there are.
+    others: Option<(f64, usize)>,
 }
 
 impl Common {
     fn load(&self) -> Option<f64> {
-        Some((self.busy? / (self.seconds * self.cores as f64)).clamp(0.0, 1.0))
+        let (busy, cores) = self.others?;
+        Some((busy / (self.seconds * cores as f64)).clamp(0.0, 1.0))
     }
 
-    /// Whether others took too much from renders of so many seconds. A hypervisor's share is known of
-    /// all cores together, and is taken to be the same of each.
+    /// Whether others took too much from renders of so many seconds. What a hypervisor takes is known of
+    /// all cores together; it takes it from those that work, ours and others.
     fn is_contaminated(&self, interference: &Interference, seconds: f64) -> bool {
         let Interference { stolen, waited, switches } = *interference;
         let core_seconds = seconds * self.threads as f64;
-        let stolen = stolen * (self.threads as f64 / self.cores as f64).min(1.0);
+        let others = self.others.map_or(0.0, |(busy, _)| (busy / self.seconds).max(0.0));
+        let stolen = stolen * self.threads as f64 / (self.threads as f64 + others);
         stolen + waited > MOST_LOST * core_seconds || switches as f64 > MOST_SWITCHES * core_seconds
     }
 }
@@ -143,22 +145,23 @@ mod tests {
 
     #[test]
     fn contamination_is_a_share_or_a_rate() {
-        let block = Common { threads: 1, cores: 1, clock: 3.0, seconds: 2.0, busy: None };
+        let block = Common { threads: 1, clock: 3.0, seconds: 2.0, others: None };
         let quiet = Interference { stolen: 0.0, waited: 0.02, switches: 100 };
         assert!(!block.is_contaminated(&quiet, 0.41));
         assert!(block.is_contaminated(&quiet, 0.39));
         assert!(block.is_contaminated(&Interference { switches: 251, ..quiet }, 1.0));
         let stolen = Interference { stolen: 0.04, ..quiet };
         assert!(block.is_contaminated(&stolen, 1.0));
-        // Of 64 cores, not of the one that was used.
-        assert!(!Common { cores: 64, ..block }.is_contaminated(&stolen, 1.0));
+        // Half of it from another that was busy all the time.
+        assert!(!Common { others: Some((2.0, 2)), ..block }.is_contaminated(&stolen, 1.0));
+        assert!(Common { others: Some((0.0, 64)), ..block }.is_contaminated(&stolen, 1.0));
     }
 
     #[test]
     fn load_is_a_share_of_all_cores() {
-        let block = Common { threads: 1, cores: 4, clock: 3.0, seconds: 2.0, busy: Some(1.0) };
+        let block = Common { threads: 1, clock: 3.0, seconds: 2.0, others: Some((1.0, 4)) };
         assert_eq!(block.load(), Some(0.125));
-        assert_eq!(Common { busy: Some(-0.01), ..block }.load(), Some(0.0));
-        assert_eq!(Common { busy: None, ..block }.load(), None);
+        assert_eq!(Common { others: Some((-0.01, 4)), ..block }.load(), Some(0.0));
+        assert_eq!(Common { others: None, ..block }.load(), None);
     }
 }

@@ -83,14 +83,15 @@ pub(crate) fn judge(
     let (commit, verdicts) = (commit.clone(), first.collect());
     let mut gate = Gate { threshold, commit, verdicts, again: Vec::new() };
     let Some(blocks) = again else { return Ok(gate) };
-    while gate.again.len() + 1 < MOST_SAMPLES && gate.verdicts.iter().any(Verdict::is_open) {
+    while gate.again.len() + 1 < MOST_SAMPLES && gate.verdicts.iter().any(|v| v.is_open(threshold))
+    {
         let open = |scene: &str, threads: usize| {
-            let mut open = gate.verdicts.iter().filter(|verdict| verdict.is_open());
+            let mut open = gate.verdicts.iter().filter(|verdict| verdict.is_open(threshold));
             open.any(|verdict| verdict.scene == scene && verdict.threads == threads)
         };
         let next = bench.record(&bench.measure(blocks, open, progress)?);
         for (work, finding) in findings(&next, reference, threshold) {
-            let mut open = gate.verdicts.iter_mut().filter(|verdict| verdict.is_open());
+            let mut open = gate.verdicts.iter_mut().filter(|verdict| verdict.is_open(threshold));
             if let Some(verdict) = open.find(|verdict| verdict.is_of(work)) {
                 verdict.add(finding, threshold);
             }

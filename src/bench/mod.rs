@@ -21,7 +21,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::engine::{Engine, Planning};
+use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::machine::Machine;
 use block::Series;
@@ -128,7 +128,7 @@ impl Bench {
             for &engine in engines {
                 let mut counted = program.render(task, engine, None, true)?;
                 let mut plan = counted.plan.clone();
-                let measured = counted.planning.as_deref() == Some(Planning::Measured.name());
+                let measured = counted.measured_plan();
                 // One plan for all whose work is compared.
                 let old = baseline.and_then(|record| record.plan(task, engine.name()));
                 let first = sides.iter().find(|side| side.engine == engine);

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use super::record::Lanes;
 use crate::accel::Counters;
-use crate::engine::{Engine, RayCounts};
+use crate::engine::{Engine, Planning, RayCounts};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::machine::{Interference, Machine};
@@ -66,7 +66,7 @@ pub(super) struct Rendered {
     #[serde(default)]
     pub(super) plan: Option<Value>,
     #[serde(default)]
-    pub(super) planning: Option<String>,
+    planning: Option<String>,
     #[serde(default)]
     pub(super) stages: BTreeMap<String, f64>,
     #[serde(default)]
@@ -76,6 +76,8 @@ pub(super) struct Rendered {
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub(super) struct Seconds {
     pub(super) render: f64,
+    #[serde(default)]
+    plan: f64,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -164,7 +166,7 @@ impl Program {
             cores: here.cores,
             ..rendered.machine
         };
-        let Seconds { render } = rendered.seconds;
+        let Seconds { render, .. } = rendered.seconds;
         if !(render > 0.0 && render.is_finite() && rendered.rays.primary > 0) {
             return Err(no_record(format!("{render} seconds, {:?}", rendered.rays)));
         }
@@ -204,6 +206,15 @@ impl Program {
 }
 
 impl Rendered {
+    /// Whether its plan was found by measuring: another time it may be another. Old versions tell only
+    /// how long it took, which is nothing where nothing was measured.
+    pub(super) fn measured_plan(&self) -> bool {
+        match &self.planning {
+            Some(planning) => planning == Planning::Measured.name(),
+            None => self.seconds.plan > 0.01,
+        }
+    }
+
     /// All the work that was counted.
     pub(super) fn counters(&self) -> Counters {
         let works = self.segments.iter().flat_map(|segment| segment.stages.values());

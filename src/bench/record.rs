@@ -104,7 +104,7 @@ pub(crate) struct Block {
     /// Clock of the cores in GHz: the mean over the block, the same for all sides.
     #[serde(default)]
     pub(crate) clock: f64,
-    /// Share of all cores that other processes kept busy, 0 to 1: the same for all sides.
+    /// Share of all the machine's cores that other processes kept busy, 0 to 1: the same for all sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) load: Option<f64>,
     /// What others took from both renders; unknown of programs that do not tell.

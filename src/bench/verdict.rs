@@ -111,8 +111,12 @@ impl Outcome {
     }
 }
 
-fn is_beyond(change: f64, threshold: f64) -> bool {
-    change.max(1.0 / change) > 1.0 + threshold
+/// Whether an interval that reaches within the threshold speaks for no change: its median is within, too,
+/// and its ends are not far beyond.
+fn is_same(change: &Estimate, threshold: f64) -> bool {
+    let off = |change: f64| change.max(1.0 / change) - 1.0;
+    let ends = off(change.lo).max(off(change.hi));
+    off(change.median) <= threshold && ends <= 3.0 * threshold
 }
 
 /// Improved or regressed only where the whole interval is beyond the threshold.
@@ -150,33 +154,36 @@ impl Verdict {
         (self.outcome, self.reason) = (outcome, reason.to_owned());
     }
 
-    /// A change needs two samples that agree, no change one. Those with something against them do not
-    /// count, nor those whose median is beyond the threshold and whose interval is not.
+    /// A change needs two samples that agree, no change one.
     fn conclude(&self, threshold: f64) -> (Outcome, &'static str) {
-        let mut change = None;
-        for sample in self.clean() {
-            match (decide(sample, threshold), change) {
-                (Outcome::Same, _) if is_beyond(sample.median, threshold) => {}
-                (Outcome::Same, None) => return (Outcome::Same, ""),
-                (outcome, None) => change = Some(outcome),
-                (outcome, Some(first)) if outcome == first => return (outcome, ""),
-                (_, Some(_)) => return (Outcome::Same, "not confirmed"),
-            }
+        let samples: Vec<Outcome> =
+            self.counted(threshold).map(|change| decide(change, threshold)).take(2).collect();
+        match samples[..] {
+            [Outcome::Same, ..] => return (Outcome::Same, ""),
+            [_, Outcome::Same] => return (Outcome::Same, "not confirmed"),
+            [first, second] if first == second => return (first, ""),
+            [_, _] => return (Outcome::Unclear, "samples contradict each other"),
+            _ => {}
         }
         let doubt = self.findings.last().and_then(|finding| finding.doubt);
         (Outcome::Unclear, doubt.map_or("it may have changed", Doubt::reason))
     }
 
     /// Whether another sample may tell more.
-    pub(super) fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self, threshold: f64) -> bool {
         let lasting = |finding: &Finding| finding.doubt.is_some_and(|doubt| !doubt.passes());
-        self.outcome == Outcome::Unclear && !self.findings.iter().any(lasting)
+        self.outcome == Outcome::Unclear
+            && self.counted(threshold).count() < 2
+            && !self.findings.iter().any(lasting)
     }
 
-    /// Of the samples that nothing is against.
-    pub(crate) fn clean(&self) -> impl Iterator<Item = &Estimate> {
+    /// Of the samples that count: nothing is against them, and they are sure of a change or of none.
+    pub(crate) fn counted(&self, threshold: f64) -> impl Iterator<Item = &Estimate> {
         let clean = self.findings.iter().filter(|finding| finding.doubt.is_none());
-        clean.map(|finding| &finding.change)
+        let changes = clean.map(|finding| &finding.change);
+        changes.filter(move |change| {
+            decide(change, threshold) != Outcome::Same || is_same(change, threshold)
+        })
     }
 }
 
@@ -201,7 +208,7 @@ mod tests {
 
     fn told(findings: &[(f64, Option<Doubt>)]) -> (Outcome, String, bool) {
         let verdict = verdict(findings);
-        let open = verdict.is_open();
+        let open = verdict.is_open(0.01);
         (verdict.outcome, verdict.reason, open)
     }
 
@@ -212,10 +219,9 @@ mod tests {
         assert_eq!(told(&[slow]), (Outcome::Unclear, "it may have changed".to_owned(), true));
         assert_eq!(told(&[slow, slow]), (Outcome::Regressed, String::new(), false));
         assert_eq!(told(&[fast, fast]), (Outcome::Improved, String::new(), false));
-        for second in [same, fast] {
-            let not_confirmed = (Outcome::Same, "not confirmed".to_owned(), false);
-            assert_eq!(told(&[slow, second]), not_confirmed);
-        }
+        assert_eq!(told(&[slow, same]), (Outcome::Same, "not confirmed".to_owned(), false));
+        let contradict = "samples contradict each other".to_owned();
+        assert_eq!(told(&[slow, fast]), (Outcome::Unclear, contradict, false));
     }
 
     #[test]
@@ -223,12 +229,11 @@ mod tests {
         let of = |findings: &[Finding]| {
             let mut verdict = verdict(&[]);
             findings.iter().for_each(|&finding| verdict.add(finding, 0.01));
-            (verdict.outcome, verdict.is_open())
+            (verdict.outcome, verdict.is_open(0.01))
         };
         let change = |median| Estimate { median, lo: 0.995 * median, hi: 1.005 * median };
         let [slow, same] = [0.97, 1.0].map(|m| Finding { change: change(m), doubt: None });
-        assert_eq!(of(&[wide(1.005)]), (Outcome::Same, false), "it seems the same");
-        for perhaps in [wide(0.98), wide(1.02)] {
+        for perhaps in [wide(0.98), wide(1.005), wide(1.02)] {
             assert_eq!(of(&[perhaps]), (Outcome::Unclear, true));
             assert_eq!(of(&[perhaps, perhaps, perhaps]), (Outcome::Unclear, true));
             assert_eq!(of(&[perhaps, same]), (Outcome::Same, false));
@@ -248,7 +253,7 @@ mod tests {
             assert_eq!(told(&[disturbed, same]).0, Outcome::Same);
             assert_eq!(told(&[disturbed, slow]).0, Outcome::Unclear);
             assert_eq!(told(&[disturbed, slow, disturbed, slow]).0, Outcome::Regressed);
-            assert_eq!(verdict(&[disturbed, slow]).clean().count(), 1);
+            assert_eq!(verdict(&[disturbed, slow]).counted(0.01).count(), 1);
         }
         for lasting in [Doubt::Image, Doubt::Baseline, Doubt::Uncontrolled] {
             let unclear = (Outcome::Unclear, lasting.reason().to_owned(), false);

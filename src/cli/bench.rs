@@ -41,9 +41,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     let mut tell = |done, of| progress.tell(done, of);
     let mut record = bench.record(&bench.measure(blocks, |_, _| true, &mut tell)?);
     write(args, &record)?;
-    for (format, folder) in &exports {
-        export(&record, *format, folder)?;
-    }
+    // What was measured is told, even where an export fails.
+    let exported = exports.iter().try_for_each(|(format, folder)| export(&record, *format, folder));
     bench_table::print(&record)?;
     if args.json.is_some() && !args.quiet {
         tell_doubts(&record, threshold);
@@ -51,7 +50,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     let reference = match &baseline {
         Some((baseline, _)) => Reference::Baseline(baseline),
         None if args.against.is_some() => Reference::Against,
-        None => return Ok(0),
+        None => return exported.map(|()| 0),
     };
     bench_table::print_counts(&counts(&record, reference))?;
     // What decides alone is measured twice as long: a few busy moments must not hide a change.
@@ -60,13 +59,13 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     if !args.gate {
         // What is not measured again is no verdict.
         bench_table::print_gate(&record, &gate, false)?;
-        return Ok(0);
+        return exported.map(|()| 0);
     }
     record.gate = Some(gate.clone());
     write(args, &record)?;
     bench_table::print_gate(&record, &gate, true)?;
     let regressed = gate.verdicts.iter().any(|verdict| verdict.outcome == Outcome::Regressed);
-    Ok(if regressed { REGRESSION } else { 0 })
+    exported.map(|()| if regressed { REGRESSION } else { 0 })
 }
 
 /// A baseline, and its name.
@@ -137,7 +136,8 @@ fn check_files(args: &BenchArgs, options: &Options, exports: &[(Format, PathBuf)
         check_export(&runs, *format, folder)?;
         // Its folder may not be there yet.
         let file = export_file(*format, folder);
-        let clash = |other: &Path| same_file(other, &file);
+        let place = |file: &Path| std::path::absolute(file).ok();
+        let clash = |other: &Path| same_file(other, &file) || place(other) == place(&file);
         if read.iter().any(|(_, other)| other.exists() && clash(other))
             || written.iter().any(|other| clash(other))
         {

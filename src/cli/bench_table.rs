@@ -144,7 +144,7 @@ pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
     for run in &record.runs {
         let told = match gate.verdicts.iter().find(|verdict| verdict.is_of(&run.work)) {
             None => "no such run there".to_owned(),
-            Some(verdict) => told(verdict, judged),
+            Some(verdict) => told(verdict, gate.threshold, judged),
         };
         let Work { scene, threads, engine, .. } = &run.work;
         let who = who(record, &printable(scene), &threads.to_string(), engine);
@@ -165,22 +165,22 @@ pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
 }
 
 /// The samples that decided it, or else the last one; and what came of it.
-fn told(verdict: &Verdict, judged: bool) -> String {
+fn told(verdict: &Verdict, threshold: f64, judged: bool) -> String {
     let change = |estimate: &Estimate| {
         let Estimate { median, lo, hi } = estimate;
         format!("{median:.4} ({lo:.4} to {hi:.4})")
     };
-    let mut clean = verdict.clean().map(change);
+    let mut counted = verdict.counted(threshold).map(change);
     let last = verdict.findings.last();
     let or_last = || last.map(|finding| change(&finding.change));
-    let (first, again) = (clean.next().or_else(or_last), clean.next());
+    let (first, again) = (counted.next().or_else(or_last), counted.next());
     let (first, again) = (first.unwrap_or_default(), again.unwrap_or_default());
     if !judged {
         let doubt = last.and_then(|finding| finding.doubt);
         return format!("{first:<29}{}", doubt.map_or("", |doubt| doubt.reason()));
     }
     let samples = verdict.findings.len();
-    let discarded = samples - verdict.clean().count();
+    let discarded = samples - verdict.counted(threshold).count();
     let discarded = (discarded > 0).then(|| format!("{discarded} of {samples} samples discarded"));
     let reason = Some(verdict.reason.clone()).filter(|reason| !reason.is_empty());
     let why: Vec<String> = reason.into_iter().chain(discarded).collect();

@@ -34,8 +34,8 @@ fn build(record: &Record) -> String {
         if commit.ends_with("-dirty") { "# and with changes that no commit has\n" } else { "" };
     let (commit, folder) = (quoted(clean(commit)), folder(record));
     format!(
-        "{changed}git worktree add {folder} {commit}\n\
-         (cd {folder} && RUSTFLAGS={} cargo build --release)\n",
+        "{changed}[ -d {folder} ] || git worktree add {folder} {commit}\n\
+         (cd {folder} && RUSTFLAGS={} cargo build --release --target-dir target)\n",
         quoted(flags)
     )
 }

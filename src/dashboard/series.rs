@@ -136,12 +136,16 @@ fn entry((file, record): &(String, Record)) -> Entry {
     Entry { file: file.clone(), time: record.time.clone(), commit, rustc, flags, os }
 }
 
-/// Changes of paths a cycle, since clocks change from hour to hour; of paths a second where a clock is
-/// not known. Runs of which most blocks are contaminated do not take part.
+/// Changes of paths a cycle, since clocks change from hour to hour; of paths a second where no run of the
+/// series knows its clock. Runs that do not know it, and those of which most blocks are contaminated, do
+/// not take part.
 fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
-    let cycles: Option<Vec<Vec<f64>>> = runs.iter().map(|run| run.paths_per_cycle()).collect();
-    let mut speeds =
-        cycles.unwrap_or_else(|| runs.iter().map(|run| run.paths_per_second()).collect());
+    let cycles = || runs.iter().map(|run| run.paths_per_cycle());
+    let mut speeds: Vec<Vec<f64>> = if cycles().any(|speeds| speeds.is_some()) {
+        cycles().map(Option::unwrap_or_default).collect()
+    } else {
+        runs.iter().map(|run| run.paths_per_second()).collect()
+    };
     for (run, speeds) in runs.iter().zip(&mut speeds) {
         if run.contaminated() * 2 > run.blocks.len() {
             speeds.clear();

@@ -57,13 +57,19 @@ fn stolen() -> Option<f64> {
     Some(ticks(&stat, 1)?.nth(7)? / TICKS_PER_SECOND)
 }
 
-/// Seconds that other processes have kept cores busy since the machine began, summed over cores: all
-/// but this one and those of its children that have ended. `None` where the operating system does not
-/// tell.
-pub fn busy_seconds_of_others() -> Option<f64> {
+/// Seconds that other processes have kept cores busy since the machine began, summed over its cores, and
+/// how many these are, whether this process may use them or not. Others are all but this one and those of
+/// its children that have ended. `None` where the operating system does not tell.
+pub fn busy_seconds_of_others() -> Option<(f64, usize)> {
     let (stat, own) =
         (fs::read_to_string("/proc/stat").ok()?, fs::read_to_string("/proc/self/stat").ok()?);
-    Some((busy(&stat)? - of_process(&own)?) / TICKS_PER_SECOND)
+    Some(((busy(&stat)? - of_process(&own)?) / TICKS_PER_SECOND, cores(&stat)))
+}
+
+/// A line `cpu` with a number each.
+fn cores(stat: &str) -> usize {
+    let number = |line: &str| line.strip_prefix("cpu").is_some_and(|rest| !rest.starts_with(' '));
+    stat.lines().filter(|line| number(line)).count()
 }
 
 /// Numbers of the first line, from place `first` on.
@@ -119,6 +125,7 @@ mod tests {
         assert_eq!(ticks(stat, 1).unwrap().nth(7), Some(8.0));
         assert_eq!(busy(stat), Some(10.0 + 20.0 + 30.0 + 6.0 + 7.0));
         assert_eq!(busy("cpu 1 2"), None);
+        assert_eq!((cores(stat), cores("cpu 1\ncpu0 1\ncpu1 1\nintr 9\n")), (1, 2));
         let own = "1 (a) b) R 2 3 4 5 6 7 8 9 10 11 14 15 16 17 18 19";
         assert_eq!(of_process(own), Some(14.0 + 15.0 + 16.0 + 17.0));
     }

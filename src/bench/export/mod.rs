@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use super::record::{Record, Work};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
-use crate::output::check_folder;
+use crate::output::{check_folder, check_writable};
 
 /// A format that another program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,11 +62,17 @@ pub(crate) fn check_export(
     folder: &Path,
 ) -> Result<()> {
     check_folder(folder)?;
+    let file = export_file(format, folder);
+    if format == Format::Criterion {
+        check_folder(&file)?;
+    } else if folder.is_dir() {
+        check_writable(&file)?;
+    }
     match format {
         Format::Csv => {
             let names =
                 runs.iter().map(|&(scene, engine, threads)| name(scene, engine.name(), threads));
-            csv::check(names, &export_file(format, folder))
+            csv::check(names, &file)
         }
         Format::Criterion | Format::Gha | Format::Bmf => Ok(()),
     }
