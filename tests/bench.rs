@@ -414,6 +414,53 @@ fn the_gate_shuts_where_a_program_is_slower_than_its_baseline() {
     assert_eq!(told.matches("another image").count(), 2, "said without --gate, too: {told}");
 }
 
+/// Another measurement may choose another plan: that would be no difference of programs.
+#[cfg(unix)]
+#[test]
+fn plans_that_were_measured_are_measured_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let timed = |planning: &str| {
+        let [first, second] = [("first", 4096), ("second", 8192)].map(|(name, wave)| {
+            let program = pretender(here, name, 0.5, None);
+            let file = here.join(format!("{name}.wavefront.json"));
+            let mut record = read(&file);
+            record["planning"] = json!(planning);
+            record["plan"]["wave_size"] = json!(wave);
+            fs::write(file, record.to_string()).unwrap();
+            program.display().to_string()
+        });
+        let against = ["--program", &first, "--against", &second, "--engine", "wavefront"];
+        bench(here, &[&against[..], &["--blocks", "6", "--json", "plans.json"]].concat());
+        let record = read(&here.join("plans.json"));
+        let wave = |run: &Value| run["timed_plan"]["wave_size"].as_u64().unwrap();
+        (wave(&record["runs"][0]), wave(&record["against"]["runs"][0]))
+    };
+    assert_eq!(timed("measured"), (4096, 4096));
+    assert_eq!(timed("usual"), (4096, 8192), "a version may plan otherwise");
+}
+
+/// Who keeps a record learns at once that it would be no baseline.
+#[cfg(unix)]
+#[test]
+fn records_that_tell_nothing_as_a_baseline_are_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let program = pretender(here, "disturbed", 0.5, None);
+    for engine in ["scalar", "wavefront"] {
+        let file = here.join(format!("disturbed.{engine}.json"));
+        let mut record = read(&file);
+        record["interference"]["switches"] = json!(1_000_000);
+        fs::write(file, record.to_string()).unwrap();
+    }
+    let loud = SMALL.into_iter().filter(|argument| *argument != "--quiet");
+    let more = ["--blocks", "6", "--json", "a.json", "--program", program.to_str().unwrap()];
+    let output = ptfast(here, &loud.chain(more).collect::<Vec<_>>());
+    let told = "as a baseline it would tell nothing of cornell scalar 1 (most blocks are contaminated), \
+                cornell wavefront 1";
+    assert!(stderr(&output).contains(told), "{}", stderr(&output));
+}
+
 /// Sends a signal, by what every shell has; `false` where there is no such process.
 #[cfg(unix)]
 fn kill(signal: &str, pid: &str) -> bool {
