@@ -39,12 +39,13 @@ function chart(parent, title, labels, lines, more = {}) {
   const every = Math.ceil(labels.length / 40);
   const splits = labels.map((_, i) => i).filter((i) => i % every === 0);
   const ink = matchMedia("(prefers-color-scheme: dark)").matches ? "#ccc" : "#333";
+  const crowded = labels.length > (innerWidth < 700 ? 5 : 12);
   const axis = { stroke: ink, grid: { stroke: "#8883" }, ticks: { stroke: "#8883" } };
   const plot = new uPlot({
     width: 320, height: HEIGHT, series, bands,
     scales: { x: { time: false, range: [-0.5, labels.length - 0.5] }, y: more.y || { range: range } },
     axes: [
-      { ...axis, splits: () => splits, values: () => splits.map((i) => String(labels[i])), rotate: labels.length > 12 ? -60 : 0, size: labels.length > 12 ? 70 : 40 },
+      { ...axis, splits: () => splits, values: () => splits.map((i) => String(labels[i])), rotate: crowded ? -60 : 0, size: crowded ? 70 : 40 },
       { ...axis, size: 60 },
     ],
     legend: { live: true },
