@@ -63,7 +63,7 @@ pub mod scene;
 mod simd;
 mod statistics;
 
-pub use engine::{Engine, Render, RenderSettings, Renderer};
+pub use engine::{Engine, Render, RenderSettings, Renderer, Sampler};
 pub use error::{Error, Result};
 pub use image::{Image, Metadata, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};

@@ -35,7 +35,7 @@ fn render_writes_image_record_and_summary() {
         assert!(!record["machine"][field].is_null(), "machine.{field}");
     }
     let want = serde_json::json!({
-        "scene": "cornell", "engine": "wavefront", "sampling": "mis", "sampler": "independent",
+        "scene": "cornell", "engine": "wavefront", "sampling": "mis", "sampler": "sobol",
         "width": 20, "height": 20, "spp": 3, "depth": 50, "seed": 7, "non_finite": 0,
     });
     for (field, value) in want.as_object().unwrap() {

@@ -5,7 +5,7 @@ mod common;
 use std::fmt::Write;
 
 use common::{SAMPLINGS, render};
-use ptfast::{RenderSettings, Scene};
+use ptfast::{RenderSettings, Sampler, Scene};
 
 /// Small settings with a last chunk of samples that is not full.
 fn small(scene: &Scene) -> RenderSettings {
@@ -42,11 +42,14 @@ fn every_build_gives_the_pinned_hashes() {
         // Without lights all three are one.
         let modes = if scene.lights().is_empty() { &SAMPLINGS[..1] } else { &SAMPLINGS };
         for &sampling in modes {
-            for roulette in [true, false] {
-                let settings = RenderSettings { sampling, roulette, ..small(&scene) };
+            for (sampler, roulette) in
+                [(Sampler::Sobol, true), (Sampler::Sobol, false), (Sampler::Independent, true)]
+            {
+                let settings = RenderSettings { sampling, sampler, roulette, ..small(&scene) };
                 let hash = render(&scene, settings).hash();
+                let (sampling, sampler) = (sampling.name(), sampler.name());
                 let roulette = if roulette { "on" } else { "off" };
-                writeln!(hashes, "{name} {} {roulette} {hash}", sampling.name()).unwrap();
+                writeln!(hashes, "{name} {sampling} {sampler} {roulette} {hash}").unwrap();
             }
         }
     }

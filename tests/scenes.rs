@@ -110,7 +110,7 @@ fn means_are_those_of_other_programs() {
         for &sampling in modes {
             // As many paths as the noise asks for, on a coarser raster of the same picture.
             let (width, height, spp) = match (name, sampling) {
-                ("cornell", Sampling::Bsdf) => (200, 200, 36),
+                ("cornell", Sampling::Bsdf) => (200, 200, 64),
                 ("cornell", _) => (200, 200, 8),
                 ("checker", Sampling::Bsdf) => (320, 180, 16),
                 _ => (320, 180, 8),

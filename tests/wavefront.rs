@@ -10,7 +10,7 @@ use ptfast::accel::Kernel;
 use ptfast::engine::{Observer, Plan, Progress, SegmentPlan, Stage};
 use ptfast::math::random::Stream;
 use ptfast::scene::BUILTIN_NAMES;
-use ptfast::{Engine, Render, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, Render, RenderSettings, Renderer, Sampler, Scene};
 
 fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
     let settings = RenderSettings { engine, ..settings.clone() };
@@ -33,10 +33,18 @@ fn built_in_scenes() {
     for name in BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron", "cloud:2000"]) {
         let scene = Scene::load(name).unwrap();
         for sampling in SAMPLINGS {
-            for roulette in [true, false] {
-                let base = RenderSettings::of(&scene);
-                let settings =
-                    RenderSettings { width: 61, height: 37, spp: 5, sampling, roulette, ..base };
+            for (sampler, roulette) in
+                [(Sampler::Sobol, true), (Sampler::Sobol, false), (Sampler::Independent, true)]
+            {
+                let settings = RenderSettings {
+                    width: 61,
+                    height: 37,
+                    spp: 5,
+                    sampling,
+                    sampler,
+                    roulette,
+                    ..RenderSettings::of(&scene)
+                };
                 compare(&scene, &settings, name);
             }
         }
@@ -74,8 +82,9 @@ fn random_scenes() {
         let mut random = Stream::new(!seed);
         let roulette = random.bits().is_multiple_of(2);
         let plan = random_plan(&mut random);
+        let sampler = Sampler::ALL[seed as usize % 2];
         let base = RenderSettings::of(&scene);
-        let settings = RenderSettings { seed, threads: 1, roulette, plan, ..base };
+        let settings = RenderSettings { seed, threads: 1, sampler, roulette, plan, ..base };
         rays += compare(&scene, &settings, &format!("scene {seed}"));
     }
     assert!(rays > 900_000, "{rays}");

@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::bench_args::BenchArgs;
 use super::dashboard::DashboardArgs;
 use crate::accel::Kernel;
-use crate::engine::{Engine, Pin};
+use crate::engine::{Engine, Pin, Sampler};
 use crate::image::Transfer;
 use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS, MAX_WAVE};
 use crate::scene::Sampling;
@@ -85,6 +85,9 @@ pub(super) struct RenderArgs {
     /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
     #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     pub(super) sampling: Option<Sampling>,
+    /// Where random numbers are from
+    #[arg(long, value_name = "SAMPLER", default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
+    pub(super) sampler: Sampler,
     /// Whether paths of little weight end early at random, without bias
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub(super) roulette: Switch,

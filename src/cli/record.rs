@@ -36,7 +36,7 @@ pub(super) fn render_record(
         "scene_hash": scene.hash(),
         "engine": settings.engine.name(),
         "sampling": settings.sampling.name(),
-        "sampler": "independent",
+        "sampler": settings.sampler.name(),
         "width": settings.width,
         "height": settings.height,
         "spp": settings.spp,
@@ -94,7 +94,7 @@ pub(super) fn metadata(scene: &Scene, settings: &RenderSettings, hash: &str) -> 
         "spp": settings.spp,
         "depth": settings.depth,
         "sampling": settings.sampling.name(),
-        "sampler": "independent",
+        "sampler": settings.sampler.name(),
         "roulette": settings.roulette,
     });
     Metadata::default()

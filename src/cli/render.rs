@@ -92,6 +92,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         depth: args.depth.unwrap_or(defaults.depth),
         seed: args.seed,
         sampling: args.sampling.unwrap_or(defaults.sampling),
+        sampler: args.sampler,
         roulette: args.roulette == Switch::On,
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
@@ -115,7 +116,8 @@ fn summarize(
     output: &Path,
 ) -> Result<()> {
     let RenderSettings { width, height, spp, depth, seed, .. } = settings;
-    let (sampling, engine) = (settings.sampling.name(), settings.engine.name());
+    let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
+    let engine = settings.engine.name();
     let roulette = if settings.roulette { "on" } else { "off" };
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
@@ -128,7 +130,7 @@ fn summarize(
         ));
     }
     say(format_args!(
-        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, roulette {roulette}",
+        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",
         scene.name()
     ))?;
     say(format_args!(

@@ -1,32 +1,48 @@
 //! Names of the random numbers of a path, so that none is used twice.
 
-use crate::math::random::PathKey;
-use crate::simd::Float;
+use super::settings::Sampler;
+use crate::math::random::{PathKey, PixelKey};
 use crate::simd::random::PathKeys;
+use crate::simd::{Float, Int};
 
 /// The random numbers of one block: block 0 is the camera's, block k ≥ 1 that of the vertex
 /// at the end of the path's k-th segment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Randoms<K = PathKey> {
+    sampler: Sampler,
     key: K,
     first: u32,
 }
 
-/// The key of a path, or of a path a lane.
+/// The key of a path, or of a path a lane: numbers in `[0, 1)` by a sampler and a dimension.
 pub(crate) trait Key {
     /// A number, or one a lane.
     type Number;
 
-    /// In `[0, 1)`.
-    fn uniform(&self, dimension: u32) -> Self::Number;
+    /// One number.
+    fn one(&self, sampler: Sampler, dimension: u32) -> Self::Number;
+
+    /// Two numbers that belong together, for `dimension` and the next.
+    fn two(&self, sampler: Sampler, dimension: u32) -> (Self::Number, Self::Number);
 }
 
 impl Key for PathKey {
     type Number = f32;
 
     #[inline]
-    fn uniform(&self, dimension: u32) -> f32 {
-        Self::uniform(*self, dimension)
+    fn one(&self, sampler: Sampler, dimension: u32) -> f32 {
+        match sampler {
+            Sampler::Independent => self.uniform(dimension),
+            Sampler::Sobol => self.sobol(dimension).0,
+        }
+    }
+
+    #[inline]
+    fn two(&self, sampler: Sampler, dimension: u32) -> (f32, f32) {
+        match sampler {
+            Sampler::Independent => (self.uniform(dimension), self.uniform(dimension + 1)),
+            Sampler::Sobol => self.sobol(dimension),
+        }
     }
 }
 
@@ -34,8 +50,39 @@ impl Key for PathKeys {
     type Number = Float;
 
     #[inline(always)]
-    fn uniform(&self, dimension: u32) -> Float {
-        Self::uniform(self, dimension)
+    fn one(&self, sampler: Sampler, dimension: u32) -> Float {
+        match sampler {
+            Sampler::Independent => self.uniform(dimension),
+            Sampler::Sobol => self.sobol_number(dimension),
+        }
+    }
+
+    #[inline(always)]
+    fn two(&self, sampler: Sampler, dimension: u32) -> (Float, Float) {
+        match sampler {
+            Sampler::Independent => (self.uniform(dimension), self.uniform(dimension + 1)),
+            Sampler::Sobol => self.sobol_point(dimension),
+        }
+    }
+}
+
+impl Sampler {
+    /// The key of sample `sample` of a pixel.
+    #[inline]
+    pub(super) fn path(self, pixel: PixelKey, sample: u32) -> PathKey {
+        match self {
+            Self::Independent => pixel.sample(sample),
+            Self::Sobol => pixel.sobol_sample(sample),
+        }
+    }
+
+    /// The keys of samples of pixels, whose words are `pixel`.
+    #[inline(always)]
+    pub(super) fn paths(self, pixel: (Int, Int), samples: Int) -> PathKeys {
+        match self {
+            Self::Independent => PathKeys::new(pixel, samples),
+            Self::Sobol => PathKeys::sobol(pixel, samples),
+        }
     }
 }
 
@@ -62,34 +109,28 @@ impl Dimension {
     pub(crate) const SCATTER: Self = Self(3);
     /// Vertex: reflection or refraction.
     pub(crate) const LOBE: Self = Self(5);
-    /// Vertex: distance of a point in the unit ball (3).
+    /// Vertex: distance of a point in the unit ball.
     pub(crate) const BALL: Self = Self(6);
     /// Vertex: whether the path goes on.
-    pub(crate) const ROULETTE: Self = Self(9);
+    pub(crate) const ROULETTE: Self = Self(7);
 }
 
 impl<K: Key> Randoms<K> {
-    /// The numbers of block `block` of the path `key`.
+    /// The numbers that `sampler` has for block `block` of the path `key`.
     #[inline(always)]
-    pub(crate) fn new(key: K, block: u32) -> Self {
-        Self { key, first: block * BLOCK }
+    pub(crate) fn new(sampler: Sampler, key: K, block: u32) -> Self {
+        Self { sampler, key, first: block * BLOCK }
     }
 
     /// One number in `[0, 1)`.
     #[inline(always)]
-    pub(crate) fn one(&self, dimension: Dimension) -> K::Number {
-        self.key.uniform(self.first + dimension.0)
+    pub(crate) fn one(&self, Dimension(dimension): Dimension) -> K::Number {
+        self.key.one(self.sampler, self.first + dimension)
     }
 
     /// Two numbers in `[0, 1)`.
     #[inline(always)]
-    pub(crate) fn two(&self, Dimension(d): Dimension) -> (K::Number, K::Number) {
-        (self.one(Dimension(d)), self.one(Dimension(d + 1)))
-    }
-
-    /// Three numbers in `[0, 1)`.
-    #[inline(always)]
-    pub(crate) fn three(&self, Dimension(d): Dimension) -> [K::Number; 3] {
-        [self.one(Dimension(d)), self.one(Dimension(d + 1)), self.one(Dimension(d + 2))]
+    pub(crate) fn two(&self, Dimension(dimension): Dimension) -> (K::Number, K::Number) {
+        self.key.two(self.sampler, self.first + dimension)
     }
 }

@@ -30,6 +30,29 @@ impl Engine {
     }
 }
 
+/// Where the random numbers of paths are from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// A hash: numbers that have nothing in common.
+    Independent,
+    /// Owen-scrambled Sobol' points: the samples of a pixel fill each pair of dimensions evenly.
+    #[default]
+    Sobol,
+}
+
+impl Sampler {
+    /// All samplers.
+    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
+
+    /// The name on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Sobol => "sobol",
+        }
+    }
+}
+
 /// Settings of a render. Only the first group decides the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RenderSettings {
@@ -45,6 +68,8 @@ pub struct RenderSettings {
     pub seed: u64,
     /// How light is found.
     pub sampling: Sampling,
+    /// Where random numbers are from.
+    pub sampler: Sampler,
     /// Whether paths of little weight end by Russian roulette from segment 5 on.
     pub roulette: bool,
 
@@ -80,6 +105,7 @@ impl RenderSettings {
             depth: defaults.depth,
             seed: 1,
             sampling: scene.default_sampling(),
+            sampler: Sampler::default(),
             roulette: true,
             engine: Engine::default(),
             threads: 0,

@@ -4,8 +4,10 @@
 //! operations in one written order, so that each function returns the same bits
 //! on every instruction set and thread count. See ARCHITECTURE.md, "The contract".
 
+pub mod powers;
 pub mod precise;
 pub mod random;
+pub mod sobol;
 pub mod trig;
 pub mod vector;
 pub mod warp;

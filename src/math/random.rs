@@ -6,8 +6,8 @@
 /// Two words, so that different paths share all their numbers with probability 2^-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathKey {
-    pixel_word: u32,
-    sample_word: u32,
+    pub(super) pixel_word: u32,
+    pub(super) sample_word: u32,
 }
 
 /// Key of a pixel, from which the keys of its samples are made.
@@ -70,7 +70,7 @@ pub(crate) const MULTIPLIER_2: u32 = 0x735A_2D97;
 /// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
 /// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
 #[inline]
-fn mix32(mut x: u32) -> u32 {
+pub(super) fn mix32(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(MULTIPLIER_1);
     x = (x ^ (x >> 15)).wrapping_mul(MULTIPLIER_2);
     x ^ (x >> 15)
@@ -78,7 +78,7 @@ fn mix32(mut x: u32) -> u32 {
 
 /// Finaliser of SplitMix64 (Steele, Lea, Flood 2014), after one step of its counter.
 #[inline]
-fn mix64(x: u64) -> u64 {
+pub(super) fn mix64(x: u64) -> u64 {
     let mut x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

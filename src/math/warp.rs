@@ -5,6 +5,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::orthonormal_basis;
+use super::powers::cbrt;
 use super::trig::sin_cos_turns;
 
 /// Uniform point of the unit disk.
@@ -24,12 +25,11 @@ pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
     Vec3::new(radius * cos, radius * sin, z)
 }
 
-/// Uniform point of the unit ball: a uniform direction at the largest of three uniform
-/// distances, which is distributed as the cube root of one.
+/// Uniform point of the unit ball: a uniform direction, and the share `w` of the ball that is no
+/// farther.
 #[inline]
-pub fn uniform_ball(u: f32, v: f32, distances: [f32; 3]) -> Vec3 {
-    let [a, b, c] = distances;
-    uniform_sphere(u, v) * super::max(super::max(a, b), c)
+pub fn uniform_ball(u: f32, v: f32, w: f32) -> Vec3 {
+    uniform_sphere(u, v) * cbrt(w)
 }
 
 /// Unit vector about `n` with pdf cos θ/π, and cos θ (never 0).
@@ -130,7 +130,7 @@ mod tests {
         });
         assert_mean(0.75, |r| {
             let (u, v) = uv(r);
-            length(uniform_ball(u, v, [r.uniform(), r.uniform(), r.uniform()]))
+            length(uniform_ball(u, v, r.uniform()))
         });
         assert_mean(0.95, |r| {
             let (u, v) = uv(r);

@@ -105,6 +105,17 @@ impl Int {
         Self(self.0 << bits)
     }
 
+    /// Each lane's bits in the other order.
+    #[inline(always)]
+    pub(crate) fn reversed(self) -> Self {
+        // Two or three instructions where the CPU has tables of bytes; `wide` has none.
+        let mut lanes = self.to_array();
+        for lane in &mut lanes {
+            *lane = lane.reverse_bits();
+        }
+        Self::new(lanes)
+    }
+
     /// The nearest floats of lanes below 2^31.
     #[inline(always)]
     pub(crate) fn to_float(self) -> Float {

@@ -14,9 +14,11 @@ mod float;
 mod indices;
 mod int;
 mod mask;
+pub(crate) mod powers;
 mod prefetch;
 mod quads;
 pub(crate) mod random;
+mod sobol;
 pub(crate) mod trig;
 mod vec3x;
 pub(crate) mod warp;
@@ -196,7 +198,8 @@ mod tests {
             let y: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32);
             let (v, w, by) = (Int::new(x), Int::new(y), y[0] % 32);
             type Scalar<'a> = &'a dyn Fn(usize) -> u32;
-            let operations: [(Int, Scalar); 11] = [
+            let operations: [(Int, Scalar); 12] = [
+                (v.reversed(), &|i| x[i].reverse_bits()),
                 (v - w, &|i| x[i].wrapping_sub(y[i])),
                 (v + w, &|i| x[i].wrapping_add(y[i])),
                 (v * w, &|i| x[i].wrapping_mul(y[i])),

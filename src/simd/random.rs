@@ -33,13 +33,19 @@ impl PathKeys {
     /// Uniform numbers in `[0, 1)`, multiples of 2^-24.
     #[inline(always)]
     pub(crate) fn uniform(&self, dimension: u32) -> Float {
-        // 24 bits are numbers of f32 and, with a sign, of i32.
-        self.bits(dimension).shifted_down(8).to_float() * Float::splat(1.0 / 16_777_216.0)
+        unit_interval(self.bits(dimension))
     }
 }
 
+/// [`unit_interval`](crate::math::random::unit_interval): the upper 24 bits, in `[0, 1)`.
 #[inline(always)]
-fn mix(x: Int) -> Int {
+pub(super) fn unit_interval(bits: Int) -> Float {
+    // 24 bits are numbers of f32 and, with a sign, of i32.
+    bits.shifted_down(8).to_float() * Float::splat(1.0 / 16_777_216.0)
+}
+
+#[inline(always)]
+pub(super) fn mix(x: Int) -> Int {
     let x = (x ^ x.shifted_down(16)) * Int::splat(MULTIPLIER_1);
     let x = (x ^ x.shifted_down(15)) * Int::splat(MULTIPLIER_2);
     x ^ x.shifted_down(15)

@@ -3,6 +3,7 @@
 
 use std::f32::consts::PI;
 
+use super::powers::cbrt;
 use super::trig::sin_cos_turns;
 use super::{Float, Vec3x};
 
@@ -26,8 +27,8 @@ pub(crate) fn uniform_sphere(u: Float, v: Float) -> Vec3x {
 
 /// [`uniform_ball`](crate::math::warp::uniform_ball).
 #[inline(always)]
-pub(crate) fn uniform_ball(u: Float, v: Float, [a, b, c]: [Float; 3]) -> Vec3x {
-    uniform_sphere(u, v) * a.max(b).max(c)
+pub(crate) fn uniform_ball(u: Float, v: Float, w: Float) -> Vec3x {
+    uniform_sphere(u, v) * cbrt(w)
 }
 
 /// [`cosine_hemisphere`](crate::math::warp::cosine_hemisphere): directions and their cosines.
@@ -98,7 +99,7 @@ mod tests {
     fn lanes_are_the_scalar_maps() {
         let mut random = Stream::new(9);
         for _ in 0..20_000 {
-            let [u, v, a, b, c] = [(); 5].map(|()| uniform(&mut random));
+            let [u, v, a] = [(); 3].map(|()| uniform(&mut random));
             let float = Float::new;
             let normals: [Vec3; LANES] = std::array::from_fn(|i| match i {
                 0 => Vec3::Z,
@@ -113,8 +114,8 @@ mod tests {
                 Vec3::new(x, y, 0.0)
             });
             same(uniform_sphere(float(u), float(v)), |i| math::warp::uniform_sphere(u[i], v[i]));
-            let ball = uniform_ball(float(u), float(v), [float(a), float(b), float(c)]);
-            same(ball, |i| math::warp::uniform_ball(u[i], v[i], [a[i], b[i], c[i]]));
+            let ball = uniform_ball(float(u), float(v), float(a));
+            same(ball, |i| math::warp::uniform_ball(u[i], v[i], a[i]));
             let (direction, cos) = cosine_hemisphere(n, float(u), float(v));
             let scalar = |i: usize| math::warp::cosine_hemisphere(normals[i], u[i], v[i]);
             same(direction, |i| scalar(i).0);

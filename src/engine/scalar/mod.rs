@@ -45,8 +45,9 @@ impl<'a> ScalarEngine<'a> {
 
     /// The first ray of sample `sample` of pixel `(x, y)`, and the path's random numbers.
     pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
-        let key = PixelKey::new(self.settings.seed, x, y).sample(sample);
-        (self.camera.ray(x, y, camera_sample(&Randoms::new(key, 0))), key)
+        let sampler = self.settings.sampler;
+        let key = sampler.path(PixelKey::new(self.settings.seed, x, y), sample);
+        (self.camera.ray(x, y, camera_sample(&Randoms::new(sampler, key, 0))), key)
     }
 }
 

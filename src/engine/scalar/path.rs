@@ -58,7 +58,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             let primitive = self.scene.geometry().get(hit.primitive);
             let surface = primitive.surface(&ray, hit.t);
             let (normal, front) = face_forward(surface.normal, ray.direction);
-            let randoms = Randoms::new(key, segment);
+            let randoms = Randoms::new(self.settings.sampler, key, segment);
             let color = |texture: u32| {
                 let uv = || primitive.uv(&ray, &surface, hit.t);
                 self.scene.textures()[texture as usize].color(surface.point, uv)

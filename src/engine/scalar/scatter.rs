@@ -62,7 +62,7 @@ pub(super) fn metal(
 ) -> Option<Scatter> {
     let mirror = reflect(ray.direction, normal);
     let (u, v) = randoms.two(Dimension::SCATTER);
-    let blur = uniform_ball(u, v, randoms.three(Dimension::BALL));
+    let blur = uniform_ball(u, v, randoms.one(Dimension::BALL));
     let direction = normalize(mirror + blur * fuzz);
     // False for NaN too, where the blur undoes the mirror direction exactly.
     let above = dot(direction, normal) > 0.0;

@@ -29,8 +29,9 @@ pub(super) fn generate(
     rays.begin(count);
     for first in (0..count).step_by(LANES) {
         let sampled = samples.next_lanes();
-        let keys = PathKeys::new(sampled.pixel_key, sampled.sample);
-        let made = camera_rays(camera, sampled.x, sampled.y, &Randoms::new(keys, 0));
+        let keys = settings.sampler.paths(sampled.pixel_key, sampled.sample);
+        let randoms = Randoms::new(settings.sampler, keys, 0);
+        let made = camera_rays(camera, sampled.x, sampled.y, &randoms);
         let RayVector { origin, direction, time, .. } = made;
         let pdf = Float::splat(Segment::SPECULAR);
         let beta = Vec3x([Float::splat(1.0); 3]);

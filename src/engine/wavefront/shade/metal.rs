@@ -19,7 +19,7 @@ impl Scatterer for MetalOf {
         let (albedo, fuzz) = shading.albedo(self.0, vertex);
         let mirror = reflect(vertex.segment.direction, vertex.normal);
         let (u, v) = vertex.randoms.two(Dimension::SCATTER);
-        let blur = uniform_ball(u, v, vertex.randoms.three(Dimension::BALL));
+        let blur = uniform_ball(u, v, vertex.randoms.one(Dimension::BALL));
         let direction = (mirror + blur * fuzz).normalize();
         // False for NaN too, where the blur undoes the mirror direction exactly.
         let above = direction.dot(vertex.normal).gt(Float::ZERO);

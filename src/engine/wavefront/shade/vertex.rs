@@ -55,7 +55,7 @@ impl Shading<'_> {
             normal,
             front,
             history,
-            randoms: Randoms::new(history.keys, self.segment),
+            randoms: Randoms::new(self.settings.sampler, history.keys, self.segment),
         }
     }
 }

@@ -1,0 +1,227 @@
+//! Owen-scrambled Sobol' points by hashing, in integers alone, any point at any time.
+//!
+//! Each dimension, or pair of dimensions, of a path is a sequence of its own (*padding*): the first
+//! two dimensions of Sobol's sequence, its points shuffled and both coordinates scrambled as trees
+//! of halves (Burley 2020, "Practical Hash-based Owen Scrambling"). Shuffling keeps the first 2^k
+//! points together as one aligned run of the sequence, so that any prefix is as good as its length
+//! allows: samples can be added later.
+//!
+//! Departures from the paper:
+//! 1. The sample's number is reversed once a path, in its key, and not for each sequence.
+//! 2. The eight bits of it that no sample reaches are the pixel's: it begins at a place of its own.
+//! 3. The second coordinate's matrix, Pascal's triangle modulo 2, is five steps (Ahmed 2024, "An
+//!    Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"), one for each bit of
+//!    a bit's number: (j choose i) is odd where j has all bits of i (Lucas 1878).
+//! 4. The hash of trees is the later one of Vegdahl 2021, "Building a Better LK Hash".
+
+use super::random::{GOLDEN, PathKey, PixelKey, mix32, unit_interval};
+
+/// The bits that no sample's number has once it is reversed: numbers are below 2^24.
+pub(crate) const SPARE: u32 = 0xFF;
+
+impl PixelKey {
+    /// Key of sample number `sample`, below 2^24, for Sobol' points.
+    #[inline]
+    pub fn sobol_sample(self, sample: u32) -> PathKey {
+        let (pixel_word, other) = self.words();
+        PathKey { pixel_word, sample_word: sample.reverse_bits() | other & SPARE }
+    }
+}
+
+impl PathKey {
+    /// This path's point of the sequence for `dimension` and the next, in `[0, 1)`, multiples of
+    /// 2^-24. The first coordinate alone serves a single dimension.
+    #[inline]
+    pub fn sobol(self, dimension: u32) -> (f32, f32) {
+        let (x, y) = self.sobol_bits(dimension);
+        (unit_interval(x), unit_interval(y))
+    }
+
+    /// The point in units of 2^-32.
+    #[inline]
+    fn sobol_bits(self, dimension: u32) -> (u32, u32) {
+        let seed = |use_of: u32| {
+            mix32(self.pixel_word.wrapping_add((3 * dimension + use_of).wrapping_mul(GOLDEN)))
+        };
+        let index = scrambled(self.sample_word, seed(0)).reverse_bits();
+        (scrambled(index, seed(1)).reverse_bits(), scrambled(pascal(index), seed(2)).reverse_bits())
+    }
+}
+
+/// Multipliers of [`scrambled`].
+pub(crate) const SCRAMBLE: [u32; 3] = [0x3D20_ADEA, 0x0552_6C56, 0x53A2_2864];
+
+/// Scrambles a tree of halves whose first branch is the lowest bit: each bit is flipped or not by a
+/// hash of those below.
+#[inline]
+fn scrambled(mut x: u32, seed: u32) -> u32 {
+    x ^= x.wrapping_mul(SCRAMBLE[0]);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(SCRAMBLE[1]);
+    x ^ x.wrapping_mul(SCRAMBLE[2])
+}
+
+/// Steps of [`pascal`]: how far down, and where to.
+pub(crate) const PASCAL: [(u32, u32); 5] =
+    [(16, 0x0000_FFFF), (8, 0x00FF_00FF), (4, 0x0F0F_0F0F), (2, 0x3333_3333), (1, 0x5555_5555)];
+
+/// Bit i is the sum over j of (j choose i) times bit j of `x`, modulo 2.
+#[inline]
+fn pascal(x: u32) -> u32 {
+    PASCAL.iter().fold(x, |x, &(down, places)| x ^ (x >> down) & places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::mix64;
+
+    /// How many points of each cell of a grid of 2^`bits` cells, 2^`across` of them along x.
+    fn cells(points: &[(u32, u32)], bits: u32, across: u32) -> Vec<u32> {
+        let mut cells = vec![0; 1 << bits];
+        for &(x, y) in points {
+            let row = y.unbounded_shr(32 - (bits - across));
+            cells[(row << across | x.unbounded_shr(32 - across)) as usize] += 1;
+        }
+        cells
+    }
+
+    fn points(seed: u64, dimension: u32, samples: std::ops::Range<u32>) -> Vec<(u32, u32)> {
+        let pixel = PixelKey::new(seed, 3, 4);
+        samples.map(|sample| pixel.sobol_sample(sample).sobol_bits(dimension)).collect()
+    }
+
+    /// Each aligned run of 2^k samples has one point in every cell of every grid of 2^k cells.
+    #[test]
+    fn aligned_runs_are_nets() {
+        for (seed, dimension) in [(1, 0), (1, 2), (2, 35), (3, 16_000)] {
+            for bits in 0..=12 {
+                for run in [0, 1, 2, 5] {
+                    let points = points(seed, dimension, run << bits..(run + 1) << bits);
+                    for across in 0..=bits {
+                        let cells = cells(&points, bits, across);
+                        assert!(
+                            cells.iter().all(|&n| n == 1),
+                            "{seed} {dimension} {bits} {across}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// The definition: y's digit i is the sum of (j choose i) times x's digit j.
+    #[test]
+    fn pascal_is_the_triangle() {
+        for bit in 0..32u64 {
+            let mut choose = 1u64;
+            let mut want = 0;
+            for i in 0..=bit {
+                want |= ((choose & 1) as u32) << i;
+                choose = choose * (bit - i) / (i + 1);
+            }
+            assert_eq!(pascal(1 << bit), want, "column {bit}");
+        }
+    }
+
+    /// Flipping a bit changes that bit and some above it; each of these in half of the trees.
+    #[test]
+    fn scrambling_is_by_trees() {
+        let mut flips = [[0u32; 32]; 32];
+        const TREES: u32 = 4096;
+        for tree in 0..TREES {
+            let (seed, x) = (mix32(tree), mix32(!tree));
+            for (bit, flips) in flips.iter_mut().enumerate() {
+                let changed = scrambled(x, seed) ^ scrambled(x ^ 1 << bit, seed);
+                assert_eq!(changed & ((2u32 << bit).wrapping_sub(1)), 1 << bit);
+                for (above, flips) in flips.iter_mut().enumerate() {
+                    *flips += changed >> above & 1;
+                }
+            }
+        }
+        // The highest bits decide the last digits; those of the first must be fair.
+        for (bit, flips) in flips.iter().enumerate() {
+            for (above, &flips) in flips.iter().enumerate().skip(bit + 1) {
+                let share = f64::from(flips) / f64::from(TREES);
+                assert!((share - 0.5).abs() < 0.2, "bit {bit} flips {above} in {share}");
+            }
+        }
+    }
+
+    /// Points of different seeds, of one sample: uniform over the square.
+    #[test]
+    fn any_one_sample_is_uniform() {
+        for sample in [0, 1, 6, 255, (1 << 24) - 1] {
+            let one = |seed| points(seed, 7, sample..sample + 1)[0];
+            let points: Vec<_> = (0..65_536).map(one).collect();
+            let chi: f64 = cells(&points, 8, 4)
+                .iter()
+                .map(|&n| (f64::from(n) - 256.0) * (f64::from(n) - 256.0) / 256.0)
+                .sum();
+            // Six standard deviations of 255 degrees of freedom.
+            assert!((chi - 255.0).abs() < 6.0 * 22.6, "{sample}: {chi}");
+        }
+    }
+
+    /// [`scrambled`] by 64 bits of hash for each branch.
+    fn scrambled_well(x: u32, seed: u32) -> u32 {
+        (0..32).fold(0, |y, bit| {
+            let below = u64::from(x & ((1 << bit) - 1)) << 6 | bit;
+            let flip = mix64(below ^ mix64(u64::from(seed))) as u32 & 1;
+            y | (x >> bit & 1 ^ flip) << bit
+        })
+    }
+
+    /// Chi-square of the 8 × 8 cells of the square that two sequences of 64 numbers span.
+    fn common(a: impl Fn(u32) -> u32, b: impl Fn(u32) -> u32) -> f64 {
+        let both: Vec<_> = (0..64).map(|sample| (a(sample), b(sample))).collect();
+        let square = |n: u32| (f64::from(n) - 1.0) * (f64::from(n) - 1.0);
+        cells(&both, 6, 3).into_iter().map(square).sum()
+    }
+
+    /// Two sequences have no more in common than those of two ideal trees.
+    #[test]
+    fn sequences_are_independent_of_each_other() {
+        const PIXELS: u32 = 2000;
+        let mean_and_variance = |values: Vec<f64>| {
+            let mean = values.iter().sum::<f64>() / f64::from(PIXELS);
+            let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+            (mean, squares / f64::from(PIXELS))
+        };
+        let ideal = |pixel: u32| {
+            let sequence = |which: u32| {
+                move |sample: u32| {
+                    let seed = 4 * pixel + 2 * which;
+                    let index = scrambled_well(sample.reverse_bits(), seed).reverse_bits();
+                    scrambled_well(index, seed + 1).reverse_bits()
+                }
+            };
+            common(sequence(0), sequence(1))
+        };
+        let want = mean_and_variance((0..PIXELS).map(ideal).collect());
+        for (a, b) in [(0, 2), (2, 4), (1, 17), (3, 19), (16, 32), (35, 36)] {
+            let found = |pixel: u32| {
+                let key = |sample| PixelKey::new(9, pixel, 0).sobol_sample(sample);
+                common(|sample| key(sample).sobol_bits(a).0, |sample| key(sample).sobol_bits(b).0)
+            };
+            let found = mean_and_variance((0..PIXELS).map(found).collect());
+            let error = ((found.1 + want.1) / f64::from(PIXELS)).sqrt();
+            assert!((found.0 - want.0).abs() < 5.0 * error, "{a} {b}: {found:?} {want:?}");
+        }
+    }
+
+    #[test]
+    fn pixels_begin_at_places_of_their_own() {
+        assert_eq!(SPARE & (crate::limits::MAX_SPP - 1).reverse_bits(), 0);
+        let words = |x| PixelKey::new(1, x, 0).sobol_sample(5).sample_word & SPARE;
+        assert!((1..20).any(|x| words(x) != words(0)));
+    }
+
+    #[test]
+    fn points_are_pinned() {
+        // A change here changes every image: it needs a line in CHANGELOG.md.
+        let point = PixelKey::new(1, 2, 3).sobol_sample(4).sobol_bits(2);
+        assert_eq!(point, (4_138_508_740, 3_086_435_775));
+    }
+}
