@@ -42,7 +42,10 @@ fn look(scene: &Scene, primitive: u32) -> String {
     let texture = match *material {
         Material::Diffuse { albedo } | Material::Lambertian { albedo } => Some((albedo, 0.0)),
         Material::Metal { albedo, fuzz } => Some((albedo, fuzz)),
-        Material::Dielectric { .. } | Material::Light(_) => None,
+        Material::Dielectric { .. }
+        | Material::RoughDielectric { .. }
+        | Material::Conductor { .. }
+        | Material::Light(_) => None,
     };
     match texture {
         None => format!("{material:?}"),
@@ -69,7 +72,7 @@ fn scenes_round_trip_through_ron_and_json() {
     let original = Scene::load(&path("a.ron")).unwrap();
     let settings = RenderSettings::of(&original);
     assert_eq!((settings.width, settings.depth, settings.sampling), (30, 7, Sampling::Light));
-    assert_eq!(original.geometry().len(), 2 + 2 + 6 + 2);
+    assert_eq!(original.geometry().len(), 6 + 2 + 6 + 2);
     let hash = render(&original, settings.clone()).hash();
     for name in ["b.ron", "c.json"] {
         let again = Source::find(&path(name)).unwrap().read().unwrap();

@@ -4,6 +4,8 @@
 //! operations in one written order, so that each function returns the same bits
 //! on every instruction set and thread count. See ARCHITECTURE.md, "The contract".
 
+pub mod fresnel;
+pub mod microfacet;
 pub mod powers;
 pub mod precise;
 pub mod random;
@@ -12,7 +14,9 @@ pub mod trig;
 pub mod vector;
 pub mod warp;
 
-pub use vector::{cross, dot, face_forward, length, max_element, normalize, orthonormal_basis};
+pub use vector::{
+    Frame, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis, reflect,
+};
 
 /// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.
 #[inline]

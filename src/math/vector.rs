@@ -54,6 +54,39 @@ pub fn orthonormal_basis(n: Vec3) -> (Vec3, Vec3) {
     )
 }
 
+/// `direction` mirrored at a surface with normal `normal`.
+#[inline]
+pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
+    direction - normal * (2.0 * dot(direction, normal))
+}
+
+/// A right-handed orthonormal frame about a normal, which is its z.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame([Vec3; 3]);
+
+impl Frame {
+    /// That of the unit vector `normal`.
+    #[inline]
+    pub fn new(normal: Vec3) -> Self {
+        let (s, t) = orthonormal_basis(normal);
+        Self([s, t, normal])
+    }
+
+    /// `v`, given in the frame, in the world.
+    #[inline]
+    pub fn world(&self, v: Vec3) -> Vec3 {
+        let [s, t, n] = self.0;
+        s * v.x + t * v.y + n * v.z
+    }
+
+    /// `v`, given in the world, in the frame.
+    #[inline]
+    pub fn local(&self, v: Vec3) -> Vec3 {
+        let [s, t, n] = self.0;
+        Vec3::new(dot(s, v), dot(t, v), dot(n, v))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

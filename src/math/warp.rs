@@ -4,7 +4,7 @@
 use glam::Vec3;
 use std::f32::consts::PI;
 
-use super::orthonormal_basis;
+use super::Frame;
 use super::powers::cbrt;
 use super::trig::sin_cos_turns;
 
@@ -37,7 +37,7 @@ pub fn uniform_ball(u: f32, v: f32, w: f32) -> Vec3 {
 pub fn cosine_hemisphere(n: Vec3, u: f32, v: f32) -> (Vec3, f32) {
     let (x, y) = uniform_disk(u, v);
     let z = (1.0 - u).sqrt();
-    (in_frame(n, x, y, z), z)
+    (Frame::new(n).world(Vec3::new(x, y, z)), z)
 }
 
 /// Unit vector about `n` with pdf 1/2π, and cos θ (never 0).
@@ -46,7 +46,7 @@ pub fn uniform_hemisphere(n: Vec3, u: f32, v: f32) -> (Vec3, f32) {
     let radius = (u * (2.0 - u)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
     let z = 1.0 - u;
-    (in_frame(n, radius * cos, radius * sin, z), z)
+    (Frame::new(n).world(Vec3::new(radius * cos, radius * sin, z)), z)
 }
 
 /// Uniform unit vector of the cone about `axis` whose half angle has
@@ -56,20 +56,13 @@ pub fn uniform_cone(axis: Vec3, one_minus_cos: f32, u: f32, v: f32) -> Vec3 {
     let x = u * one_minus_cos;
     let radius = super::max(0.0, x * (2.0 - x)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
-    in_frame(axis, radius * cos, radius * sin, 1.0 - x)
+    Frame::new(axis).world(Vec3::new(radius * cos, radius * sin, 1.0 - x))
 }
 
 /// Density of [`uniform_cone`] per unit solid angle.
 #[inline]
 pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (2.0 * PI * one_minus_cos)
-}
-
-/// `x s + y t + z n` in the frame (s, t, n) about `n`.
-#[inline]
-fn in_frame(n: Vec3, x: f32, y: f32, z: f32) -> Vec3 {
-    let (s, t) = orthonormal_basis(n);
-    s * x + t * y + n * z
 }
 
 #[cfg(test)]

@@ -186,10 +186,30 @@ pub enum MaterialFile {
         #[serde(default)]
         fuzz: f32,
     },
-    /// Clear glass in air, Schlick's approximation (III.E).
+    /// Clear glass in air (III.E).
     Dielectric {
-        /// Index of refraction relative to air.
+        /// Index of refraction relative to air, 0.01 to 100.
         ior: f32,
+        /// How much is reflected.
+        #[serde(default)]
+        fresnel: Fresnel,
+    },
+    /// Frosted glass in air: GGX microfacets, exact Fresnel equations.
+    RoughDielectric {
+        /// Index of refraction relative to air, 0.01 to 100 but for 0.99 to 1.01.
+        ior: f32,
+        /// Roughness α of GGX, 0.001 to 1.
+        alpha: f32,
+    },
+    /// Metal by its complex index of refraction, smooth or with GGX microfacets.
+    Conductor {
+        /// Real part, a channel each, 0 to 100.
+        eta: [f32; 3],
+        /// Imaginary part, a channel each, 0 to 100.
+        k: [f32; 3],
+        /// Roughness α of GGX: 0 (mirror), or 0.001 to 1.
+        #[serde(default)]
+        alpha: f32,
     },
     /// A light, which absorbs what hits it (III.G).
     Light {
@@ -199,6 +219,17 @@ pub enum MaterialFile {
         #[serde(default)]
         sides: Sides,
     },
+}
+
+/// How much a dielectric reflects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fresnel {
+    /// Schlick's approximation, from the angle on either side (the report's).
+    #[default]
+    Schlick,
+    /// The Fresnel equations.
+    Exact,
 }
 
 /// The sides of a surface that shine.

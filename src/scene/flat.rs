@@ -19,7 +19,8 @@
 use std::str::SplitWhitespace;
 
 use super::description::{
-    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, SceneFile, Sides, TextureFile,
+    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, PrimitiveFile, SceneFile, Sides,
+    TextureFile,
 };
 use super::named::Named;
 use super::place::Places;
@@ -177,7 +178,9 @@ impl Words<'_> {
                     albedo: Albedo::Color(self.vector()?),
                     fuzz: self.number()?,
                 },
-                "dielectric" => MaterialFile::Dielectric { ior: self.number()? },
+                "dielectric" => {
+                    MaterialFile::Dielectric { ior: self.number()?, fresnel: Fresnel::Schlick }
+                }
                 "emissive" => MaterialFile::Light { radiance: self.vector()?, sides: Sides::Both },
                 "checker" => {
                     let texture = TextureFile::Checker {

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::description::{
-    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, RenderDefaults, SceneFile,
+    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, PrimitiveFile, RenderDefaults,
+    SceneFile,
 };
 use super::named::Named;
 use crate::error::{Error, Result};
@@ -92,7 +93,7 @@ fn cloud(count: u32) -> SceneFile {
         } else if kind < 0.95 {
             MaterialFile::Metal { albedo, fuzz: 0.3 * random.uniform() }
         } else {
-            MaterialFile::Dielectric { ior: 1.5 }
+            MaterialFile::Dielectric { ior: 1.5, fresnel: Fresnel::Schlick }
         };
         (format!("m{index}"), material)
     });

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::texture::Texture;
-use super::{Background, Material, Scene};
+use super::{Background, Fresnel, Material, Scene};
 use crate::geometry::Primitive;
 
 /// BLAKE3 over camera, background and, primitive by primitive, shape and looks.
@@ -27,7 +27,18 @@ pub(super) fn hash(scene: &Scene) -> String {
             Material::Diffuse { albedo } => hasher.texture(5, 0.0, texture(*albedo)),
             Material::Lambertian { albedo } => hasher.texture(6, 0.0, texture(*albedo)),
             Material::Metal { albedo, fuzz } => hasher.texture(7, *fuzz, texture(*albedo)),
-            Material::Dielectric { ior } => hasher.vectors(8, &[Vec3::splat(*ior)]),
+            Material::Dielectric { ior, fresnel: Fresnel::Schlick } => {
+                hasher.vectors(8, &[Vec3::splat(*ior)]);
+            }
+            Material::Dielectric { ior, fresnel: Fresnel::Exact } => {
+                hasher.vectors(11, &[Vec3::splat(*ior)]);
+            }
+            Material::RoughDielectric { ior, alpha } => {
+                hasher.vectors(12, &[Vec3::new(*ior, *alpha, 0.0)]);
+            }
+            Material::Conductor { eta, k, alpha } => {
+                hasher.vectors(13, &[*eta, *k, Vec3::splat(*alpha)]);
+            }
             Material::Light(light) => {
                 hasher.vectors(9 + light.sides as u8, &[light.radiance]);
             }

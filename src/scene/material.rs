@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-pub use super::description::Sides;
+pub use super::description::{Fresnel, Sides};
 
 /// How a surface scatters light. Textures are indices into the scene's list.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,24 @@ pub enum Material {
     Dielectric {
         /// Index of refraction relative to air.
         ior: f32,
+        /// How much is reflected.
+        fresnel: Fresnel,
+    },
+    /// Frosted glass in air, by GGX microfacets.
+    RoughDielectric {
+        /// Index of refraction relative to air.
+        ior: f32,
+        /// Roughness α.
+        alpha: f32,
+    },
+    /// Metal by its complex index of refraction.
+    Conductor {
+        /// Real part, a channel each.
+        eta: Vec3,
+        /// Imaginary part, a channel each.
+        k: Vec3,
+        /// Roughness α of GGX microfacets; 0 is smooth.
+        alpha: f32,
     },
     /// Emits and absorbs (report, III.G).
     Light(Emission),

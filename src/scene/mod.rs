@@ -28,7 +28,7 @@ pub use description::{
 pub use generate::Generated;
 pub use light::{Light, LightShape, Rectangle};
 pub use load::{Form, Parsed, Source};
-pub use material::{Background, Emission, Material, Sides};
+pub use material::{Background, Emission, Fresnel, Material, Sides};
 pub use named::Named;
 pub use texture::{Checker, Texture};
 

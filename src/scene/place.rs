@@ -95,9 +95,12 @@ impl Element<'_> {
     }
 
     pub(super) fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {
-        let range = if most == MAX_RADIANCE { "in [0, 1e30]" } else { "in [0, 1]" };
+        let range = format!(
+            "in [0, {}]",
+            if most == MAX_RADIANCE { "1e30".to_owned() } else { most.to_string() }
+        );
         let ok = value.iter().all(|c| (0.0..=most).contains(c));
-        self.check(ok, name, range, value)?;
+        self.check(ok, name, &range, value)?;
         Ok(Vec3::from_array(value))
     }
 }

@@ -174,10 +174,25 @@ impl<'a> Resolver<'a> {
                     e.check((0.0..=1.0).contains(fuzz), "fuzz", "in [0, 1]", fuzz)?;
                     Material::Metal { albedo: texture(albedo)?, fuzz: *fuzz }
                 }
-                MaterialFile::Dielectric { ior } => {
+                MaterialFile::Dielectric { ior, fresnel } => {
                     let ok = (0.01..=100.0).contains(ior);
                     e.check(ok, "ior", "in [0.01, 100]", ior)?;
-                    Material::Dielectric { ior: *ior }
+                    Material::Dielectric { ior: *ior, fresnel: *fresnel }
+                }
+                MaterialFile::RoughDielectric { ior, alpha } => {
+                    // Towards 1 all microfacets let light pass straight on.
+                    let ok = (0.01..=0.99).contains(ior) || (1.01..=100.0).contains(ior);
+                    e.check(ok, "ior", "in [0.01, 0.99] or [1.01, 100]", ior)?;
+                    e.check((0.001..=1.0).contains(alpha), "alpha", "in [0.001, 1]", alpha)?;
+                    Material::RoughDielectric { ior: *ior, alpha: *alpha }
+                }
+                MaterialFile::Conductor { eta, k, alpha } => {
+                    let smooth_or_rough = *alpha == 0.0 || (0.001..=1.0).contains(alpha);
+                    e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
+                    let (eta, k) = (e.color("eta", *eta, 100.0)?, e.color("k", *k, 100.0)?);
+                    let some = eta != Vec3::ZERO || k != Vec3::ZERO;
+                    e.check(some, "k", "above 0 where eta is 0", k.to_array())?;
+                    Material::Conductor { eta, k, alpha: *alpha }
                 }
                 MaterialFile::Light { radiance, sides } => Material::Light(Emission {
                     radiance: e.color("radiance", *radiance, MAX_RADIANCE)?,

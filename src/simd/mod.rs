@@ -11,9 +11,11 @@
 
 mod compress;
 mod float;
+pub(crate) mod fresnel;
 mod indices;
 mod int;
 mod mask;
+pub(crate) mod microfacet;
 pub(crate) mod powers;
 mod prefetch;
 mod quads;
@@ -30,7 +32,7 @@ pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, by_key, first_bits};
 pub(crate) use prefetch::prefetch;
 pub(crate) use quads::{Quad, gather_quads, quad, quads_of};
-pub(crate) use vec3x::{Vec3x, axes};
+pub(crate) use vec3x::{FrameLanes, Vec3x, axes};
 
 #[cfg(not(target_feature = "avx512f"))]
 use wide::{f32x8 as Register, u32x8 as UintRegister};
@@ -166,6 +168,8 @@ mod tests {
             for axis in 0..3 {
                 same((u * v)[axis], |i| (at(i).0 * at(i).1)[axis]);
                 same((-u)[axis], |i| -at(i).0[axis]);
+                same(u.cross(v)[axis], |i| math::cross(at(i).0, at(i).1)[axis]);
+                same(u.reflect(v)[axis], |i| math::reflect(at(i).0, at(i).1)[axis]);
                 same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
                 same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
                 same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);

@@ -46,10 +46,10 @@ impl PathKeys {
 #[inline(always)]
 fn scrambled(x: Int, seed: Int) -> Int {
     let [a, b, c] = SCRAMBLE.map(Int::splat);
-    let x = (x ^ x * a) + seed;
+    let x = (x ^ (x * a)) + seed;
     let x = x * (seed.shifted_down(16) | Int::splat(1));
-    let x = x ^ x * b;
-    x ^ x * c
+    let x = x ^ (x * b);
+    x ^ (x * c)
 }
 
 #[inline(always)]

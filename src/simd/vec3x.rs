@@ -40,6 +40,13 @@ impl Vec3x {
 
 /// What shading asks for.
 impl Vec3x {
+    /// [`crate::math::cross`].
+    #[inline(always)]
+    pub(crate) fn cross(self, other: Self) -> Self {
+        let ([ax, ay, az], [bx, by, bz]) = (self.0, other.0);
+        Self([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    }
+
     /// `v` in every lane.
     #[inline(always)]
     pub(crate) fn splat(v: Vec3) -> Self {
@@ -64,6 +71,12 @@ impl Vec3x {
         self[0].max(self[1]).max(self[2])
     }
 
+    /// [`crate::math::reflect`].
+    #[inline(always)]
+    pub(crate) fn reflect(self, normal: Self) -> Self {
+        self - normal * (Float::splat(2.0) * self.dot(normal))
+    }
+
     /// [`crate::math::face_forward`].
     #[inline(always)]
     pub(crate) fn face_forward(self, direction: Self) -> (Self, Mask) {
@@ -80,6 +93,30 @@ impl Vec3x {
         let a = -one / (sign + z);
         let b = x * y * a;
         (Self([one + sign * (x * x * a), sign * b, -(sign * x)]), Self([b, sign + y * y * a, -y]))
+    }
+}
+
+/// [`crate::math::Frame`] a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameLanes([Vec3x; 3]);
+
+impl FrameLanes {
+    #[inline(always)]
+    pub(crate) fn new(normal: Vec3x) -> Self {
+        let (s, t) = normal.orthonormal_basis();
+        Self([s, t, normal])
+    }
+
+    #[inline(always)]
+    pub(crate) fn world(&self, v: Vec3x) -> Vec3x {
+        let [s, t, n] = self.0;
+        s * v[0] + t * v[1] + n * v[2]
+    }
+
+    #[inline(always)]
+    pub(crate) fn local(&self, v: Vec3x) -> Vec3x {
+        let [s, t, n] = self.0;
+        Vec3x([s.dot(v), t.dot(v), n.dot(v)])
     }
 }
 

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 
 use super::powers::cbrt;
 use super::trig::sin_cos_turns;
-use super::{Float, Vec3x};
+use super::{Float, FrameLanes, Vec3x};
 
 /// [`uniform_disk`](crate::math::warp::uniform_disk).
 #[inline(always)]
@@ -36,7 +36,7 @@ pub(crate) fn uniform_ball(u: Float, v: Float, w: Float) -> Vec3x {
 pub(crate) fn cosine_hemisphere(n: Vec3x, u: Float, v: Float) -> (Vec3x, Float) {
     let (x, y) = uniform_disk(u, v);
     let z = (Float::splat(1.0) - u).sqrt();
-    (in_frame(n, x, y, z), z)
+    (FrameLanes::new(n).world(Vec3x([x, y, z])), z)
 }
 
 /// [`uniform_hemisphere`](crate::math::warp::uniform_hemisphere): directions and their cosines.
@@ -45,7 +45,7 @@ pub(crate) fn uniform_hemisphere(n: Vec3x, u: Float, v: Float) -> (Vec3x, Float)
     let radius = (u * (Float::splat(2.0) - u)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
     let z = Float::splat(1.0) - u;
-    (in_frame(n, radius * cos, radius * sin, z), z)
+    (FrameLanes::new(n).world(Vec3x([radius * cos, radius * sin, z])), z)
 }
 
 /// [`uniform_cone`](crate::math::warp::uniform_cone).
@@ -54,19 +54,13 @@ pub(crate) fn uniform_cone(axis: Vec3x, one_minus_cos: Float, u: Float, v: Float
     let x = u * one_minus_cos;
     let radius = Float::ZERO.max(x * (Float::splat(2.0) - x)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
-    in_frame(axis, radius * cos, radius * sin, Float::splat(1.0) - x)
+    FrameLanes::new(axis).world(Vec3x([radius * cos, radius * sin, Float::splat(1.0) - x]))
 }
 
 /// [`uniform_cone_pdf`](crate::math::warp::uniform_cone_pdf).
 #[inline(always)]
 pub(crate) fn uniform_cone_pdf(one_minus_cos: Float) -> Float {
     Float::splat(1.0) / (Float::splat(2.0 * PI) * one_minus_cos)
-}
-
-#[inline(always)]
-fn in_frame(n: Vec3x, x: Float, y: Float, z: Float) -> Vec3x {
-    let (s, t) = n.orthonormal_basis();
-    s * x + t * y + n * z
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use ptfast::Sampling;
 use ptfast::math::random::Stream;
 use ptfast::scene::{
-    Albedo, BackgroundFile, CameraFile, MaterialFile, Named, PrimitiveFile, RenderDefaults,
-    SceneFile, Sides, TextureFile,
+    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, Named, PrimitiveFile,
+    RenderDefaults, SceneFile, Sides, TextureFile,
 };
 
 /// The scene number `seed`; some are tiny, some are huge.
@@ -130,14 +130,26 @@ impl Maker {
     }
 
     fn material(&mut self, textures: u64) -> MaterialFile {
-        match self.below(6) {
+        match self.below(8) {
             0 => MaterialFile::Diffuse { albedo: self.albedo(textures) },
             1 | 2 => MaterialFile::Lambertian { albedo: self.albedo(textures) },
             3 => MaterialFile::Metal {
                 albedo: self.albedo(textures),
                 fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() },
             },
-            4 => MaterialFile::Dielectric { ior: self.0.between(1.0, 2.5) },
+            4 => MaterialFile::Dielectric {
+                ior: self.0.between(1.0, 2.5),
+                fresnel: if self.one_in(2) { Fresnel::Schlick } else { Fresnel::Exact },
+            },
+            5 => MaterialFile::RoughDielectric {
+                ior: self.0.between(1.02, 2.5),
+                alpha: self.0.between(0.001, 1.0),
+            },
+            6 => MaterialFile::Conductor {
+                eta: self.vector(0.0, 2.0),
+                k: self.vector(0.1, 5.0),
+                alpha: if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) },
+            },
             _ => MaterialFile::Light {
                 radiance: if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) },
                 sides: if self.one_in(2) { Sides::Both } else { Sides::Front },

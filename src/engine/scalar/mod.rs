@@ -1,9 +1,9 @@
 //! The scalar reference engine: one ray, one loop, written from the report and the papers.
 
+mod bsdf;
 mod intersect;
 pub(super) mod light;
 mod path;
-mod scatter;
 mod spherical_rectangle;
 
 use super::dimension::{Dimension, Randoms};

@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
+use super::bsdf::{Arrival, Bsdf, SPECULAR};
 use super::intersect::Intersect;
 use super::light::{self, LightSample};
-use super::scatter::{self, Diffuse, Scatter};
 use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Surface};
 use crate::math::random::PathKey;
 use crate::math::{dot, face_forward, max_element, min};
 use crate::scene::{Material, Sampling, Scene};
@@ -21,15 +21,6 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     settings: &'a RenderSettings,
     pub(in crate::engine) rays: RayCounts,
     pub(in crate::engine) endings: Endings,
-}
-
-/// How the direction of a segment was chosen.
-#[derive(Clone, Copy)]
-enum Origin {
-    /// By the camera or a specular surface: no light sample could have found what it hits.
-    Specular,
-    /// By a diffuse surface, with this density.
-    Diffuse { pdf: f32 },
 }
 
 impl<'a, I: Intersect> PathTracer<'a, I> {
@@ -45,7 +36,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     pub(in crate::engine) fn radiance(&mut self, mut ray: Ray, key: PathKey) -> Vec3 {
         let mut radiance = Vec3::ZERO;
         let mut beta = Vec3::ONE; // throughput: what a unit of radiance here adds to the pixel
-        let mut origin = Origin::Specular;
+        let mut pdf = SPECULAR; // density with which the segment's direction was chosen
         self.rays.primary += 1;
 
         for segment in 1..=self.settings.depth {
@@ -59,48 +50,35 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             let surface = primitive.surface(&ray, hit.t);
             let (normal, front) = face_forward(surface.normal, ray.direction);
             let randoms = Randoms::new(self.settings.sampler, key, segment);
+
+            // Shade: emit, or choose the next direction.
+            let material = self.scene.material(hit.primitive);
+            if let Material::Light(emission) = material {
+                let weight = self.emission_weight(hit.primitive, &ray, hit.t, pdf);
+                radiance += beta * emission.radiance(front) * weight;
+                self.endings.light += 1;
+                break;
+            }
+            if segment == self.settings.depth {
+                self.endings.depth += 1;
+                break;
+            }
             let color = |texture: u32| {
                 let uv = || primitive.uv(&ray, &surface, hit.t);
                 self.scene.textures()[texture as usize].color(surface.point, uv)
             };
-
-            // Shade: emit, or choose the next direction.
-            let scatter = match *self.scene.material(hit.primitive) {
-                Material::Light(emission) => {
-                    let weight = self.emission_weight(hit.primitive, &ray, hit.t, origin);
-                    radiance += beta * emission.radiance(front) * weight;
-                    self.endings.light += 1;
-                    break;
-                }
-                _ if segment == self.settings.depth => {
-                    self.endings.depth += 1;
-                    break;
-                }
-                material @ (Material::Diffuse { albedo } | Material::Lambertian { albedo }) => {
-                    let cosine = matches!(material, Material::Lambertian { .. });
-                    let diffuse = Diffuse { normal, albedo: color(albedo), cosine };
-                    let from = surface.spawn(normal);
-                    // Connect: one light, one shadow ray, which is the path's next segment.
-                    radiance += beta * self.direct(&diffuse, from, ray.time, segment, &randoms);
-                    let (direction, pdf) = diffuse.sample(randoms.two(Dimension::SCATTER));
-                    origin = Origin::Diffuse { pdf };
-                    Some(Scatter { origin: from, direction, weight: diffuse.albedo })
-                }
-                Material::Metal { albedo, fuzz } => {
-                    origin = Origin::Specular;
-                    scatter::metal(&ray, &surface, normal, color(albedo), fuzz, &randoms)
-                }
-                Material::Dielectric { ior } => {
-                    origin = Origin::Specular;
-                    Some(scatter::dielectric(&ray, &surface, normal, front, ior, &randoms))
-                }
-            };
-            let Some(scatter) = scatter else {
+            let arrival = Arrival { direction: ray.direction, normal, front };
+            let bsdf = Bsdf::new(material, arrival, color);
+            // Connect: one light, one shadow ray, which is the path's next segment.
+            radiance += beta * self.direct(&bsdf, &surface, normal, ray.time, segment, &randoms);
+            let Some(scatter) = bsdf.sample(&randoms) else {
                 self.endings.absorbed += 1;
                 break;
             };
             beta *= scatter.weight;
-            ray = Ray { origin: scatter.origin, direction: scatter.direction, time: ray.time };
+            pdf = scatter.pdf;
+            let origin = surface.spawn(scatter.side);
+            ray = Ray { origin, direction: scatter.direction, time: ray.time };
 
             // Paths that can add nothing end; those that can add little mostly do.
             let mut survival = max_element(beta);
@@ -123,8 +101,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 
     /// The share of a light's emission that counts where a path hits it: the rest is found
     /// by [`Self::direct`].
-    fn emission_weight(&self, primitive: u32, ray: &Ray, t: f32, origin: Origin) -> f32 {
-        let (Origin::Diffuse { pdf }, Some(light)) = (origin, self.scene.light(primitive)) else {
+    fn emission_weight(&self, primitive: u32, ray: &Ray, t: f32, pdf: f32) -> f32 {
+        let Some(light) = self.scene.light(primitive).filter(|_| pdf != SPECULAR) else {
             return 1.0;
         };
         match self.settings.sampling {
@@ -137,33 +115,37 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         }
     }
 
-    /// Radiance that one light sends directly to `from` and on along the path, estimated
+    /// Radiance that one light sends directly to `surface` and on along the path, estimated
     /// with one shadow ray.
     fn direct(
         &mut self,
-        diffuse: &Diffuse,
-        from: Vec3,
+        bsdf: &Bsdf,
+        surface: &Surface,
+        normal: Vec3,
         time: f32,
         segment: u32,
         randoms: &Randoms,
     ) -> Vec3 {
-        if !self.settings.samples_lights(self.scene) {
+        if !self.settings.samples_lights(self.scene) || bsdf.is_specular() {
             return Vec3::ZERO;
         }
         let lights = self.scene.lights();
         let choice = randoms.one(Dimension::LIGHT_CHOICE) * lights.len() as f32;
         let light = &lights[(choice as usize).min(lights.len() - 1)];
+        let from = surface.spawn(normal);
         let sample = light::sample(self.scene, light, from, time, randoms.two(Dimension::LIGHT));
         let Some(LightSample { direction, reach, pdf, front }) = sample else {
             return Vec3::ZERO;
         };
         let emitted = light.emission.radiance(front);
-        let (f_cos, bsdf_pdf) = diffuse.evaluate(dot(diffuse.normal, direction));
-        if f_cos <= 0.0 || emitted == Vec3::ZERO {
+        let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
+        if f_cos.max_element() <= 0.0 || emitted == Vec3::ZERO {
             return Vec3::ZERO;
         }
         self.rays.shadow += 1;
-        let shadow = Ray { origin: from, direction, time };
+        // What is seen through the surface is as far from its other side, but for rounding.
+        let side = if dot(direction, normal) > 0.0 { normal } else { -normal };
+        let shadow = Ray { origin: surface.spawn(side), direction, time };
         if self.intersect.occluded(&shadow, reach, segment) {
             return Vec3::ZERO;
         }
@@ -172,7 +154,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
         };
-        diffuse.albedo * emitted * (f_cos * weight / pdf)
+        f_cos * emitted * (weight / pdf)
     }
 
     /// Lights are chosen uniformly.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::lanes::Shape;
-use crate::scene::{Checker, Emission, Material, Scene, Sides, Texture};
+use crate::scene::{Checker, Emission, Fresnel, Material, Scene, Sides, Texture};
 use crate::simd::{Quad, quad};
 
 /// Paths that are shaded together.
@@ -22,7 +22,9 @@ pub(super) enum Kind {
     Diffuse(Pattern),
     Lambertian(Pattern),
     Metal(Pattern),
-    Dielectric,
+    Dielectric(Fresnel),
+    RoughDielectric,
+    Conductor,
 }
 
 /// How the colours of a material vary.
@@ -40,11 +42,13 @@ pub(super) struct Materials {
     pub(super) bins: Vec<Bin>,
     /// The place in `bins` of each primitive; one more for none.
     bin_of: Vec<u8>,
-    /// Of each material: one colour, which is what a light emits, and a number: fuzz, index of
-    /// refraction, or 1 for a light that shines on its front only.
+    /// Of each material: one colour, which is what a light emits or the real part of a conductor's
+    /// index, and a number: fuzz, index of refraction, α of a conductor, or 1 for a light that shines
+    /// on its front only.
     pub(super) solid: Vec<Quad>,
-    /// Of each material: odd colour and frequency, even colour.
-    pub(super) checkers: Vec<[Quad; 2]>,
+    /// Of each material: the odd colour and the frequency of a checker, or the imaginary part of a
+    /// conductor's index, or α of a rough dielectric; the even colour of a checker.
+    pub(super) more: Vec<[Quad; 2]>,
 }
 
 impl Materials {
@@ -66,7 +70,7 @@ impl Materials {
             bins,
             bin_of,
             solid: scene.materials().iter().map(|m| solid(scene, m)).collect(),
-            checkers: scene.materials().iter().map(|m| checker(scene, m)).collect(),
+            more: scene.materials().iter().map(|m| more(scene, m)).collect(),
         }
     }
 
@@ -87,7 +91,9 @@ fn kind(scene: &Scene, material: &Material) -> Kind {
         Material::Diffuse { albedo } => Kind::Diffuse(pattern(albedo)),
         Material::Lambertian { albedo } => Kind::Lambertian(pattern(albedo)),
         Material::Metal { albedo, .. } => Kind::Metal(pattern(albedo)),
-        Material::Dielectric { .. } => Kind::Dielectric,
+        Material::Dielectric { fresnel, .. } => Kind::Dielectric(fresnel),
+        Material::RoughDielectric { .. } => Kind::RoughDielectric,
+        Material::Conductor { .. } => Kind::Conductor,
         Material::Light(_) => Kind::Light,
     }
 }
@@ -98,7 +104,10 @@ pub(super) fn texture<'a>(scene: &'a Scene, material: &Material) -> Option<&'a T
         Material::Diffuse { albedo }
         | Material::Lambertian { albedo }
         | Material::Metal { albedo, .. } => Some(&scene.textures()[albedo as usize]),
-        Material::Dielectric { .. } | Material::Light(_) => None,
+        Material::Dielectric { .. }
+        | Material::RoughDielectric { .. }
+        | Material::Conductor { .. }
+        | Material::Light(_) => None,
     }
 }
 
@@ -106,22 +115,26 @@ fn solid(scene: &Scene, material: &Material) -> Quad {
     let color = match (texture(scene, material), material) {
         (Some(Texture::Solid(color)), _) => *color,
         (_, Material::Light(emission)) => emission.radiance,
+        (_, Material::Conductor { eta, .. }) => *eta,
         _ => Vec3::ZERO,
     };
     let number = match *material {
         Material::Metal { fuzz, .. } => fuzz,
-        Material::Dielectric { ior } => ior,
+        Material::Dielectric { ior, .. } | Material::RoughDielectric { ior, .. } => ior,
+        Material::Conductor { alpha, .. } => alpha,
         Material::Light(Emission { sides: Sides::Front, .. }) => 1.0,
         _ => 0.0,
     };
     quad(color, number)
 }
 
-fn checker(scene: &Scene, material: &Material) -> [Quad; 2] {
-    match texture(scene, material) {
-        Some(Texture::Checker(Checker { odd, even, frequency })) => {
+fn more(scene: &Scene, material: &Material) -> [Quad; 2] {
+    match (texture(scene, material), material) {
+        (Some(Texture::Checker(Checker { odd, even, frequency })), _) => {
             [quad(*odd, *frequency), quad(*even, 0.0)]
         }
+        (_, Material::Conductor { k, .. }) => [quad(*k, 0.0), [0; 4]],
+        (_, Material::RoughDielectric { alpha, .. }) => [quad(Vec3::ZERO, *alpha), [0; 4]],
         _ => [[0; 4]; 2],
     }
 }

@@ -30,16 +30,20 @@ impl Shading<'_> {
         gather_quads(&material, |material| &materials.solid[material as usize])
     }
 
+    /// Quad `place` of [`Materials::more`](crate::engine::wavefront::materials::Materials::more).
+    #[inline(always)]
+    pub(super) fn more(&self, place: usize, primitives: &Lanes<u32>) -> (Vec3x, Float) {
+        let Self { scene, materials, .. } = self;
+        gather_quads(primitives, |primitive| {
+            &materials.more[scene.material_index(primitive) as usize][place]
+        })
+    }
+
     /// [`Checker`](crate::scene::Checker) a lane.
     #[inline(always)]
     fn checker(&self, vertex: &Vertex) -> Vec3x {
-        let Self { scene, materials, .. } = self;
-        let quads = |place: usize| {
-            gather_quads(&vertex.primitive, |primitive| {
-                &materials.checkers[scene.material_index(primitive) as usize][place]
-            })
-        };
-        let ((odd_color, frequency), (even_color, _)) = (quads(0), quads(1));
+        let (odd_color, frequency) = self.more(0, &vertex.primitive);
+        let (even_color, _) = self.more(1, &vertex.primitive);
         let odd = |axis: usize| {
             let cell = (vertex.surface.point[axis] * frequency).floor();
             let even = cell - Float::splat(2.0) * (cell * Float::splat(0.5)).floor();

@@ -1,46 +1,70 @@
-//! Glass: reflection or refraction, chosen by Schlick's approximation (report, III.E).
+//! Clear glass: reflection or refraction, chosen by chance (report, III.E).
 
 use super::Shading;
-use super::scatter::{Scatter, Scatterer, reflect};
+use super::scatter::{Bsdf, Material, Scatter};
 use super::vertex::Vertex;
-use crate::engine::dimension::Dimension;
-use crate::engine::wavefront::connect::Shadows;
+use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::wavefront::paths::Segment;
-use crate::simd::{Float, Vec3x};
+use crate::simd::fresnel;
+use crate::simd::random::PathKeys;
+use crate::simd::{Float, Mask, Vec3x};
 
-/// Clear glass.
-pub(super) struct Dielectric;
+/// Smooth glass, of [`Fresnel::Exact`](crate::scene::Fresnel::Exact) or Schlick's approximation.
+pub(super) struct Dielectric<const EXACT: bool>;
 
-impl Scatterer for Dielectric {
+/// A smooth surface of glass.
+pub(super) struct DielectricBsdf<const EXACT: bool> {
+    direction: Vec3x,
+    normal: Vec3x,
+    front: Mask,
+    ior: Float,
+    present: u32,
+}
+
+impl<const EXACT: bool> Material for Dielectric<EXACT> {
+    type Bsdf = DielectricBsdf<EXACT>;
+
     #[inline(always)]
-    fn scatter(&self, shading: &Shading<'_>, vertex: &Vertex, _: &mut Shadows) -> Scatter {
-        let (one, (_, ior)) = (Float::splat(1.0), shading.solid(&vertex.primitive));
-        let (direction, normal) = (vertex.segment.direction, vertex.normal);
-        let eta = vertex.front.select(one / ior, ior);
-        let cos = (-direction.dot(normal)).min(one);
-        let sin2_refracted = eta * eta * (one - cos * cos);
-        let chance = schlick(cos, ior);
-        let reflected = sin2_refracted.gt(one) | vertex.randoms.one(Dimension::LOBE).lt(chance);
-        let along = eta * cos - Float::ZERO.max(one - sin2_refracted).sqrt();
-        let refraction = direction * eta + normal * along;
-        let next = Vec3x::select(reflected, reflect(direction, normal), refraction);
-        Scatter {
-            origin: vertex.surface.spawn(Vec3x::select(reflected, normal, -normal)),
-            direction: next.normalize(),
-            weight: Vec3x([one; 3]),
-            pdf: Float::splat(Segment::SPECULAR),
-            scattered: vertex.present,
-        }
+    fn bsdf(&self, shading: &Shading<'_>, vertex: &Vertex) -> DielectricBsdf<EXACT> {
+        let Vertex { normal, front, present, .. } = *vertex;
+        let (_, ior) = shading.solid(&vertex.primitive);
+        DielectricBsdf { direction: vertex.segment.direction, normal, front, ior, present }
     }
 }
 
-/// Reflectance at the cosine of the angle of incidence (Schlick 1994).
-#[inline(always)]
-fn schlick(cos: Float, ior: Float) -> Float {
-    let one = Float::splat(1.0);
-    let r = (one - ior) / (one + ior);
-    let r0 = r * r;
-    let x = one - cos;
-    let x2 = x * x;
-    r0 + (one - r0) * (x2 * x2 * x)
+impl<const EXACT: bool> Bsdf for DielectricBsdf<EXACT> {
+    #[inline(always)]
+    fn specular(&self) -> Mask {
+        Mask::all()
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<PathKeys>) -> Scatter {
+        let Self { direction, normal, front, ior, present } = *self;
+        let one = Float::splat(1.0);
+        let eta = front.select(one / ior, ior);
+        let cos = (-direction.dot(normal)).min(one);
+        let sin2_refracted = eta * eta * (one - cos * cos);
+        let reflectance = if EXACT {
+            fresnel::dielectric(cos, front.select(ior, one / ior))
+        } else {
+            fresnel::schlick(cos, ior)
+        };
+        let reflected = sin2_refracted.gt(one) | randoms.one(Dimension::LOBE).lt(reflectance);
+        let along = eta * cos - Float::ZERO.max(one - sin2_refracted).sqrt();
+        let refraction = direction * eta + normal * along;
+        let next = Vec3x::select(reflected, direction.reflect(normal), refraction);
+        Scatter {
+            direction: next.normalize(),
+            side: Vec3x::select(reflected, normal, -normal),
+            weight: Vec3x([one; 3]),
+            pdf: Float::splat(Segment::SPECULAR),
+            scattered: present,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, _: Vec3x) -> (Vec3x, Float) {
+        (Vec3x::ZERO, Float::ZERO)
+    }
 }

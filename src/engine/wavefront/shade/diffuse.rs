@@ -3,62 +3,67 @@
 use std::f32::consts::PI;
 
 use super::Shading;
-use super::scatter::{Colored, Scatter, Scatterer};
+use super::scatter::{Bsdf, Colored, Material, Scatter};
 use super::vertex::Vertex;
-use crate::engine::dimension::Dimension;
-use crate::engine::wavefront::connect::Shadows;
+use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::wavefront::materials::Pattern;
+use crate::simd::random::PathKeys;
 use crate::simd::warp::{cosine_hemisphere, uniform_hemisphere};
-use crate::simd::{Float, Vec3x};
+use crate::simd::{Float, Mask, Vec3x};
+
+/// Diffuse materials whose colours vary in one way, by Lambert's law if `COSINE`.
+pub(super) struct Diffuse<const COSINE: bool>(Pattern);
 
 /// Surfaces that scatter light to all sides.
-pub(super) struct Diffuse<const COSINE: bool> {
+pub(super) struct DiffuseBsdf<const COSINE: bool> {
     /// On the side that was hit.
-    pub(super) normal: Vec3x,
+    normal: Vec3x,
     /// ρ, which is also the weight of every sample.
-    pub(super) albedo: Vec3x,
+    albedo: Vec3x,
+    present: u32,
 }
 
-impl<const COSINE: bool> Diffuse<COSINE> {
-    /// Directions and their densities per unit solid angle.
-    #[inline(always)]
-    fn sample(&self, (u, v): (Float, Float)) -> (Vec3x, Float) {
-        if COSINE {
-            let (direction, cos) = cosine_hemisphere(self.normal, u, v);
-            (direction, cos * Float::splat(1.0 / PI))
-        } else {
-            (uniform_hemisphere(self.normal, u, v).0, Float::splat(0.5 / PI))
-        }
-    }
+impl<const COSINE: bool> Material for Diffuse<COSINE> {
+    type Bsdf = DiffuseBsdf<COSINE>;
 
-    /// f·cos θ without ρ, which is the density of θ too.
     #[inline(always)]
-    pub(super) fn evaluate(cos: Float) -> Float {
-        let value = if COSINE { cos * Float::splat(1.0 / PI) } else { Float::splat(0.5 / PI) };
-        cos.gt(Float::ZERO).select(value, Float::ZERO)
-    }
-}
-
-/// Diffuse materials whose colours vary in one way.
-pub(super) struct DiffuseOf<const COSINE: bool>(Pattern);
-
-impl<const COSINE: bool> Scatterer for DiffuseOf<COSINE> {
-    #[inline(always)]
-    fn scatter(&self, shading: &Shading<'_>, vertex: &Vertex, shadows: &mut Shadows) -> Scatter {
+    fn bsdf(&self, shading: &Shading<'_>, vertex: &Vertex) -> DiffuseBsdf<COSINE> {
         let (albedo, _) = shading.albedo(self.0, vertex);
-        let diffuse = Diffuse::<COSINE> { normal: vertex.normal, albedo };
-        let origin = vertex.surface.spawn(vertex.normal);
-        if shading.settings.samples_lights(shading.scene) {
-            shading.direct(vertex, &diffuse, origin, shadows);
-        }
-        let (direction, pdf) = diffuse.sample(vertex.randoms.two(Dimension::SCATTER));
-        Scatter { origin, direction, weight: albedo, pdf, scattered: vertex.present }
+        DiffuseBsdf { normal: vertex.normal, albedo, present: vertex.present }
     }
 }
 
-impl<const COSINE: bool> Colored for DiffuseOf<COSINE> {
+impl<const COSINE: bool> Colored for Diffuse<COSINE> {
     #[inline(always)]
     fn of(pattern: Pattern) -> Self {
         Self(pattern)
+    }
+}
+
+impl<const COSINE: bool> Bsdf for DiffuseBsdf<COSINE> {
+    #[inline(always)]
+    fn specular(&self) -> Mask {
+        Mask::NONE
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<PathKeys>) -> Scatter {
+        let Self { normal, albedo, present } = *self;
+        let (u, v) = randoms.two(Dimension::SCATTER);
+        let (direction, pdf) = if COSINE {
+            let (direction, cos) = cosine_hemisphere(normal, u, v);
+            (direction, cos * Float::splat(1.0 / PI))
+        } else {
+            (uniform_hemisphere(normal, u, v).0, Float::splat(0.5 / PI))
+        };
+        Scatter { direction, side: normal, weight: albedo, pdf, scattered: present }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: Vec3x) -> (Vec3x, Float) {
+        let cos = self.normal.dot(direction);
+        let above = if COSINE { cos * Float::splat(1.0 / PI) } else { Float::splat(0.5 / PI) };
+        let pdf = cos.gt(Float::ZERO).select(above, Float::ZERO);
+        (self.albedo * pdf, pdf)
     }
 }

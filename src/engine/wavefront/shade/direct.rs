@@ -1,7 +1,7 @@
 //! Direct light: a light sample and a shadow ray a vertex.
 
 use super::Shading;
-use super::diffuse::Diffuse;
+use super::scatter::Bsdf;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
 use crate::engine::dimension::Dimension;
@@ -13,13 +13,12 @@ use crate::simd::{Float, LANES, Lanes, Vec3x, by_key};
 impl Shading<'_> {
     /// Samples a light from each vertex.
     #[inline(always)]
-    pub(super) fn direct<const COSINE: bool>(
-        &self,
-        vertex: &Vertex,
-        diffuse: &Diffuse<COSINE>,
-        from: Vec3x,
-        shadows: &mut Shadows,
-    ) {
+    pub(super) fn direct<B: Bsdf>(&self, vertex: &Vertex, bsdf: &B, shadows: &mut Shadows) {
+        let rough = vertex.present & (!bsdf.specular()).bits();
+        if rough == 0 {
+            return;
+        }
+        let from = vertex.surface.spawn(vertex.normal);
         let lights = self.scene.lights();
         let (count, numbers) = (lights.len() as f32, vertex.randoms.two(Dimension::LIGHT));
         let choice = vertex.randoms.one(Dimension::LIGHT_CHOICE) * Float::splat(count);
@@ -28,25 +27,32 @@ impl Shading<'_> {
             *chosen = (choice as u32).min(lights.len() as u32 - 1);
         }
         // One light after the other: mostly there are few.
-        for (chosen, lanes) in by_key(vertex.present, &chosen) {
+        for (chosen, lanes) in by_key(rough, &chosen) {
             let light = &lights[chosen as usize];
             let time = vertex.segment.time;
             let LightSamples { direction, reach, pdf, front, visible } =
                 light::sample(self.scene, light, from, time, numbers);
-            let f_cos = Diffuse::<COSINE>::evaluate(diffuse.normal.dot(direction));
-            let mut lit = lanes & (visible & f_cos.gt(Float::ZERO)).bits();
+            let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
+            let mut lit = lanes & (visible & f_cos.max_element().gt(Float::ZERO)).bits();
             if light.emission.sides == Sides::Front {
                 lit &= front.bits();
             }
             let pdf = pdf * Float::splat(1.0 / count);
             let weight = match self.settings.sampling {
-                Sampling::Mis => power_heuristic(pdf, f_cos),
+                Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
                 _ => Float::splat(1.0),
             };
             let emitted = Vec3x::splat(light.emission.radiance);
-            let arriving = diffuse.albedo * emitted * (f_cos * weight / pdf);
+            let arriving = f_cos * emitted * (weight / pdf);
+            let origin = if B::TRANSMITS {
+                // What is seen through the surface is as far from its other side, but for rounding.
+                let above = direction.dot(vertex.normal).gt(Float::ZERO);
+                vertex.surface.spawn(Vec3x::select(above, vertex.normal, -vertex.normal))
+            } else {
+                from
+            };
             let (t_min, t_max) = (Float::ZERO, reach);
-            let rays = RayVector { origin: from, direction, time, t_min, t_max };
+            let rays = RayVector { origin, direction, time, t_min, t_max };
             shadows.append(&rays, vertex.history.beta * arriving, &vertex.path, lit);
         }
     }

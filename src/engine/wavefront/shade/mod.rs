@@ -1,11 +1,13 @@
 //! Shade: a routine a kind of material, over the paths that have hit it.
 
 mod color;
+mod conductor;
 mod dielectric;
 mod diffuse;
 mod direct;
 mod emit;
 mod metal;
+mod rough_dielectric;
 mod scatter;
 mod vertex;
 
@@ -19,11 +21,13 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
 use crate::geometry::lanes::Surfaces;
-use crate::scene::Scene;
+use crate::scene::{Fresnel, Scene};
 use crate::simd::LANES;
+use conductor::Conductor;
 use dielectric::Dielectric;
-use diffuse::DiffuseOf;
-use metal::MetalOf;
+use diffuse::Diffuse;
+use metal::Metal;
+use rough_dielectric::RoughDielectric;
 
 /// What all paths of a stage share.
 #[derive(Clone, Copy)]
@@ -65,16 +69,25 @@ impl Shading<'_> {
                     continue;
                 }
                 Bin::Surface(shape, Kind::Diffuse(pattern)) => {
-                    self.scatter_colored::<DiffuseOf<false>>(pattern, shape, queue, shaded);
+                    self.scatter_colored::<Diffuse<false>>(pattern, shape, queue, shaded);
                 }
                 Bin::Surface(shape, Kind::Lambertian(pattern)) => {
-                    self.scatter_colored::<DiffuseOf<true>>(pattern, shape, queue, shaded);
+                    self.scatter_colored::<Diffuse<true>>(pattern, shape, queue, shaded);
                 }
                 Bin::Surface(shape, Kind::Metal(pattern)) => {
-                    self.scatter_colored::<MetalOf>(pattern, shape, queue, shaded);
+                    self.scatter_colored::<Metal>(pattern, shape, queue, shaded);
                 }
-                Bin::Surface(shape, Kind::Dielectric) => {
-                    self.scatter(shape, queue, shaded, &Dielectric);
+                Bin::Surface(shape, Kind::Dielectric(Fresnel::Schlick)) => {
+                    self.scatter(shape, queue, shaded, &Dielectric::<false>);
+                }
+                Bin::Surface(shape, Kind::Dielectric(Fresnel::Exact)) => {
+                    self.scatter(shape, queue, shaded, &Dielectric::<true>);
+                }
+                Bin::Surface(shape, Kind::RoughDielectric) => {
+                    self.scatter(shape, queue, shaded, &RoughDielectric);
+                }
+                Bin::Surface(shape, Kind::Conductor) => {
+                    self.scatter(shape, queue, shaded, &Conductor);
                 }
             }
             paths += queue.len();

@@ -3,34 +3,55 @@
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
 use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
-use crate::engine::dimension::Dimension;
-use crate::engine::wavefront::connect::Shadows;
+use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::wavefront::materials::Pattern;
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::Shape;
-use crate::simd::{Float, Int, LANES, Vec3x};
+use crate::simd::random::PathKeys;
+use crate::simd::{Float, Int, LANES, Mask, Vec3x};
 
-/// The next segments of paths.
+/// Directions that paths take.
 pub(super) struct Scatter {
-    pub(super) origin: Vec3x,
     /// Of unit length.
     pub(super) direction: Vec3x,
-    /// f·cos θ/pdf.
+    /// The normals on whose side they leave.
+    pub(super) side: Vec3x,
+    /// f·|cos θ|/pdf.
     pub(super) weight: Vec3x,
+    /// Density per unit solid angle, or [`Segment::SPECULAR`].
     pub(super) pdf: Float,
-    /// Paths that are not absorbed.
+    /// Lanes of paths that are not absorbed; others may be among them.
     pub(super) scattered: u32,
 }
 
+/// The light that surfaces scatter from all directions to those from which paths have come.
+pub(super) trait Bsdf {
+    /// Whether they scatter light to their other side.
+    const TRANSMITS: bool = false;
+
+    /// Those for which there is but one direction, or two.
+    fn specular(&self) -> Mask;
+
+    /// Directions about as likely as they carry light.
+    fn sample(&self, randoms: &Randoms<PathKeys>) -> Scatter;
+
+    /// f·|cos θ| for unit vectors, and the density with which [`Self::sample`] draws them; neither
+    /// tells of specular directions.
+    fn evaluate(&self, direction: Vec3x) -> (Vec3x, Float);
+}
+
 /// A kind of materials.
-pub(super) trait Scatterer {
-    /// Where paths go from `vertex`.
-    fn scatter(&self, shading: &Shading<'_>, vertex: &Vertex, shadows: &mut Shadows) -> Scatter;
+pub(super) trait Material {
+    /// What they make of surfaces.
+    type Bsdf: Bsdf;
+
+    /// How they scatter light at `vertex`.
+    fn bsdf(&self, shading: &Shading<'_>, vertex: &Vertex) -> Self::Bsdf;
 }
 
 /// A kind of materials that have an albedo.
-pub(super) trait Colored: Scatterer {
+pub(super) trait Colored: Material {
     /// Those whose colours vary so.
     fn of(pattern: Pattern) -> Self;
 }
@@ -58,11 +79,15 @@ impl Shading<'_> {
         shape: Shape,
         queue: &Queue,
         shaded: &mut Shaded<'_>,
-        material: &impl Scatterer,
+        material: &impl Material,
     ) {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(shape, queue, first, shaded.paths);
-            let scatter = material.scatter(self, &vertex, shaded.shadows);
+            let bsdf = material.bsdf(self, &vertex);
+            if self.settings.samples_lights(self.scene) {
+                self.direct(&vertex, &bsdf, shaded.shadows);
+            }
+            let scatter = bsdf.sample(&vertex.randoms);
             let mut beta = vertex.history.beta * scatter.weight;
             // Paths that can add nothing end; those that can add little mostly do.
             let mut survival = beta.max_element();
@@ -81,7 +106,8 @@ impl Shading<'_> {
                 goes_on &= !ended;
                 beta = beta / survival;
             }
-            let Scatter { origin, direction, pdf, .. } = scatter;
+            let Scatter { direction, side, pdf, .. } = scatter;
+            let origin = vertex.surface.spawn(side);
             let segments = Segment { origin, direction, pdf, ..vertex.segment };
             shaded.paths.set_segments(&vertex.path, &segments);
             let histories = History { beta, ..vertex.history };
@@ -90,10 +116,4 @@ impl Shading<'_> {
             shaded.next.append(&[Int::new(*vertex.path.lanes()), cells], goes_on);
         }
     }
-}
-
-/// `direction` mirrored at a surface with normal `normal`.
-#[inline(always)]
-pub(super) fn reflect(direction: Vec3x, normal: Vec3x) -> Vec3x {
-    direction - normal * (Float::splat(2.0) * direction.dot(normal))
 }

@@ -1,0 +1,92 @@
+//! How much smooth surfaces reflect (Pharr et al., *Physically Based Rendering*, 4th ed., 9.3).
+
+use glam::Vec3;
+
+use super::max;
+
+/// Reflectance of glass at the cosine of the angle of incidence (Schlick 1994).
+#[inline]
+pub fn schlick(cos: f32, ior: f32) -> f32 {
+    let r = (1.0 - ior) / (1.0 + ior);
+    let r0 = r * r;
+    let x = 1.0 - cos;
+    let x2 = x * x;
+    r0 + (1.0 - r0) * (x2 * x2 * x)
+}
+
+/// Reflectance of a dielectric, for light without polarisation. `eta` is the index of refraction
+/// beyond the surface over that before it, `cos` in `[0, 1]` that of the angle of incidence.
+#[inline]
+pub fn dielectric(cos: f32, eta: f32) -> f32 {
+    let sin2 = (1.0 - cos * cos) / (eta * eta);
+    let refracted = max(0.0, 1.0 - sin2).sqrt();
+    let parallel = (eta * cos - refracted) / (eta * cos + refracted);
+    let across = (cos - eta * refracted) / (cos + eta * refracted);
+    // Total reflection, where both are 1 but for 0/0.
+    if sin2 > 1.0 { 1.0 } else { 0.5 * (parallel * parallel + across * across) }
+}
+
+/// Reflectance of a conductor of index `eta` + i `k`, a channel each, seen from air.
+#[inline]
+pub fn conductor(cos: f32, eta: Vec3, k: Vec3) -> Vec3 {
+    Vec3::new(channel(cos, eta.x, k.x), channel(cos, eta.y, k.y), channel(cos, eta.z, k.z))
+}
+
+#[inline]
+fn channel(cos: f32, eta: f32, k: f32) -> f32 {
+    let cos2 = cos * cos;
+    let sin2 = 1.0 - cos2;
+    let (n2, k2) = (eta * eta, k * k);
+    let difference = n2 - k2 - sin2;
+    let modulus = (difference * difference + 4.0 * n2 * k2).sqrt();
+    let real = max(0.0, 0.5 * (modulus + difference)).sqrt();
+    let cross = 2.0 * real * cos;
+    let across = ((modulus + cos2) - cross) / ((modulus + cos2) + cross);
+    let (sum, part) = (cos2 * modulus + sin2 * sin2, cross * sin2);
+    let parallel = across * ((sum - part) / (sum + part));
+    0.5 * (across + parallel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the equations with complex numbers, in f64.
+    #[test]
+    fn reflectances_are_those_of_fresnel() {
+        type Complex = (f64, f64);
+        let add = |a: Complex, b: Complex| (a.0 + b.0, a.1 + b.1);
+        let multiply = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+        let norm = |a: Complex| a.0 * a.0 + a.1 * a.1;
+        let root = |a: Complex| {
+            let length = norm(a).sqrt();
+            (((length + a.0) / 2.0).sqrt(), ((length - a.0) / 2.0).sqrt().copysign(a.1))
+        };
+        let reflectance = |cos: f64, eta: Complex| {
+            let eta2 = multiply(eta, eta);
+            // η cos θt = √(η² − sin²θ); both ratios are multiplied out by η.
+            let refracted = root(add(eta2, (cos * cos - 1.0, 0.0)));
+            let across = norm(add((cos, 0.0), (-refracted.0, -refracted.1)))
+                / norm(add((cos, 0.0), refracted));
+            let bent = multiply(eta2, (cos, 0.0));
+            let parallel =
+                norm(add(bent, (-refracted.0, -refracted.1))) / norm(add(bent, refracted));
+            0.5 * (across + parallel)
+        };
+        for step in 0..=1000u16 {
+            let cos = f32::from(step) / 1000.0;
+            for eta in [0.4f32, 0.66, 1.01, 1.5, 2.4] {
+                let want = reflectance(f64::from(cos), (f64::from(eta), 0.0));
+                let got = f64::from(dielectric(cos, eta));
+                assert!((got - want).abs() < 2e-5, "{cos} {eta}: {got} {want}");
+            }
+            for (eta, k) in [(0.2f32, 3.9f32), (1.5, 7.6), (0.05, 4.0), (3.0, 0.0)] {
+                let want = reflectance(f64::from(cos), (f64::from(eta), f64::from(k)));
+                let got = f64::from(conductor(cos, Vec3::splat(eta), Vec3::splat(k)).y);
+                assert!((got - want).abs() < 2e-5, "{cos} {eta} {k}: {got} {want}");
+            }
+        }
+        assert_eq!(dielectric(0.0, 0.5), 1.0);
+        assert!((schlick(1.0, 1.5) - 0.04).abs() < 1e-7 && schlick(0.0, 1.5) == 1.0);
+    }
+}
