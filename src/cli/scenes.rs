@@ -34,6 +34,6 @@ fn summary(scene: &Scene) -> String {
         geometry.quads.len(),
         geometry.triangles.len(),
         scene.materials().len(),
-        scene.lights().len(),
+        scene.lights().all().len(),
     )
 }

@@ -18,6 +18,11 @@ pub(crate) struct Randoms<K = PathKey> {
 pub(crate) trait Key {
     /// A number, or one a lane.
     type Number;
+    /// 32 bits, or as many a lane.
+    type Bits;
+
+    /// 32 bits.
+    fn bits(&self, sampler: Sampler, dimension: u32) -> Self::Bits;
 
     /// One number.
     fn one(&self, sampler: Sampler, dimension: u32) -> Self::Number;
@@ -28,6 +33,15 @@ pub(crate) trait Key {
 
 impl Key for PathKey {
     type Number = f32;
+    type Bits = u32;
+
+    #[inline]
+    fn bits(&self, sampler: Sampler, dimension: u32) -> u32 {
+        match sampler {
+            Sampler::Independent => Self::bits(*self, dimension),
+            Sampler::Sobol => self.sobol_bits(dimension).0,
+        }
+    }
 
     #[inline]
     fn one(&self, sampler: Sampler, dimension: u32) -> f32 {
@@ -48,6 +62,15 @@ impl Key for PathKey {
 
 impl Key for PathKeys {
     type Number = Float;
+    type Bits = Int;
+
+    #[inline(always)]
+    fn bits(&self, sampler: Sampler, dimension: u32) -> Int {
+        match sampler {
+            Sampler::Independent => Self::bits(self, dimension),
+            Sampler::Sobol => self.sobol_bits(dimension),
+        }
+    }
 
     #[inline(always)]
     fn one(&self, sampler: Sampler, dimension: u32) -> Float {
@@ -120,6 +143,12 @@ impl<K: Key> Randoms<K> {
     #[inline(always)]
     pub(crate) fn new(sampler: Sampler, key: K, block: u32) -> Self {
         Self { sampler, key, first: block * BLOCK }
+    }
+
+    /// 32 random bits.
+    #[inline(always)]
+    pub(crate) fn bits(&self, Dimension(dimension): Dimension) -> K::Bits {
+        self.key.bits(self.sampler, self.first + dimension)
     }
 
     /// One number in `[0, 1)`.

@@ -39,7 +39,7 @@ impl PathKey {
 
     /// The point in units of 2^-32.
     #[inline]
-    fn sobol_bits(self, dimension: u32) -> (u32, u32) {
+    pub(crate) fn sobol_bits(self, dimension: u32) -> (u32, u32) {
         let seed = |use_of: u32| {
             mix32(self.pixel_word.wrapping_add((3 * dimension + use_of).wrapping_mul(GOLDEN)))
         };

@@ -1,5 +1,6 @@
 //! Scenes: from a name or file to checked, index-based data.
 
+mod alias;
 mod boxes;
 mod builtin;
 mod camera;
@@ -19,6 +20,8 @@ mod ply;
 mod resolve;
 mod texture;
 
+pub use alias::AliasTable;
+pub(crate) use alias::Cell;
 pub use builtin::BUILTIN_NAMES;
 pub use camera::{Camera, CameraFrame, CameraSample};
 pub use description::{
@@ -26,7 +29,7 @@ pub use description::{
     SceneFile, TextureFile,
 };
 pub use generate::Generated;
-pub use light::{Light, LightShape, Rectangle};
+pub use light::{Light, LightShape, Lights, QuadLight, TriangleLight};
 pub use load::{Form, Parsed, Source};
 pub use material::{Background, Emission, Fresnel, Material, Sides};
 pub use named::Named;
@@ -48,13 +51,10 @@ pub struct Scene {
     materials: Vec<Material>,
     geometry: Geometry,
     material_of: Vec<u32>,
-    lights: Vec<Light>,
-    light_of: Vec<u32>,
+    lights: Lights,
 }
 
 impl Scene {
-    const NO_LIGHT: u32 = u32::MAX;
-
     /// The built-in scene of that name, or the scene in the file at that path (`.ron`,
     /// `.json`, or `.txt` in the flat form).
     ///
@@ -138,15 +138,9 @@ impl Scene {
         &self.material_of
     }
 
-    /// The lights that can be sampled.
-    pub fn lights(&self) -> &[Light] {
+    /// The lights.
+    pub fn lights(&self) -> &Lights {
         &self.lights
-    }
-
-    /// The light that a primitive is, if it is one that can be sampled.
-    #[inline]
-    pub fn light(&self, primitive: u32) -> Option<&Light> {
-        self.lights.get(self.light_of[primitive as usize] as usize)
     }
 
     /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.

@@ -9,11 +9,12 @@ use super::camera::Camera;
 use super::description::{
     Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, SceneFile, TextureFile,
 };
+use super::light::Lights;
 use super::material::{Background, Emission, Material};
 use super::mesh::{Mesh, Placement};
 use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
 use super::texture::{Checker, Texture};
-use super::{Scene, boxes, light};
+use super::{Scene, boxes};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
 use crate::image::Image;
@@ -34,11 +35,7 @@ pub(super) fn resolve(
     let mut textures = resolver.textures(folder)?;
     let materials = resolver.materials(&mut textures)?;
     let (geometry, material_of) = resolver.primitives(folder)?;
-    let lights = light::collect(&geometry, &materials, &material_of);
-    let mut light_of = vec![Scene::NO_LIGHT; material_of.len()];
-    for (index, light) in lights.iter().enumerate() {
-        light_of[light.primitive as usize] = index as u32;
-    }
+    let lights = Lights::new(&geometry, &materials, &material_of);
     Ok(Scene {
         name: name.to_owned(),
         camera,
@@ -49,7 +46,6 @@ pub(super) fn resolve(
         geometry,
         material_of,
         lights,
-        light_of,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::{BitAnd, BitOr, Not};
 
-use super::{Float, LANES, Lanes, Register, UintRegister};
+use super::{Float, LANES, Register, UintRegister};
 
 /// One truth value a lane.
 #[derive(Clone, Copy, Debug)]
@@ -80,17 +80,6 @@ impl Not for Mask {
 #[inline(always)]
 pub(crate) fn first_bits(count: usize) -> u32 {
     !u32::MAX.unbounded_shl(count as u32)
-}
-
-/// The lanes of `left` by their keys: each key that is there, with the bits of its lanes.
-pub(crate) fn by_key(mut left: u32, keys: &Lanes<u32>) -> impl Iterator<Item = (u32, u32)> {
-    std::iter::from_fn(move || {
-        let key = keys[Bits(left).next()?];
-        let alike = Bits(left).filter(|&lane| keys[lane] == key);
-        let lanes = alike.fold(0, |lanes, lane| lanes | 1 << lane);
-        left &= !lanes;
-        Some((key, lanes))
-    })
 }
 
 /// The positions of the bits of a mask, from the lowest.

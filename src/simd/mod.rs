@@ -29,9 +29,9 @@ pub(crate) use compress::places;
 pub(crate) use float::Float;
 pub(crate) use indices::Indices;
 pub(crate) use int::Int;
-pub(crate) use mask::{Bits, Mask, by_key, first_bits};
+pub(crate) use mask::{Bits, Mask, first_bits};
 pub(crate) use prefetch::prefetch;
-pub(crate) use quads::{Quad, gather_quads, quad, quads_of};
+pub(crate) use quads::{Quad, gather_quads, quad, quads_of, splat_quad};
 pub(crate) use vec3x::{FrameLanes, Vec3x, axes};
 
 #[cfg(not(target_feature = "avx512f"))]
@@ -236,9 +236,6 @@ mod tests {
                 assert_eq!(chosen[i], if p[i] == q[i] { 9 } else { q[i] });
             }
         }
-        let keys: Lanes<u32> = std::array::from_fn(|lane| lane as u32 % 3);
-        let groups: Vec<(u32, u32)> = by_key(0b1011_0110, &keys).collect();
-        assert_eq!(groups, [(1, 0b1001_0010), (2, 0b0010_0100)]);
         assert_eq!((first_bits(0), first_bits(3), first_bits(99)), (0, 7, u32::MAX));
     }
 }

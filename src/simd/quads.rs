@@ -18,6 +18,13 @@ pub(crate) fn quad(vector: Vec3, number: f32) -> Quad {
     vector.extend(number).to_array().map(f32::to_bits)
 }
 
+/// One quad in all lanes.
+#[inline(always)]
+pub(crate) fn splat_quad(quad: &Quad) -> (Vec3x, Float) {
+    let [x, y, z, number] = quad.map(|word| Float::splat(f32::from_bits(word)));
+    (Vec3x([x, y, z]), number)
+}
+
 /// The quads that `quad` finds at `indices`: vectors and numbers.
 #[inline(always)]
 pub(crate) fn gather_quads<'a>(

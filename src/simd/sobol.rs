@@ -18,12 +18,18 @@ impl PathKeys {
     pub(crate) fn sobol_point(&self, dimension: u32) -> (Float, Float) {
         let index = self.shuffled_index(dimension);
         let y = scrambled(pascal(index), self.seed(dimension, 2)).reversed();
-        (self.first_coordinate(index, dimension), unit_interval(y))
+        (unit_interval(self.first_coordinate(index, dimension)), unit_interval(y))
     }
 
     /// The first coordinate of [`Self::sobol_point`].
     #[inline(always)]
     pub(crate) fn sobol_number(&self, dimension: u32) -> Float {
+        unit_interval(self.sobol_bits(dimension))
+    }
+
+    /// The same in units of 2^-32.
+    #[inline(always)]
+    pub(crate) fn sobol_bits(&self, dimension: u32) -> Int {
         self.first_coordinate(self.shuffled_index(dimension), dimension)
     }
 
@@ -33,8 +39,8 @@ impl PathKeys {
     }
 
     #[inline(always)]
-    fn first_coordinate(&self, index: Int, dimension: u32) -> Float {
-        unit_interval(scrambled(index, self.seed(dimension, 1)).reversed())
+    fn first_coordinate(&self, index: Int, dimension: u32) -> Int {
+        scrambled(index, self.seed(dimension, 1)).reversed()
     }
 
     #[inline(always)]

@@ -4,7 +4,6 @@ mod bsdf;
 mod intersect;
 pub(super) mod light;
 mod path;
-mod spherical_rectangle;
 
 use super::dimension::{Dimension, Randoms};
 use super::renderer::{TileEngine, TileResult, TileWorker};

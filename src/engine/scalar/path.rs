@@ -102,16 +102,13 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     /// The share of a light's emission that counts where a path hits it: the rest is found
     /// by [`Self::direct`].
     fn emission_weight(&self, primitive: u32, ray: &Ray, t: f32, pdf: f32) -> f32 {
-        let Some(light) = self.scene.light(primitive).filter(|_| pdf != SPECULAR) else {
+        let Some(light) = self.scene.lights().of(primitive).filter(|_| pdf != SPECULAR) else {
             return 1.0;
         };
         match self.settings.sampling {
             Sampling::Bsdf => 1.0,
             Sampling::Light => 0.0,
-            Sampling::Mis => {
-                let light_pdf = light::pdf(self.scene, light, ray, t) * self.light_choice_pdf();
-                power_heuristic(pdf, light_pdf)
-            }
+            Sampling::Mis => power_heuristic(pdf, light::pdf(light, ray, t) * light.chance),
         }
     }
 
@@ -129,11 +126,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         if !self.settings.samples_lights(self.scene) || bsdf.is_specular() {
             return Vec3::ZERO;
         }
-        let lights = self.scene.lights();
-        let choice = randoms.one(Dimension::LIGHT_CHOICE) * lights.len() as f32;
-        let light = &lights[(choice as usize).min(lights.len() - 1)];
+        let light = self.scene.lights().choose(randoms.bits(Dimension::LIGHT_CHOICE));
         let from = surface.spawn(normal);
-        let sample = light::sample(self.scene, light, from, time, randoms.two(Dimension::LIGHT));
+        let sample = light::sample(light, from, time, randoms.two(Dimension::LIGHT));
         let Some(LightSample { direction, reach, pdf, front }) = sample else {
             return Vec3::ZERO;
         };
@@ -149,17 +144,12 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         if self.intersect.occluded(&shadow, reach, segment) {
             return Vec3::ZERO;
         }
-        let pdf = pdf * self.light_choice_pdf();
+        let pdf = pdf * light.chance;
         let weight = match self.settings.sampling {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
         };
         f_cos * emitted * (weight / pdf)
-    }
-
-    /// Lights are chosen uniformly.
-    fn light_choice_pdf(&self) -> f32 {
-        1.0 / self.scene.lights().len() as f32
     }
 }
 

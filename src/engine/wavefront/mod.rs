@@ -35,6 +35,7 @@ use cells::Cells;
 use connect::{Shadows, connect};
 use extend::extend;
 use generate::generate;
+use light::LightTable;
 use materials::Materials;
 use order::{Next, order};
 use paths::Paths;
@@ -61,6 +62,7 @@ struct Prepared<'a> {
     camera: CameraFrame,
     accelerator: Accelerator<'a>,
     materials: Materials,
+    lights: LightTable,
     surfaces: Surfaces<'a>,
     cells: Cells,
 }
@@ -73,6 +75,7 @@ impl<'a> Prepared<'a> {
             settings: settings.clone(),
             camera: scene.camera().frame(settings.width, settings.height),
             materials: Materials::new(scene),
+            lights: LightTable::new(scene.lights()),
             surfaces: Surfaces::new(scene.geometry()),
             cells: Cells::new(&accelerator.bounds()),
             accelerator,
@@ -198,7 +201,7 @@ impl<'a> Worker<'a> {
     /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
     fn trace(&mut self, tile: Tile, range: Range<u64>) {
         let Self { prepared, plan, wave, sum, result, watch } = self;
-        let Prepared { scene, settings, camera, accelerator, materials, surfaces, cells } =
+        let Prepared { scene, settings, camera, accelerator, materials, lights, surfaces, cells } =
             prepared;
         let Wave { paths, rays, hits, queues, shadows, next } = wave;
         watch.start();
@@ -215,7 +218,7 @@ impl<'a> Worker<'a> {
             sort(rays, hits, materials, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading = Shading { scene, settings, materials, surfaces, cells, segment };
+            let shading = Shading { scene, settings, materials, lights, surfaces, cells, segment };
             let mut endings = Endings::default();
             let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);

@@ -6,9 +6,9 @@ use super::vertex::Vertex;
 use crate::accel::RayVector;
 use crate::engine::dimension::Dimension;
 use crate::engine::wavefront::connect::Shadows;
-use crate::engine::wavefront::light::{self, LightSamples};
-use crate::scene::{Sampling, Sides};
-use crate::simd::{Float, LANES, Lanes, Vec3x, by_key};
+use crate::engine::wavefront::light::LightSamples;
+use crate::scene::Sampling;
+use crate::simd::{Float, Vec3x};
 
 impl Shading<'_> {
     /// Samples a light from each vertex.
@@ -18,43 +18,29 @@ impl Shading<'_> {
         if rough == 0 {
             return;
         }
-        let from = vertex.surface.spawn(vertex.normal);
-        let lights = self.scene.lights();
-        let (count, numbers) = (lights.len() as f32, vertex.randoms.two(Dimension::LIGHT));
-        let choice = vertex.randoms.one(Dimension::LIGHT_CHOICE) * Float::splat(count);
-        let mut chosen: Lanes<u32> = [0; LANES];
-        for (chosen, choice) in chosen.iter_mut().zip(choice.to_array()) {
-            *chosen = (choice as u32).min(lights.len() as u32 - 1);
-        }
-        // One light after the other: mostly there are few.
-        for (chosen, lanes) in by_key(rough, &chosen) {
-            let light = &lights[chosen as usize];
-            let time = vertex.segment.time;
-            let LightSamples { direction, reach, pdf, front, visible } =
-                light::sample(self.scene, light, from, time, numbers);
-            let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
-            let mut lit = lanes & (visible & f_cos.max_element().gt(Float::ZERO)).bits();
-            if light.emission.sides == Sides::Front {
-                lit &= front.bits();
-            }
-            let pdf = pdf * Float::splat(1.0 / count);
-            let weight = match self.settings.sampling {
-                Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
-                _ => Float::splat(1.0),
-            };
-            let emitted = Vec3x::splat(light.emission.radiance);
-            let arriving = f_cos * emitted * (weight / pdf);
-            let origin = if B::TRANSMITS {
-                // What is seen through the surface is as far from its other side, but for rounding.
-                let above = direction.dot(vertex.normal).gt(Float::ZERO);
-                vertex.surface.spawn(Vec3x::select(above, vertex.normal, -vertex.normal))
-            } else {
-                from
-            };
-            let (t_min, t_max) = (Float::ZERO, reach);
-            let rays = RayVector { origin, direction, time, t_min, t_max };
-            shadows.append(&rays, vertex.history.beta * arriving, &vertex.path, lit);
-        }
+        let (from, time) = (vertex.surface.spawn(vertex.normal), vertex.segment.time);
+        let lights = self.lights.choose(&vertex.randoms);
+        let LightSamples { direction, reach, pdf, front, visible } =
+            lights.sample(from, time, vertex.randoms.two(Dimension::LIGHT));
+        let emitted = lights.radiance(front);
+        let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
+        let some = |light: Vec3x| light.max_element().gt(Float::ZERO);
+        let lit = rough & (visible & some(f_cos) & some(emitted)).bits();
+        let pdf = pdf * lights.chance();
+        let weight = match self.settings.sampling {
+            Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
+            _ => Float::splat(1.0),
+        };
+        let arriving = f_cos * emitted * (weight / pdf);
+        let origin = if B::TRANSMITS {
+            // What is seen through the surface is as far from its other side, but for rounding.
+            let above = direction.dot(vertex.normal).gt(Float::ZERO);
+            vertex.surface.spawn(Vec3x::select(above, vertex.normal, -vertex.normal))
+        } else {
+            from
+        };
+        let rays = RayVector { origin, direction, time, t_min: Float::ZERO, t_max: reach };
+        shadows.append(&rays, vertex.history.beta * arriving, &vertex.path, lit);
     }
 }
 

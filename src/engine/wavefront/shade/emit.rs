@@ -3,12 +3,11 @@
 use super::direct::power_heuristic;
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
-use crate::engine::wavefront::light;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::lanes::Shape;
 use crate::scene::{Background, Sampling};
-use crate::simd::{Bits, Float, LANES, Mask, Vec3x, by_key};
+use crate::simd::{Float, LANES, Vec3x};
 
 impl Shading<'_> {
     /// Paths that leave the scene.
@@ -38,7 +37,7 @@ impl Shading<'_> {
             let (emission, one_sided) = self.solid(&vertex.primitive);
             let dark = one_sided.gt(Float::ZERO) & !vertex.front;
             let emission = Vec3x::select(dark, Vec3x::ZERO, emission);
-            let weight = self.emission_weight(&vertex);
+            let weight = self.emission_weight(shape, &vertex);
             let mut history = vertex.history;
             history.radiance = history.radiance + history.beta * emission * weight;
             shaded.paths.set_radiance(&vertex.path, &history);
@@ -48,29 +47,21 @@ impl Shading<'_> {
 
     /// The share of a light's emission that counts where a path hits it: the rest is found by
     /// light samples.
-    fn emission_weight(&self, vertex: &Vertex) -> Float {
+    #[inline(always)]
+    fn emission_weight(&self, shape: Shape, vertex: &Vertex) -> Float {
         let one = Float::splat(1.0);
-        if self.settings.sampling == Sampling::Bsdf {
+        if self.settings.sampling == Sampling::Bsdf || self.scene.lights().is_empty() {
             return one;
         }
-        let diffuse = !vertex.segment.pdf.eq(Float::splat(Segment::SPECULAR));
-        let mut sampled = 0;
-        for lane in Bits(diffuse.bits()) {
-            sampled |= u32::from(self.scene.light(vertex.primitive[lane]).is_some()) << lane;
-        }
-        if self.settings.sampling == Sampling::Light {
-            return Mask::from_bits(sampled).select(Float::ZERO, one);
-        }
-        let choice_pdf = Float::splat(1.0 / self.scene.lights().len() as f32);
         let Segment { origin, direction, time, pdf } = vertex.segment;
-        let mut weights = one;
-        // One light after the other: mostly there are few.
-        for (primitive, lanes) in by_key(sampled, &vertex.primitive) {
-            let light = self.scene.light(primitive).expect("it is sampled");
-            let of_light = light::pdf(self.scene, light, (origin, direction), time, vertex.t);
-            let weight = power_heuristic(pdf, of_light * choice_pdf);
-            weights = Mask::from_bits(lanes).select(weight, weights);
-        }
-        weights
+        let (lights, are_lights) = self.lights.of(self.scene.lights(), &vertex.primitive);
+        let sampled = are_lights & !pdf.eq(Float::splat(Segment::SPECULAR));
+        let weight = if self.settings.sampling == Sampling::Light {
+            Float::ZERO
+        } else {
+            let of_light = lights.pdf(shape, (origin, direction), time, vertex.t);
+            power_heuristic(pdf, of_light * lights.chance())
+        };
+        sampled.select(weight, one)
     }
 }

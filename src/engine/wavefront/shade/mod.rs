@@ -13,6 +13,7 @@ mod vertex;
 
 use super::cells::Cells;
 use super::connect::Shadows;
+use super::light::LightTable;
 use super::materials::{Bin, Kind, Materials};
 use super::order::Next;
 use super::paths::Paths;
@@ -35,6 +36,7 @@ pub(super) struct Shading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
     pub(super) materials: &'a Materials,
+    pub(super) lights: &'a LightTable,
     pub(super) surfaces: &'a Surfaces<'a>,
     pub(super) cells: &'a Cells,
     /// The segment that has been traced, from 1.

@@ -14,11 +14,11 @@ use glam::Vec3;
 use crate::engine::contract::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::math::trig::{atan2, sin_cos};
 use crate::math::{clamp, dot, max};
-use crate::scene::{LightShape, Rectangle};
+use crate::scene::QuadLight;
 
 /// A rectangle as seen from a point, in its own frame about that point.
 pub(super) struct SphericalRectangle<'a> {
-    rectangle: &'a Rectangle,
+    rectangle: &'a QuadLight,
     from: Vec3,
     /// Edges; y mirrored where `mirrored`.
     x: (f32, f32),
@@ -32,17 +32,14 @@ pub(super) struct SphericalRectangle<'a> {
 }
 
 impl<'a> SphericalRectangle<'a> {
-    /// A light's shape as seen from `from`, if it is a rectangle and [`Self::new`] allows.
-    pub(super) fn of(shape: &'a LightShape, from: Vec3) -> Option<Self> {
-        match shape {
-            LightShape::Rectangle(rectangle) => Self::new(rectangle, from),
-            LightShape::Sphere | LightShape::Parallelogram => None,
-        }
+    /// `light` as seen from `from`, if it is a rectangle and [`Self::new`] allows.
+    pub(super) fn of(light: &'a QuadLight, from: Vec3) -> Option<Self> {
+        if light.rectangle { Self::new(light, from) } else { None }
     }
 
     /// `None` where the rectangle is too small or too edge-on, as seen from `from`, for f32:
     /// it is sampled by area there.
-    fn new(rectangle: &'a Rectangle, from: Vec3) -> Option<Self> {
+    fn new(rectangle: &'a QuadLight, from: Vec3) -> Option<Self> {
         let to_corner = rectangle.corner - from;
         let [x0, y0, height] = rectangle.axes.map(|axis| dot(to_corner, axis));
         let (x1, y1) = (x0 + rectangle.size.0, y0 + rectangle.size.1);
@@ -111,17 +108,19 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    fn rectangle() -> Rectangle {
-        Rectangle {
+    fn rectangle() -> QuadLight {
+        QuadLight {
             corner: Vec3::new(213.0, 554.0, 227.0),
             axes: [Vec3::X, Vec3::NEG_Z, Vec3::Y],
             size: (130.0, 105.0),
+            area: 130.0 * 105.0,
+            rectangle: true,
         }
     }
 
     /// Solid angle of the part of the rectangle up to (x, y) of its size, in f64.
     #[allow(clippy::disallowed_methods)]
-    fn solid_angle(r: &Rectangle, from: Vec3, x: f64, y: f64) -> f64 {
+    fn solid_angle(r: &QuadLight, from: Vec3, x: f64, y: f64) -> f64 {
         let d = (r.corner - from).as_dvec3();
         let [x0, y0, z] = r.axes.map(|a| d.dot(a.as_dvec3()));
         // ∬ z dx dy/(x² + y² + z²)^(3/2) over [0, x] × [0, y].

@@ -1,14 +1,14 @@
 //! Uniform samples of the solid angle of a rectangle, over lanes: the scalar engine's
 //! `spherical_rectangle.rs`, where source and departures are told, to the bit.
 
+use super::quad::Quads;
 use crate::engine::contract::{MIN_SINE, MIN_SOLID_ANGLE};
-use crate::scene::Rectangle;
 use crate::simd::trig::{atan2, sin_cos};
 use crate::simd::{Float, Mask, Vec3x};
 
-/// A rectangle as seen from points, in its own frame about each.
+/// Rectangles as seen from points, in their own frames about these.
 pub(super) struct SphericalRectangle<'a> {
-    rectangle: &'a Rectangle,
+    quads: &'a Quads,
     from: Vec3x,
     /// Edges; y mirrored where `mirrored`.
     x: (Float, Float),
@@ -25,10 +25,11 @@ pub(super) struct SphericalRectangle<'a> {
 
 impl<'a> SphericalRectangle<'a> {
     #[inline(always)]
-    pub(super) fn new(rectangle: &'a Rectangle, from: Vec3x) -> Self {
-        let to_corner = Vec3x::splat(rectangle.corner) - from;
-        let [x0, y0, height] = rectangle.axes.map(|axis| to_corner.dot(Vec3x::splat(axis)));
-        let (x1, y1) = (x0 + Float::splat(rectangle.size.0), y0 + Float::splat(rectangle.size.1));
+    pub(super) fn new(quads: &'a Quads, from: Vec3x) -> Self {
+        let to_corner = quads.corner - from;
+        let along = |axis: usize| to_corner.dot(quads.axes[axis]);
+        let (x0, y0, height) = (along(0), along(1), along(2));
+        let (x1, y1) = (x0 + quads.size.0, y0 + quads.size.1);
         let mirrored = (y0 + y1).lt(Float::ZERO);
         let (y0, y1) = (mirrored.select(-y1, y0), mirrored.select(-y0, y1));
         let z2 = height * height;
@@ -41,7 +42,7 @@ impl<'a> SphericalRectangle<'a> {
             & height.abs().gt(Float::splat(MIN_SINE) * farthest);
         let start = -(a2 + a3);
         let (x, y) = ((x0, x1), (y0, y1));
-        Self { rectangle, from, x, y, mirrored, height, start, solid_angle, exact }
+        Self { quads, from, x, y, mirrored, height, start, solid_angle, exact }
     }
 
     /// Density of [`Self::sample`]'s directions per unit solid angle.
@@ -78,7 +79,7 @@ impl<'a> SphericalRectangle<'a> {
         let h = h0 + v * (h1 - h0);
         let y = h * d2.sqrt() / ((one - h) * (one + h)).max(Float::splat(1e-12)).sqrt();
         let y = y.max(y0).min(y1);
-        let [ax, ay, az] = self.rectangle.axes.map(Vec3x::splat);
+        let [ax, ay, az] = self.quads.axes;
         self.from + ax * x + ay * self.mirrored.select(-y, y) + az * self.height
     }
 }
