@@ -12,6 +12,8 @@ pub const MAX_DEPTH: u32 = 1 << 16;
 pub const MAX_GENERATED: u32 = 1 << 24;
 /// Largest number of primitives of a scene: leaf blocks are told by 25 bits.
 pub const MAX_PRIMITIVES: usize = 1 << 25;
+/// Largest number of media of a scene.
+pub const MAX_MEDIA: usize = 64;
 /// Largest number of rows of an element of a PLY file.
 pub const MAX_ROWS: usize = 1 << 26;
 /// Largest file of a scene or mesh, or manifest of a ray set, in bytes.

@@ -173,6 +173,56 @@ fn values_out_of_range() {
 }
 
 #[test]
+fn values_of_materials_and_media_are_checked() {
+    for (material, message) in [
+        ("dielectric(ior: 1.5, fresnel: fast)", "unknown kind `fast`, known: `schlick`"),
+        ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
+        ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
+        ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be 0 or in [0.001, 1]"),
+        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be above 0 where eta is 0"),
+        ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
+    ] {
+        let place = if message.starts_with("unknown") { ":4" } else { ":materials.grey" };
+        refused("s.ron", GOOD, "lambertian(albedo: (0.5, 0.5, 0.5))", material, place, &[message]);
+    }
+    let ball_of_fog = "sphere(center: (0, 0, 0), radius: 1, density: 0.5, albedo: (1, 1, 1))";
+    for (media, place, message) in [
+        (
+            "sphere(center: (0, 0, 0), radius: 0, density: 1, albedo: (1, 1, 1))",
+            0,
+            "radius must be",
+        ),
+        (
+            "sphere(center: (0, 0, 0), radius: 1, density: 0, albedo: (1, 1, 1))",
+            0,
+            "density must be",
+        ),
+        (
+            "sphere(center: (0, 0, 0), radius: 1, density: 1, albedo: (1, 2, 1))",
+            0,
+            "albedo must be",
+        ),
+        (
+            "box(min: (0, 0, 0), max: (1, 0, 1), density: 1, albedo: (1, 1, 1))",
+            0,
+            "max must be above",
+        ),
+        (&format!("{ball_of_fog}, {ball_of_fog}"), 1, "overlaps media[0]"),
+        (
+            &format!(
+                "{ball_of_fog}, box(min: (0.9, 0, 0), max: (2, 1, 1), density: 1, albedo: (0, 0, 0))"
+            ),
+            1,
+            "overlaps media[0]: media must lie side by side",
+        ),
+    ] {
+        let with = format!("media: [{media}], materials:");
+        let place = format!(":media[{place}]: medium");
+        refused("s.ron", GOOD, "materials:", &with, &place, &[message]);
+    }
+}
+
+#[test]
 fn files_that_are_not_there_or_not_files() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -157,7 +157,8 @@ fn counts_add_up_and_repeat() {
     let first = renderer.render().unwrap();
     let again = RenderSettings { plan, threads: 3, ..settings };
     let second = render(&scene, &again, Engine::Wavefront);
-    for stage in Stage::ALL {
+    // This scene has no media.
+    for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Collide) {
         let (a, b) = (first.waves.stage(stage), second.waves.stage(stage));
         assert_eq!((a.active, a.issued, a.counters), (b.active, b.issued, b.counters), "{stage:?}");
         assert!(a.active > 0 && a.active <= a.issued, "{stage:?}");

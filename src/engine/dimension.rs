@@ -136,6 +136,12 @@ impl Dimension {
     pub(crate) const BALL: Self = Self(6);
     /// Vertex: whether the path goes on.
     pub(crate) const ROULETTE: Self = Self(7);
+
+    /// Vertex: how far the path gets in medium number `index`.
+    pub(crate) const fn medium(index: u32) -> Self {
+        // Beyond all blocks of a path for all but the first.
+        Self(8 + (index << 21))
+    }
 }
 
 impl<K: Key> Randoms<K> {

@@ -14,6 +14,8 @@ pub enum Stage {
     Generate,
     /// Closest hits.
     Extend,
+    /// Collisions in media, where there are any.
+    Collide,
     /// Paths to the queues of what they hit.
     Sort,
     /// Emission, scattering, light samples.
@@ -28,9 +30,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Generate,
         Self::Extend,
+        Self::Collide,
         Self::Sort,
         Self::Shade,
         Self::Connect,
@@ -43,6 +46,7 @@ impl Stage {
         match self {
             Self::Generate => "generate",
             Self::Extend => "extend",
+            Self::Collide => "collide",
             Self::Sort => "sort",
             Self::Shade => "shade",
             Self::Connect => "connect",

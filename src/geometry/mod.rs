@@ -10,6 +10,7 @@ mod quad;
 mod ray;
 mod sphere;
 mod triangle;
+mod volume;
 
 pub use bounds::Bounds;
 pub use quad::Quad;
@@ -17,6 +18,7 @@ pub(crate) use ray::shear_axes;
 pub use ray::{Hit, PreparedRay, Ray};
 pub use sphere::Sphere;
 pub use triangle::Triangle;
+pub use volume::Volume;
 
 use glam::Vec3;
 

@@ -40,9 +40,12 @@ impl PathKey {
     /// The point in units of 2^-32.
     #[inline]
     pub(crate) fn sobol_bits(self, dimension: u32) -> (u32, u32) {
-        let seed = |use_of: u32| {
-            mix32(self.pixel_word.wrapping_add((3 * dimension + use_of).wrapping_mul(GOLDEN)))
-        };
+        let seed =
+            |use_of: u32| {
+                mix32(self.pixel_word.wrapping_add(
+                    dimension.wrapping_mul(3).wrapping_add(use_of).wrapping_mul(GOLDEN),
+                ))
+            };
         let index = scrambled(self.sample_word, seed(0)).reverse_bits();
         (scrambled(index, seed(1)).reverse_bits(), scrambled(pascal(index), seed(2)).reverse_bits())
     }

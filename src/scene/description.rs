@@ -28,6 +28,9 @@ pub struct SceneFile {
     /// The geometry.
     #[serde(default)]
     pub primitives: Vec<PrimitiveFile>,
+    /// Media, none of which overlaps another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub media: Vec<MediumFile>,
 }
 
 /// A thin-lens camera.
@@ -241,6 +244,38 @@ pub enum Sides {
     Both,
     /// The side that the normal points to.
     Front,
+}
+
+/// A homogeneous medium that scatters light to all sides alike, in a volume whose boundary is
+/// invisible.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MediumFile {
+    /// In a ball.
+    Sphere {
+        /// Centre.
+        center: [f32; 3],
+        /// Radius, above 0.
+        radius: f32,
+        /// Extinction coefficient: collisions a unit of length, above 0.
+        density: f32,
+        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
+        albedo: [f32; 3],
+    },
+    /// In a box.
+    Box {
+        /// Lower corner before rotation.
+        min: [f32; 3],
+        /// Upper corner before rotation.
+        max: [f32; 3],
+        /// Right-handed angles about x, then y, then z, through the middle of the box.
+        #[serde(default)]
+        rotation: [f32; 3],
+        /// Extinction coefficient: collisions a unit of length, above 0.
+        density: f32,
+        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
+        albedo: [f32; 3],
+    },
 }
 
 /// A colour, or the name of a texture.

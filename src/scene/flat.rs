@@ -104,7 +104,8 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
         return Err(Error::input(file, line.to_string(), message));
     }
     let camera = camera.ok_or_else(|| Error::input(file, "", "the record `camera` is missing"))?;
-    Ok((SceneFile { camera, background, render, textures, materials, primitives }, places))
+    let media = Vec::new();
+    Ok((SceneFile { camera, background, render, textures, materials, primitives, media }, places))
 }
 
 /// The values of one record.

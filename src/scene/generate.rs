@@ -76,6 +76,7 @@ fn scene(
         textures: Named::default(),
         materials,
         primitives,
+        media: Vec::new(),
     }
 }
 

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::texture::Texture;
-use super::{Background, Fresnel, Material, Scene};
-use crate::geometry::Primitive;
+use super::{Background, Fresnel, Material, Medium, Scene};
+use crate::geometry::{Primitive, Volume};
 
 /// BLAKE3 over camera, background and, primitive by primitive, shape and looks.
 pub(super) fn hash(scene: &Scene) -> String {
@@ -41,6 +41,16 @@ pub(super) fn hash(scene: &Scene) -> String {
             }
             Material::Light(light) => {
                 hasher.vectors(9 + light.sides as u8, &[light.radiance]);
+            }
+        }
+    }
+    for Medium { volume, density, albedo } in &scene.media {
+        match *volume {
+            Volume::Sphere { center, radius } => {
+                hasher.vectors(14, &[center, Vec3::new(radius, *density, 0.0), *albedo]);
+            }
+            Volume::Box { center, axes: [x, y, z], half } => {
+                hasher.vectors(15, &[center, x, y, z, half, Vec3::splat(*density), *albedo]);
             }
         }
     }

@@ -11,6 +11,7 @@ mod hash;
 mod light;
 mod load;
 mod material;
+mod medium;
 mod mesh;
 mod named;
 mod obj;
@@ -25,13 +26,14 @@ pub(crate) use alias::Cell;
 pub use builtin::BUILTIN_NAMES;
 pub use camera::{Camera, CameraFrame, CameraSample};
 pub use description::{
-    Albedo, BackgroundFile, CameraFile, MaterialFile, PrimitiveFile, RenderDefaults, Sampling,
-    SceneFile, TextureFile,
+    Albedo, BackgroundFile, CameraFile, MaterialFile, MediumFile, PrimitiveFile, RenderDefaults,
+    Sampling, SceneFile, TextureFile,
 };
 pub use generate::Generated;
 pub use light::{Light, LightShape, Lights, QuadLight, TriangleLight};
 pub use load::{Form, Parsed, Source};
 pub use material::{Background, Emission, Fresnel, Material, Sides};
+pub use medium::Medium;
 pub use named::Named;
 pub use texture::{Checker, Texture};
 
@@ -52,6 +54,7 @@ pub struct Scene {
     geometry: Geometry,
     material_of: Vec<u32>,
     lights: Lights,
+    media: Vec<Medium>,
 }
 
 impl Scene {
@@ -141,6 +144,11 @@ impl Scene {
     /// The lights.
     pub fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// The media, none of which overlaps another.
+    pub fn media(&self) -> &[Medium] {
+        &self.media
     }
 
     /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.

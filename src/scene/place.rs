@@ -89,6 +89,14 @@ impl Element<'_> {
         Ok(Vec3::from_array(value))
     }
 
+    /// The corners of a box.
+    pub(super) fn bounds(&self, min: [f32; 3], max: [f32; 3]) -> Result<()> {
+        self.point("min", min)?;
+        self.point("max", max)?;
+        let ok = min.iter().zip(max).all(|(min, max)| *min < max);
+        self.check(ok, "max", &format!("above min {min:?} on every axis"), max)
+    }
+
     pub(super) fn rotation(&self, degrees: [f32; 3]) -> Result<()> {
         let ok = degrees.iter().all(|angle| angle.abs() <= 1e6);
         self.check(ok, "rotation", "finite, within ±1e6 degrees", degrees)

@@ -11,6 +11,7 @@ use super::description::{
 };
 use super::light::Lights;
 use super::material::{Background, Emission, Material};
+use super::medium::Medium;
 use super::mesh::{Mesh, Placement};
 use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
 use super::texture::{Checker, Texture};
@@ -18,7 +19,7 @@ use super::{Scene, boxes};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
 use crate::image::Image;
-use crate::limits::MAX_PRIMITIVES;
+use crate::limits::{MAX_MEDIA, MAX_PRIMITIVES};
 
 /// The scene that `file` describes. `name` is what errors call it, `folder` is where its
 /// textures are.
@@ -35,6 +36,7 @@ pub(super) fn resolve(
     let mut textures = resolver.textures(folder)?;
     let materials = resolver.materials(&mut textures)?;
     let (geometry, material_of) = resolver.primitives(folder)?;
+    let media = resolver.media()?;
     let lights = Lights::new(&geometry, &materials, &material_of);
     Ok(Scene {
         name: name.to_owned(),
@@ -46,6 +48,7 @@ pub(super) fn resolve(
         geometry,
         material_of,
         lights,
+        media,
     })
 }
 
@@ -199,6 +202,27 @@ impl<'a> Resolver<'a> {
         Ok(materials)
     }
 
+    /// Checks that no media overlap.
+    fn media(&self) -> Result<Vec<Medium>> {
+        let mut media: Vec<Medium> = Vec::new();
+        for (index, file) in self.file.media.iter().enumerate() {
+            let e = self.element(format!("media[{index}]"), "medium");
+            if index >= MAX_MEDIA {
+                return Err(e.error(format!("a scene can have {MAX_MEDIA} media at most")));
+            }
+            let medium = Medium::new(&e, file)?;
+            if let Some(other) =
+                media.iter().position(|other| other.volume.overlaps(&medium.volume))
+            {
+                return Err(
+                    e.error(format!("overlaps media[{other}]: media must lie side by side"))
+                );
+            }
+            media.push(medium);
+        }
+        Ok(media)
+    }
+
     /// The primitives, and the material of each in their order.
     fn primitives(&self, folder: &Path) -> Result<(Geometry, Vec<u32>)> {
         let mut geometry = Geometry::default();
@@ -257,10 +281,7 @@ fn add(
             geometry.quads.push(quad(e.point("q", *q)?, e.point("u", *u)?, e.point("v", *v)?)?);
         }
         PrimitiveFile::Box { min, max, rotation, .. } => {
-            e.point("min", *min)?;
-            e.point("max", *max)?;
-            let ok = min.iter().zip(max).all(|(min, max)| min < max);
-            e.check(ok, "max", &format!("above min {min:?} on every axis"), max)?;
+            e.bounds(*min, *max)?;
             e.rotation(*rotation)?;
             for (q, u, v) in boxes::faces(*min, *max, *rotation) {
                 geometry.quads.push(quad(q.into(), u.into(), v.into())?);

@@ -45,7 +45,8 @@ impl PathKeys {
 
     #[inline(always)]
     fn seed(&self, dimension: u32, use_of: u32) -> Int {
-        mix(self.pixel_word + Int::splat((3 * dimension + use_of).wrapping_mul(GOLDEN)))
+        mix(self.pixel_word
+            + Int::splat(dimension.wrapping_mul(3).wrapping_add(use_of).wrapping_mul(GOLDEN)))
     }
 }
 

@@ -3,7 +3,7 @@
 use ptfast::Sampling;
 use ptfast::math::random::Stream;
 use ptfast::scene::{
-    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, Named, PrimitiveFile,
+    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, MediumFile, Named, PrimitiveFile,
     RenderDefaults, SceneFile, Sides, TextureFile,
 };
 
@@ -82,7 +82,23 @@ impl Maker {
             textures,
             materials: Named(materials),
             primitives,
+            media: (0..self.below(3)).map(|i| self.medium(i as f32)).collect(),
         }
+    }
+
+    /// Those of different places lie side by side.
+    fn medium(&mut self, place: f32) -> MediumFile {
+        let density = self.0.between(0.01, 3.0);
+        let albedo = self.vector(0.0, 1.0);
+        let center = [3.0 * place - 2.0, self.0.between(-1.0, 1.0), self.0.between(-1.0, 1.0)];
+        let radius = self.0.between(0.2, 1.4);
+        if self.one_in(2) {
+            return MediumFile::Sphere { center, radius, density, albedo };
+        }
+        let half = 0.57 * radius;
+        let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
+        let [min, max] = [-half, half].map(|half| center.map(|c| c + half));
+        MediumFile::Box { min, max, rotation, density, albedo }
     }
 
     fn camera(&mut self) -> CameraFile {

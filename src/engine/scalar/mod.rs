@@ -3,6 +3,7 @@
 mod bsdf;
 mod intersect;
 pub(super) mod light;
+mod medium;
 mod path;
 
 use super::dimension::{Dimension, Randoms};

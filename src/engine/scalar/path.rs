@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
-use super::bsdf::{Arrival, Bsdf, SPECULAR};
+use super::bsdf::{Arrival, Bsdf, Phase, SPECULAR};
 use super::intersect::Intersect;
 use super::light::{self, LightSample};
-use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
+use super::medium;
+use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH};
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
@@ -40,35 +41,49 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         self.rays.primary += 1;
 
         for segment in 1..=self.settings.depth {
-            // Extend: the closest surface, or the background.
-            let Some(hit) = self.intersect.closest(&ray, segment) else {
-                radiance += beta * self.scene.background().radiance(ray.direction);
-                self.endings.background += 1;
-                break;
-            };
-            let primitive = self.scene.geometry().get(hit.primitive);
-            let surface = primitive.surface(&ray, hit.t);
-            let (normal, front) = face_forward(surface.normal, ray.direction);
+            // Extend: the closest surface, or the background, or a collision before these.
+            let hit = self.intersect.closest(&ray, segment);
             let randoms = Randoms::new(self.settings.sampler, key, segment);
+            let end = hit.map_or(f32::INFINITY, |hit| hit.t);
+            let collision = medium::collide(self.scene.media(), &ray, end, &randoms);
 
             // Shade: emit, or choose the next direction.
-            let material = self.scene.material(hit.primitive);
-            if let Material::Light(emission) = material {
-                let weight = self.emission_weight(hit.primitive, &ray, hit.t, pdf);
-                radiance += beta * emission.radiance(front) * weight;
-                self.endings.light += 1;
-                break;
-            }
-            if segment == self.settings.depth {
-                self.endings.depth += 1;
-                break;
-            }
-            let color = |texture: u32| {
-                let uv = || primitive.uv(&ray, &surface, hit.t);
-                self.scene.textures()[texture as usize].color(surface.point, uv)
+            let (surface, normal, bsdf) = if let Some((t, medium)) = collision {
+                if segment == self.settings.depth {
+                    self.endings.depth += 1;
+                    break;
+                }
+                // Nothing that rays would have to leave.
+                let point = ray.origin + ray.direction * t;
+                let surface = Surface { point, normal: ray.direction, offset: 0.0 };
+                (surface, -ray.direction, Bsdf::Phase(Phase { albedo: medium.albedo }))
+            } else {
+                let Some(hit) = hit else {
+                    radiance += beta * self.scene.background().radiance(ray.direction);
+                    self.endings.background += 1;
+                    break;
+                };
+                let primitive = self.scene.geometry().get(hit.primitive);
+                let surface = primitive.surface(&ray, hit.t);
+                let (normal, front) = face_forward(surface.normal, ray.direction);
+                let material = self.scene.material(hit.primitive);
+                if let Material::Light(emission) = material {
+                    let weight = self.emission_weight(hit.primitive, &ray, hit.t, pdf);
+                    radiance += beta * emission.radiance(front) * weight;
+                    self.endings.light += 1;
+                    break;
+                }
+                if segment == self.settings.depth {
+                    self.endings.depth += 1;
+                    break;
+                }
+                let color = |texture: u32| {
+                    let uv = || primitive.uv(&ray, &surface, hit.t);
+                    self.scene.textures()[texture as usize].color(surface.point, uv)
+                };
+                let arrival = Arrival { direction: ray.direction, normal, front };
+                (surface, normal, Bsdf::new(material, arrival, color))
             };
-            let arrival = Arrival { direction: ray.direction, normal, front };
-            let bsdf = Bsdf::new(material, arrival, color);
             // Connect: one light, one shadow ray, which is the path's next segment.
             radiance += beta * self.direct(&bsdf, &surface, normal, ray.time, segment, &randoms);
             let Some(scatter) = bsdf.sample(&randoms) else {
@@ -129,7 +144,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let light = self.scene.lights().choose(randoms.bits(Dimension::LIGHT_CHOICE));
         let from = surface.spawn(normal);
         let sample = light::sample(light, from, time, randoms.two(Dimension::LIGHT));
-        let Some(LightSample { direction, reach, pdf, front }) = sample else {
+        let Some(LightSample { direction, distance, pdf, front }) = sample else {
             return Vec3::ZERO;
         };
         let emitted = light.emission.radiance(front);
@@ -141,7 +156,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // What is seen through the surface is as far from its other side, but for rounding.
         let side = if dot(direction, normal) > 0.0 { normal } else { -normal };
         let shadow = Ray { origin: surface.spawn(side), direction, time };
-        if self.intersect.occluded(&shadow, reach, segment) {
+        if self.intersect.occluded(&shadow, distance * SHADOW_REACH, segment) {
             return Vec3::ZERO;
         }
         let pdf = pdf * light.chance;
@@ -149,7 +164,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
         };
-        f_cos * emitted * (weight / pdf)
+        let crossing = medium::transmittance(self.scene.media(), &shadow, distance);
+        f_cos * emitted * (weight / pdf * crossing)
     }
 }
 

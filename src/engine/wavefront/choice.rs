@@ -11,7 +11,7 @@ const BEHIND: [f64; 2] = [4.0, 1.25];
 /// Waves that took so many times as long a ray as most were interrupted.
 const INTERRUPTED: f64 = 3.0;
 /// What a kernel for closest hits is judged by, and an order.
-const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Sort, Stage::Shade];
+const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Collide, Stage::Sort, Stage::Shade];
 /// What a kernel for shadow rays is judged by. They come in the order of the hits.
 const OCCLUDED: &[Stage] = &[Stage::Connect];
 

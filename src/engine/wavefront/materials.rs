@@ -11,6 +11,8 @@ use crate::simd::{Quad, quad};
 pub(super) enum Bin {
     /// Those that have hit nothing.
     Background,
+    /// Those that have collided in a medium.
+    Medium,
     /// Those that have hit primitives of one shape and of one kind of materials.
     Surface(Shape, Kind),
 }
@@ -40,8 +42,10 @@ pub(super) enum Pattern {
 pub(super) struct Materials {
     /// Those in the scene, [`Bin::Background`] first.
     pub(super) bins: Vec<Bin>,
-    /// The place in `bins` of each primitive; one more for none.
+    /// The place in `bins` of each primitive, then of each medium; one more for none.
     bin_of: Vec<u8>,
+    /// Albedos of the media.
+    media: Vec<Quad>,
     /// Of each material: one colour, which is what a light emits or the real part of a conductor's
     /// index, and a number: fuzz, index of refraction, α of a conductor, or 1 for a light that shines
     /// on its front only.
@@ -62,16 +66,29 @@ impl Materials {
             place as u8
         };
         let geometry = scene.geometry();
-        let bin =
-            |p| place(Bin::Surface(Shape::of(geometry.get(p)), kind(scene, scene.material(p))));
-        let mut bin_of: Vec<u8> = (0..geometry.len() as u32).map(bin).collect();
+        let surface = |p| Bin::Surface(Shape::of(geometry.get(p)), kind(scene, scene.material(p)));
+        let mut bin_of: Vec<u8> =
+            (0..geometry.len() as u32).map(|primitive| place(surface(primitive))).collect();
+        bin_of.extend(scene.media().iter().map(|_| place(Bin::Medium)));
         bin_of.push(0);
         Self {
             bins,
             bin_of,
+            media: scene.media().iter().map(|medium| quad(medium.albedo, 0.0)).collect(),
             solid: scene.materials().iter().map(|m| solid(scene, m)).collect(),
             more: scene.materials().iter().map(|m| more(scene, m)).collect(),
         }
+    }
+
+    /// What stands for the first medium where primitives are told.
+    pub(super) fn first_medium(&self) -> u32 {
+        (self.bin_of.len() - 1 - self.media.len()) as u32
+    }
+
+    /// The albedo of the medium that `code` stands for.
+    #[inline(always)]
+    pub(super) fn medium(&self, code: u32) -> &Quad {
+        &self.media[(code - self.first_medium()) as usize]
     }
 
     /// The place in [`Self::bins`] of what is shaded where a path has hit `primitive`, or none.

@@ -3,6 +3,7 @@
 mod accumulate;
 mod cells;
 mod choice;
+mod collide;
 mod columns;
 mod connect;
 mod extend;
@@ -32,6 +33,7 @@ use crate::geometry::lanes::Surfaces;
 use crate::scene::{CameraFrame, Scene};
 use accumulate::accumulate;
 use cells::Cells;
+use collide::collide;
 use connect::{Shadows, connect};
 use extend::extend;
 use generate::generate;
@@ -214,6 +216,12 @@ impl<'a> Worker<'a> {
             let how = plan.segment(segment);
             let counters = extend(accelerator, how.closest, rays, hits, settings.count);
             watch.lap(Stage::Extend, segment, StageWork { counters, ..StageWork::of(rays.len()) });
+
+            if !scene.media().is_empty() {
+                let numbers = (settings.sampler, segment);
+                collide(scene.media(), materials, numbers, paths, rays, hits);
+                watch.lap(Stage::Collide, segment, StageWork::of(rays.len()));
+            }
 
             sort(rays, hits, materials, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));

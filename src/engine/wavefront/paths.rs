@@ -97,6 +97,12 @@ impl Paths {
         History { beta, radiance, keys }
     }
 
+    /// The keys of the paths `indices`.
+    #[inline(always)]
+    pub(super) fn keys(&self, indices: &Indices) -> PathKeys {
+        self.histories(indices).keys
+    }
+
     /// Sets the throughputs of the paths `indices`.
     #[inline(always)]
     pub(super) fn set_beta(&mut self, indices: &Indices, history: &History) {

@@ -8,12 +8,14 @@ mod quad;
 mod sphere;
 mod surface;
 mod triangle;
+mod volume;
 
 pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
 use sphere::padded_inv_length2;
 pub(crate) use sphere::{misses_sphere, padded_radius2, sphere};
 pub(crate) use surface::{HitPoints, Shape, SurfaceLanes, Surfaces};
 pub(crate) use triangle::shear_triangles;
+pub(crate) use volume::interval;
 
 use crate::simd::{Float, Mask, Vec3x};
 

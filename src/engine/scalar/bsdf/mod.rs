@@ -1,10 +1,11 @@
-//! How surfaces scatter light: a file for each model, with its samples, values and densities side by
+//! How surfaces and media scatter light: a file for each model, with its samples, values and densities side by
 //! side.
 
 mod conductor;
 mod dielectric;
 mod diffuse;
 mod metal;
+mod phase;
 mod rough_dielectric;
 
 use glam::Vec3;
@@ -15,6 +16,7 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use metal::Metal;
+pub(super) use phase::Phase;
 use rough_dielectric::RoughDielectric;
 
 /// Where a path arrives at a surface.
@@ -28,13 +30,14 @@ pub(super) struct Arrival {
     pub(super) front: bool,
 }
 
-/// The light that a surface scatters from all directions to that from which a path has come.
+/// The light that a surface or a medium scatters from all directions to that from which a path has come.
 pub(super) enum Bsdf {
     Diffuse(Diffuse),
     Metal(Metal),
     Dielectric(Dielectric),
     Conductor(Conductor),
     RoughDielectric(RoughDielectric),
+    Phase(Phase),
 }
 
 /// A direction that a path takes.
@@ -82,7 +85,7 @@ impl Bsdf {
     /// Whether all its directions are [`SPECULAR`].
     pub(super) fn is_specular(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::RoughDielectric(_) => false,
+            Self::Diffuse(_) | Self::RoughDielectric(_) | Self::Phase(_) => false,
             Self::Metal(metal) => metal.fuzz == 0.0,
             Self::Conductor(conductor) => conductor.ggx.alpha == 0.0,
             Self::Dielectric(_) => true,
@@ -97,6 +100,7 @@ impl Bsdf {
             Self::Dielectric(dielectric) => Some(dielectric.sample(randoms)),
             Self::Conductor(conductor) => conductor.sample(randoms),
             Self::RoughDielectric(dielectric) => dielectric.sample(randoms),
+            Self::Phase(phase) => Some(phase.sample(randoms)),
         }
     }
 
@@ -109,6 +113,7 @@ impl Bsdf {
             Self::Dielectric(_) => (Vec3::ZERO, 0.0),
             Self::Conductor(conductor) => conductor.evaluate(direction),
             Self::RoughDielectric(dielectric) => dielectric.evaluate(direction),
+            Self::Phase(phase) => phase.evaluate(),
         }
     }
 }

@@ -8,7 +8,6 @@ mod triangle;
 
 use glam::Vec3;
 
-use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::Ray;
 use crate::math::dot;
 use crate::scene::{Light, LightShape};
@@ -17,11 +16,8 @@ use crate::scene::{Light, LightShape};
 pub(in crate::engine) struct LightSample {
     /// Of unit length.
     pub(in crate::engine) direction: Vec3,
-    /// What a shadow ray must cross freely: the way to the light, but for its last 10⁻⁴.
-    ///
-    /// There lie the light itself, with what rounding does to its distance in this or another
-    /// program (but for grazing rays and silhouettes), and surfaces that are flush with it.
-    pub(in crate::engine) reach: f32,
+    /// How far the light is.
+    pub(in crate::engine) distance: f32,
     /// Density of the direction per unit solid angle.
     pub(in crate::engine) pdf: f32,
     /// Whether the direction meets the light's front.
@@ -66,8 +62,7 @@ impl Plane {
         let distance = -dot(self.normal, from - self.point) / slope;
         let pdf = pdf.unwrap_or_else(|| self.area_pdf(direction, distance));
         let visible = distance > 0.0 && distance.is_finite() && pdf > 0.0 && pdf.is_finite();
-        let reach = distance * SHADOW_REACH;
-        visible.then_some(LightSample { direction, reach, pdf, front: slope < 0.0 })
+        visible.then_some(LightSample { direction, distance, pdf, front: slope < 0.0 })
     }
 
     /// Density per unit solid angle of points uniform by area, at `distance` in this direction.
@@ -79,6 +74,7 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::contract::SHADOW_REACH;
     use crate::geometry::Primitive;
     use crate::math::random::Stream;
     use crate::scene::Scene;
@@ -135,7 +131,7 @@ mod tests {
                         }
                     };
                     let Some(distance) = distance else { continue };
-                    let short = 1.0 - f64::from(sample.reach) / distance;
+                    let short = 1.0 - f64::from(sample.distance * SHADOW_REACH) / distance;
                     assert!((short - 1e-4).abs() < 5e-5, "{name} {from}: {short:e}");
                     checked += 1;
                 }

@@ -4,7 +4,6 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::LightSample;
-use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::{PreparedRay, Primitive, Ray, Sphere};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{dot, length, normalize};
@@ -46,7 +45,7 @@ pub(super) fn sample(light: &Sphere, from: Vec3, time: f32, u: f32, v: f32) -> L
         // At the silhouette rounding may miss the sphere, which is then as far as its centre.
         .unwrap_or_else(|| dot(cone.to_center, direction));
     let front = cone.one_minus_cos.is_some();
-    LightSample { direction, reach: distance * SHADOW_REACH, pdf: cone.pdf(), front }
+    LightSample { direction, distance, pdf: cone.pdf(), front }
 }
 
 pub(super) fn pdf(light: &Sphere, ray: &Ray) -> f32 {

@@ -7,7 +7,6 @@ mod spherical_triangle;
 mod table;
 mod triangle;
 
-use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::lanes::Shape;
 use crate::simd::{Float, Int, Lanes, Mask, Vec3x};
 pub(super) use table::LightTable;
@@ -26,8 +25,8 @@ pub(super) struct Chosen<'a> {
 pub(super) struct LightSamples {
     /// Of unit length.
     pub(super) direction: Vec3x,
-    /// What a shadow ray must cross freely.
-    pub(super) reach: Float,
+    /// How far the light is.
+    pub(super) distance: Float,
     /// Density of the direction per unit solid angle.
     pub(super) pdf: Float,
     /// Whether the direction meets the light's front.
@@ -42,7 +41,7 @@ impl Chosen<'_> {
     pub(super) fn sample(&self, from: Vec3x, time: Float, numbers: (Float, Float)) -> LightSamples {
         let mut found = LightSamples {
             direction: from,
-            reach: Float::ZERO,
+            distance: Float::ZERO,
             pdf: Float::ZERO,
             front: Mask::NONE,
             visible: Mask::NONE,
@@ -102,7 +101,7 @@ impl LightSamples {
     fn unless(self, lanes: Mask, others: Self) -> Self {
         Self {
             direction: Vec3x::select(lanes, others.direction, self.direction),
-            reach: lanes.select(others.reach, self.reach),
+            distance: lanes.select(others.distance, self.distance),
             pdf: lanes.select(others.pdf, self.pdf),
             front: (lanes & others.front) | (!lanes & self.front),
             visible: (lanes & others.visible) | (!lanes & self.visible),
@@ -134,7 +133,7 @@ impl Planes {
         let positive = |x: Float| x.gt(Float::ZERO) & x.lt(Float::INFINITY);
         LightSamples {
             direction,
-            reach: distance * Float::splat(SHADOW_REACH),
+            distance,
             pdf,
             front: slope.lt(Float::ZERO),
             visible: positive(distance) & positive(pdf),
@@ -222,7 +221,7 @@ mod tests {
                 seen += 1;
                 let bits = |v: Vec3| v.to_array().map(f32::to_bits);
                 assert_eq!(bits(at(&direction)), bits(one.direction), "{light:?}");
-                assert_eq!(samples.reach.to_array()[lane].to_bits(), one.reach.to_bits());
+                assert_eq!(samples.distance.to_array()[lane].to_bits(), one.distance.to_bits());
                 assert_eq!(samples.pdf.to_array()[lane].to_bits(), one.pdf.to_bits());
                 assert_eq!(at(&radiance), light.emission.radiance(one.front));
                 assert_eq!(lanes.chance().to_array()[lane], light.chance);

@@ -3,7 +3,6 @@
 use std::f32::consts::PI;
 
 use super::{Chosen, LightSamples};
-use crate::engine::contract::SHADOW_REACH;
 use crate::geometry::lanes::{RayLanes, sphere};
 use crate::simd::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::simd::{Float, Mask, Vec3x};
@@ -57,7 +56,7 @@ pub(super) fn sample(
     };
     LightSamples {
         direction,
-        reach: distance * Float::splat(SHADOW_REACH),
+        distance,
         pdf: cones.pdf(),
         front: cones.outside,
         visible: Mask::all(),

@@ -4,7 +4,9 @@ use super::Shading;
 use super::scatter::Bsdf;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
+use crate::engine::contract::SHADOW_REACH;
 use crate::engine::dimension::Dimension;
+use crate::engine::wavefront::collide::transmittance;
 use crate::engine::wavefront::connect::Shadows;
 use crate::engine::wavefront::light::LightSamples;
 use crate::scene::Sampling;
@@ -20,7 +22,7 @@ impl Shading<'_> {
         }
         let (from, time) = (vertex.surface.spawn(vertex.normal), vertex.segment.time);
         let lights = self.lights.choose(&vertex.randoms);
-        let LightSamples { direction, reach, pdf, front, visible } =
+        let LightSamples { direction, distance, pdf, front, visible } =
             lights.sample(from, time, vertex.randoms.two(Dimension::LIGHT));
         let emitted = lights.radiance(front);
         let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
@@ -31,7 +33,6 @@ impl Shading<'_> {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => Float::splat(1.0),
         };
-        let arriving = f_cos * emitted * (weight / pdf);
         let origin = if B::TRANSMITS {
             // What is seen through the surface is as far from its other side, but for rounding.
             let above = direction.dot(vertex.normal).gt(Float::ZERO);
@@ -39,7 +40,13 @@ impl Shading<'_> {
         } else {
             from
         };
-        let rays = RayVector { origin, direction, time, t_min: Float::ZERO, t_max: reach };
+        let mut share = weight / pdf;
+        if !self.scene.media().is_empty() {
+            share = share * transmittance(self.scene.media(), origin, direction, distance);
+        }
+        let arriving = f_cos * emitted * share;
+        let t_max = distance * Float::splat(SHADOW_REACH);
+        let rays = RayVector { origin, direction, time, t_min: Float::ZERO, t_max };
         shadows.append(&rays, vertex.history.beta * arriving, &vertex.path, lit);
     }
 }

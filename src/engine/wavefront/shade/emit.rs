@@ -33,7 +33,7 @@ impl Shading<'_> {
     /// Paths that hit lights.
     pub(super) fn light(&self, shape: Shape, queue: &Queue, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
-            let vertex = self.vertex(shape, queue, first, shaded.paths);
+            let vertex = self.vertex(Some(shape), queue, first, shaded.paths);
             let (emission, one_sided) = self.solid(&vertex.primitive);
             let dark = one_sided.gt(Float::ZERO) & !vertex.front;
             let emission = Vec3x::select(dark, Vec3x::ZERO, emission);

@@ -7,6 +7,7 @@ mod diffuse;
 mod direct;
 mod emit;
 mod metal;
+mod phase;
 mod rough_dielectric;
 mod scatter;
 mod vertex;
@@ -28,6 +29,7 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use metal::Metal;
+use phase::Media;
 use rough_dielectric::RoughDielectric;
 
 /// What all paths of a stage share.
@@ -66,10 +68,11 @@ impl Shading<'_> {
                 Bin::Background => self.background(queue, shaded),
                 Bin::Surface(shape, Kind::Light) => self.light(shape, queue, shaded),
                 // The path's last segment: nothing it would scatter to is traced.
-                Bin::Surface(..) if self.segment == self.settings.depth => {
+                _ if self.segment == self.settings.depth => {
                     shaded.endings.depth += queue.len() as u64;
                     continue;
                 }
+                Bin::Medium => self.scatter(None, queue, shaded, &Media),
                 Bin::Surface(shape, Kind::Diffuse(pattern)) => {
                     self.scatter_colored::<Diffuse<false>>(pattern, shape, queue, shaded);
                 }
@@ -80,16 +83,16 @@ impl Shading<'_> {
                     self.scatter_colored::<Metal>(pattern, shape, queue, shaded);
                 }
                 Bin::Surface(shape, Kind::Dielectric(Fresnel::Schlick)) => {
-                    self.scatter(shape, queue, shaded, &Dielectric::<false>);
+                    self.scatter(Some(shape), queue, shaded, &Dielectric::<false>);
                 }
                 Bin::Surface(shape, Kind::Dielectric(Fresnel::Exact)) => {
-                    self.scatter(shape, queue, shaded, &Dielectric::<true>);
+                    self.scatter(Some(shape), queue, shaded, &Dielectric::<true>);
                 }
                 Bin::Surface(shape, Kind::RoughDielectric) => {
-                    self.scatter(shape, queue, shaded, &RoughDielectric);
+                    self.scatter(Some(shape), queue, shaded, &RoughDielectric);
                 }
                 Bin::Surface(shape, Kind::Conductor) => {
-                    self.scatter(shape, queue, shaded, &Conductor);
+                    self.scatter(Some(shape), queue, shaded, &Conductor);
                 }
             }
             paths += queue.len();

@@ -66,17 +66,18 @@ impl Shading<'_> {
         shaded: &mut Shaded<'_>,
     ) {
         match pattern {
-            Pattern::Solid => self.scatter(shape, queue, shaded, &M::of(Pattern::Solid)),
-            Pattern::Checker => self.scatter(shape, queue, shaded, &M::of(Pattern::Checker)),
-            Pattern::Image => self.scatter(shape, queue, shaded, &M::of(Pattern::Image)),
+            Pattern::Solid => self.scatter(Some(shape), queue, shaded, &M::of(Pattern::Solid)),
+            Pattern::Checker => self.scatter(Some(shape), queue, shaded, &M::of(Pattern::Checker)),
+            Pattern::Image => self.scatter(Some(shape), queue, shaded, &M::of(Pattern::Image)),
         }
     }
 
-    /// Lets `material` scatter the paths of `queue`, and appends those that go on.
+    /// Lets `material` scatter the paths of `queue`, on surfaces of one shape or in media, and appends
+    /// those that go on.
     #[inline(always)]
     pub(super) fn scatter(
         &self,
-        shape: Shape,
+        shape: Option<Shape>,
         queue: &Queue,
         shaded: &mut Shaded<'_>,
         material: &impl Material,

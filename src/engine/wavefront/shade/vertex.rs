@@ -16,6 +16,8 @@ pub(super) struct Vertex {
     /// Which has come there.
     pub(super) segment: Segment,
     pub(super) t: Float,
+    /// What they have hit; a code of [`Materials::medium`](super::super::materials::Materials::medium)
+    /// in media.
     pub(super) primitive: Lanes<u32>,
     pub(super) surface: SurfaceLanes,
     /// On the side that was hit.
@@ -27,11 +29,11 @@ pub(super) struct Vertex {
 }
 
 impl Shading<'_> {
-    /// The vertices of the paths `first..` of `queue`.
+    /// The vertices of the paths `first..` of `queue`: on surfaces of one shape, or in media.
     #[inline(always)]
     pub(super) fn vertex(
         &self,
-        shape: Shape,
+        shape: Option<Shape>,
         queue: &Queue,
         first: usize,
         paths: &Paths,
@@ -41,8 +43,16 @@ impl Shading<'_> {
         let primitive = primitive.to_array();
         let segment = paths.segments(&path);
         let Segment { origin, direction, time, .. } = segment;
-        let surface =
-            self.surfaces.find(shape, &HitPoints { origin, direction, time, t, primitive });
+        let surface = match shape {
+            Some(shape) => {
+                self.surfaces.find(shape, &HitPoints { origin, direction, time, t, primitive })
+            }
+            // Nothing that rays would have to leave.
+            None => {
+                let point = origin + direction * t;
+                SurfaceLanes { point, normal: direction, offset: Float::ZERO }
+            }
+        };
         let (normal, front) = surface.normal.face_forward(direction);
         let history = paths.histories(&path);
         Vertex {

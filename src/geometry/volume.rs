@@ -1,0 +1,193 @@
+//! Volumes that a medium fills: what a ray has of them.
+
+use glam::{DVec3, Vec3};
+
+use super::Ray;
+use crate::math::{dot, max, min};
+
+/// A closed volume, without a surface that could be hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Volume {
+    /// A ball.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// Radius, above 0.
+        radius: f32,
+    },
+    /// A box.
+    Box {
+        /// Middle.
+        center: Vec3,
+        /// Unit vectors along its edges.
+        axes: [Vec3; 3],
+        /// Half the lengths of its edges, above 0.
+        half: Vec3,
+    },
+}
+
+impl Volume {
+    /// The part of `ray`, whose direction is of unit length, that is inside, from distance 0 on. Empty
+    /// where the first distance is not below the second.
+    #[inline]
+    pub fn interval(&self, ray: &Ray) -> (f32, f32) {
+        let (near, far) = match *self {
+            Self::Sphere { center, radius } => {
+                let f = ray.origin - center;
+                let b = -dot(f, ray.direction);
+                let l = f + ray.direction * b;
+                // Without cancellation, as for the primitive.
+                let half = max(0.0, radius * radius - dot(l, l)).sqrt();
+                (b - half, b + half)
+            }
+            Self::Box { center, axes, half } => {
+                let f = ray.origin - center;
+                let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
+                for axis in 0..3 {
+                    let (o, d) = (dot(axes[axis], f), dot(axes[axis], ray.direction));
+                    let (a, b) = ((-half[axis] - o) / d, (half[axis] - o) / d);
+                    // NaN, of a ray within the plane of a face, does not count.
+                    near = max(min(a, b), near);
+                    far = min(max(a, b), far);
+                }
+                (near, far)
+            }
+        };
+        (max(near, 0.0), far)
+    }
+
+    /// Whether the two have more than their surfaces in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Sphere { center, radius },
+                Self::Sphere { center: other_center, radius: other_radius },
+            ) => {
+                let apart = (center.as_dvec3() - other_center.as_dvec3()).length();
+                apart < f64::from(*radius) + f64::from(*other_radius)
+            }
+            (sphere @ Self::Sphere { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(sphere),
+            (Self::Box { .. }, Self::Sphere { center: other_center, radius }) => {
+                let (center, edges) = self.half_edges();
+                let from = other_center.as_dvec3() - center;
+                let nearest: DVec3 = edges
+                    .map(|edge| edge * (from.dot(edge) / edge.dot(edge)).clamp(-1.0, 1.0))
+                    .into_iter()
+                    .sum();
+                (from - nearest).length() < f64::from(*radius)
+            }
+            (Self::Box { .. }, Self::Box { .. }) => self.box_overlaps(other),
+        }
+    }
+
+    /// Boxes are apart where a plane is between them: across an edge of either, or along one of each
+    /// (Gottschalk, Lin, Manocha 1996, "OBBTree").
+    fn box_overlaps(&self, other: &Self) -> bool {
+        let ((a, edges_a), (b, edges_b)) = (self.half_edges(), other.half_edges());
+        let unit = |edges: [DVec3; 3]| edges.map(DVec3::normalize);
+        let across = unit(edges_a).into_iter().chain(unit(edges_b));
+        let along = unit(edges_a).into_iter().flat_map(|e| unit(edges_b).map(|f| e.cross(f)));
+        let edges = || edges_a.iter().chain(&edges_b);
+        let size: f64 = edges().map(|edge| edge.length()).sum();
+        // Along parallel edges there is no plane.
+        across.chain(along).filter(|axis| axis.length() > 1e-6).all(|axis| {
+            let reach: f64 = edges().map(|edge| edge.dot(axis).abs()).sum();
+            (b - a).dot(axis).abs() < reach - 1e-7 * size
+        })
+    }
+
+    /// Middle and half edges; of a sphere those of its box.
+    fn half_edges(&self) -> (DVec3, [DVec3; 3]) {
+        match self {
+            Self::Sphere { center, radius } => {
+                (center.as_dvec3(), [DVec3::X, DVec3::Y, DVec3::Z].map(|e| e * f64::from(*radius)))
+            }
+            Self::Box { center, axes, half } => {
+                let edge = |axis: usize| axes[axis].as_dvec3() * f64::from(half[axis]);
+                (center.as_dvec3(), [edge(0), edge(1), edge(2)])
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::normalize;
+    use crate::math::random::Stream;
+    use crate::math::warp::uniform_sphere;
+
+    fn sphere(x: f32, radius: f32) -> Volume {
+        Volume::Sphere { center: Vec3::new(x, 0.0, 0.0), radius }
+    }
+
+    /// Turned by 45 degrees about z.
+    fn turned(x: f32, half: f32) -> Volume {
+        let r = 0.5f32.sqrt();
+        let axes = [Vec3::new(r, r, 0.0), Vec3::new(-r, r, 0.0), Vec3::Z];
+        Volume::Box { center: Vec3::new(x, 0.0, 0.0), axes, half: Vec3::splat(half) }
+    }
+
+    fn straight(x: f32, half: f32) -> Volume {
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        Volume::Box { center: Vec3::new(x, 0.0, 0.0), axes, half: Vec3::splat(half) }
+    }
+
+    #[test]
+    fn rays_are_inside_where_their_points_are() {
+        let inside = |volume: &Volume, p: Vec3| match *volume {
+            Volume::Sphere { center, radius } => (p - center).length_squared() < radius * radius,
+            Volume::Box { center, axes, half } => {
+                (0..3).all(|axis| dot(axes[axis], p - center).abs() < half[axis])
+            }
+        };
+        let mut random = Stream::new(3);
+        let volumes = [sphere(1.0, 2.0), turned(0.5, 1.5), straight(-1.0, 1.0)];
+        let mut crossed = 0;
+        for volume in (0..30_000).flat_map(|_| &volumes) {
+            let direction = match random.bits() % 4 {
+                0 => [Vec3::X, Vec3::Y, Vec3::NEG_Z][(random.bits() % 3) as usize],
+                _ => normalize(uniform_sphere(random.uniform(), random.uniform())),
+            };
+            let origin = Vec3::from_array([(); 3].map(|()| random.between(-4.0, 4.0)));
+            let ray = Ray { origin, direction, time: 0.0 };
+            let (near, far) = volume.interval(&ray);
+            crossed += u32::from(near < far);
+            for t in [0.0f32, 0.5, 1.0, 2.0, 3.0, 5.0] {
+                let away = (t - near).abs() > 1e-3 && (t - far).abs() > 1e-3;
+                if away || !(near < far) && (far - near).abs() > 1e-2 {
+                    let p = origin + direction * t;
+                    assert_eq!(
+                        inside(volume, p),
+                        near < t + 1e-6 && t < far,
+                        "{volume:?} {ray:?} {t}"
+                    );
+                }
+            }
+        }
+        assert!(crossed > 9_000, "{crossed}");
+    }
+
+    #[test]
+    fn overlaps_are_seen() {
+        let root = 2.0f32.sqrt();
+        for (a, b, want) in [
+            (sphere(0.0, 1.0), sphere(1.9, 1.0), true),
+            (sphere(0.0, 1.0), sphere(2.0, 1.0), false),
+            (sphere(0.0, 1.0), sphere(0.1, 0.2), true),
+            (straight(0.0, 1.0), sphere(1.9, 1.0), true),
+            (straight(0.0, 1.0), sphere(2.01, 1.0), false),
+            (straight(0.0, 9.0), sphere(0.5, 1.0), true),
+            (straight(0.0, 1.0), straight(2.0, 1.0), false),
+            (straight(0.0, 1.0), straight(1.99, 1.0), true),
+            // An edge reaches farther than the faces.
+            (straight(0.0, 1.0), turned(1.0 + root - 0.01, 1.0), true),
+            (straight(0.0, 1.0), turned(1.0 + root + 0.01, 1.0), false),
+            (turned(0.0, 1.0), turned(2.0 * root - 0.1, 1.0), true),
+            (turned(0.0, 1.0), turned(2.0 * root + 0.1, 1.0), false),
+        ] {
+            assert_eq!(a.overlaps(&b), want, "{a:?} {b:?}");
+            assert_eq!(b.overlaps(&a), want, "{b:?} {a:?}");
+        }
+    }
+}
