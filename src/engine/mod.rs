@@ -3,6 +3,8 @@
 mod contract;
 mod dimension;
 mod pool;
+#[cfg(test)]
+mod proof;
 mod recording;
 mod renderer;
 mod scalar;

@@ -8,7 +8,7 @@ use crate::scene::Medium;
 
 /// The first collision along `ray` before distance `end`. Media do not overlap, and so each has its own
 /// chance: the nearest of their collisions is the first.
-pub(super) fn collide<'a>(
+pub(in crate::engine) fn collide<'a>(
     media: &'a [Medium],
     ray: &Ray,
     end: f32,
@@ -29,7 +29,7 @@ pub(super) fn collide<'a>(
 }
 
 /// The share of light that crosses `ray` up to distance `end` without a collision.
-pub(super) fn transmittance(media: &[Medium], ray: &Ray, end: f32) -> f32 {
+pub(in crate::engine) fn transmittance(media: &[Medium], ray: &Ray, end: f32) -> f32 {
     let mut depth = 0.0;
     for medium in media {
         let (near, far) = medium.volume.interval(ray);

@@ -1,9 +1,9 @@
 //! The scalar reference engine: one ray, one loop, written from the report and the papers.
 
-mod bsdf;
+pub(super) mod bsdf;
 mod intersect;
 pub(super) mod light;
-mod medium;
+pub(super) mod medium;
 mod path;
 
 use super::dimension::{Dimension, Randoms};

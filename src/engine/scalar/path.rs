@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::bsdf::{Arrival, Bsdf, Phase, SPECULAR};
+use super::bsdf::{Arrival, Bsdf, SPECULAR};
 use super::intersect::Intersect;
 use super::light::{self, LightSample};
 use super::medium;
@@ -56,7 +56,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 // Nothing that rays would have to leave.
                 let point = ray.origin + ray.direction * t;
                 let surface = Surface { point, normal: ray.direction, offset: 0.0 };
-                (surface, -ray.direction, Bsdf::Phase(Phase { albedo: medium.albedo }))
+                (surface, -ray.direction, Bsdf::phase(medium.albedo))
             } else {
                 let Some(hit) = hit else {
                     radiance += beta * self.scene.background().radiance(ray.direction);

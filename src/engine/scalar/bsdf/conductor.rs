@@ -9,7 +9,7 @@ use crate::math::{Frame, dot, fresnel, min, normalize};
 
 /// f = F D G/(4 |cos θo cos θi|), with masking and shadowing that know of each other's heights
 /// (Heitz 2014, equation 99).
-pub(in crate::engine::scalar) struct Conductor {
+pub(in crate::engine) struct Conductor {
     frame: Frame,
     /// To where the path has come from, in the frame.
     wo: Vec3,

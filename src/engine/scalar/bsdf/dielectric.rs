@@ -8,7 +8,7 @@ use glam::Vec3;
 
 /// A smooth surface of glass. Radiance is not scaled by the square of the index of refraction, which
 /// what comes back out of the glass undoes.
-pub(in crate::engine::scalar) struct Dielectric {
+pub(in crate::engine) struct Dielectric {
     pub(super) arrival: Arrival,
     pub(super) ior: f32,
     pub(super) fresnel: Fresnel,

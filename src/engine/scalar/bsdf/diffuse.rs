@@ -9,7 +9,7 @@ use crate::math::dot;
 use crate::math::warp::{cosine_hemisphere, uniform_hemisphere};
 
 /// A diffuse surface seen from one side. The ideal diffuse is uniform over the hemisphere.
-pub(in crate::engine::scalar) struct Diffuse {
+pub(in crate::engine) struct Diffuse {
     /// On the side that was hit.
     pub(super) normal: Vec3,
     /// ρ, which is also the weight of every sample.

@@ -10,7 +10,7 @@ use crate::math::{cross, dot, max, normalize, reflect};
 
 /// The mirror direction moved by `fuzz` times a point of the unit ball; what then points below the
 /// surface is absorbed.
-pub(in crate::engine::scalar) struct Metal {
+pub(in crate::engine) struct Metal {
     normal: Vec3,
     mirror: Vec3,
     albedo: Vec3,

@@ -16,22 +16,22 @@ use conductor::Conductor;
 use dielectric::Dielectric;
 use diffuse::Diffuse;
 use metal::Metal;
-pub(super) use phase::Phase;
+use phase::Phase;
 use rough_dielectric::RoughDielectric;
 
 /// Where a path arrives at a surface.
 #[derive(Clone, Copy)]
-pub(super) struct Arrival {
+pub(in crate::engine) struct Arrival {
     /// Of the path, of unit length.
-    pub(super) direction: Vec3,
+    pub(in crate::engine) direction: Vec3,
     /// Of the surface, on the side that was hit.
-    pub(super) normal: Vec3,
+    pub(in crate::engine) normal: Vec3,
     /// Whether that is the front.
-    pub(super) front: bool,
+    pub(in crate::engine) front: bool,
 }
 
 /// The light that a surface or a medium scatters from all directions to that from which a path has come.
-pub(super) enum Bsdf {
+pub(in crate::engine) enum Bsdf {
     Diffuse(Diffuse),
     Metal(Metal),
     Dielectric(Dielectric),
@@ -41,23 +41,27 @@ pub(super) enum Bsdf {
 }
 
 /// A direction that a path takes.
-pub(super) struct Scatter {
+pub(in crate::engine) struct Scatter {
     /// Of unit length.
-    pub(super) direction: Vec3,
+    pub(in crate::engine) direction: Vec3,
     /// The normal on whose side it leaves.
-    pub(super) side: Vec3,
+    pub(in crate::engine) side: Vec3,
     /// f·|cos θ|/pdf.
-    pub(super) weight: Vec3,
+    pub(in crate::engine) weight: Vec3,
     /// Density of the direction per unit solid angle; [`SPECULAR`] where it is the only one.
-    pub(super) pdf: f32,
+    pub(in crate::engine) pdf: f32,
 }
 
 /// The density of directions that nothing but the surface itself could have chosen.
-pub(super) const SPECULAR: f32 = f32::INFINITY;
+pub(in crate::engine) const SPECULAR: f32 = f32::INFINITY;
 
 impl Bsdf {
     /// That of `material`, which is no light and whose textures have these colours.
-    pub(super) fn new(material: &Material, arrival: Arrival, color: impl Fn(u32) -> Vec3) -> Self {
+    pub(in crate::engine) fn new(
+        material: &Material,
+        arrival: Arrival,
+        color: impl Fn(u32) -> Vec3,
+    ) -> Self {
         let normal = arrival.normal;
         match *material {
             Material::Diffuse { albedo } => {
@@ -82,8 +86,13 @@ impl Bsdf {
         }
     }
 
+    /// That of a medium.
+    pub(in crate::engine) fn phase(albedo: Vec3) -> Self {
+        Self::Phase(Phase { albedo })
+    }
+
     /// Whether all its directions are [`SPECULAR`].
-    pub(super) fn is_specular(&self) -> bool {
+    pub(in crate::engine) fn is_specular(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::RoughDielectric(_) | Self::Phase(_) => false,
             Self::Metal(metal) => metal.fuzz == 0.0,
@@ -93,7 +102,7 @@ impl Bsdf {
     }
 
     /// A direction about as likely as it carries light; `None` where the path is absorbed.
-    pub(super) fn sample(&self, randoms: &Randoms) -> Option<Scatter> {
+    pub(in crate::engine) fn sample(&self, randoms: &Randoms) -> Option<Scatter> {
         match self {
             Self::Diffuse(diffuse) => Some(diffuse.sample(randoms)),
             Self::Metal(metal) => metal.sample(randoms),
@@ -106,7 +115,7 @@ impl Bsdf {
 
     /// f·|cos θ| for the unit vector `direction`, and the density with which [`Self::sample`] draws
     /// it; neither tells of specular directions.
-    pub(super) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
+    pub(in crate::engine) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
         match self {
             Self::Diffuse(diffuse) => diffuse.evaluate(direction),
             Self::Metal(metal) => metal.evaluate(direction),

@@ -8,8 +8,8 @@ use crate::engine::dimension::{Dimension, Randoms};
 use crate::math::warp::uniform_sphere;
 
 /// The isotropic phase function. There is no surface, and so no cosine.
-pub(in crate::engine::scalar) struct Phase {
-    pub(in crate::engine::scalar) albedo: Vec3,
+pub(in crate::engine) struct Phase {
+    pub(super) albedo: Vec3,
 }
 
 impl Phase {

@@ -10,7 +10,7 @@ use crate::math::{Frame, dot, fresnel, max, min, normalize};
 /// Each visible microfacet is a smooth piece of glass. Radiance is not scaled by the square of the
 /// index of refraction, as in [`super::dielectric`]. Of the masking towards and shadowing from the
 /// other side neither knows of the other's heights.
-pub(in crate::engine::scalar) struct RoughDielectric {
+pub(in crate::engine) struct RoughDielectric {
     frame: Frame,
     /// To where the path has come from, in the frame.
     wo: Vec3,

@@ -1,0 +1,93 @@
+//! The camera: pixels, lens and shutter are sampled evenly.
+
+use glam::Vec3;
+
+use super::{SAMPLES, Table, randoms};
+use crate::engine::dimension::Dimension;
+use crate::math::{cross, dot};
+use crate::scene::{CameraSample, Scene};
+
+/// A cell of the unit square of 16 × 16.
+fn square(u: f32, v: f32) -> usize {
+    let cell = |x: f32| ((x * 16.0) as usize).min(15);
+    cell(u) * 16 + cell(v)
+}
+
+#[test]
+#[allow(clippy::disallowed_methods)]
+fn rays_fill_pixel_lens_and_shutter() {
+    let text = "(camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vfov: 40, defocus_angle: 8, \
+                          focus_distance: 4, shutter: (0.2, 0.7)))";
+    let scene = Scene::from_ron(text).expect("a scene");
+    let frame = scene.camera().frame(40, 30);
+    let (lens_u, lens_v) = frame.lens.expect("a lens");
+    let forward = crate::math::normalize(cross(lens_v, lens_u));
+    let (mut pixel, mut lens, mut time) = (vec![0; 256], vec![0; 256], vec![0; 256]);
+    for index in 0..SAMPLES {
+        let randoms = randoms(5, index);
+        let (x, y) = (7, 11);
+        let ray = frame.ray(
+            x,
+            y,
+            CameraSample {
+                pixel: randoms.two(Dimension::PIXEL),
+                lens: randoms.two(Dimension::LENS),
+                time: randoms.one(Dimension::TIME),
+            },
+        );
+        // Where the ray crosses the plane in focus, in pixels.
+        let focus = ray.direction * (4.0 / dot(ray.direction, forward)) + ray.origin - frame.origin;
+        let (right, down) = frame.pixel_steps;
+        let place = |step: Vec3| dot(focus - frame.corner, step) / dot(step, step);
+        pixel[square(place(right) - x as f32, place(down) - y as f32)] += 1;
+        let on_lens = |axis: Vec3| dot(ray.origin - frame.origin, axis) / dot(axis, axis);
+        let (a, b) = (on_lens(lens_u), on_lens(lens_v));
+        // Even by area: the square of the radius, and the angle.
+        let turn = (b.atan2(a) / std::f32::consts::TAU).rem_euclid(1.0);
+        lens[square(a * a + b * b, turn)] += 1;
+        time[((ray.time - 0.2) / 0.5 * 256.0) as usize] += 1;
+    }
+    let mut table = Table::new("camera");
+    let even = vec![f64::from(SAMPLES) / 256.0; 256];
+    table.compare("pixel", &pixel, &even, 1.0, 1.0);
+    table.compare("lens", &lens, &even, 1.0, 1.0);
+    table.compare("shutter", &time, &even, 1.0, 1.0);
+    table.check();
+}
+
+/// All numbers of a path that are drawn together are independent of each other.
+#[test]
+fn dimensions_have_nothing_in_common() {
+    let dimensions = [
+        Dimension::LIGHT_CHOICE,
+        Dimension::LIGHT,
+        Dimension::SCATTER,
+        Dimension::LOBE,
+        Dimension::BALL,
+        Dimension::ROULETTE,
+        Dimension::medium(0),
+        Dimension::medium(1),
+    ];
+    let mut table = Table::new("pairs of dimensions");
+    let even = vec![f64::from(SAMPLES) / 256.0; 256];
+    for (i, a) in dimensions.into_iter().enumerate() {
+        for b in dimensions.into_iter().take(i) {
+            let mut counts = vec![0; 256];
+            for sample in 0..SAMPLES {
+                let randoms = randoms(21, sample);
+                counts[square(randoms.one(a), randoms.one(b))] += 1;
+            }
+            table.compare(&format!("{a:?} {b:?}"), &counts, &even, 1.0, 1.0);
+        }
+        // The second of a pair with all others.
+        for pair in [Dimension::LIGHT, Dimension::SCATTER] {
+            let mut counts = vec![0; 256];
+            for sample in 0..SAMPLES {
+                let randoms = randoms(21, sample);
+                counts[square(randoms.one(a), randoms.two(pair).1)] += 1;
+            }
+            table.compare(&format!("{a:?} second of {pair:?}"), &counts, &even, 1.0, 1.0);
+        }
+    }
+    table.check();
+}
