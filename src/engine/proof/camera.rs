@@ -14,7 +14,6 @@ fn square(u: f32, v: f32) -> usize {
 }
 
 #[test]
-#[allow(clippy::disallowed_methods)]
 fn rays_fill_pixel_lens_and_shutter() {
     let text = "(camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vfov: 40, defocus_angle: 8, \
                           focus_distance: 4, shutter: (0.2, 0.7)))";

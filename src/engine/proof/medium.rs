@@ -22,7 +22,6 @@ fn depth(t: f64) -> f64 {
 }
 
 #[test]
-#[allow(clippy::disallowed_methods)] // the yardstick is libm's f64
 fn distances_are_exponential() {
     let (scene, mut table) = (scene(), Table::new("distances of collisions"));
     for (case, (from, end)) in
@@ -50,7 +49,6 @@ fn distances_are_exponential() {
 }
 
 #[test]
-#[allow(clippy::disallowed_methods)]
 fn transmittance_is_that_of_the_depth() {
     let scene = scene();
     for from in [-2.0f32, 0.0, 1.5, 3.5, 5.0, 7.0] {

@@ -3,6 +3,7 @@
 //! chi-square tests).
 //!
 //! `cargo test --lib proof -- --nocapture` prints a table. Another seed is `PTFAST_PROOF_SEED`.
+#![allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
 
 mod bsdf;
 mod camera;
@@ -54,7 +55,6 @@ impl Cone {
     }
 
     /// The cell of a direction in the cone.
-    #[allow(clippy::disallowed_methods)] // no bit of an image depends on it
     fn cell(&self, direction: Vec3) -> Option<usize> {
         let [x, y, z] = self.frame.local(direction).to_array().map(f64::from);
         let u = (x * x + y * y).sqrt().atan2(z) / self.angle;
@@ -106,7 +106,6 @@ impl Cone {
     }
 
     /// By the midpoint rule with 3 × 3 points.
-    #[allow(clippy::disallowed_methods)]
     fn midpoints(&self, f: &impl Fn(Vec3) -> f64, low: [f64; 2], size: [f64; 2]) -> f64 {
         let mut sum = 0.0;
         for (i, j) in (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3))) {
