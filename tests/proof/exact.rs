@@ -1,0 +1,109 @@
+//! What holds in every sample, without statistics.
+
+use ptfast::{RenderSettings, Sampling, Scene};
+
+use crate::common::{SAMPLINGS, render, settings};
+
+/// A camera at the origin that looks along `look_at` through a narrow angle.
+fn scene(look_at: (f32, f32, f32), rest: &str) -> Scene {
+    let text = format!(
+        "(camera: (look_from: (0, 0, 0), look_at: {look_at:?}, up: (0.1, 1, 0.2), vfov: 0.02), {rest})"
+    );
+    Scene::from_ron(&text).unwrap()
+}
+
+/// A furnace: under a sky of radiance 1 a convex diffuse body of albedo ρ has the radiance ρ,
+/// in every pixel and every sample.
+#[test]
+fn furnace_of_diffuse_spheres() {
+    for material in ["diffuse", "lambertian"] {
+        for albedo in [0.0, 0.25, 0.8, 1.0f32] {
+            let scene = Scene::from_ron(&format!(
+                r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 10),
+                    background: constant(radiance: (1, 1, 1)),
+                    materials: {{"m": {material}(albedo: ({albedo}, {albedo}, {albedo}))}},
+                    primitives: [sphere(center: (0, 0, 0), radius: 1, material: "m")])"#
+            ))
+            .unwrap();
+            let base = settings(&scene, Sampling::Bsdf, 4, 1);
+            let image = render(&scene, RenderSettings { width: 20, height: 20, ..base });
+            for pixel in image.pixels() {
+                assert!((pixel[0] - albedo).abs() < 1e-6, "{material} {albedo} {pixel:?}");
+            }
+        }
+    }
+}
+
+/// A lamp that shines on its front only lights nothing behind it.
+#[test]
+fn one_sided_lights_are_dark_behind() {
+    let scene_with = |u: &str, v: &str| {
+        scene(
+            (0.0, -1.0, 0.0),
+            &format!(
+                r#"materials: {{"floor": lambertian(albedo: (0.5, 0.5, 0.5)),
+                               "lamp": light(radiance: (4, 4, 4), sides: front)}},
+                   primitives: [quad(q: (-9, -1, -9), u: (0, 0, 18), v: (18, 0, 0), material: "floor"),
+                                quad(q: (-1, 1, -1), u: {u}, v: {v}, material: "lamp")]"#
+            ),
+        )
+    };
+    for sampling in SAMPLINGS {
+        let up = scene_with("(0, 0, 2)", "(2, 0, 0)");
+        assert_eq!(render(&up, settings(&up, sampling, 1024, 1)).mean(), [0.0; 3], "{sampling:?}");
+        let down = scene_with("(2, 0, 0)", "(0, 0, 2)");
+        assert!(render(&down, settings(&down, sampling, 1024, 1)).mean()[0] > 0.1, "{sampling:?}");
+    }
+}
+
+/// No material gives back more than it gets, and clear glass and perfect mirrors all of it.
+#[test]
+fn energy_is_conserved_by_every_material() {
+    for (material, lossless) in [
+        ("diffuse(albedo: (1, 1, 1))", true),
+        ("lambertian(albedo: (1, 1, 1))", true),
+        ("metal(albedo: (1, 1, 1))", true),
+        ("metal(albedo: (1, 1, 1), fuzz: 0.3)", false),
+        ("metal(albedo: (1, 1, 1), fuzz: 1)", false),
+        ("dielectric(ior: 1.5)", true),
+        ("dielectric(ior: 0.6)", true),
+        ("dielectric(ior: 1.5, fresnel: exact)", true),
+        ("conductor(eta: (0, 0, 0), k: (1, 1, 1))", true),
+        ("conductor(eta: (0, 0, 0), k: (1, 1, 1), alpha: 0.2)", false),
+        ("rough_dielectric(ior: 1.5, alpha: 0.2)", false),
+    ] {
+        let scene = Scene::from_ron(&format!(
+            r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 30),
+                background: constant(radiance: (1, 1, 1)),
+                materials: {{"m": {material}}},
+                primitives: [sphere(center: (0, 0, 0), radius: 1, material: "m"),
+                             box(min: (-1, -2.5, -1), max: (1, -2, 1), rotation: (10, 20, 30), material: "m")])"#
+        ))
+        .unwrap();
+        let settings = RenderSettings {
+            width: 50,
+            height: 50,
+            roulette: false,
+            depth: 1000,
+            ..settings(&scene, Sampling::Bsdf, 16, 1)
+        };
+        let image = render(&scene, settings);
+        let largest =
+            image.pixels().iter().flatten().fold(0.0, |m: f32, &v| if v > m { v } else { m });
+        assert!(largest <= 1.0, "{material}: {largest}");
+        let mean = image.mean()[0];
+        assert_eq!(mean > 0.999_99, lossless, "{material}: {mean}");
+        assert!(mean > 0.7, "{material}: {mean}");
+    }
+}
+
+/// A gradient sky is the colour of the direction.
+#[test]
+fn gradient_background() {
+    for (look_at, want) in [((0.0, 1.0, 0.3), None), ((0.0, 0.0, -1.0), Some(0.5))] {
+        let scene = scene(look_at, "background: gradient(bottom: (0, 0, 0), top: (1, 1, 1))");
+        let mean = render(&scene, settings(&scene, Sampling::Bsdf, 16, 1)).mean()[1];
+        let want = want.unwrap_or(0.5 * (1.0 + 1.0 / (1.0f64 + 0.09).sqrt()));
+        assert!((mean - want).abs() < 1e-3, "{mean} {want}");
+    }
+}
