@@ -12,13 +12,13 @@ fn ball(medium: &str) -> String {
     )
 }
 
-/// A floor under a lamp of radius 1 that is 5 above it, with a slab of fog between.
+/// A floor under a lamp of radius 2 that is 6 above it, with a slab of fog between.
 fn slab(density: f64) -> String {
     format!(
         r#"(camera: (look_from: (0, 0.1, 0), look_at: (0, -1, 0), up: (0.1, 1, 0.2), vfov: 0.02),
             materials: {{"floor": lambertian(albedo: (0.6, 0.6, 0.6)), "lamp": light(radiance: (8, 8, 8))}},
             primitives: [quad(q: (-9, -1, -9), u: (0, 0, 18), v: (18, 0, 0), material: "floor"),
-                         sphere(center: (0, 4, 0), radius: 1, material: "lamp")],
+                         sphere(center: (0, 5, 0), radius: 2, material: "lamp")],
             media: [box(min: (-9, 1, -9), max: (9, 2.5, 9), density: {density}, albedo: (0, 0, 0))])"#
     )
 }
@@ -34,7 +34,7 @@ fn media_take_what_they_should() {
                sphere(center: (0, 0, 2), radius: 1, density: 0.3, albedo: (0, 0, 0))";
     // 2ρL ∫ cos θ e^(−σd/cos θ) sin θ dθ over the lamp, by its cosine.
     let lit = |density: f64| {
-        let (rim, steps) = ((1.0f64 - 1.0 / 25.0).sqrt(), 10_000);
+        let (rim, steps) = ((1.0f64 - 1.0 / 9.0).sqrt(), 10_000);
         let cosines =
             (0..steps).map(|i| rim + (1.0 - rim) * (f64::from(i) + 0.5) / f64::from(steps));
         let sum: f64 = cosines.map(|cos| cos * (-1.5 * density / cos).exp()).sum();
