@@ -45,6 +45,7 @@ struct Readme;
 pub mod accel;
 mod bench;
 pub mod cli;
+mod converge;
 mod dashboard;
 pub mod engine;
 pub mod error;

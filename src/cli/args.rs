@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench_args::BenchArgs;
+use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
 use crate::accel::Kernel;
 use crate::engine::{Engine, Pin, Sampler};
@@ -37,6 +38,8 @@ pub(super) enum Command {
     Trace(TraceArgs),
     /// Tell how fast scenes are rendered, by each engine, and whether that has changed
     Bench(BenchArgs),
+    /// Tell how the error of pictures falls with samples and seconds
+    Converge(ConvergeArgs),
     /// Make a page of bench records: speed over commits, stages, lanes, counters
     Dashboard(DashboardArgs),
 }

@@ -6,6 +6,7 @@ mod bench_args;
 mod bench_options;
 mod bench_table;
 mod compare;
+mod converge;
 mod dashboard;
 mod figures;
 mod files;
@@ -56,6 +57,7 @@ fn dispatch(command: &Command) -> Result<u8> {
         Command::Rays(args) => rays::run(args).map(|()| 0),
         Command::Trace(args) => trace::run(args),
         Command::Bench(args) => bench::run(args),
+        Command::Converge(args) => converge::run(args).map(|()| 0),
         Command::Dashboard(args) => dashboard::run(args).map(|()| 0),
     }
 }
@@ -77,7 +79,7 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let what = what.split("\n\nFor more information").next().unwrap_or_default();
     let what = what.strip_prefix("error: ").unwrap_or(what);
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        "a command is missing: render, scenes, figures, compare, rays, trace, bench or dashboard"
+        "a command is missing: render, scenes, figures, compare, converge, rays, trace, bench or dashboard"
             .to_owned()
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")

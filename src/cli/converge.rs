@@ -1,0 +1,209 @@
+//! `ptfast converge`.
+
+use std::io::{IsTerminal, Write, stderr};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+
+use super::args::named;
+use super::{files, notice, say};
+use crate::converge::{Curve, Line, Options, Way, at_seconds, measure, plot};
+use crate::engine::{RenderSettings, Sampler};
+use crate::error::{Error, Result};
+use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
+use crate::machine::Machine;
+use crate::output::write_atomically;
+use crate::scene::{Sampling, Scene};
+
+#[derive(Debug, Args)]
+pub(super) struct ConvergeArgs {
+    /// Built-in scene or path
+    #[arg(long, value_name = "NAME|FILE")]
+    scene: String,
+    /// How light is found; may be given several times [default: all ways that the scene has]
+    #[arg(long = "sampling", value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
+    samplings: Vec<Sampling>,
+    /// Where random numbers are from; may be given several times [default: all]
+    #[arg(long = "sampler", value_name = "SAMPLER", value_parser = named(&Sampler::ALL, Sampler::name))]
+    samplers: Vec<Sampler>,
+    /// Samples a pixel of the longest renders; the others have half as many each
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
+    spp: u32,
+    /// Renders of each number of samples
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
+    /// Samples a pixel of the reference, half of them independent of the others [default: 32 times
+    /// --spp]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
+    reference: Option<u32>,
+    /// Width in pixels, the height is in proportion
+    #[arg(long, value_name = "PIXELS", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    width: u32,
+    /// Worker threads [default: one for each core that may be used]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    threads: Option<u32>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Seconds after which errors are compared [default: those of the fastest of the longest renders]
+    #[arg(long, value_name = "SECONDS")]
+    at: Option<f64>,
+    /// Write what is measured as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a plot: .svg
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// No progress
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
+    if args.at.is_some_and(|seconds| !(seconds > 0.0 && seconds.is_finite())) {
+        return Err(Error::Usage("--at must be above 0 seconds".to_owned()));
+    }
+    if let Some(plot) =
+        args.plot.as_ref().filter(|plot| plot.extension().is_none_or(|e| e != "svg"))
+    {
+        return Err(Error::Usage(format!("{}: a plot must end with .svg", plot.display())));
+    }
+    let scene = Scene::load(&args.scene)?;
+    let options = options(args, &scene);
+    let written = [("the record", &args.json), ("the plot", &args.plot)];
+    let written: Vec<_> =
+        written.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))).collect();
+    files::check(&[("the scene", Path::new(&args.scene))], &written)?;
+
+    let bar = (!args.quiet && stderr().is_terminal()).then(|| {
+        let style = "{prefix} {wide_bar} {percent:>3}%  {eta}";
+        let style = ProgressStyle::with_template(style).expect("the template is valid");
+        ProgressBar::new(1).with_style(style).with_prefix(scene.name().to_owned())
+    });
+    let curves = measure(&scene, &options, &mut |done, all| {
+        if let Some(bar) = &bar {
+            bar.set_length(all);
+            bar.set_position(done);
+        }
+    });
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    let curves = curves?;
+
+    let seconds = args.at.unwrap_or_else(|| common_seconds(&curves));
+    if let Some(path) = &args.json {
+        let record = record(&scene, &options, &curves, seconds);
+        write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+    }
+    if let Some(path) = &args.plot {
+        let RenderSettings { width, height, .. } = options.settings;
+        let svg = plot(&format!("{}, {width} x {height} pixels", scene.name()), &curves)?;
+        write_atomically(path, |file| file.write_all(svg.as_bytes()))?;
+    }
+    print(&scene, &options, &curves, seconds)
+}
+
+fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
+    let or = |given: &[Sampling], all: &[Sampling]| {
+        if given.is_empty() { all.to_vec() } else { given.to_vec() }
+    };
+    let has: &[Sampling] =
+        if scene.lights().is_empty() { &[Sampling::Bsdf] } else { &Sampling::ALL };
+    let samplings = or(&args.samplings, has);
+    let samplers = if args.samplers.is_empty() { &Sampler::ALL } else { &*args.samplers };
+    let ways = samplings
+        .iter()
+        .flat_map(|&sampling| samplers.iter().map(move |&sampler| Way { sampling, sampler }));
+    let base = RenderSettings::of(scene).with_size(Some(args.width), None);
+    Options {
+        settings: RenderSettings { seed: args.seed, threads: args.threads.unwrap_or(0), ..base },
+        ways: ways.collect(),
+        most: args.spp,
+        rounds: args.rounds,
+        reference: args.reference.unwrap_or(args.spp.saturating_mul(32).min(MAX_SPP)).div_ceil(2),
+    }
+}
+
+/// The seconds that all ways reach.
+fn common_seconds(curves: &[Curve]) -> f64 {
+    let ends = curves.iter().filter_map(|curve| Some(curve.points.last()?.seconds));
+    ends.fold(f64::INFINITY, f64::min)
+}
+
+fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Value {
+    let RenderSettings { width, height, depth, seed, threads, .. } = options.settings;
+    let curve = |curve: &Curve| {
+        json!({
+            "sampling": curve.way.sampling.name(),
+            "sampler": curve.way.sampler.name(),
+            "slope": Line::of_samples(&curve.points).slope,
+            "mse_at_seconds": at_seconds(&curve.points, seconds),
+            "points": curve.points,
+        })
+    };
+    json!({
+        "schema": 1,
+        "machine": Machine::this(),
+        "scene": scene.name(),
+        "scene_hash": scene.hash(),
+        "width": width,
+        "height": height,
+        "depth": depth,
+        "seed": seed,
+        "threads": threads,
+        "rounds": options.rounds,
+        "reference_spp": 2 * u64::from(options.reference),
+        "seconds": seconds,
+        "curves": curves.iter().map(curve).collect::<Vec<_>>(),
+    })
+}
+
+fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Result<()> {
+    let RenderSettings { width, height, .. } = options.settings;
+    let Some(first) = curves.first() else { return Ok(()) };
+    say(format_args!(
+        "{}, {width} x {height} pixels, mean squared error of {} renders each beside {} samples a pixel\n",
+        scene.name(),
+        options.rounds,
+        2 * options.reference
+    ))?;
+    // Every other number of samples, the last among them.
+    let shown: Vec<usize> = (0..first.points.len()).rev().step_by(2).collect();
+    let shown: Vec<usize> = shown.into_iter().rev().collect();
+    let spp = |&i: &usize| format!("{:>11}", format!("{} spp", first.points[i].spp));
+    let head: String = shown.iter().map(spp).collect();
+    say(format_args!(
+        "sampling sampler    {head}   slope  seconds  in {} s       x",
+        brief(seconds)
+    ))?;
+    let base = at_seconds(&first.points, seconds);
+    for Curve { way, points } in curves {
+        let errors: String = shown.iter().map(|&i| format!("{:>11.2e}", points[i].mse)).collect();
+        let error = at_seconds(points, seconds);
+        say(format_args!(
+            "{:<8} {:<12}{errors}{:>8.2}{:>9.3}{:>10.2e}{:>8.2}",
+            way.sampling.name(),
+            way.sampler.name(),
+            Line::of_samples(points).slope,
+            points.last().map_or(0.0, |point| point.seconds),
+            error,
+            base / error
+        ))?;
+    }
+    let unsure = curves.iter().flat_map(|curve| &curve.points).any(|point| point.mse <= 0.0);
+    if unsure {
+        notice(format_args!(
+            "some errors are smaller than the reference can tell: more --reference"
+        ));
+    }
+    say(format_args!("\nx: how many times smaller than in the first line, after the same seconds"))
+}
+
+/// Three digits.
+fn brief(seconds: f64) -> String {
+    let digits = if seconds < 1.0 { 3 } else { 2 };
+    format!("{seconds:.digits$}")
+}

@@ -1,0 +1,193 @@
+//! How fast the error of pictures falls: with samples, and with seconds.
+//!
+//! The error of a picture x is its mean squared difference to the true one, over pixels and channels. Two
+//! long renders a and b that have nothing in common stand for that: the mean of (x − a)(x − b) is right on
+//! average, however noisy these are, where (x − a)² would be too large by the noise of a.
+
+mod plot;
+mod slope;
+
+use serde::Serialize;
+
+use crate::engine::{Render, RenderSettings, Renderer, Sampler};
+use crate::error::Result;
+use crate::image::Image;
+use crate::scene::{Sampling, Scene};
+use crate::statistics::{middle, sorted};
+pub(crate) use plot::plot;
+pub(crate) use slope::{Line, at_seconds};
+
+/// What is rendered.
+pub(crate) struct Options {
+    /// All but samplings, samplers, samples and seeds.
+    pub(crate) settings: RenderSettings,
+    /// The ways that are compared.
+    pub(crate) ways: Vec<Way>,
+    /// Samples of the longest render; those before have half as many each.
+    pub(crate) most: u32,
+    /// Renders of each number of samples.
+    pub(crate) rounds: u32,
+    /// Samples of each half of the reference.
+    pub(crate) reference: u32,
+}
+
+/// How light is found, and by which numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Way {
+    pub(crate) sampling: Sampling,
+    pub(crate) sampler: Sampler,
+}
+
+impl Way {
+    /// As it is told in tables and plots.
+    pub(crate) fn name(self) -> String {
+        format!("{} {}", self.sampling.name(), self.sampler.name())
+    }
+}
+
+/// The error of renders of one number of samples.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Point {
+    pub(crate) spp: u32,
+    /// Mean over renders.
+    pub(crate) mse: f64,
+    /// Standard error of that mean, of the noise of renders; with one render it is not known, and 0.
+    pub(crate) mse_error: f64,
+    /// Median of the renders alone, without the building of trees.
+    pub(crate) seconds: f64,
+}
+
+/// What came of a way.
+#[derive(Clone, Debug)]
+pub(crate) struct Curve {
+    pub(crate) way: Way,
+    pub(crate) points: Vec<Point>,
+}
+
+/// Renders everything. Tells `progress` what is done of all, in samples.
+///
+/// # Errors
+/// Where a setting is out of its range, or a render fails.
+pub(crate) fn measure(
+    scene: &Scene,
+    options: &Options,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Vec<Curve>> {
+    let counts: Vec<u32> =
+        std::iter::successors(Some(options.most), |spp| (*spp > 1).then(|| spp / 2))
+            .collect::<Vec<_>>()
+            .into_iter()
+            .rev()
+            .collect();
+    let in_round: u64 = counts.iter().map(|&spp| u64::from(spp)).sum();
+    let all = 2 * u64::from(options.reference)
+        + in_round * u64::from(options.rounds) * options.ways.len() as u64;
+    let mut done = 0;
+    let mut render = |way: Way, spp: u32, seed: u64| {
+        let Way { sampling, sampler } = way;
+        let settings = RenderSettings { sampling, sampler, spp, seed, ..options.settings.clone() };
+        let render = Renderer::new(scene, settings)?.render()?;
+        done += u64::from(spp);
+        progress(done, all);
+        Ok(render)
+    };
+    // Seeds far from each other; the reference's are nobody else's.
+    let seed = |which: u64| options.settings.seed.wrapping_add(which << 32);
+    let best = Way { sampling: scene.default_sampling(), sampler: Sampler::Sobol };
+    let truth = [1, 2].map(|half| render(best, options.reference, seed(half)));
+    let [a, b] = truth;
+    let (a, b): (Image, Image) = (a?.image, b?.image);
+    let mut found = vec![vec![Vec::new(); counts.len()]; options.ways.len()];
+    for round in 0..options.rounds {
+        for (place, &spp) in counts.iter().enumerate() {
+            // Forth and back, so that no way is always first.
+            let mut order: Vec<usize> = (0..options.ways.len()).collect();
+            if round % 2 == 1 {
+                order.reverse();
+            }
+            for way in order {
+                let Render { image, seconds, .. } =
+                    render(options.ways[way], spp, seed(3 + u64::from(round)))?;
+                found[way][place].push((squared_error(&image, &a, &b), seconds.render));
+            }
+        }
+    }
+    let curves = options.ways.iter().zip(found).map(|(&way, found)| {
+        let points = counts.iter().zip(found).map(|(&spp, renders)| point(spp, &renders));
+        Curve { way, points: points.collect() }
+    });
+    Ok(curves.collect())
+}
+
+/// The mean of (x − a)(x − b) over pixels and channels.
+fn squared_error(x: &Image, a: &Image, b: &Image) -> f64 {
+    let pixels = x.pixels().iter().zip(a.pixels()).zip(b.pixels());
+    let sum: f64 = pixels
+        .flat_map(|((x, a), b)| [0, 1, 2].map(|channel| (x[channel], a[channel], b[channel])))
+        .map(|(x, a, b)| (f64::from(x) - f64::from(a)) * (f64::from(x) - f64::from(b)))
+        .sum();
+    sum / (3 * x.pixels().len()) as f64
+}
+
+fn point(spp: u32, renders: &[(f64, f64)]) -> Point {
+    let n = renders.len() as f64;
+    let mse = renders.iter().map(|(mse, _)| mse).sum::<f64>() / n;
+    let squares = renders.iter().map(|(one, _)| (one - mse) * (one - mse)).sum::<f64>();
+    Point {
+        spp,
+        mse,
+        mse_error: if n > 1.0 { (squares / (n - 1.0) / n).sqrt() } else { 0.0 },
+        seconds: middle(&sorted(renders.iter().map(|(_, seconds)| *seconds))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(scene: &Scene, most: u32) -> Options {
+        let ways = Sampler::ALL.map(|sampler| Way { sampling: Sampling::Bsdf, sampler });
+        let settings = RenderSettings { width: 40, height: 40, ..RenderSettings::of(scene) };
+        Options { settings, ways: ways.into(), most, rounds: 4, reference: 512 }
+    }
+
+    /// Under an even sky a diffuse ball is smooth but for its rim: the error of independent samples
+    /// falls as 1/n, that of Sobol' points faster.
+    #[test]
+    fn errors_fall_as_theory_says() {
+        let text = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+            background: gradient(bottom: (0, 0, 0), top: (1, 1, 1)),
+            materials: {"m": lambertian(albedo: (0.7, 0.7, 0.7))},
+            primitives: [sphere(center: (0, 0, 0), radius: 1, material: "m")])"#;
+        let scene = Scene::from_ron(text).unwrap();
+        let mut told = (0, 0);
+        let curves =
+            measure(&scene, &options(&scene, 64), &mut |done, all| told = (done, all)).unwrap();
+        assert_eq!(told.0, told.1);
+        let slope = |curve: &Curve| Line::of_samples(&curve.points).slope;
+        let [independent, sobol] = [slope(&curves[0]), slope(&curves[1])];
+        assert!((independent + 1.0).abs() < 0.1, "{independent}");
+        assert!(sobol < -1.25, "{sobol}");
+        let last = |curve: &Curve| curve.points.last().unwrap().mse;
+        assert!(last(&curves[1]) < 0.5 * last(&curves[0]));
+        assert_eq!(
+            curves[0].points.iter().map(|p| p.spp).collect::<Vec<_>>(),
+            [1, 2, 4, 8, 16, 32, 64]
+        );
+    }
+
+    /// A noisy reference makes the estimate of the error noisy, not larger.
+    #[test]
+    fn the_noise_of_the_reference_does_not_count() {
+        let scene = Scene::load("cornell").unwrap();
+        let mut few = options(&scene, 16);
+        few.reference = 16;
+        let many = Options { reference: 2048, ..options(&scene, 16) };
+        let [few, many] = [few, many].map(|options| {
+            let curves = measure(&scene, &options, &mut |_, _| ()).unwrap();
+            curves[0].points[4]
+        });
+        let error = (few.mse_error * few.mse_error + many.mse_error * many.mse_error).sqrt();
+        assert!((few.mse - many.mse).abs() < 6.0 * error + 0.2 * many.mse, "{few:?} {many:?}");
+    }
+}
