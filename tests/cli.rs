@@ -425,3 +425,59 @@ fn pins_and_files_are_what_was_asked_for() {
     assert!(with(&["--json", "cornell"]).status.success());
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }
+
+/// One sample, ray by ray: the one that the render counts.
+#[test]
+fn paths_are_told_ray_by_ray() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = ["--scene", "cornell", "--width", "1", "--height", "1", "--seed", "5"];
+    let render =
+        [&["render", "--spp", "1", "-q", "-o", "a.pfm", "--json", "a.json"], &size[..]].concat();
+    assert!(ptfast(folder.path(), &render).status.success());
+    let record: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    let told = ptfast(folder.path(), &[&["path", "--pixel", "0,0"], &size[..]].concat());
+    let text = stdout(&told);
+    assert!(text.starts_with("  1 camera  from ("), "{text}");
+    let rays =
+        record["rays"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>();
+    assert_eq!(text.lines().count() as u64, rays + 1, "{text}");
+    let mean: Vec<String> = record["mean"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| format!("{}", c.as_f64().unwrap() as f32))
+        .collect();
+    assert_eq!(text.lines().last().unwrap(), format!("radiance ({})", mean.join(", ")));
+    let outside = ptfast(folder.path(), &[&["path", "--pixel", "1,0"], &size[..]].concat());
+    assert_eq!(outside.status.code(), Some(2));
+    assert!(stderr(&outside).contains("--pixel must be within 1 x 1, is 1,0"));
+}
+
+/// Clamping is asked for, told, and part of what decides the image.
+#[test]
+fn clamping_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let base =
+        ["render", "--scene", "cornell", "--width", "20", "--spp", "8", "-q", "--json", "a.json"];
+    let run = |more: &[&str], file: &str| {
+        let output = ptfast(folder.path(), &[&base[..], more, &["-o", file]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let record: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+        (record, stderr(&output))
+    };
+    let (plain, quiet) = run(&[], "a.exr");
+    assert_eq!((&plain["clamp"], &plain["clamped"]), (&serde_json::Value::Null, &0.into()));
+    assert_eq!(quiet, "");
+    let (clamped, told) = run(&["--clamp", "1"], "b.exr");
+    let count = clamped["clamped"].as_u64().unwrap();
+    assert!(count > 0, "{clamped}");
+    assert_eq!(told, format!("ptfast: {count} samples were clamped to 1\n"));
+    assert!(clamped["mean"][0].as_f64() < plain["mean"][0].as_f64());
+    let (scalar, _) = run(&["--clamp", "1", "--engine", "scalar"], "c.exr");
+    assert_eq!((&scalar["hash"], &scalar["clamped"]), (&clamped["hash"], &clamped["clamped"]));
+    let wrong = ptfast(folder.path(), &[&base[..], &["--clamp", "0", "-o", "d.exr"]].concat());
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(stderr(&wrong).contains("clamp must be above 0, is 0"), "{}", stderr(&wrong));
+}

@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
+use super::path::PathArgs;
 use crate::accel::Kernel;
 use crate::engine::{Engine, Pin, Sampler};
 use crate::image::Transfer;
@@ -34,6 +35,8 @@ pub(super) enum Command {
     Compare(CompareArgs),
     /// Write the rays that a render of a scene traces, with their hits
     Rays(RaysArgs),
+    /// Trace one sample of one pixel with the reference engine, and tell its rays
+    Path(PathArgs),
     /// Replay rays through each kernel, check every hit, and tell the speed
     Trace(TraceArgs),
     /// Tell how fast scenes are rendered, by each engine, and whether that has changed
@@ -55,15 +58,13 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
+/// What decides an image.
 #[derive(Debug, Args)]
-pub(super) struct RenderArgs {
+pub(super) struct ImageArgs {
     /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N) or path of a .ron,
     /// .json or .txt file
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) scene: String,
-    /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
     /// Width in pixels [default: the scene's, or in proportion to --height]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) width: Option<u32>,
@@ -79,12 +80,6 @@ pub(super) struct RenderArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
-    /// Worker threads; the image does not depend on them [default: one for each core that may be used]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
-    pub(super) threads: Option<u32>,
-    /// Engine; the image does not depend on it
-    #[arg(long, value_name = "ENGINE", default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
-    pub(super) engine: Engine,
     /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
     #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     pub(super) sampling: Option<Sampling>,
@@ -94,6 +89,25 @@ pub(super) struct RenderArgs {
     /// Whether paths of little weight end early at random, without bias
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub(super) roulette: Switch,
+    /// Scale samples down whose largest component is above this: hides fireflies, loses energy [default:
+    /// no clamping]
+    #[arg(long, value_name = "RADIANCE")]
+    pub(super) clamp: Option<f32>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) image: ImageArgs,
+    /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Worker threads; the image does not depend on them [default: one for each core that may be used]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    pub(super) threads: Option<u32>,
+    /// Engine; the image does not depend on it
+    #[arg(long, value_name = "ENGINE", default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
+    pub(super) engine: Engine,
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) gamma: Transfer,

@@ -10,6 +10,7 @@ mod converge;
 mod dashboard;
 mod figures;
 mod files;
+mod path;
 mod plan;
 mod progress;
 mod rays;
@@ -55,6 +56,7 @@ fn dispatch(command: &Command) -> Result<u8> {
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args),
         Command::Rays(args) => rays::run(args).map(|()| 0),
+        Command::Path(args) => path::run(args).map(|()| 0),
         Command::Trace(args) => trace::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Converge(args) => converge::run(args).map(|()| 0),
@@ -79,7 +81,7 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let what = what.split("\n\nFor more information").next().unwrap_or_default();
     let what = what.strip_prefix("error: ").unwrap_or(what);
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        "a command is missing: render, scenes, figures, compare, converge, rays, trace, bench or dashboard"
+        "a command is missing: render, scenes, figures, compare, converge, rays, path, trace, bench or dashboard"
             .to_owned()
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -42,6 +42,7 @@ pub(super) fn render_record(
         "spp": settings.spp,
         "depth": settings.depth,
         "roulette": settings.roulette,
+        "clamp": finite(settings.clamp),
         "seed": settings.seed,
         "threads": renderer.threads(),
         "hash": hash,
@@ -56,6 +57,8 @@ pub(super) fn render_record(
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
         "non_finite": render.tally.non_finite.count,
+        "non_finite_first": render.tally.non_finite.first,
+        "clamped": render.tally.clamped,
         "interference": interference,
         "pinned": renderer.pinned().name(),
         "plan": renderer.plan(),
@@ -85,10 +88,15 @@ fn segment(segment: &SegmentWork) -> Value {
     })
 }
 
+/// JSON has no infinity.
+fn finite(number: f32) -> Option<f32> {
+    Some(number).filter(|number| number.is_finite())
+}
+
 /// What an image file says of itself: the same for equal renders, whatever engine, threads
 /// or machine made them.
 pub(super) fn metadata(scene: &Scene, settings: &RenderSettings, hash: &str) -> Metadata {
-    let decides = json!({
+    let mut decides = json!({
         "width": settings.width,
         "height": settings.height,
         "spp": settings.spp,
@@ -97,6 +105,9 @@ pub(super) fn metadata(scene: &Scene, settings: &RenderSettings, hash: &str) -> 
         "sampler": settings.sampler.name(),
         "roulette": settings.roulette,
     });
+    if let Some(clamp) = finite(settings.clamp) {
+        decides["clamp"] = json!(clamp);
+    }
     Metadata::default()
         .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
         .with("ptfast:hash", hash)

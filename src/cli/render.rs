@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{RenderArgs, Switch};
+use super::args::{ImageArgs, RenderArgs, Switch};
 use super::record::{self, StepSeconds, metadata};
-use super::{advise_on_build, files, notice, plan, progress, say, timeline};
+use super::{advise_on_build, files, notice, path, plan, progress, say, timeline};
 use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Format;
@@ -19,15 +19,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     // Whatever can fail fails before the work is done.
     args.output.as_deref().map(Format::of_path).transpose()?;
-    let scene = Scene::load(&args.scene)?;
+    let scene = Scene::load(&args.image.scene)?;
     let load = start.elapsed().as_secs_f64();
-    let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.image.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     let mut written = vec![("the image", &*output)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    files::check(&[("the scene", Path::new(&args.scene))], &written)?;
+    files::check(&[("the scene", Path::new(&args.image.scene))], &written)?;
     let renderer = Renderer::new(&scene, settings.clone())?;
     if !args.quiet {
         advise_on_build(Isa::Avx2);
@@ -71,7 +71,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    summarize(&scene, &settings, &renderer, &render, &hash, seconds, &output)
+    summarize(&args.image.scene, &scene, &settings, &renderer, &render, &hash, seconds, &output)
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
@@ -82,18 +82,11 @@ fn default_output(scene: &str) -> PathBuf {
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
-    let defaults = RenderSettings::of(scene).with_size(args.width, args.height);
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
     let plan = args.plan.as_deref().map(|file| plan::read(file, scene, args.quiet)).transpose()?;
     Ok(RenderSettings {
-        spp: args.spp.unwrap_or(defaults.spp),
-        depth: args.depth.unwrap_or(defaults.depth),
-        seed: args.seed,
-        sampling: args.sampling.unwrap_or(defaults.sampling),
-        sampler: args.sampler,
-        roulette: args.roulette == Switch::On,
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
         pin: args.pin,
@@ -102,11 +95,30 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         plan,
         count: args.stats,
         timeline: args.trace.is_some(),
-        ..defaults
+        ..args.image.settings(scene)
     })
 }
 
+impl ImageArgs {
+    /// The scene's settings where these say nothing.
+    pub(super) fn settings(&self, scene: &Scene) -> RenderSettings {
+        let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
+        RenderSettings {
+            spp: self.spp.unwrap_or(defaults.spp),
+            depth: self.depth.unwrap_or(defaults.depth),
+            seed: self.seed,
+            sampling: self.sampling.unwrap_or(defaults.sampling),
+            sampler: self.sampler,
+            roulette: self.roulette == Switch::On,
+            clamp: self.clamp.unwrap_or(f32::INFINITY),
+            ..defaults
+        }
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "what a run consists of")]
 fn summarize(
+    given: &str,
     scene: &Scene,
     settings: &RenderSettings,
     renderer: &Renderer<'_>,
@@ -122,12 +134,15 @@ fn summarize(
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
     let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
-    if render.tally.non_finite.count > 0 {
-        let (x, y, sample) = render.tally.non_finite.first.unwrap_or_default();
+    if let Some((x, y, sample)) = render.tally.non_finite.first {
         notice(format_args!(
-            "{} samples were not finite and count as black, the first is sample {sample} of pixel ({x}, {y})",
-            render.tally.non_finite.count
+            "{} samples were not finite and count as black; the first again, ray by ray: {}",
+            render.tally.non_finite.count,
+            path::command(given, settings, (x, y), sample)
         ));
+    }
+    if settings.clamp < f32::INFINITY {
+        notice(format_args!("{} samples were clamped to {}", render.tally.clamped, settings.clamp));
     }
     say(format_args!(
         "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",

@@ -1,4 +1,8 @@
-//! Numbers that decide bits, and so are the same in every engine.
+//! What decides bits, and so is the same in every engine.
+
+use glam::Vec3;
+
+use crate::math::max_element;
 
 /// First segment that a path reaches only by Russian roulette.
 pub(super) const ROULETTE_FROM: u32 = 5;
@@ -17,3 +21,29 @@ pub(super) const MIN_SOLID_ANGLE: f32 = 1e-3;
 /// And above this sine of the angle under which the farthest corner is seen above the rectangle's
 /// plane: below it the map from angles to places has lost too many digits.
 pub(super) const MIN_SINE: f32 = 2.5e-3;
+
+/// What of a sample's radiance is added to its pixel: none where it is not finite; no component above
+/// `clamp`, to which the whole is scaled down. Tells whether it was.
+#[inline]
+pub(super) fn counted(radiance: Vec3, clamp: f32) -> Option<(Vec3, bool)> {
+    if !radiance.is_finite() {
+        return None;
+    }
+    let most = max_element(radiance);
+    Some(if most > clamp { (radiance * (clamp / most), true) } else { (radiance, false) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_clamped_as_a_whole() {
+        let v = Vec3::new;
+        assert_eq!(counted(v(1.0, 8.0, 4.0), 2.0), Some((v(0.25, 2.0, 1.0), true)));
+        assert_eq!(counted(v(1.0, 2.0, 0.0), 2.0), Some((v(1.0, 2.0, 0.0), false)));
+        assert_eq!(counted(v(1.0, 2e30, 0.0), f32::INFINITY), Some((v(1.0, 2e30, 0.0), false)));
+        assert_eq!(counted(v(1.0, f32::NAN, 0.0), 2.0), None);
+        assert_eq!(counted(v(f32::INFINITY, 1.0, 0.0), f32::INFINITY), None);
+    }
+}

@@ -17,7 +17,7 @@ mod timeline;
 mod wavefront;
 
 pub use pool::{Pin, Pinned};
-pub use recording::{PathRecorder, RayKind, TracedRay};
+pub use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
 pub use renderer::{MOST_EVENTS, Observer, Progress, Render, Renderer, Seconds};
 pub use settings::{Engine, RenderSettings, Sampler};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};

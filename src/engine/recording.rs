@@ -1,5 +1,7 @@
 //! The rays of paths, as the reference engine traces them.
 
+use glam::Vec3;
+
 use super::scalar::{Intersect, PathTracer, ScalarEngine, Tree};
 use super::settings::RenderSettings;
 use crate::error::Result;
@@ -32,6 +34,15 @@ pub struct TracedRay {
     pub hit: Option<Hit>,
 }
 
+/// A path, and what arrives along it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TracedPath {
+    /// In the order in which they are traced.
+    pub rays: Vec<TracedRay>,
+    /// Neither clamped nor counted as black.
+    pub radiance: Vec3,
+}
+
 /// Traces paths with the reference engine and tells their rays.
 #[derive(Debug)]
 pub struct PathRecorder<'a> {
@@ -48,13 +59,13 @@ impl<'a> PathRecorder<'a> {
         Ok(Self { scene, engine: ScalarEngine::new(scene, &settings), settings })
     }
 
-    /// The rays of sample `sample` of pixel `(x, y)`, in the order in which they are traced.
-    pub fn path(&self, x: u32, y: u32, sample: u32) -> Vec<TracedRay> {
+    /// Sample `sample` of pixel `(x, y)`.
+    pub fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
         let recording = Recording { tree: self.engine.tree(), rays: Vec::new() };
         let mut tracer = PathTracer::new(self.scene, recording, &self.settings);
         let (ray, key) = self.engine.camera_ray(x, y, sample);
-        tracer.radiance(ray, key);
-        tracer.intersect.rays
+        let radiance = tracer.radiance(ray, key);
+        TracedPath { rays: tracer.intersect.rays, radiance }
     }
 }
 

@@ -54,7 +54,7 @@ impl Sampler {
 }
 
 /// Settings of a render. Only the first group decides the image.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Image width in pixels, 1 to [`limits::MAX_SIDE`].
     pub width: u32,
@@ -72,6 +72,9 @@ pub struct RenderSettings {
     pub sampler: Sampler,
     /// Whether paths of little weight end by Russian roulette from segment 5 on.
     pub roulette: bool,
+    /// The largest component that a sample may have, above 0: brighter ones are scaled down, which
+    /// hides fireflies and loses energy. Infinite for none of that.
+    pub clamp: f32,
 
     /// The engine; the image does not depend on it.
     pub engine: Engine,
@@ -107,6 +110,7 @@ impl RenderSettings {
             sampling: scene.default_sampling(),
             sampler: Sampler::default(),
             roulette: true,
+            clamp: f32::INFINITY,
             engine: Engine::default(),
             threads: 0,
             pin: Pin::default(),
@@ -144,6 +148,10 @@ impl RenderSettings {
             .and_then(|()| limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE))
             .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))
             .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))
+            .and_then(|()| match self.clamp > 0.0 {
+                true => Ok(()),
+                false => Err(format!("clamp must be above 0, is {}", self.clamp)),
+            })
             .map_err(Error::Usage)
     }
 

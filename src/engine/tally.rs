@@ -11,6 +11,8 @@ pub struct Tally {
     pub endings: Endings,
     /// Samples that were not finite, and counted as black.
     pub non_finite: NonFinite,
+    /// Samples that were clamped.
+    pub clamped: u64,
 }
 
 impl Tally {
@@ -18,6 +20,7 @@ impl Tally {
         self.rays.add(other.rays);
         self.endings.add(&other.endings);
         self.non_finite.merge(&other.non_finite);
+        self.clamped += other.clamped;
     }
 }
 

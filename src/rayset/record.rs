@@ -76,7 +76,7 @@ fn for_each_ray(
     while paths.peek().is_some() {
         let waves: Vec<_> = paths.by_ref().take(WAVES_AT_ONCE * WAVE).collect();
         let traced: Vec<Vec<TracedRay>> =
-            waves.par_iter().map(|&(x, y, sample)| recorder.path(x, y, sample)).collect();
+            waves.par_iter().map(|&(x, y, sample)| recorder.trace(x, y, sample).rays).collect();
         for wave in traced.chunks(WAVE) {
             for (kind, ..) in KINDS {
                 for_each_of_wave(wave, kind, |ray| visit(kind, ray));
@@ -121,7 +121,7 @@ mod tests {
                 for sample in 0..spp {
                     for y in top..height.min(top + 8) {
                         for x in left..width.min(left + 8) {
-                            paths.push(recorder.path(x, y, sample));
+                            paths.push(recorder.trace(x, y, sample).rays);
                         }
                     }
                 }

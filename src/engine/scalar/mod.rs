@@ -6,6 +6,9 @@ pub(super) mod light;
 pub(super) mod medium;
 mod path;
 
+use glam::Vec3;
+
+use super::contract::counted;
 use super::dimension::{Dimension, Randoms};
 use super::renderer::{TileEngine, TileResult, TileWorker};
 use super::settings::RenderSettings;
@@ -97,11 +100,15 @@ impl ScalarEngine<'_> {
                 for sample in 0..self.settings.spp {
                     let (ray, key) = self.camera_ray(x, y, sample);
                     let radiance = tracer.radiance(ray, key);
-                    if radiance.is_finite() {
-                        sum.add(radiance);
-                    } else {
-                        sum.add(glam::Vec3::ZERO);
-                        result.tally.non_finite.note(x, y, sample);
+                    match counted(radiance, self.settings.clamp) {
+                        Some((radiance, clamped)) => {
+                            sum.add(radiance);
+                            result.tally.clamped += u64::from(clamped);
+                        }
+                        None => {
+                            sum.add(Vec3::ZERO);
+                            result.tally.non_finite.note(x, y, sample);
+                        }
                     }
                     let samples = tracer.rays.primary - reported.primary;
                     if samples == REPORT_EVERY {

@@ -5,7 +5,9 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::paths::Paths;
+use crate::engine::contract::counted;
 use crate::engine::renderer::TileResult;
+use crate::engine::settings::RenderSettings;
 use crate::film::{PixelSum, Tile};
 
 /// Adds the samples of `paths`, which are number `range` of `tile`, to the pixel that `sum` is at, and
@@ -15,24 +17,28 @@ pub(super) fn accumulate(
     paths: &Paths,
     tile: Tile,
     range: Range<u64>,
-    spp: u32,
+    settings: &RenderSettings,
     sum: &mut PixelSum,
     result: &mut TileResult,
 ) {
+    let RenderSettings { spp, clamp, .. } = *settings;
     let (mut pixel, mut sample) =
         ((range.start / u64::from(spp)) as u32, (range.start % u64::from(spp)) as u32);
     let (mut first, count) = (0, (range.end - range.start) as usize);
     while first < count {
         let end = count.min(first + (spp - sample) as usize);
         let radiances = paths.radiances(first..end);
-        if radiances.clone().all(|radiance| radiance.is_finite()) {
+        // Nearly always.
+        if clamp == f32::INFINITY && radiances.clone().all(|radiance| radiance.is_finite()) {
             sum.add_all(radiances);
         } else {
             let (x, y) = tile.pixel(pixel);
             for (sample, radiance) in (sample..).zip(radiances) {
-                let finite = radiance.is_finite();
-                sum.add(if finite { radiance } else { Vec3::ZERO });
-                if !finite {
+                let counted = counted(radiance, clamp);
+                let (radiance, clamped) = counted.unwrap_or((Vec3::ZERO, false));
+                sum.add(radiance);
+                result.tally.clamped += u64::from(clamped);
+                if counted.is_none() {
                     result.tally.non_finite.note(x, y, sample);
                 }
             }
@@ -57,6 +63,8 @@ mod tests {
     fn samples_go_to_their_pixels() {
         let tile = Tile { x: 3, y: 5, width: 4, height: 2 };
         let (spp, mut random) = (21u32, Stream::new(9));
+        let scene = crate::scene::Scene::load("cornell").unwrap();
+        let settings = RenderSettings { spp, ..RenderSettings::of(&scene) };
         let samples: Vec<Vec3> = (0..8 * spp)
             .map(|i| match i % 37 {
                 5 => Vec3::new(1.0, f32::NAN, 0.0),
@@ -71,7 +79,7 @@ mod tests {
                 let indices = paths.indices(Int::splat(path));
                 paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
             }
-            accumulate(&paths, tile, range, spp, &mut sum, &mut result);
+            accumulate(&paths, tile, range, &settings, &mut sum, &mut result);
         }
         let mut want = PixelSum::default();
         for (pixel, samples) in samples.chunks(spp as usize).enumerate() {

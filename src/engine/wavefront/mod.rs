@@ -250,7 +250,7 @@ impl<'a> Worker<'a> {
         }
 
         let samples = (range.end - range.start) as usize;
-        accumulate(paths, tile, range, settings.spp, sum, result);
+        accumulate(paths, tile, range, settings, sum, result);
         watch.lap(Stage::Accumulate, 1, StageWork::of(samples));
     }
 }

@@ -1,0 +1,125 @@
+//! `ptfast path`: one sample, ray by ray.
+
+use clap::Args;
+
+use super::args::ImageArgs;
+use super::say;
+use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
+use crate::error::{Error, Result};
+use crate::geometry::Primitive;
+use crate::scene::{Material, Scene};
+
+#[derive(Debug, Args)]
+pub(super) struct PathArgs {
+    #[command(flatten)]
+    image: ImageArgs,
+    /// The pixel, from the top left
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pixel: (u32, u32),
+    /// The number of the sample, from 0
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    sample: u32,
+}
+
+fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
+    let parsed = text.split_once(',').and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
+    parsed.ok_or_else(|| format!("two whole numbers and a comma, such as 17,4, not `{text}`"))
+}
+
+/// The command that traces this sample again; `given` is the scene as the user named it.
+pub(super) fn command(
+    given: &str,
+    settings: &RenderSettings,
+    (x, y): (u32, u32),
+    sample: u32,
+) -> String {
+    let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
+    // Quoted where a shell would read it otherwise.
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
+    let scene = match given.chars().all(plain) {
+        true => given.to_owned(),
+        false => format!("'{}'", given.replace('\'', r"'\''")),
+    };
+    format!(
+        "ptfast path --scene {scene} --width {width} --height {height} --depth {depth} --seed {seed} \
+         --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
+        sampling.name(),
+        sampler.name(),
+        if *roulette { "on" } else { "off" }
+    )
+}
+
+pub(super) fn run(args: &PathArgs) -> Result<()> {
+    let scene = Scene::load(&args.image.scene)?;
+    let settings = args.image.settings(&scene);
+    let ((x, y), sample) = (args.pixel, args.sample);
+    if x >= settings.width || y >= settings.height {
+        return Err(Error::Usage(format!(
+            "--pixel must be within {} x {}, is {x},{y}",
+            settings.width, settings.height
+        )));
+    }
+    let most = settings.spp.max(sample.saturating_add(1));
+    let recorder = PathRecorder::new(&scene, RenderSettings { spp: most, ..settings })?;
+    let TracedPath { rays, radiance } = recorder.trace(x, y, sample);
+    for ray in &rays {
+        say(format_args!("{}", describe(&scene, ray)))?;
+    }
+    let [r, g, b] = radiance.to_array();
+    let odd = if radiance.is_finite() { "" } else { ", which is not finite and counts as black" };
+    say(format_args!("radiance ({r}, {g}, {b}){odd}"))
+}
+
+fn describe(scene: &Scene, traced: &TracedRay) -> String {
+    let TracedRay { kind, segment, ray, t_max, hit } = traced;
+    let (o, d) = (ray.origin, ray.direction);
+    let hits = match (kind, hit) {
+        (RayKind::Shadow, Some(_)) => "occluded".to_owned(),
+        (RayKind::Shadow, None) => format!("free up to {t_max}"),
+        (_, None) => "leaves the scene".to_owned(),
+        (_, Some(hit)) => {
+            let shape = match scene.geometry().get(hit.primitive) {
+                Primitive::Sphere(_) => "sphere",
+                Primitive::Quad(_) => "quad",
+                Primitive::Triangle(_) => "triangle",
+            };
+            let material = match scene.material(hit.primitive) {
+                Material::Diffuse { .. } => "diffuse",
+                Material::Lambertian { .. } => "lambertian",
+                Material::Metal { .. } => "metal",
+                Material::Dielectric { .. } => "dielectric",
+                Material::RoughDielectric { .. } => "rough_dielectric",
+                Material::Conductor { .. } => "conductor",
+                Material::Light(_) => "light",
+            };
+            format!("hits primitive {}, a {shape} of {material}, at {}", hit.primitive, hit.t)
+        }
+    };
+    let kind = match kind {
+        RayKind::Primary => "camera ",
+        RayKind::Bounce => "bounce ",
+        RayKind::Shadow => "shadow ",
+    };
+    format!(
+        "{segment:>3} {kind} from ({}, {}, {}) along ({}, {}, {}): {hits}",
+        o.x, o.y, o.z, d.x, d.y, d.z
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_can_be_pasted() {
+        let scene = Scene::load("cornell").unwrap();
+        let settings = RenderSettings { seed: 7, ..RenderSettings::of(&scene) };
+        let command = command("it's.ron", &settings, (3, 4), 5);
+        assert!(command.starts_with(r"ptfast path --scene 'it'\''s.ron' --width 400"), "{command}");
+        assert!(command.ends_with("--roulette on --pixel 3,4 --sample 5"), "{command}");
+        assert_eq!(
+            (pixel("3,4"), pixel("3").is_err(), pixel("a,4").is_err()),
+            (Ok((3, 4)), true, true)
+        );
+    }
+}
