@@ -12,6 +12,7 @@ mod exact;
 mod furnace;
 mod lamps;
 mod media;
+mod mitsuba;
 mod tiles;
 
 use ptfast::{Engine, RenderSettings, Renderer, Sampling, Scene};

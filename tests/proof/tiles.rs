@@ -2,37 +2,34 @@
 //! their p-values are even.
 
 use ptfast::{RenderSettings, Renderer, Sampling, Scene};
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use crate::{ALARM, alarm, first_seed};
 
-/// Tiles along each side, and pixels of each.
+/// Tiles along each side.
 const TILES: u32 = 8;
-const PIXELS: u32 = 6;
 /// Independent pictures of each mode.
 const PICTURES: u64 = 24;
 
 /// Of each tile and channel: the mean over pictures, and the variance of that mean.
-struct Tiles(Vec<(f64, f64)>);
+pub(crate) struct Tiles {
+    pub(crate) tiles: Vec<(f64, f64)>,
+    pub(crate) pictures: u64,
+}
 
 impl Tiles {
-    fn new(name: &str, scene: &Scene, sampling: Sampling, spp: u32) -> Self {
+    /// Of the scene's size, which the number of tiles divides.
+    pub(crate) fn render(name: &str, scene: &Scene, sampling: Sampling, spp: u32) -> Self {
         let first = first_seed(&format!("{name}{sampling:?} tiles"));
+        let base = RenderSettings { spp, sampling, ..RenderSettings::of(scene) };
+        let (across, down) = (base.width / TILES, base.height / TILES);
         let picture = |index: u64| {
-            let (width, height) = (TILES * PIXELS, TILES * PIXELS);
-            let settings = RenderSettings {
-                width,
-                height,
-                spp,
-                sampling,
-                seed: first.wrapping_add(index),
-                ..RenderSettings::of(scene)
-            };
+            let settings = RenderSettings { seed: first.wrapping_add(index), ..base.clone() };
             let render = Renderer::new(scene, settings).unwrap().render().unwrap();
             assert_eq!(render.tally.non_finite.count, 0, "{name}");
             let mut sums = vec![0.0f64; (TILES * TILES * 3) as usize];
             for (place, pixel) in (0..).zip(render.image.pixels()) {
-                let tile = place / width / PIXELS * TILES + place % width / PIXELS;
+                let tile = place / base.width / down * TILES + place % base.width / across;
                 for (channel, value) in (0..).zip(pixel) {
                     sums[(3 * tile + channel) as usize] += f64::from(*value);
                 }
@@ -42,24 +39,28 @@ impl Tiles {
         let pictures: Vec<Vec<f64>> = (0..PICTURES).map(picture).collect();
         let n = PICTURES as f64;
         let of = |tile: usize| {
-            let values = pictures.iter().map(|sums| sums[tile] / f64::from(PIXELS * PIXELS));
+            let values = pictures.iter().map(|sums| sums[tile] / f64::from(across * down));
             let mean = values.clone().sum::<f64>() / n;
             let squares = values.map(|value| (value - mean) * (value - mean)).sum::<f64>();
             (mean, squares / (n - 1.0) / n)
         };
-        Self((0..(TILES * TILES * 3) as usize).map(of).collect())
+        Self { tiles: (0..(TILES * TILES * 3) as usize).map(of).collect(), pictures: PICTURES }
     }
 }
 
-/// The deviations of tiles in units of their noise: Student's t, made normal.
+/// The deviations of tiles in units of their noise: Student's t with Welch's degrees of freedom, made
+/// normal. Tiles without noise are left out.
 fn deviations(a: &Tiles, b: &Tiles) -> Vec<f64> {
-    let student = statrs::distribution::StudentsT::new(0.0, 1.0, 2.0 * (PICTURES as f64 - 1.0))
-        .expect("degrees above 0");
-    let tiles = a.0.iter().zip(&b.0).filter(|(a, b)| a.1 + b.1 > 0.0);
+    let tiles = a.tiles.iter().zip(&b.tiles).filter(|(a, b)| a.1 + b.1 > 0.0);
     tiles
-        .map(|(a, b)| {
-            let t = (a.0 - b.0) / (a.1 + b.1).sqrt();
+        .map(|(&(mean, variance), &(other_mean, other_variance))| {
+            let sum = variance + other_variance;
+            let part = |variance: f64, pictures: u64| variance * variance / (pictures as f64 - 1.0);
+            let degrees =
+                sum * sum / (part(variance, a.pictures) + part(other_variance, b.pictures));
+            let t = (mean - other_mean) / sum.sqrt();
             // Far tails by symmetry, where 1 − p would be 0.
+            let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees above 0");
             let p = student.cdf(-t.abs()).max(1e-300);
             -Normal::standard().inverse_cdf(p) * t.signum()
         })
@@ -77,11 +78,51 @@ fn unevenness(deviations: &[f64]) -> f64 {
     p.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
 }
 
+/// The table of a test, and what in it is more than chance.
+pub(crate) struct Disagreement {
+    comparisons: usize,
+    wrong: Vec<String>,
+}
+
+impl Disagreement {
+    pub(crate) fn new(of: &str, comparisons: usize) -> Self {
+        println!(
+            "\n{of:<26}{:>14}{:>7}{:>9}{:>9}{:>9}",
+            "", "tiles", "chi² p", "uneven", "worst z"
+        );
+        Self { comparisons, wrong: Vec::new() }
+    }
+
+    /// Compares two pictures, tile by tile.
+    pub(crate) fn compare(&mut self, name: &str, what: &str, a: &Tiles, b: &Tiles) {
+        let deviations = deviations(a, b);
+        let tiles = deviations.len();
+        // The channels of a tile are noise of the same paths: a third as many are independent.
+        let independent = (tiles / 3) as f64;
+        let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / tiles as f64;
+        let chi = ChiSquared::new(independent).unwrap().sf(mean_square * independent);
+        let uneven = unevenness(&deviations) / 3.0f64.sqrt();
+        let worst = deviations.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
+        println!("{name:<26}{what:>14}{tiles:>7}{chi:>9.4}{uneven:>9.2}{worst:>9.2}");
+        // Kolmogorov's distribution: 2 e^(−2x²) beyond x.
+        let even = 2.0 * (-2.0 * uneven * uneven).exp();
+        let share = ALARM / (3 * self.comparisons) as f64;
+        if chi < share || even < share || worst > alarm(3 * self.comparisons * tiles) {
+            let p = format!("chi² p {chi:e}, even p {even:e}, worst {worst}");
+            self.wrong.push(format!("{name} {what}: {p}"));
+        }
+    }
+
+    pub(crate) fn check(self) {
+        assert!(self.wrong.is_empty(), "{:#?}", self.wrong);
+    }
+}
+
 fn scene(primitives: &str, background: &str, media: &str) -> Scene {
     let text = format!(
         r#"(camera: (look_from: (0, 2, 7), look_at: (0, 0.6, 0), vfov: 45),
             background: {background},
-            render: (depth: 8),
+            render: (width: 48, height: 48, depth: 8),
             materials: {{
                 "floor": lambertian(albedo: (0.5, 0.6, 0.7)),
                 "ideal": diffuse(albedo: (0.7, 0.6, 0.5)),
@@ -121,48 +162,27 @@ fn modes_agree_in_every_tile() {
         ("materials and lamps", scene(&things, dark, ""), 120),
         ("the same under a sky", scene(&things, sky, ""), 120),
         ("the same in fog", scene(&things, sky, fog), 120),
-        ("cornell", Scene::load("cornell").unwrap(), 100),
+        ("cornell", Scene::load("tests/data/mitsuba/cornell.ron").unwrap(), 60),
     ];
     let pairs = [
         (Sampling::Bsdf, Sampling::Light),
         (Sampling::Bsdf, Sampling::Mis),
         (Sampling::Light, Sampling::Mis),
     ];
-    let comparisons = scenes.len() * pairs.len();
-    println!(
-        "\n{:<26}{:>14}{:>7}{:>9}{:>9}{:>9}",
-        "tiles", "modes", "tiles", "chi² p", "uneven", "worst z"
-    );
-    let mut wrong = Vec::new();
+    let mut disagreement = Disagreement::new("tiles", scenes.len() * pairs.len());
     for (name, scene, spp) in &scenes {
         let [bsdf, light, mis] =
             [(Sampling::Bsdf, 4 * spp), (Sampling::Light, *spp), (Sampling::Mis, *spp)]
-                .map(|(sampling, spp)| Tiles::new(name, scene, sampling, spp));
+                .map(|(sampling, spp)| Tiles::render(name, scene, sampling, spp));
         let of = |sampling| match sampling {
             Sampling::Bsdf => &bsdf,
             Sampling::Light => &light,
             Sampling::Mis => &mis,
         };
         for (a, b) in pairs {
-            let deviations = deviations(of(a), of(b));
-            let tiles = deviations.len();
-            // The channels of a tile are noise of the same paths: a third as many are independent.
-            let independent = (tiles / 3) as f64;
-            let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / tiles as f64;
-            let chi = ChiSquared::new(independent).unwrap().sf(mean_square * independent);
-            let uneven = unevenness(&deviations) / 3.0f64.sqrt();
-            let worst = deviations.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
             let modes = format!("{} {}", a.name(), b.name());
-            println!("{name:<26}{modes:>14}{tiles:>7}{chi:>9.4}{uneven:>9.2}{worst:>9.2}");
-            // Kolmogorov's distribution: 2 e^(−2x²) beyond x.
-            let even = 2.0 * (-2.0 * uneven * uneven).exp();
-            let share = ALARM / (3 * comparisons) as f64;
-            if chi < share || even < share || worst > alarm(3 * comparisons * tiles) {
-                wrong.push(format!(
-                    "{name} {modes}: chi² p {chi:e}, even p {even:e}, worst {worst}"
-                ));
-            }
+            disagreement.compare(name, &modes, of(a), of(b));
         }
     }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    disagreement.check();
 }
