@@ -73,12 +73,9 @@ pub(crate) fn measure(
     options: &Options,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Vec<Curve>> {
-    let counts: Vec<u32> =
-        std::iter::successors(Some(options.most), |spp| (*spp > 1).then(|| spp / 2))
-            .collect::<Vec<_>>()
-            .into_iter()
-            .rev()
-            .collect();
+    let halved = |spp: &u32| (*spp > 1).then(|| spp / 2);
+    let mut counts: Vec<u32> = std::iter::successors(Some(options.most), halved).collect();
+    counts.reverse();
     let in_round: u64 = counts.iter().map(|&spp| u64::from(spp)).sum();
     let all = 2 * u64::from(options.reference)
         + in_round * u64::from(options.rounds) * options.ways.len() as u64;

@@ -72,6 +72,12 @@ impl Frame {
         Self([s, t, normal])
     }
 
+    /// Its z.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        self.0[2]
+    }
+
     /// `v`, given in the frame, in the world.
     #[inline]
     pub fn world(&self, v: Vec3) -> Vec3 {

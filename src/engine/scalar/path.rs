@@ -149,7 +149,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         };
         let emitted = light.emission.radiance(front);
         let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
-        if f_cos.max_element() <= 0.0 || emitted == Vec3::ZERO {
+        if !(max_element(f_cos) > 0.0) || emitted == Vec3::ZERO {
             return Vec3::ZERO;
         }
         self.rays.shadow += 1;

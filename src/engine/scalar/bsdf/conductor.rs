@@ -35,7 +35,7 @@ impl Conductor {
         // False for NaN too.
         (wi.z > 0.0).then(|| Scatter {
             direction: self.frame.world(wi),
-            side: self.frame.world(Vec3::Z),
+            side: self.frame.normal(),
             weight: self.reflectance(cos) * self.weight(wi),
             pdf: if self.ggx.alpha > 0.0 { self.pdf(m) } else { SPECULAR },
         })

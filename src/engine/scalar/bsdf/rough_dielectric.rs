@@ -40,11 +40,11 @@ impl RoughDielectric {
         };
         let wi = normalize(wi);
         let (weight, pdf) = self.weight_and_pdf(wi, m)?;
-        let side = if reflected { Vec3::Z } else { Vec3::NEG_Z };
+        let normal = self.frame.normal();
         // Where the microfacet turns the path to the other side it is lost.
         ((wi.z > 0.0) == reflected).then(|| Scatter {
             direction: self.frame.world(wi),
-            side: self.frame.world(side),
+            side: if reflected { normal } else { -normal },
             weight: Vec3::splat(weight),
             pdf,
         })
