@@ -26,7 +26,7 @@ fn run(scene: &str, engine: &str, threads: u32, speed: f64, clock: f64) -> Value
     };
     let work = |active: u32| json!({ "active": active, "issued": 1000 });
     let wavefront = engine == "wavefront";
-    json!({
+    let mut run = json!({
         "scene": scene, "scene_hash": "0123456789abcdef", "engine": engine, "threads": threads,
         "width": 640, "height": 360, "spp": 16, "depth": 50, "sampling": "bsdf", "seed": 1,
         "hash": "a", "blocks": (0..10).map(block).collect::<Vec<_>>(),
@@ -38,7 +38,12 @@ fn run(scene: &str, engine: &str, threads: u32, speed: f64, clock: f64) -> Value
             json!([{ "extend": work(900), "shade": work(800) }, { "extend": work(700), "shade": work(750) }])
         } else { json!([]) },
         "peak_rss_bytes": 20_000_000,
-    })
+    });
+    // Old programs told none.
+    if scene == "cornell" {
+        run["sampler"] = json!("sobol");
+    }
+    run
 }
 
 fn record(number: usize, cpu_model: &str, speed: f64) -> Value {
@@ -110,6 +115,9 @@ fn series_are_of_one_machine_and_the_change_point_is_found() {
         let points = series["points"].as_array().unwrap();
         let first = series["machine"] == 0;
         assert_eq!(points.len(), if first { 8 } else { 3 });
+        let render = points[0]["render"].as_str().unwrap();
+        assert!(render.contains(" --sampling bsdf"), "{render}");
+        assert_eq!(render.contains(" --sampler sobol"), series["scene"] == "cornell", "{render}");
         let changed: Vec<usize> =
             (0..points.len()).filter(|&point| !points[point]["change"].is_null()).collect();
         let slows = first && series["scene"] == "spheres" && series["engine"] == "wavefront";

@@ -44,7 +44,7 @@ pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Resul
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
         let message = "holds nothing of what is to be measured: scene and its hash, size, samples, depth, \
-                       sampling, seed, engine and threads must be the same";
+                       sampling, sampler, seed, engine and threads must be the same";
         return Err(Error::input(file, "runs", message));
     }
     Ok(())

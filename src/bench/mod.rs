@@ -207,10 +207,21 @@ impl Bench {
 impl Side {
     fn work(&self, task: &Task) -> Work {
         let Task { scene, width, height, spp, seed, threads } = task.clone();
-        let Rendered { scene_hash, sampling, depth, .. } = &self.counted;
-        let (scene_hash, sampling, depth) = (scene_hash.clone(), sampling.clone(), *depth);
+        let Rendered { scene_hash, sampling, sampler, depth, .. } = self.counted.clone();
         let engine = self.engine.name().to_owned();
-        Work { scene, scene_hash, engine, sampling, threads, width, height, spp, depth, seed }
+        Work {
+            scene,
+            scene_hash,
+            engine,
+            sampling,
+            sampler,
+            threads,
+            width,
+            height,
+            spp,
+            depth,
+            seed,
+        }
     }
 }
 

@@ -55,6 +55,8 @@ pub(super) struct Rendered {
     #[serde(default)]
     pub(super) scene_hash: String,
     pub(super) sampling: String,
+    #[serde(default)]
+    pub(super) sampler: String,
     pub(super) depth: u32,
     pub(super) hash: String,
     pub(super) seconds: Seconds,

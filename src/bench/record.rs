@@ -91,6 +91,9 @@ pub(crate) struct Work {
     pub(crate) depth: u32,
     #[serde(default)]
     pub(crate) sampling: String,
+    /// Nothing where the program knew of no choice.
+    #[serde(default)]
+    pub(crate) sampler: String,
     pub(crate) seed: u64,
 }
 

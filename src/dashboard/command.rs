@@ -16,9 +16,12 @@ pub(super) fn bench(record: &Record, run: &Run) -> String {
 
 /// Renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
-    let Work { engine, height, depth, sampling, .. } = &run.work;
+    let Work { engine, height, depth, sampling, sampler, .. } = &run.work;
+    // Old programs have no such option.
+    let sampler =
+        if sampler.is_empty() { String::new() } else { format!(" --sampler {}", quoted(sampler)) };
     format!(
-        "{}{}/target/release/ptfast render {} --height {height} --depth {depth} --engine {} --sampling {}",
+        "{}{}/target/release/ptfast render {} --height {height} --depth {depth} --engine {} --sampling {}{sampler}",
         build(record),
         folder(record),
         work(&run.work),

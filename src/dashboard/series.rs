@@ -79,9 +79,12 @@ fn machine_name(machine: &Machine) -> String {
 }
 
 fn settings(run: &Run) -> String {
-    let Work { width, height, spp, depth, seed, sampling, scene_hash, .. } = &run.work;
+    let Work { width, height, spp, depth, seed, sampling, sampler, scene_hash, .. } = &run.work;
     let scene: String = scene_hash.chars().take(8).collect();
-    format!("{width} x {height}, {spp} spp, depth {depth}, {sampling}, seed {seed}, scene {scene}")
+    let sampler = if sampler.is_empty() { String::new() } else { format!(", {sampler}") };
+    format!(
+        "{width} x {height}, {spp} spp, depth {depth}, {sampling}{sampler}, seed {seed}, scene {scene}"
+    )
 }
 
 impl Data {

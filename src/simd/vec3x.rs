@@ -108,6 +108,11 @@ impl FrameLanes {
     }
 
     #[inline(always)]
+    pub(crate) fn normal(&self) -> Vec3x {
+        self.0[2]
+    }
+
+    #[inline(always)]
     pub(crate) fn world(&self, v: Vec3x) -> Vec3x {
         let [s, t, n] = self.0;
         s * v[0] + t * v[1] + n * v[2]

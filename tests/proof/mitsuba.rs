@@ -22,8 +22,9 @@ fn read(name: &str) -> Tiles {
 
 #[test]
 fn pictures_are_those_of_mitsuba() {
-    let mut disagreement = Disagreement::new("beside Mitsuba 3", 3);
-    for name in ["cornell", "materials", "media"] {
+    let names = ["cornell", "checker", "spheres", "materials", "media"];
+    let mut disagreement = Disagreement::new("beside Mitsuba 3", names.len());
+    for name in names {
         let scene = Scene::load(&format!("tests/data/mitsuba/{name}.ron")).unwrap();
         let ours = Tiles::render(name, &scene, Sampling::Mis, 64);
         disagreement.compare(name, "mis", &ours, &read(name));

@@ -100,14 +100,14 @@ def medium(description):
     return inside
 
 
-def translate(scene, width, height, exact):
+def translate(scene, width, height, exact, sampler="independent"):
     camera, textures = scene["camera"], scene.get("textures", {})
     sensor = {
         "type": "perspective", "fov": camera["vfov"], "fov_axis": "y", "near_clip": 1e-3, "far_clip": 1e5,
         "to_world": mi.ScalarTransform4f().look_at(origin=camera["look_from"], target=camera["look_at"],
                                                    up=camera["up"]),
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
-        "sampler": {"type": "independent"},
+        "sampler": {"type": sampler},
     }
     if camera["defocus_angle"] > 0:
         radius = camera["focus_distance"] * math.tan(math.radians(camera["defocus_angle"] / 2))

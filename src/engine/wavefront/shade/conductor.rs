@@ -16,7 +16,6 @@ pub(super) struct Conductor;
 /// Their surfaces: the scalar engine's model.
 pub(super) struct ConductorBsdf {
     frame: FrameLanes,
-    normal: Vec3x,
     /// To where the paths have come from, in the frame.
     wo: Vec3x,
     eta: Vec3x,
@@ -32,10 +31,9 @@ impl Material for Conductor {
     fn bsdf(&self, shading: &Shading<'_>, vertex: &Vertex) -> ConductorBsdf {
         let (eta, alpha) = shading.solid(&vertex.primitive);
         let (k, _) = shading.more(0, &vertex.primitive);
-        let (normal, ggx) = (vertex.normal, GgxLanes { alpha });
-        let frame = FrameLanes::new(normal);
+        let (frame, ggx) = (FrameLanes::new(vertex.normal), GgxLanes { alpha });
         let wo = frame.local(-vertex.segment.direction);
-        ConductorBsdf { frame, normal, wo, eta, k, ggx, bound: ggx.bound(wo) }
+        ConductorBsdf { frame, wo, eta, k, ggx, bound: ggx.bound(wo) }
     }
 }
 
@@ -54,7 +52,7 @@ impl Bsdf for ConductorBsdf {
         let specular = Float::splat(Segment::SPECULAR);
         Scatter {
             direction: self.frame.world(wi),
-            side: self.normal,
+            side: self.frame.normal(),
             weight: self.reflectance(cos) * self.weight(wi),
             pdf: self.specular().select(specular, self.pdf(m)),
             // False for NaN too.

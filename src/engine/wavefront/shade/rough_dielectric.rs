@@ -15,7 +15,6 @@ pub(super) struct RoughDielectric;
 /// Its surfaces: the scalar engine's model.
 pub(super) struct RoughDielectricBsdf {
     frame: FrameLanes,
-    normal: Vec3x,
     /// To where the paths have come from, in the frame.
     wo: Vec3x,
     /// Index of refraction beyond the surface over that before it.
@@ -33,7 +32,7 @@ impl Material for RoughDielectric {
         let frame = FrameLanes::new(vertex.normal);
         let wo = frame.local(-vertex.segment.direction);
         let eta = vertex.front.select(ior, Float::splat(1.0) / ior);
-        RoughDielectricBsdf { frame, normal: vertex.normal, wo, eta, ggx: GgxLanes { alpha } }
+        RoughDielectricBsdf { frame, wo, eta, ggx: GgxLanes { alpha } }
     }
 }
 
@@ -60,9 +59,10 @@ impl Bsdf for RoughDielectricBsdf {
         let (weight, pdf, possible) = self.weight_and_pdf(wi, m);
         // Where the microfacet turns the path to the other side it is lost.
         let right = !(wi[2].gt(Float::ZERO).bits() ^ reflected.bits());
+        let normal = self.frame.normal();
         Scatter {
             direction: self.frame.world(wi),
-            side: Vec3x::select(reflected, self.normal, -self.normal),
+            side: Vec3x::select(reflected, normal, -normal),
             weight: Vec3x([weight; 3]),
             pdf,
             scattered: possible.bits() & right,
