@@ -176,21 +176,21 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
     let spp = |&i: &usize| format!("{:>11}", format!("{} spp", first.points[i].spp));
     let head: String = shown.iter().map(spp).collect();
     say(format_args!(
-        "sampling sampler    {head}   slope  seconds  in {} s       x",
-        brief(seconds)
+        "sampling sampler    {head}   slope  seconds{:>11}         x",
+        format!("in {} s", brief(seconds))
     ))?;
     let base = at_seconds(&first.points, seconds);
     for Curve { way, points } in curves {
         let errors: String = shown.iter().map(|&i| format!("{:>11.2e}", points[i].mse)).collect();
         let error = at_seconds(points, seconds);
         say(format_args!(
-            "{:<8} {:<12}{errors}{:>8.2}{:>9.3}{:>10.2e}{:>8.2}",
+            "{:<8} {:<12}{errors}{:>8.2}{:>9.3}{:>11.2e}{:>10}",
             way.sampling.name(),
             way.sampler.name(),
             Line::of_samples(points).slope,
             points.last().map_or(0.0, |point| point.seconds),
             error,
-            base / error
+            times(base / error)
         ))?;
     }
     let unsure = curves.iter().flat_map(|curve| &curve.points).any(|point| point.mse <= 0.0);
@@ -200,6 +200,12 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
         ));
     }
     say(format_args!("\nx: how many times smaller than in the first line, after the same seconds"))
+}
+
+/// Three digits, of what is above 100 all before the point.
+fn times(x: f64) -> String {
+    let digits = if x < 100.0 { 2 } else { 0 };
+    format!("{x:.digits$}")
 }
 
 /// Three digits.
