@@ -179,7 +179,8 @@ fn values_of_materials_and_media_are_checked() {
         ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
         ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
         ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be 0 or in [0.001, 1]"),
-        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be above 0 where eta is 0"),
+        ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be 0.001 or more where eta is less"),
+        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be 0.001 or more where eta is less"),
         ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
     ] {
         let place = if message.starts_with("unknown") { ":4" } else { ":materials.grey" };

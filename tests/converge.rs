@@ -52,7 +52,31 @@ fn errors_are_told_as_table_record_and_plot() {
         assert!(mse(0) > mse(3), "{curve}");
     }
     let plot = fs::read_to_string(folder.path().join("a.svg")).unwrap();
-    assert!(plot.starts_with("<svg") && plot.contains("mis sobol"), "{plot}");
+    assert!(plot.starts_with("<svg") && plot.contains("mis sobol, slope -"), "{plot}");
+}
+
+/// What was not measured is not made up: after longer than anything took, and without any error.
+#[test]
+fn what_is_not_known_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let base =
+            ["converge", "--scene", "cornell", "--width", "8", "--spp", "4", "--rounds", "2"];
+        // The same way twice is one.
+        let way =
+            ["--sampling", "mis", "--sampling", "mis", "--sampler", "sobol", "--json", "a.json"];
+        let output = ptfast(folder.path(), &[&base[..], &way, more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let record: Value =
+            serde_json::from_slice(&fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+        assert_eq!(record["curves"].as_array().unwrap().len(), 1);
+        (record["curves"][0]["mse_at_seconds"].clone(), stdout(&output), stderr(&output))
+    };
+    let (error, _, told) = run(&[]);
+    assert!(error.as_f64().unwrap() > 0.0 && told.is_empty(), "{told}");
+    let (error, table, told) = run(&["--at", "1e300"]);
+    assert!(error.is_null() && table.contains("–"), "{table}");
+    assert!(told.contains("not all were rendered for so short and so long"), "{told}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::args::named;
 use super::{files, notice, say};
-use crate::converge::{Curve, Line, Options, Way, at_seconds, measure, plot};
+use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
 use crate::engine::{RenderSettings, Sampler};
 use crate::error::{Error, Result};
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
@@ -114,13 +114,17 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
         if scene.lights().is_empty() { &[Sampling::Bsdf] } else { &Sampling::ALL };
     let samplings = or(&args.samplings, has);
     let samplers = if args.samplers.is_empty() { &Sampler::ALL } else { &*args.samplers };
-    let ways = samplings
-        .iter()
-        .flat_map(|&sampling| samplers.iter().map(move |&sampler| Way { sampling, sampler }));
+    let mut ways: Vec<Way> = Vec::new();
+    for &sampling in &samplings {
+        let more = samplers.iter().map(|&sampler| Way { sampling, sampler });
+        // Each once, however often it is named.
+        let new: Vec<Way> = more.filter(|way| !ways.contains(way)).collect();
+        ways.extend(new);
+    }
     let base = RenderSettings::of(scene).with_size(Some(args.width), None);
     Options {
         settings: RenderSettings { seed: args.seed, threads: args.threads.unwrap_or(0), ..base },
-        ways: ways.collect(),
+        ways,
         most: args.spp,
         rounds: args.rounds,
         reference: args.reference.unwrap_or(args.spp.saturating_mul(32).min(MAX_SPP)).div_ceil(2),
@@ -136,10 +140,13 @@ fn common_seconds(curves: &[Curve]) -> f64 {
 fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Value {
     let RenderSettings { width, height, depth, seed, threads, .. } = options.settings;
     let curve = |curve: &Curve| {
+        let slope = Slope::of_samples(&curve.points);
         json!({
             "sampling": curve.way.sampling.name(),
             "sampler": curve.way.sampler.name(),
-            "slope": Line::of_samples(&curve.points).slope,
+            "slope": slope.map(|slope| slope.slope),
+            "slope_error": slope.map(|slope| slope.error),
+            "slope_over_seconds": Slope::of_seconds(&curve.points).map(|slope| slope.slope),
             "mse_at_seconds": at_seconds(&curve.points, seconds),
             "points": curve.points,
         })
@@ -176,30 +183,48 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
     let spp = |&i: &usize| format!("{:>11}", format!("{} spp", first.points[i].spp));
     let head: String = shown.iter().map(spp).collect();
     say(format_args!(
-        "sampling sampler    {head}   slope  seconds{:>11}         x",
+        "sampling sampler    {head}       slope  over time  seconds{:>11}         x",
         format!("in {} s", brief(seconds))
     ))?;
     let base = at_seconds(&first.points, seconds);
+    let mut unknown = false;
     for Curve { way, points } in curves {
         let errors: String = shown.iter().map(|&i| format!("{:>11.2e}", points[i].mse)).collect();
+        let over_samples = Slope::of_samples(points)
+            .map(|Slope { slope, error }| format!("{slope:.2} ± {error:.2}"));
+        let over_time = Slope::of_seconds(points).map(|slope| format!("{:.2}", slope.slope));
         let error = at_seconds(points, seconds);
+        unknown |= error.is_none();
+        let gain = base.zip(error).map(|(base, error)| times(base / error));
         say(format_args!(
-            "{:<8} {:<12}{errors}{:>8.2}{:>9.3}{:>11.2e}{:>10}",
+            "{:<8} {:<12}{errors}{:>14}{:>9}{:>9.3}{:>11}{:>10}",
             way.sampling.name(),
             way.sampler.name(),
-            Line::of_samples(points).slope,
+            or_none(over_samples),
+            or_none(over_time),
             points.last().map_or(0.0, |point| point.seconds),
-            error,
-            times(base / error)
+            or_none(error.map(|error| format!("{error:.2e}"))),
+            or_none(gain)
         ))?;
     }
-    let unsure = curves.iter().flat_map(|curve| &curve.points).any(|point| point.mse <= 0.0);
-    if unsure {
+    if curves.iter().flat_map(|curve| &curve.points).any(|point| point.mse <= 0.0) {
         notice(format_args!(
             "some errors are smaller than the reference can tell: more --reference"
         ));
+    } else if unknown {
+        notice(format_args!(
+            "not all were rendered for so short and so long as {} s: more --spp, or another --at",
+            brief(seconds)
+        ));
     }
-    say(format_args!("\nx: how many times smaller than in the first line, after the same seconds"))
+    say(format_args!(
+        "\nslope: of the error over samples, with its standard error; over time: over seconds\n\
+         x: how many times smaller than in the first line, after the same seconds"
+    ))
+}
+
+fn or_none(text: Option<String>) -> String {
+    text.unwrap_or_else(|| "–".to_owned())
 }
 
 /// Three digits, of what is above 100 all before the point.

@@ -7,6 +7,7 @@ use super::say;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Primitive;
+use crate::limits::MAX_SPP;
 use crate::scene::{Material, Scene};
 
 #[derive(Debug, Args)]
@@ -17,7 +18,7 @@ pub(super) struct PathArgs {
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
     /// The number of the sample, from 0
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..i64::from(MAX_SPP)))]
     sample: u32,
 }
 
@@ -59,7 +60,7 @@ pub(super) fn run(args: &PathArgs) -> Result<()> {
             settings.width, settings.height
         )));
     }
-    let most = settings.spp.max(sample.saturating_add(1));
+    let most = settings.spp.max(sample + 1);
     let recorder = PathRecorder::new(&scene, RenderSettings { spp: most, ..settings })?;
     let TracedPath { rays, radiance } = recorder.trace(x, y, sample);
     for ray in &rays {
@@ -71,13 +72,14 @@ pub(super) fn run(args: &PathArgs) -> Result<()> {
 }
 
 fn describe(scene: &Scene, traced: &TracedRay) -> String {
-    let TracedRay { kind, segment, ray, t_max, hit } = traced;
+    let TracedRay { kind, segment, ray, t_max, hit, collision } = traced;
     let (o, d) = (ray.origin, ray.direction);
-    let hits = match (kind, hit) {
-        (RayKind::Shadow, Some(_)) => "occluded".to_owned(),
-        (RayKind::Shadow, None) => format!("free up to {t_max}"),
-        (_, None) => "leaves the scene".to_owned(),
-        (_, Some(hit)) => {
+    let hits = match (kind, collision, hit) {
+        (_, Some(t), _) => format!("is scattered by a medium at {t}"),
+        (RayKind::Shadow, _, Some(_)) => "occluded".to_owned(),
+        (RayKind::Shadow, _, None) => format!("free up to {t_max}, but for media"),
+        (_, _, None) => "leaves the scene".to_owned(),
+        (_, _, Some(hit)) => {
             let shape = match scene.geometry().get(hit.primitive) {
                 Primitive::Sphere(_) => "sphere",
                 Primitive::Quad(_) => "quad",

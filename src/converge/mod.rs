@@ -15,7 +15,7 @@ use crate::image::Image;
 use crate::scene::{Sampling, Scene};
 use crate::statistics::{middle, sorted};
 pub(crate) use plot::plot;
-pub(crate) use slope::{Line, at_seconds};
+pub(crate) use slope::{Slope, at_seconds};
 
 /// What is rendered.
 pub(crate) struct Options {
@@ -161,12 +161,12 @@ mod tests {
         let curves =
             measure(&scene, &options(&scene, 64), &mut |done, all| told = (done, all)).unwrap();
         assert_eq!(told.0, told.1);
-        let slope = |curve: &Curve| Line::of_samples(&curve.points).slope;
-        let [independent, sobol] = [slope(&curves[0]), slope(&curves[1])];
-        assert!((independent + 1.0).abs() < 0.1, "{independent}");
-        assert!(sobol < -1.25, "{sobol}");
-        let last = |curve: &Curve| curve.points.last().unwrap().mse;
-        assert!(last(&curves[1]) < 0.5 * last(&curves[0]));
+        let [independent, sobol] =
+            [0, 1].map(|curve: usize| Slope::of_samples(&curves[curve].points).unwrap());
+        assert!((independent.slope + 1.0).abs() < 6.0 * independent.error, "{independent:?}");
+        assert!(sobol.slope < -1.0 - 6.0 * sobol.error, "{sobol:?}");
+        let [independent, sobol] = [0, 1].map(|curve: usize| *curves[curve].points.last().unwrap());
+        assert!(sobol.mse + 6.0 * sobol.mse_error < independent.mse - 6.0 * independent.mse_error);
         assert_eq!(
             curves[0].points.iter().map(|p| p.spp).collect::<Vec<_>>(),
             [1, 2, 4, 8, 16, 32, 64]
@@ -184,7 +184,9 @@ mod tests {
             let curves = measure(&scene, &options, &mut |_, _| ()).unwrap();
             curves[0].points[4]
         });
+        // The noise of both references together is as large as that of the pictures: what it adds to
+        // all differences alike is noise too, of about the same size.
         let error = (few.mse_error * few.mse_error + many.mse_error * many.mse_error).sqrt();
-        assert!((few.mse - many.mse).abs() < 6.0 * error + 0.2 * many.mse, "{few:?} {many:?}");
+        assert!((few.mse - many.mse).abs() < 12.0 * error, "{few:?} {many:?}");
     }
 }

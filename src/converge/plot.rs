@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::{Curve, Point};
+use super::{Curve, Point, Slope};
 use crate::error::{Error, Result};
 
 /// An SVG document.
@@ -73,7 +73,7 @@ fn panel<'a>(
             LineSeries::new(known().map(|point| (x(point), point.mse)), color.stroke_width(2));
         chart
             .draw_series(line)?
-            .label(curve.way.name())
+            .label(label(curve))
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
         chart.draw_series(
             known().map(|point| Circle::new((x(point), point.mse), 3, color.filled())),
@@ -85,6 +85,13 @@ fn panel<'a>(
         .background_style(WHITE.mix(0.8))
         .draw()?;
     Ok(())
+}
+
+/// The way, and its slope over samples.
+fn label(curve: &Curve) -> String {
+    let slope = Slope::of_samples(&curve.points);
+    let slope = slope.map_or_else(String::new, |slope| format!(", slope {:.2}", slope.slope));
+    curve.way.name() + &slope
 }
 
 type LogRange = plotters::coord::combinators::LogCoord<f64>;

@@ -3,45 +3,53 @@
 
 use super::Point;
 
-/// log y = slope log x + offset.
+/// How steeply errors fall: −1 is what independent samples do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct Slope {
     pub(crate) slope: f64,
-    pub(crate) offset: f64,
+    /// Standard error, of the noise of renders; 0 where that is not known.
+    pub(crate) error: f64,
 }
 
-impl Line {
-    /// By least squares, error over samples: −1 is what independent samples have. The first two
-    /// numbers of samples are left out where there are others: they say little of how it goes on.
-    pub(crate) fn of_samples(points: &[Point]) -> Self {
+impl Slope {
+    /// Over samples.
+    pub(crate) fn of_samples(points: &[Point]) -> Option<Self> {
+        Self::of(points, |point| f64::from(point.spp))
+    }
+
+    /// Over seconds.
+    pub(crate) fn of_seconds(points: &[Point]) -> Option<Self> {
+        Self::of(points, |point| point.seconds)
+    }
+
+    /// By least squares; `None` of fewer than two errors. The first two numbers of samples are left out
+    /// where there are others: they say little of how it goes on.
+    fn of(points: &[Point], x: impl Fn(&Point) -> f64) -> Option<Self> {
         let from = if points.len() > 4 { 2 } else { 0 };
-        Self::of(points[from..].iter().map(|point| (f64::from(point.spp), point.mse)))
-    }
-
-    /// Through points of positive numbers, two or more; others are left out.
-    fn of(points: impl Iterator<Item = (f64, f64)>) -> Self {
-        let logs: Vec<(f64, f64)> =
-            points.filter(|&(x, y)| x > 0.0 && y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
+        let known = points[from..].iter().filter(|point| point.mse > 0.0 && x(point) > 0.0);
+        let logs: Vec<_> = known.map(|p| (x(p).ln(), p.mse.ln(), p.mse_error / p.mse)).collect();
         let n = logs.len() as f64;
-        let (mx, my) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-        let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), p| {
-            (xx + (p.0 - mx) * (p.0 - mx), xy + (p.0 - mx) * (p.1 - my))
-        });
-        let slope = xy / xx;
-        Self { slope, offset: my - slope * mx }
-    }
-
-    fn at(self, x: f64) -> f64 {
-        (self.slope * x.ln() + self.offset).exp()
+        let middle = logs.iter().map(|log| log.0).sum::<f64>() / n;
+        let (mut xx, mut xy, mut variance) = (0.0, 0.0, 0.0);
+        for (x, y, error) in logs {
+            let x = x - middle;
+            (xx, xy) = (xx + x * x, xy + x * y);
+            variance += x * x * error * error;
+        }
+        (xx > 0.0).then(|| Self { slope: xy / xx, error: variance.sqrt() / xx })
     }
 }
 
-/// The error after so many seconds: between the points that are nearest, on a straight line.
-pub(crate) fn at_seconds(points: &[Point], seconds: f64) -> f64 {
-    let after =
-        points.iter().position(|point| point.seconds >= seconds).unwrap_or(points.len() - 1);
-    let two = &points[after.max(1) - 1..=after.max(1)];
-    Line::of(two.iter().map(|point| (point.seconds, point.mse))).at(seconds)
+/// The error after so many seconds: on a straight line between the points before and after. `None` where
+/// nothing was rendered for so short or so long, or an error is not known.
+pub(crate) fn at_seconds(points: &[Point], seconds: f64) -> Option<f64> {
+    if let Some(point) = points.iter().find(|point| point.seconds == seconds && point.mse > 0.0) {
+        return Some(point.mse);
+    }
+    let two = points.windows(2).find(|two| two[0].seconds < seconds && seconds < two[1].seconds)?;
+    let [(t, e), (u, f)] = [0, 1].map(|i| (two[i].seconds.ln(), two[i].mse.ln()));
+    let error = (e + (f - e) * (seconds.ln() - t) / (u - t)).exp();
+    error.is_finite().then_some(error)
 }
 
 #[cfg(test)]
@@ -62,11 +70,34 @@ mod tests {
     fn slopes_are_found() {
         for slope in [-1.0, -1.5, -0.3] {
             let points = points(slope);
-            assert!((Line::of_samples(&points).slope - slope).abs() < 1e-12);
-            for seconds in [0.003, 0.01, 0.05, 0.64, 2.0] {
+            let [samples, seconds] =
+                [Slope::of_samples(&points), Slope::of_seconds(&points)].map(Option::unwrap);
+            assert!((samples.slope - slope).abs() < 1e-12);
+            assert!((seconds.slope - slope).abs() < 1e-12);
+            for seconds in [0.01, 0.05, 0.64, 1.28] {
                 let want = 3.0 * (seconds / 0.01f64).powf(slope);
-                assert!((at_seconds(&points, seconds) - want).abs() < 1e-9 * want);
+                assert!((at_seconds(&points, seconds).unwrap() - want).abs() < 1e-9 * want);
+            }
+            for seconds in [0.009, 1.29] {
+                assert_eq!(at_seconds(&points, seconds), None);
             }
         }
+        assert_eq!(Slope::of_samples(&points(-1.0)[..1]), None);
+        let black: Vec<_> = points(-1.0).into_iter().map(|p| Point { mse: 0.0, ..p }).collect();
+        assert_eq!((Slope::of_samples(&black), at_seconds(&black, 0.05)), (None, None));
+    }
+
+    /// Of two errors with noise: the noise of their difference.
+    #[test]
+    fn noise_of_errors_is_noise_of_slopes() {
+        let of = |mse_error| {
+            let points = points(-1.0)
+                .into_iter()
+                .take(2)
+                .map(|p| Point { mse_error: mse_error * p.mse, ..p });
+            Slope::of_samples(&points.collect::<Vec<_>>()).unwrap().error
+        };
+        assert_eq!(of(0.0), 0.0);
+        assert!((of(0.1) - 0.1 * 2f64.sqrt() / 2f64.ln()).abs() < 1e-12);
     }
 }

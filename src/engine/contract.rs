@@ -22,6 +22,10 @@ pub(super) const MIN_SOLID_ANGLE: f32 = 1e-3;
 /// plane: below it the map from angles to places has lost too many digits.
 pub(super) const MIN_SINE: f32 = 2.5e-3;
 
+/// Least fuzz of metal whose density is known: below it, rounding has the better part of the distance from
+/// the mirror direction. No light sample would find so narrow a blur.
+pub(super) const LEAST_BLUR: f32 = 1e-4;
+
 /// What of a sample's radiance is added to its pixel: none where it is not finite; no component above
 /// `clamp`, to which the whole is scaled down. Tells whether it was.
 #[inline]

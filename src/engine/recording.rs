@@ -13,9 +13,9 @@ use crate::scene::Scene;
 pub enum RayKind {
     /// From the camera, for the closest hit.
     Primary,
-    /// From a surface, for the closest hit.
+    /// From a surface or out of a medium, for the closest hit.
     Bounce,
-    /// From a surface to a light, for any hit.
+    /// From there to a light, for any hit.
     Shadow,
 }
 
@@ -32,6 +32,8 @@ pub struct TracedRay {
     pub t_max: f32,
     /// What it hits. A shadow ray's hit is primitive 0 at distance 0 where it is occluded.
     pub hit: Option<Hit>,
+    /// Distance of the collision in a medium that ends the segment before that.
+    pub collision: Option<f32>,
 }
 
 /// A path, and what arrives along it.
@@ -79,14 +81,32 @@ impl Intersect for Recording<'_> {
     fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit> {
         let hit = self.tree.closest(ray, segment);
         let kind = if segment == 1 { RayKind::Primary } else { RayKind::Bounce };
-        self.rays.push(TracedRay { kind, segment, ray: *ray, t_max: f32::INFINITY, hit });
+        self.rays.push(TracedRay {
+            kind,
+            segment,
+            ray: *ray,
+            t_max: f32::INFINITY,
+            hit,
+            collision: None,
+        });
         hit
+    }
+
+    fn collided(&mut self, t: f32) {
+        self.rays.last_mut().expect("closest was asked before").collision = Some(t);
     }
 
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
         let occluded = self.tree.occluded(ray, t_max, segment);
         let hit = occluded.then_some(Hit { t: 0.0, primitive: 0 });
-        self.rays.push(TracedRay { kind: RayKind::Shadow, segment, ray: *ray, t_max, hit });
+        self.rays.push(TracedRay {
+            kind: RayKind::Shadow,
+            segment,
+            ray: *ray,
+            t_max,
+            hit,
+            collision: None,
+        });
         occluded
     }
 }

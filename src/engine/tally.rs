@@ -29,9 +29,9 @@ impl Tally {
 pub struct RayCounts {
     /// From the camera.
     pub primary: u64,
-    /// From a surface, for the closest hit.
+    /// From a surface or out of a medium, for the closest hit.
     pub bounce: u64,
-    /// From a surface to a light.
+    /// From there to a light.
     pub shadow: u64,
 }
 
@@ -77,13 +77,13 @@ pub struct Endings {
     pub background: u64,
     /// At a light.
     pub light: u64,
-    /// By a surface that scattered them into itself.
+    /// By a surface that scattered them into itself, or that scatters nothing.
     pub absorbed: u64,
-    /// They could add nothing any more: black surfaces.
+    /// They could add nothing any more: black surfaces and media.
     pub black: u64,
     /// By Russian roulette.
     pub roulette: u64,
-    /// At a surface, after the last segment that was allowed.
+    /// At a surface or in a medium, after the last segment that was allowed.
     pub depth: u64,
 }
 

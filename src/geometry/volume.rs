@@ -46,7 +46,8 @@ impl Volume {
                 for axis in 0..3 {
                     let (o, d) = (dot(axes[axis], f), dot(axes[axis], ray.direction));
                     let (a, b) = ((-half[axis] - o) / d, (half[axis] - o) / d);
-                    // NaN, of a ray within the plane of a face, does not count.
+                    // A ray within the plane of a face is inside or not as NaN has it: the same for
+                    // all engines.
                     near = max(min(a, b), near);
                     far = min(max(a, b), far);
                 }
@@ -56,15 +57,16 @@ impl Volume {
         (max(near, 0.0), far)
     }
 
-    /// Whether the two have more than their surfaces in common.
+    /// Whether the two have more than their surfaces in common, and what rounding makes of these.
     pub fn overlaps(&self, other: &Self) -> bool {
+        let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.place() + other.place());
         match (self, other) {
             (
                 Self::Sphere { center, radius },
                 Self::Sphere { center: other_center, radius: other_radius },
             ) => {
                 let apart = (center.as_dvec3() - other_center.as_dvec3()).length();
-                apart < f64::from(*radius) + f64::from(*other_radius)
+                apart < f64::from(*radius) + f64::from(*other_radius) - slack
             }
             (sphere @ Self::Sphere { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(sphere),
             (Self::Box { .. }, Self::Sphere { center: other_center, radius }) => {
@@ -74,26 +76,35 @@ impl Volume {
                     .map(|edge| edge * (from.dot(edge) / edge.dot(edge)).clamp(-1.0, 1.0))
                     .into_iter()
                     .sum();
-                (from - nearest).length() < f64::from(*radius)
+                (from - nearest).length() < f64::from(*radius) - slack
             }
-            (Self::Box { .. }, Self::Box { .. }) => self.box_overlaps(other),
+            (Self::Box { .. }, Self::Box { .. }) => self.box_overlaps(other, slack),
         }
     }
 
     /// Boxes are apart where a plane is between them: across an edge of either, or along one of each
     /// (Gottschalk, Lin, Manocha 1996, "OBBTree").
-    fn box_overlaps(&self, other: &Self) -> bool {
+    fn box_overlaps(&self, other: &Self, slack: f64) -> bool {
         let ((a, edges_a), (b, edges_b)) = (self.half_edges(), other.half_edges());
         let unit = |edges: [DVec3; 3]| edges.map(DVec3::normalize);
         let across = unit(edges_a).into_iter().chain(unit(edges_b));
         let along = unit(edges_a).into_iter().flat_map(|e| unit(edges_b).map(|f| e.cross(f)));
         let edges = || edges_a.iter().chain(&edges_b);
-        let size: f64 = edges().map(|edge| edge.length()).sum();
         // Along parallel edges there is no plane.
-        across.chain(along).filter(|axis| axis.length() > 1e-6).all(|axis| {
+        across.chain(along).filter(|axis| axis.length() > 1e-6).map(DVec3::normalize).all(|axis| {
             let reach: f64 = edges().map(|edge| edge.dot(axis).abs()).sum();
-            (b - a).dot(axis).abs() < reach - 1e-7 * size
+            (b - a).dot(axis).abs() < reach - slack
         })
+    }
+
+    /// The largest half edge, or the radius.
+    fn size(&self) -> f64 {
+        self.half_edges().1.into_iter().map(DVec3::length).fold(0.0, f64::max)
+    }
+
+    /// How far from the origin its middle is, along an axis.
+    fn place(&self) -> f64 {
+        self.half_edges().0.abs().max_element()
     }
 
     /// Middle and half edges; of a sphere those of its box.
@@ -168,6 +179,12 @@ mod tests {
         assert!(crossed > 9_000, "{crossed}");
     }
 
+    /// So little that edges of both are all but parallel.
+    fn hardly_turned(x: f32, half: f32) -> Volume {
+        let axes = [Vec3::X, Vec3::new(0.0, 1.0, 2e-6), Vec3::new(0.0, -2e-6, 1.0)];
+        Volume::Box { center: Vec3::new(x, 0.0, 0.0), axes, half: Vec3::splat(half) }
+    }
+
     #[test]
     fn overlaps_are_seen() {
         let root = 2.0f32.sqrt();
@@ -180,6 +197,13 @@ mod tests {
             (straight(0.0, 9.0), sphere(0.5, 1.0), true),
             (straight(0.0, 1.0), straight(2.0, 1.0), false),
             (straight(0.0, 1.0), straight(1.99, 1.0), true),
+            (straight(0.0, 1.0), hardly_turned(1.7, 1.0), true),
+            (straight(0.0, 1.0), hardly_turned(2.0, 1.0), false),
+            // What is side by side in decimals.
+            (sphere(0.7, 0.3), sphere(0.2, 0.2), false),
+            (sphere(1000.7, 0.3), sphere(1000.2, 0.2), false),
+            (straight(0.7, 0.3), sphere(0.2, 0.2), false),
+            (straight(0.7, 0.3), straight(0.2, 0.2), false),
             // An edge reaches farther than the faces.
             (straight(0.0, 1.0), turned(1.0 + root - 0.01, 1.0), true),
             (straight(0.0, 1.0), turned(1.0 + root + 0.01, 1.0), false),

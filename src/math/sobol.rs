@@ -143,7 +143,7 @@ mod tests {
                 }
             }
         }
-        // The highest bits decide the last digits; those of the first must be fair.
+        // So simple a hash is not fair in all bits; what counts is compared with ideal trees below.
         for (bit, flips) in flips.iter().enumerate() {
             for (above, &flips) in flips.iter().enumerate().skip(bit + 1) {
                 let share = f64::from(flips) / f64::from(TREES);
@@ -203,14 +203,26 @@ mod tests {
             common(sequence(0), sequence(1))
         };
         let want = mean_and_variance((0..PIXELS).map(ideal).collect());
-        for (a, b) in [(0, 2), (2, 4), (1, 17), (3, 19), (16, 32), (35, 36)] {
-            let found = |pixel: u32| {
-                let key = |sample| PixelKey::new(9, pixel, 0).sobol_sample(sample);
-                common(|sample| key(sample).sobol_bits(a).0, |sample| key(sample).sobol_bits(b).0)
-            };
-            let found = mean_and_variance((0..PIXELS).map(found).collect());
-            let error = ((found.1 + want.1) / f64::from(PIXELS)).sqrt();
-            assert!((found.0 - want.0).abs() < 5.0 * error, "{a} {b}: {found:?} {want:?}");
+        // Those of surfaces and of media, in one segment and another.
+        for (a, b) in
+            [(0, 2), (2, 4), (1, 17), (3, 19), (16, 32), (35, 36), (8, 9 << 21), (3, 8 + (1 << 21))]
+        {
+            for axes in 0..4 {
+                let found = |pixel: u32| {
+                    let coordinate = |dimension: u32, axis: u32| {
+                        move |sample| {
+                            let key = PixelKey::new(9, pixel, 0).sobol_sample(sample);
+                            let (x, y) = key.sobol_bits(dimension);
+                            if axis == 0 { x } else { y }
+                        }
+                    };
+                    common(coordinate(a, axes & 1), coordinate(b, axes >> 1))
+                };
+                let found = mean_and_variance((0..PIXELS).map(found).collect());
+                let error = ((found.1 + want.1) / f64::from(PIXELS)).sqrt();
+                let off = (found.0 - want.0).abs();
+                assert!(off < 5.0 * error, "{a} {b} {axes}: {found:?} {want:?}");
+            }
         }
     }
 

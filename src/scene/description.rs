@@ -122,7 +122,7 @@ impl Default for RenderDefaults {
 pub enum Sampling {
     /// By scattering alone: light counts where a path happens to hit it.
     Bsdf,
-    /// By a shadow ray to a light from every diffuse surface.
+    /// By a shadow ray to a light from every surface that is not specular, and out of media.
     Light,
     /// By both, weighted with the power heuristic (Veach 1997, section 9.2.4).
     Mis,
@@ -255,9 +255,9 @@ pub enum MediumFile {
     Sphere {
         /// Centre.
         center: [f32; 3],
-        /// Radius, above 0.
+        /// Radius, above 0 to 1e9.
         radius: f32,
-        /// Extinction coefficient: collisions a unit of length, above 0.
+        /// Extinction coefficient: collisions a unit of length, above 0 to 1e6.
         density: f32,
         /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
         albedo: [f32; 3],
@@ -271,7 +271,7 @@ pub enum MediumFile {
         /// Right-handed angles about x, then y, then z, through the middle of the box.
         #[serde(default)]
         rotation: [f32; 3],
-        /// Extinction coefficient: collisions a unit of length, above 0.
+        /// Extinction coefficient: collisions a unit of length, above 0 to 1e6.
         density: f32,
         /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
         albedo: [f32; 3],

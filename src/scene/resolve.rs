@@ -189,8 +189,9 @@ impl<'a> Resolver<'a> {
                     let smooth_or_rough = *alpha == 0.0 || (0.001..=1.0).contains(alpha);
                     e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
                     let (eta, k) = (e.color("eta", *eta, 100.0)?, e.color("k", *k, 100.0)?);
-                    let some = eta != Vec3::ZERO || k != Vec3::ZERO;
-                    e.check(some, "k", "above 0 where eta is 0", k.to_array())?;
+                    // Else Fresnel's equations come to 0/0 where light meets the surface upright.
+                    let known = (0..3).all(|channel| eta[channel] >= 0.001 || k[channel] >= 0.001);
+                    e.check(known, "k", "0.001 or more where eta is less", k.to_array())?;
                     Material::Conductor { eta, k, alpha: *alpha }
                 }
                 MaterialFile::Light { radiance, sides } => Material::Light(Emission {

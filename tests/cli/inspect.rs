@@ -143,7 +143,28 @@ fn paths_are_told_ray_by_ray() {
         .map(|c| format!("{}", c.as_f64().unwrap() as f32))
         .collect();
     assert_eq!(text.lines().last().unwrap(), format!("radiance ({})", mean.join(", ")));
+    let far = ["path", "--pixel", "0,0", "--sample", "16777216"];
+    let far = ptfast(folder.path(), &[&far[..], &size].concat());
+    assert!(stderr(&far).contains("--sample"), "{}", stderr(&far));
     let outside = ptfast(folder.path(), &[&["path", "--pixel", "1,0"], &size[..]].concat());
     assert_eq!(outside.status.code(), Some(2));
     assert!(stderr(&outside).contains("--pixel must be within 1 x 1, is 1,0"));
+}
+
+/// In dense fog the first segment ends before what lies behind.
+#[test]
+fn paths_are_told_where_media_scatter_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 2),
+        materials: {"lamp": light(radiance: (1, 1, 1))},
+        primitives: [sphere(center: (0, 0, 0), radius: 20, material: "lamp")],
+        media: [sphere(center: (0, 0, 0), radius: 1, density: 1000, albedo: (1, 1, 1))])"#;
+    fs::write(folder.path().join("fog.ron"), scene).unwrap();
+    let size = ["--width", "1", "--height", "1"];
+    let told = succeeds(
+        folder.path(),
+        &[&["path", "--scene", "fog.ron", "--pixel", "0,0"], &size[..]].concat(),
+    );
+    let first = told.lines().next().unwrap();
+    assert!(first.contains(": is scattered by a medium at 4."), "{told}");
 }

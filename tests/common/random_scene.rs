@@ -1,6 +1,7 @@
 //! Scenes made up at random: everything that a scene file can say, mixed.
 
 use ptfast::Sampling;
+use ptfast::math::min;
 use ptfast::math::random::Stream;
 use ptfast::scene::{
     Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, MediumFile, Named, PrimitiveFile,
@@ -37,6 +38,19 @@ fn scale(scene: &mut SceneFile, by: f32) {
             PrimitiveFile::Box { min, max, .. } => points.extend([min, max]),
             PrimitiveFile::Triangles { vertices, .. } => points.extend(vertices),
             _ => unreachable!("the maker makes no other"),
+        }
+    }
+    for medium in &mut scene.media {
+        match medium {
+            MediumFile::Sphere { center, radius, density, .. } => {
+                *radius *= by;
+                *density = min(*density / by, 1e6);
+                points.push(center);
+            }
+            MediumFile::Box { min: lo, max: hi, density, .. } => {
+                *density = min(*density / by, 1e6);
+                points.extend([lo, hi]);
+            }
         }
     }
     points.into_iter().flatten().for_each(|coordinate| *coordinate *= by);

@@ -93,7 +93,25 @@ fn energy_is_conserved_by_every_material() {
         assert!(largest <= 1.0, "{material}: {largest}");
         let mean = image.mean()[0];
         assert_eq!(mean > 0.999_99, lossless, "{material}: {mean}");
-        assert!(mean > 0.7, "{material}: {mean}");
+    }
+}
+
+/// Blurs too narrow for their density to be told, and just not: nothing is lost to weights.
+#[test]
+fn narrow_blurs_lose_nothing() {
+    for fuzz in ["1e-30", "1e-9", "1e-7", "1e-5", "9.9e-5", "1e-4", "1e-3"] {
+        let scene = scene(
+            (0.0, -0.8, 0.3),
+            &format!(
+                r#"materials: {{"m": metal(albedo: (0.9, 0.9, 0.9), fuzz: {fuzz}), "wall": light(radiance: (3, 3, 3))}},
+                   primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"),
+                                quad(q: (-9, -1, -9), u: (0, 0, 18), v: (18, 0, 0), material: "m")]"#
+            ),
+        );
+        for sampling in [Sampling::Bsdf, Sampling::Mis] {
+            let mean = render(&scene, settings(&scene, sampling, 4096, 1)).mean()[1];
+            assert!((mean - 2.7).abs() < 1e-5, "fuzz {fuzz}, {}: {mean}", sampling.name());
+        }
     }
 }
 
@@ -104,6 +122,7 @@ fn gradient_background() {
         let scene = scene(look_at, "background: gradient(bottom: (0, 0, 0), top: (1, 1, 1))");
         let mean = render(&scene, settings(&scene, Sampling::Bsdf, 16, 1)).mean()[1];
         let want = want.unwrap_or(0.5 * (1.0 + 1.0 / (1.0f64 + 0.09).sqrt()));
-        assert!((mean - want).abs() < 1e-3, "{mean} {want}");
+        // Within the pixel the height changes by 2 tan 0.01°.
+        assert!((mean - want).abs() < 2e-4, "{mean} {want}");
     }
 }

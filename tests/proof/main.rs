@@ -15,8 +15,8 @@ mod media;
 mod mitsuba;
 mod tiles;
 
-use ptfast::{Engine, RenderSettings, Renderer, Sampling, Scene};
-use statrs::distribution::{ContinuousCDF, Normal};
+use ptfast::{Engine, RenderSettings, Renderer, Sampler, Scene};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The chance of a false alarm of a test with all that it compares.
 const ALARM: f64 = 1e-4;
@@ -29,10 +29,14 @@ fn first_seed(name: &str) -> u64 {
     })
 }
 
-/// How far a standard normal deviate goes by chance in one of `comparisons`.
+/// The chance of a false alarm of one of `comparisons` (Šidák).
 fn alarm(comparisons: usize) -> f64 {
-    let each = 1.0 - (1.0 - ALARM).powf(1.0 / comparisons as f64);
-    Normal::standard().inverse_cdf(1.0 - 0.5 * each)
+    1.0 - (1.0 - ALARM).powf(1.0 / comparisons as f64)
+}
+
+/// How far a deviate goes by chance in one of `comparisons`, to either side.
+fn farthest(comparisons: usize, of: &impl ContinuousCDF<f64, f64>) -> f64 {
+    of.inverse_cdf(1.0 - 0.5 * alarm(comparisons))
 }
 
 /// A picture of one radiance, known in closed form.
@@ -49,73 +53,86 @@ impl Known {
     }
 }
 
-/// Compares scenes with what is known, in each sampling mode and engine. As many samples are taken as
-/// it needs to find, with a probability of 95%, an error of half a percent in a scene; of the slow
-/// engine three times as much, and half a percent in nine scenes together.
+/// Compares scenes with what is known, in each sampling mode, by both engines and both samplers. As many
+/// samples are taken as it needs to find, with a probability of 95%, an error of half a percent: in each
+/// scene by the first way, in all scenes together by the others.
 fn compare(what: &str, known: &[Known]) {
+    let n = known.len() as f64;
+    let ways = [
+        (Engine::Wavefront, Sampler::Sobol, 0.005),
+        (Engine::Wavefront, Sampler::Independent, 0.005 * n.sqrt()),
+        (Engine::Scalar, Sampler::Sobol, 0.005 * n.sqrt()),
+    ];
     let modes = common::SAMPLINGS.into_iter();
-    let ways: Vec<_> = modes.flat_map(|mode| Engine::ALL.map(|engine| (mode, engine))).collect();
-    // Each scene, and all together.
-    let limit = alarm((known.len() + 1) * ways.len());
-    println!("\n{what:<44}{:>7}{:>11}{:>9}{:>9}{:>8}", "mode", "engine", "want", "mean", "z");
+    let ways: Vec<_> = modes.flat_map(|mode| ways.map(|way| (mode, way))).collect();
+    // Each scene by its own spread, and all together by that of all.
+    let comparisons = (known.len() + 1) * ways.len();
+    let student =
+        |pictures: f64| StudentsT::new(0.0, 1.0, pictures - 1.0).expect("degrees above 0");
+    let limit = farthest(comparisons, &student(PICTURES as f64));
+    println!(
+        "\n{what:<44}{:>7}{:>11}{:>13}{:>9}{:>9}{:>8}",
+        "mode", "engine", "sampler", "want", "mean", "t"
+    );
     let mut wrong = Vec::new();
-    for &(mode, engine) in &ways {
-        let way = format!("{:>7}{:>11}", mode.name(), engine.name());
-        let finds = if engine == Engine::Scalar { 0.015 } else { 0.005 };
+    for &(mode, (engine, sampler, finds)) in &ways {
+        let way = format!("{:>7}{:>11}{:>13}", mode.name(), engine.name(), sampler.name());
         let mut pooled = 0.0;
         for Known { name, scene, want } in known {
+            let settings =
+                RenderSettings { engine, sampler, ..common::settings(scene, mode, 0, 0) };
             let precise = finds * want / (limit + 1.65);
-            let (mean, error, samples) = estimate(name, scene, mode, engine, precise);
+            let (common::Estimate { mean, error }, samples) =
+                estimate(name, scene, &settings, precise);
             // Where all samples are equal there is rounding left.
-            let z = (mean - want) / (error + 2e-5 * want);
-            println!("{name:<44}{way}{want:>9.5}{mean:>9.5}{z:>8.2}  {samples} samples");
-            if z.abs() > limit {
-                wrong.push(format!("{name} {way}: {mean}, not {want}: z {z}"));
+            let t = (mean - want) / (error + 2e-5 * want);
+            println!("{name:<44}{way}{want:>9.5}{mean:>9.5}{t:>8.2}  {samples} samples");
+            if !(t.abs() <= limit) {
+                wrong.push(format!("{name} {way}: {mean}, not {want}: t {t}"));
             }
-            pooled += z / (known.len() as f64).sqrt();
+            pooled += t / n.sqrt();
         }
         println!("{:<44}{way}{:>26.2}", "all together", pooled);
-        if pooled.abs() > limit {
-            wrong.push(format!("all together {way}: z {pooled}"));
+        // A mean of Student's t is nearer to normal than one: the limit of one is on the safe side.
+        if !(pooled.abs() <= limit) {
+            wrong.push(format!("all together {way}: {pooled}"));
         }
     }
     assert!(wrong.is_empty(), "chance goes to {limit:.2}: {wrong:#?}");
 }
 
-/// The mean of the picture's green channel, its standard error, at most `precise`, and the samples that
-/// this took.
+/// Independent pictures of an estimate.
+const PICTURES: usize = 48;
+
+/// The mean of the picture's green channel and its standard error, about `precise`, and the samples that
+/// this took: as many as pictures of other seeds say are needed.
 fn estimate(
     name: &str,
     scene: &Scene,
-    mode: Sampling,
-    engine: Engine,
+    base: &RenderSettings,
     precise: f64,
-) -> (f64, f64, u64) {
-    let first = first_seed(&format!("{name}{mode:?}"));
-    let mut spp = 64;
-    loop {
-        let settings = RenderSettings {
-            width: 8,
-            height: 8,
-            spp,
-            engine,
-            ..common::settings(scene, mode, spp, 0)
-        };
-        let mean = |seed: u64| {
-            let settings = RenderSettings { seed: first.wrapping_add(seed), ..settings.clone() };
+) -> (common::Estimate, u64) {
+    let seeds = format!("{name}{:?}{:?}{:?}", base.sampling, base.engine, base.sampler);
+    let of = |spp: u32, what: &str| {
+        let first = first_seed(&format!("{seeds} {what} {spp}"));
+        let mean = |number: u64| {
+            let seed = first.wrapping_add(number);
+            let settings = RenderSettings { width: 8, height: 8, spp, seed, ..base.clone() };
             let render = Renderer::new(scene, settings).unwrap().render().unwrap();
             assert_eq!(render.tally.non_finite.count, 0, "{name}");
             render.image.mean()[1]
         };
-        let means: Vec<f64> = (0..24).map(mean).collect();
-        let common::Estimate { mean, error } = common::Estimate::of(&means);
-        let samples = 24 * 64 * u64::from(spp);
-        if error <= precise {
-            return (mean, error, samples);
-        }
-        assert!(samples < 1 << 28, "{name} {mode:?}: {mean} ± {error} after {samples} samples");
-        // Noise falls at least with the root of the samples.
-        let more = (error / precise) * (error / precise) * 1.2;
-        spp = (f64::from(spp) * more.clamp(1.5, 8.0)) as u32;
+        common::Estimate::of(&(0..PICTURES as u64).map(mean).collect::<Vec<f64>>())
+    };
+    // Noise falls at least with the root of the samples.
+    let more = |error: f64| (error / precise) * (error / precise) * 1.2;
+    let mut spp = 32;
+    let mut needs = more(of(spp, "pilot").error);
+    while needs > 16.0 {
+        assert!(spp < 1 << 16, "{name}: {spp} samples a pixel are too few");
+        spp *= 8;
+        needs = more(of(spp, "pilot").error);
     }
+    spp = (f64::from(spp) * needs).max(32.0) as u32;
+    (of(spp, "picture"), (PICTURES * 64) as u64 * u64::from(spp))
 }

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
-use super::{SAMPLES, Table, randoms};
-use crate::engine::dimension::Dimension;
+use super::{SAMPLES, Table, randoms, seed};
+use crate::engine::dimension::{Dimension, Randoms};
+use crate::engine::settings::Sampler;
+use crate::math::random::PixelKey;
 use crate::math::{cross, dot};
 use crate::scene::{CameraSample, Scene};
 
@@ -54,9 +56,24 @@ fn rays_fill_pixel_lens_and_shutter() {
     table.check();
 }
 
-/// All numbers of a path that are drawn together are independent of each other.
+/// All numbers of a path that are drawn together are independent of each other: in one sample of many
+/// pixels, since the samples of a pixel are not if they are Sobol' points.
 #[test]
 fn dimensions_have_nothing_in_common() {
+    for sampler in Sampler::ALL {
+        pairs_have_nothing_in_common(sampler);
+    }
+}
+
+fn pairs_have_nothing_in_common(sampler: Sampler) {
+    let randoms = |pixel: u32| {
+        let key = PixelKey::new(seed(), pixel, 21);
+        let key = match sampler {
+            Sampler::Independent => key.sample(5),
+            Sampler::Sobol => key.sobol_sample(5),
+        };
+        Randoms::new(sampler, key, 1)
+    };
     let dimensions = [
         Dimension::LIGHT_CHOICE,
         Dimension::LIGHT,
@@ -67,13 +84,13 @@ fn dimensions_have_nothing_in_common() {
         Dimension::medium(0),
         Dimension::medium(1),
     ];
-    let mut table = Table::new("pairs of dimensions");
+    let mut table = Table::new(&format!("pairs of dimensions, {}", sampler.name()));
     let even = vec![f64::from(SAMPLES) / 256.0; 256];
     for (i, a) in dimensions.into_iter().enumerate() {
         for b in dimensions.into_iter().take(i) {
             let mut counts = vec![0; 256];
-            for sample in 0..SAMPLES {
-                let randoms = randoms(21, sample);
+            for pixel in 0..SAMPLES {
+                let randoms = randoms(pixel);
                 counts[square(randoms.one(a), randoms.one(b))] += 1;
             }
             table.compare(&format!("{a:?} {b:?}"), &counts, &even, 1.0, 1.0);
@@ -81,12 +98,19 @@ fn dimensions_have_nothing_in_common() {
         // The second of a pair with all others.
         for pair in [Dimension::LIGHT, Dimension::SCATTER] {
             let mut counts = vec![0; 256];
-            for sample in 0..SAMPLES {
-                let randoms = randoms(21, sample);
+            for pixel in 0..SAMPLES {
+                let randoms = randoms(pixel);
                 counts[square(randoms.one(a), randoms.two(pair).1)] += 1;
             }
             table.compare(&format!("{a:?} second of {pair:?}"), &counts, &even, 1.0, 1.0);
         }
     }
+    let mut counts = vec![0; 256];
+    for pixel in 0..SAMPLES {
+        let randoms = randoms(pixel);
+        let second = |pair| randoms.two(pair).1;
+        counts[square(second(Dimension::LIGHT), second(Dimension::SCATTER))] += 1;
+    }
+    table.compare("second of light, of scatter", &counts, &even, 1.0, 1.0);
     table.check();
 }

@@ -24,10 +24,13 @@ const ALARM: f64 = 1e-4;
 /// Samples of each comparison.
 const SAMPLES: u32 = 200_000;
 
+fn seed() -> u64 {
+    std::env::var("PTFAST_PROOF_SEED").map_or(1, |seed| seed.parse().expect("a number"))
+}
+
 /// Random numbers number `sample` of comparison `case`.
 fn randoms(case: usize, sample: u32) -> Randoms {
-    let seed = std::env::var("PTFAST_PROOF_SEED").map_or(1, |seed| seed.parse().expect("a number"));
-    let key = PixelKey::new(seed, case as u32, 0).sample(sample);
+    let key = PixelKey::new(seed(), case as u32, 0).sample(sample);
     Randoms::new(Sampler::Independent, key, 1)
 }
 

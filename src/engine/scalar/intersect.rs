@@ -12,6 +12,9 @@ pub(in crate::engine) trait Intersect {
     /// Whether anything lies before distance `t_max` of `ray`, a shadow ray from the end of
     /// segment `segment`.
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool;
+
+    /// Is told that a medium ends the segment at distance `t`, before the hit that was found last.
+    fn collided(&mut self, _t: f32) {}
 }
 
 /// The binary tree over a scene's primitives.

@@ -49,6 +49,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 
             // Shade: emit, or choose the next direction.
             let (surface, normal, bsdf) = if let Some((t, medium)) = collision {
+                self.intersect.collided(t);
                 if segment == self.settings.depth {
                     self.endings.depth += 1;
                     break;

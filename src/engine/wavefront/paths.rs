@@ -26,7 +26,7 @@ pub(super) struct Segment {
     pub(super) time: Float,
     /// Of unit length.
     pub(super) direction: Vec3x,
-    /// Density with which a diffuse surface chose the direction; [`Segment::SPECULAR`] where no
+    /// Density with which a surface or medium chose the direction; [`Segment::SPECULAR`] where no
     /// light sample could have found what the path hits.
     pub(super) pdf: Float,
 }

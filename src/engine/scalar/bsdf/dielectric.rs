@@ -6,8 +6,8 @@ use crate::math::{dot, fresnel, max, min, normalize, reflect};
 use crate::scene::Fresnel;
 use glam::Vec3;
 
-/// A smooth surface of glass. Radiance is not scaled by the square of the index of refraction, which
-/// what comes back out of the glass undoes.
+/// A smooth surface of glass. Paths carry basic radiance, L/n², which refraction does not change: see
+/// ARCHITECTURE.md.
 pub(in crate::engine) struct Dielectric {
     pub(super) arrival: Arrival,
     pub(super) ior: f32,

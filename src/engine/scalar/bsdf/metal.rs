@@ -4,6 +4,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::{Arrival, SPECULAR, Scatter};
+use crate::engine::contract::LEAST_BLUR;
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::math::warp::uniform_ball;
 use crate::math::{cross, dot, max, normalize, reflect};
@@ -14,7 +15,7 @@ pub(in crate::engine) struct Metal {
     normal: Vec3,
     mirror: Vec3,
     albedo: Vec3,
-    pub(super) fuzz: f32,
+    fuzz: f32,
 }
 
 impl Metal {
@@ -23,11 +24,15 @@ impl Metal {
         Self { normal, mirror: reflect(direction, normal), albedo, fuzz }
     }
 
+    pub(super) fn is_specular(&self) -> bool {
+        self.fuzz < LEAST_BLUR
+    }
+
     pub(super) fn sample(&self, randoms: &Randoms) -> Option<Scatter> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let blur = uniform_ball(u, v, randoms.one(Dimension::BALL));
         let direction = normalize(self.mirror + blur * self.fuzz);
-        let pdf = if self.fuzz > 0.0 { self.pdf(direction) } else { SPECULAR };
+        let pdf = if self.is_specular() { SPECULAR } else { self.pdf(direction) };
         // False for NaN too, where the blur undoes the mirror direction exactly.
         let above = dot(direction, self.normal) > 0.0;
         above.then_some(Scatter { direction, side: self.normal, weight: self.albedo, pdf })
@@ -35,7 +40,7 @@ impl Metal {
 
     pub(super) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
         let above = dot(direction, self.normal) > 0.0;
-        let pdf = if above && self.fuzz > 0.0 { self.pdf(direction) } else { 0.0 };
+        let pdf = if above && !self.is_specular() { self.pdf(direction) } else { 0.0 };
         (self.albedo * pdf, pdf)
     }
 

@@ -95,7 +95,7 @@ impl Bsdf {
     pub(in crate::engine) fn is_specular(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::RoughDielectric(_) | Self::Phase(_) => false,
-            Self::Metal(metal) => metal.fuzz == 0.0,
+            Self::Metal(metal) => metal.is_specular(),
             Self::Conductor(conductor) => conductor.ggx.alpha == 0.0,
             Self::Dielectric(_) => true,
         }

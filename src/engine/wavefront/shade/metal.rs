@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use super::Shading;
 use super::scatter::{Bsdf, Colored, Material, Scatter};
 use super::vertex::Vertex;
+use crate::engine::contract::LEAST_BLUR;
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::wavefront::materials::Pattern;
 use crate::engine::wavefront::paths::Segment;
@@ -44,7 +45,7 @@ impl Colored for Metal {
 impl Bsdf for MetalBsdf {
     #[inline(always)]
     fn specular(&self) -> Mask {
-        self.fuzz.eq(Float::ZERO)
+        self.fuzz.lt(Float::splat(LEAST_BLUR))
     }
 
     #[inline(always)]
