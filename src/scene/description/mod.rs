@@ -1,0 +1,148 @@
+//! What a scene file says: the schema of `.ron` and `.json`, read and written by serde.
+//!
+//! Lengths are in the scene's unit, angles in degrees, colours linear RGB. Numbers are
+//! checked in [`super::resolve`], which knows what they mean.
+
+mod material;
+mod primitive;
+
+use serde::{Deserialize, Serialize};
+
+use super::named::Named;
+pub use material::{Albedo, Fresnel, MaterialFile, Sides, TextureFile};
+pub use primitive::{MediumFile, PrimitiveFile};
+
+/// A whole scene file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// The viewer.
+    pub camera: CameraFile,
+    /// What rays that leave the scene see.
+    #[serde(default)]
+    pub background: BackgroundFile,
+    /// Image size and sampling where the command line names none.
+    #[serde(default)]
+    pub render: RenderDefaults,
+    /// Textures by name.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub textures: Named<TextureFile>,
+    /// Materials by name.
+    #[serde(default)]
+    pub materials: Named<MaterialFile>,
+    /// The geometry.
+    #[serde(default)]
+    pub primitives: Vec<PrimitiveFile>,
+    /// Media, none of which overlaps another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub media: Vec<MediumFile>,
+}
+
+/// A thin-lens camera.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraFile {
+    /// Centre of the lens.
+    pub look_from: [f32; 3],
+    /// Point in the middle of the image.
+    pub look_at: [f32; 3],
+    /// A direction that is up in the image.
+    #[serde(default = "CameraFile::default_up")]
+    pub up: [f32; 3],
+    /// Full vertical angle of view, (0, 180).
+    pub vfov: f32,
+    /// Apex angle of the cone from a point in focus to the lens, [0, 180); 0 is a pinhole.
+    #[serde(default)]
+    pub defocus_angle: f32,
+    /// Distance of the plane in focus.
+    #[serde(default = "CameraFile::default_focus_distance")]
+    pub focus_distance: f32,
+    /// Times at which the shutter opens and closes, within [0, 1].
+    #[serde(default)]
+    pub shutter: (f32, f32),
+}
+
+impl CameraFile {
+    fn default_up() -> [f32; 3] {
+        [0.0, 1.0, 0.0]
+    }
+
+    fn default_focus_distance() -> f32 {
+        10.0
+    }
+}
+
+/// Radiance from outside the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum BackgroundFile {
+    /// The same in all directions.
+    Constant {
+        /// Linear RGB.
+        radiance: [f32; 3],
+    },
+    /// From `bottom` straight down to `top` straight up, linear in the height of the
+    /// unit direction.
+    Gradient {
+        /// Linear RGB at direction −y.
+        bottom: [f32; 3],
+        /// Linear RGB at direction +y.
+        top: [f32; 3],
+    },
+}
+
+impl Default for BackgroundFile {
+    fn default() -> Self {
+        Self::Constant { radiance: [0.0; 3] }
+    }
+}
+
+/// Defaults of `render`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RenderDefaults {
+    /// Image width in pixels.
+    pub width: u32,
+    /// Image height in pixels.
+    pub height: u32,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Largest number of segments of a path.
+    pub depth: u32,
+    /// How lights are found; `mis` where the scene has lights that can be sampled, else
+    /// `bsdf`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Sampling>,
+}
+
+impl Default for RenderDefaults {
+    fn default() -> Self {
+        Self { width: 1280, height: 720, spp: 100, depth: 50, sampling: None }
+    }
+}
+
+/// How a path finds light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampling {
+    /// By scattering alone: light counts where a path happens to hit it.
+    Bsdf,
+    /// By a shadow ray to a light from every surface that is not specular, and out of media.
+    Light,
+    /// By both, weighted with the power heuristic (Veach 1997, section 9.2.4).
+    Mis,
+}
+
+impl Sampling {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::Bsdf, Self::Light, Self::Mis];
+
+    /// The name on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bsdf => "bsdf",
+            Self::Light => "light",
+            Self::Mis => "mis",
+        }
+    }
+}
