@@ -58,9 +58,9 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// What decides an image.
+/// What decides a sample.
 #[derive(Debug, Args)]
-pub(super) struct ImageArgs {
+pub(super) struct SampleArgs {
     /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N) or path of a .ron,
     /// .json or .txt file
     #[arg(long, value_name = "NAME|FILE")]
@@ -71,9 +71,6 @@ pub(super) struct ImageArgs {
     /// Height in pixels [default: the scene's, or in proportion to --width]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) height: Option<u32>,
-    /// Samples a pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
-    pub(super) spp: Option<u32>,
     /// Largest number of segments of a path [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub(super) depth: Option<u32>,
@@ -89,16 +86,19 @@ pub(super) struct ImageArgs {
     /// Whether paths of little weight end early at random, without bias
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub(super) roulette: Switch,
-    /// Scale samples down whose largest component is above this: hides fireflies, loses energy [default:
-    /// no clamping]
-    #[arg(long, value_name = "RADIANCE")]
-    pub(super) clamp: Option<f32>,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
-    pub(super) image: ImageArgs,
+    pub(super) sample: SampleArgs,
+    /// Samples a pixel [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    pub(super) spp: Option<u32>,
+    /// Scale samples down whose largest component is above this: hides fireflies, loses energy [default:
+    /// no clamping]
+    #[arg(long, value_name = "RADIANCE")]
+    pub(super) clamp: Option<f32>,
     /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::args::ImageArgs;
+use super::args::SampleArgs;
 use super::say;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::scene::{Material, Scene};
 #[derive(Debug, Args)]
 pub(super) struct PathArgs {
     #[command(flatten)]
-    image: ImageArgs,
+    of: SampleArgs,
     /// The pixel, from the top left
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
@@ -51,8 +51,8 @@ pub(super) fn command(
 }
 
 pub(super) fn run(args: &PathArgs) -> Result<()> {
-    let scene = Scene::load(&args.image.scene)?;
-    let settings = args.image.settings(&scene);
+    let scene = Scene::load(&args.of.scene)?;
+    let settings = args.of.settings(&scene);
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {
         return Err(Error::Usage(format!(

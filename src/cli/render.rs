@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{ImageArgs, RenderArgs, Switch};
+use super::args::{RenderArgs, SampleArgs, Switch};
 use super::record::{self, StepSeconds, metadata};
 use super::{advise_on_build, files, notice, path, plan, progress, say, timeline};
 use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
@@ -19,15 +19,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     // Whatever can fail fails before the work is done.
     args.output.as_deref().map(Format::of_path).transpose()?;
-    let scene = Scene::load(&args.image.scene)?;
+    let scene = Scene::load(&args.sample.scene)?;
     let load = start.elapsed().as_secs_f64();
-    let output = args.output.clone().unwrap_or_else(|| default_output(&args.image.scene));
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.sample.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     let mut written = vec![("the image", &*output)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    files::check(&[("the scene", Path::new(&args.image.scene))], &written)?;
+    files::check(&[("the scene", Path::new(&args.sample.scene))], &written)?;
     let renderer = Renderer::new(&scene, settings.clone())?;
     if !args.quiet {
         advise_on_build(Isa::Avx2);
@@ -71,7 +71,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    summarize(&args.image.scene, &scene, &settings, &renderer, &render, &hash, seconds, &output)
+    summarize(&args.sample.scene, &scene, &settings, &renderer, &render, &hash, seconds, &output)
 }
 
 /// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
@@ -86,7 +86,10 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
     let plan = args.plan.as_deref().map(|file| plan::read(file, scene, args.quiet)).transpose()?;
+    let of_samples = args.sample.settings(scene);
     Ok(RenderSettings {
+        spp: args.spp.unwrap_or(of_samples.spp),
+        clamp: args.clamp.unwrap_or(of_samples.clamp),
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
         pin: args.pin,
@@ -95,22 +98,20 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         plan,
         count: args.stats,
         timeline: args.trace.is_some(),
-        ..args.image.settings(scene)
+        ..of_samples
     })
 }
 
-impl ImageArgs {
+impl SampleArgs {
     /// The scene's settings where these say nothing.
     pub(super) fn settings(&self, scene: &Scene) -> RenderSettings {
         let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
         RenderSettings {
-            spp: self.spp.unwrap_or(defaults.spp),
             depth: self.depth.unwrap_or(defaults.depth),
             seed: self.seed,
             sampling: self.sampling.unwrap_or(defaults.sampling),
             sampler: self.sampler,
             roulette: self.roulette == Switch::On,
-            clamp: self.clamp.unwrap_or(f32::INFINITY),
             ..defaults
         }
     }

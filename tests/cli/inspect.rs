@@ -146,6 +146,11 @@ fn paths_are_told_ray_by_ray() {
     let far = ["path", "--pixel", "0,0", "--sample", "16777216"];
     let far = ptfast(folder.path(), &[&far[..], &size].concat());
     assert!(stderr(&far).contains("--sample"), "{}", stderr(&far));
+    // What decides no sample is no option.
+    for option in [["--spp", "5"], ["--clamp", "1"]] {
+        let other = ["path", "--pixel", "0,0", option[0], option[1]];
+        assert_eq!(ptfast(folder.path(), &[&other[..], &size].concat()).status.code(), Some(2));
+    }
     let outside = ptfast(folder.path(), &[&["path", "--pixel", "1,0"], &size[..]].concat());
     assert_eq!(outside.status.code(), Some(2));
     assert!(stderr(&outside).contains("--pixel must be within 1 x 1, is 1,0"));
