@@ -65,11 +65,9 @@ fn compare(what: &str, known: &[Known]) {
     ];
     let modes = common::SAMPLINGS.into_iter();
     let ways: Vec<_> = modes.flat_map(|mode| ways.map(|way| (mode, way))).collect();
-    // Each scene by its own spread, and all together by that of all.
-    let comparisons = (known.len() + 1) * ways.len();
-    let student =
-        |pictures: f64| StudentsT::new(0.0, 1.0, pictures - 1.0).expect("degrees above 0");
-    let limit = farthest(comparisons, &student(PICTURES as f64));
+    let student = StudentsT::new(0.0, 1.0, PICTURES as f64 - 1.0).expect("degrees above 0");
+    // Each scene, and all together.
+    let limit = farthest((known.len() + 1) * ways.len(), &student);
     println!(
         "\n{what:<44}{:>7}{:>11}{:>13}{:>9}{:>9}{:>8}",
         "mode", "engine", "sampler", "want", "mean", "t"
