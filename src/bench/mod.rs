@@ -207,19 +207,19 @@ impl Bench {
 impl Side {
     fn work(&self, task: &Task) -> Work {
         let Task { scene, width, height, spp, seed, threads } = task.clone();
-        let Rendered { scene_hash, sampling, sampler, depth, .. } = self.counted.clone();
+        let Rendered { scene_hash, sampling, sampler, depth, .. } = &self.counted;
         let engine = self.engine.name().to_owned();
         Work {
             scene,
-            scene_hash,
+            scene_hash: scene_hash.clone(),
             engine,
-            sampling,
-            sampler,
+            sampling: sampling.clone(),
+            sampler: sampler.clone(),
             threads,
             width,
             height,
             spp,
-            depth,
+            depth: *depth,
             seed,
         }
     }

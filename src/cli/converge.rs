@@ -116,10 +116,13 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
     let samplers = if args.samplers.is_empty() { &Sampler::ALL } else { &*args.samplers };
     let mut ways: Vec<Way> = Vec::new();
     for &sampling in &samplings {
-        let more = samplers.iter().map(|&sampler| Way { sampling, sampler });
-        // Each once, however often it is named.
-        let new: Vec<Way> = more.filter(|way| !ways.contains(way)).collect();
-        ways.extend(new);
+        for &sampler in samplers {
+            let way = Way { sampling, sampler };
+            // Each once, however often it is named.
+            if !ways.contains(&way) {
+                ways.push(way);
+            }
+        }
     }
     let base = RenderSettings::of(scene).with_size(Some(args.width), None);
     Options {

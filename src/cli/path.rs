@@ -60,8 +60,7 @@ pub(super) fn run(args: &PathArgs) -> Result<()> {
             settings.width, settings.height
         )));
     }
-    let most = settings.spp.max(sample + 1);
-    let recorder = PathRecorder::new(&scene, RenderSettings { spp: most, ..settings })?;
+    let recorder = PathRecorder::new(&scene, RenderSettings { spp: sample + 1, ..settings })?;
     let TracedPath { rays, radiance } = recorder.trace(x, y, sample);
     for ray in &rays {
         say(format_args!("{}", describe(&scene, ray)))?;
@@ -77,7 +76,10 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
     let hits = match (kind, collision, hit) {
         (_, Some(t), _) => format!("is scattered by a medium at {t}"),
         (RayKind::Shadow, _, Some(_)) => "occluded".to_owned(),
-        (RayKind::Shadow, _, None) => format!("free up to {t_max}, but for media"),
+        (RayKind::Shadow, _, None) => {
+            let media = if scene.media().is_empty() { "" } else { ", but for media" };
+            format!("free up to {t_max}{media}")
+        }
         (_, _, None) => "leaves the scene".to_owned(),
         (_, _, Some(hit)) => {
             let shape = match scene.geometry().get(hit.primitive) {

@@ -66,14 +66,8 @@ fn dimensions_have_nothing_in_common() {
 }
 
 fn pairs_have_nothing_in_common(sampler: Sampler) {
-    let randoms = |pixel: u32| {
-        let key = PixelKey::new(seed(), pixel, 21);
-        let key = match sampler {
-            Sampler::Independent => key.sample(5),
-            Sampler::Sobol => key.sobol_sample(5),
-        };
-        Randoms::new(sampler, key, 1)
-    };
+    let randoms =
+        |pixel: u32| Randoms::new(sampler, sampler.path(PixelKey::new(seed(), pixel, 21), 5), 1);
     let dimensions = [
         Dimension::LIGHT_CHOICE,
         Dimension::LIGHT,
