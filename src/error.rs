@@ -48,12 +48,34 @@ pub enum Error {
     },
 
     /// A signal, of this number, ended the run.
-    #[error("interrupted by {}", if *.0 == 2 { "SIGINT" } else { "SIGTERM" })]
+    #[error("interrupted by {}", signal_name(.0))]
     Interrupted(u8),
+
+    /// A render was stopped, and can be continued.
+    #[error("{} after {percent}% of the samples: {kept}", stop_name(signal))]
+    Stopped {
+        /// The number of the signal that stopped it, or none for a limit of time.
+        signal: Option<u8>,
+        /// How far it is.
+        percent: u64,
+        /// Where it is kept, and how to go on.
+        kept: String,
+    },
 
     /// A fault of the program or of the machine it runs on.
     #[error("internal fault: {0}")]
     Internal(String),
+}
+
+fn signal_name(signal: &u8) -> &'static str {
+    if *signal == 2 { "SIGINT" } else { "SIGTERM" }
+}
+
+fn stop_name(signal: &Option<u8>) -> String {
+    match signal {
+        Some(signal) => format!("interrupted by {}", signal_name(signal)),
+        None => "stopped by --time-limit".to_owned(),
+    }
 }
 
 fn place_suffix(place: &str) -> String {
@@ -76,8 +98,8 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
-    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed, 130
-    /// and 143 interrupted.
+    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed, 75 stopped by a
+    /// limit of time, 130 and 143 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
@@ -85,7 +107,8 @@ impl Error {
             Self::Internal(_) => 70,
             Self::Io { .. } => 74,
             Self::Program { code, .. } => *code,
-            Self::Interrupted(signal) => 128 + signal,
+            Self::Interrupted(signal) | Self::Stopped { signal: Some(signal), .. } => 128 + signal,
+            Self::Stopped { signal: None, .. } => 75,
         }
     }
 }

@@ -1,35 +1,77 @@
 //! Signals that end a run early: noted when they come, asked for where a run can end well.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::flag;
 
 use crate::error::{Error, Result};
 
-/// The signal that came last; 0 for none.
-fn signal() -> &'static Arc<AtomicUsize> {
-    static SIGNAL: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
-    SIGNAL.get_or_init(Arc::default)
+/// What has come.
+#[derive(Debug, Default)]
+struct Signals {
+    /// The signal that came last and ends the run; 0 for none.
+    last: Arc<AtomicUsize>,
+    /// Whether the run ends at once when one comes: there is nothing to be kept.
+    leaves: Arc<AtomicBool>,
+    /// Whether it ends at once by SIGINT: one has come before.
+    insists: Arc<AtomicBool>,
+    /// Whether SIGUSR1 has come.
+    asked: Arc<AtomicBool>,
 }
 
-/// From now on SIGINT and SIGTERM are noted instead of ending the process.
+fn signals() -> &'static Signals {
+    static SIGNALS: OnceLock<Signals> = OnceLock::new();
+    SIGNALS.get_or_init(Signals::default)
+}
+
+/// From now on SIGINT and SIGTERM are noted instead of ending the process, which a second SIGINT does; and
+/// SIGUSR1 is noted.
 ///
 /// # Errors
 /// [`Error::Internal`] where the operating system refuses.
 pub fn watch() -> Result<()> {
-    for number in [SIGINT, SIGTERM] {
-        signal_hook::flag::register_usize(number, Arc::clone(signal()), number as usize)
-            .map_err(|error| Error::Internal(format!("cannot watch for signals: {error}")))?;
-    }
-    Ok(())
+    let Signals { last, leaves, insists, asked } = signals();
+    let register = || {
+        for signal in [SIGINT, SIGTERM] {
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
+        }
+        // Before it is noted that one has come.
+        flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
+        for signal in [SIGINT, SIGTERM] {
+            flag::register_usize(signal, Arc::clone(last), signal as usize)?;
+            flag::register(signal, Arc::clone(insists))?;
+        }
+        flag::register(SIGUSR1, Arc::clone(asked))
+    };
+    let refused = |error| Error::Internal(format!("cannot watch for signals: {error}"));
+    register().map(|_| ()).map_err(refused)
+}
+
+/// Whether SIGINT and SIGTERM end the process at once, because there is nothing to be kept.
+pub fn leave_at_once(leave: bool) {
+    signals().leaves.store(leave, Ordering::Relaxed);
+}
+
+/// The number of the signal that is to end the run, if one has come.
+pub fn signal() -> Option<u8> {
+    let last = signals().last.load(Ordering::Relaxed);
+    (last != 0).then_some(last as u8)
+}
+
+/// Whether SIGUSR1 has come since this was asked last.
+pub fn take_request() -> bool {
+    signals().asked.swap(false, Ordering::Relaxed)
+}
+
+/// Whether SIGUSR1 has come.
+pub fn is_requested() -> bool {
+    signals().asked.load(Ordering::Relaxed)
 }
 
 /// # Errors
 /// [`Error::Interrupted`] where a signal has come.
 pub fn check() -> Result<()> {
-    match signal().load(Ordering::Relaxed) {
-        0 => Ok(()),
-        number => Err(Error::Interrupted(number as u8)),
-    }
+    signal().map_or(Ok(()), |number| Err(Error::Interrupted(number)))
 }

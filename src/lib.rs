@@ -44,6 +44,7 @@ struct Readme;
 
 pub mod accel;
 mod bench;
+pub mod checkpoint;
 pub mod cli;
 mod converge;
 mod dashboard;

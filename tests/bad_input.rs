@@ -275,7 +275,7 @@ fn wrong_usage() {
         &[],
         2,
         &[
-            "a command is missing: render, scenes, figures, compare, converge, rays, path, trace, bench or dashboard",
+            "a command is missing: render, merge, scenes, figures, compare, converge, rays, path, trace, bench or dashboard",
         ],
     );
 }

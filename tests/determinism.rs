@@ -1,4 +1,4 @@
-//! Same seed, same bits: whatever the threads, the tiles and the build.
+//! Same seed, same bits: whatever the threads, the waves and the build.
 
 mod common;
 
@@ -13,7 +13,7 @@ fn small(scene: &Scene) -> RenderSettings {
 }
 
 #[test]
-fn threads_and_tiles_do_not_matter() {
+fn threads_and_waves_do_not_matter() {
     for name in ptfast::scene::BUILTIN_NAMES {
         let scene = Scene::load(name).unwrap();
         let base = RenderSettings { threads: 1, ..small(&scene) };
@@ -22,10 +22,10 @@ fn threads_and_tiles_do_not_matter() {
             let hash = render(&scene, RenderSettings { threads, ..base.clone() }).hash();
             assert_eq!(hash, want, "{name}, {threads} threads");
         }
-        for tile_size in [1, 5, 16, 64] {
+        for wave_size in [1, 50, 2000] {
             let hash =
-                render(&scene, RenderSettings { tile_size, threads: 2, ..base.clone() }).hash();
-            assert_eq!(hash, want, "{name}, tiles of {tile_size}");
+                render(&scene, RenderSettings { wave_size, threads: 2, ..base.clone() }).hash();
+            assert_eq!(hash, want, "{name}, waves of {wave_size}");
         }
         let other = render(&scene, RenderSettings { seed: 2, ..base });
         assert_ne!(other.hash(), want, "{name}: the seed matters");

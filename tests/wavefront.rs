@@ -60,8 +60,8 @@ fn random_plan(random: &mut Stream) -> Option<Plan> {
         occluded: Kernel::ALL[below(Kernel::ALL.len() as u64)],
     });
     let segments: Vec<_> = segments.collect();
-    let [wave_size, tile_size] = [700, 20].map(|end| 1 + below(end) as u32);
-    (!segments.is_empty()).then_some(Plan { wave_size, tile_size, segments })
+    let wave_size = 1 + below(700) as u32;
+    (!segments.is_empty()).then_some(Plan { wave_size, segments })
 }
 
 /// Trees that are too large for packets.
@@ -105,9 +105,9 @@ fn odd_sizes() {
     }
 }
 
-/// Waves from less than a vector up, tiles of every size, plans of every kind: the same bits.
+/// Waves from a pixel's samples up, plans of every kind: the same bits.
 #[test]
-fn waves_tiles_and_plans_do_not_matter() {
+fn waves_and_plans_do_not_matter() {
     for name in ["tests/data/everything.ron", "spheres"] {
         let scene = Scene::load(name).unwrap();
         let base = RenderSettings {
@@ -126,13 +126,10 @@ fn waves_tiles_and_plans_do_not_matter() {
         for wave_size in [1, 7, 16, 33, 500, 1 << 16] {
             same(RenderSettings { wave_size, ..base.clone() });
         }
-        for tile_size in [1, 5, 64] {
-            same(RenderSettings { tile_size, ..base.clone() });
-        }
         let ways = Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, true), (kernel, false)]);
         for (kernel, ordered) in ways {
             let segment = SegmentPlan { ordered, closest: kernel, occluded: kernel };
-            let plan = Plan { wave_size: 700, tile_size: 9, segments: vec![segment; 2] };
+            let plan = Plan { wave_size: 700, segments: vec![segment; 2] };
             same(RenderSettings { plan: Some(plan), ..base.clone() });
         }
     }
@@ -215,14 +212,13 @@ fn plans_are_measured() {
 fn plans_out_of_range_are_refused() {
     let scene = Scene::load("cornell").unwrap();
     let segment = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
-    let plan = Plan { wave_size: 1, tile_size: 1, segments: vec![segment] };
+    let plan = Plan { wave_size: 1, segments: vec![segment] };
     let refused = |plan| {
         let settings = RenderSettings { plan: Some(plan), ..RenderSettings::of(&scene) };
         Renderer::new(&scene, settings).is_err()
     };
     assert!(!refused(plan.clone()));
     assert!(refused(Plan { wave_size: 0, ..plan.clone() }));
-    assert!(refused(Plan { tile_size: 0, ..plan.clone() }));
     assert!(refused(Plan { segments: Vec::new(), ..plan }));
 }
 
@@ -249,7 +245,9 @@ fn progress_adds_up() {
     for engine in Engine::ALL {
         let renderer = Renderer::new(&scene, RenderSettings { engine, ..base.clone() }).unwrap();
         let last = Last(Mutex::default());
-        let rays = renderer.render_observed(&last).unwrap().tally.rays;
+        let mut rendering = renderer.begin().unwrap();
+        renderer.advance(&mut rendering, &last).unwrap();
+        let rays = rendering.tally.rays;
         let Progress { samples, rays: traced } = last.0.into_inner().unwrap();
         assert_eq!((samples, traced), (50 * 40 * 21, rays.total()), "{engine:?}");
     }

@@ -8,7 +8,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
+use super::keep::KeepArgs;
+use super::merge::MergeArgs;
 use super::path::PathArgs;
+use super::progress::Telling;
+use super::share::ShareArgs;
 use crate::accel::Kernel;
 use crate::engine::{Engine, Pin, Sampler};
 use crate::image::Transfer;
@@ -27,6 +31,8 @@ pub(super) struct Cli {
 pub(super) enum Command {
     /// Render a scene to an image file
     Render(RenderArgs),
+    /// Make one image of the parts of a render
+    Merge(MergeArgs),
     /// List, show or check scenes
     Scenes(ScenesArgs),
     /// Render the report's six figures and a page that shows them
@@ -99,7 +105,8 @@ pub(super) struct RenderArgs {
     /// no clamping]
     #[arg(long, value_name = "RADIANCE")]
     pub(super) clamp: Option<f32>,
-    /// Image file: .png, .exr, .hdr or .pfm [default: the scene's name with .png]
+    /// Image file: .png, .exr, .hdr or .pfm, or .film, which can be continued and merged [default: the
+    /// scene's name with .png, or .film for a part]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Worker threads; the image does not depend on them [default: one for each core that may be used]
@@ -111,9 +118,6 @@ pub(super) struct RenderArgs {
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) gamma: Transfer,
-    /// Side of the tiles that work is handed out in; the image does not depend on it
-    #[arg(long, value_name = "PIXELS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
-    pub(super) tile_size: Option<u32>,
     /// Paths that a worker traces at once; the image does not depend on it
     #[arg(long, value_name = "PATHS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WAVE)))]
     pub(super) wave_size: Option<u32>,
@@ -121,8 +125,18 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "PIN", default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
     pub(super) pin: Pin,
     /// Work as a plan says, which --json wrote, instead of by its own
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["tile_size", "wave_size"])]
+    #[arg(long, value_name = "FILE", conflicts_with = "wave_size")]
     pub(super) plan: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) share: ShareArgs,
+    #[command(flatten)]
+    pub(super) keep: KeepArgs,
+    /// Do nothing where the file is there already, of the same scene, settings and seed
+    #[arg(long)]
+    pub(super) skip_complete: bool,
+    /// How progress is told on standard error; json: an object a line
+    #[arg(long, value_name = "HOW", default_value = Telling::Auto.name(), value_parser = named(&Telling::ALL, Telling::name))]
+    pub(super) progress: Telling,
     /// Print exact counts of what was done, and the time of each stage
     #[arg(long)]
     pub(super) stats: bool,

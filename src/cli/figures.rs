@@ -5,8 +5,9 @@ use std::fs;
 use std::io::Write as _;
 
 use super::args::FiguresArgs;
-use super::record::metadata;
-use super::{advise_on_build, progress, say};
+use super::progress::{self, Telling};
+use super::{advise_on_build, say};
+use crate::checkpoint::Identity;
 use crate::engine::{RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Transfer;
@@ -124,11 +125,17 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
     };
     let renderer = Renderer::new(&scene, settings.clone())?;
     let title = format!("figure {}", figure.number);
-    let render = progress::render(&renderer, &title, &settings, args.quiet)?;
+    let telling = if args.quiet { Telling::None } else { Telling::Auto };
+    let render = progress::render(&renderer, &title, telling)?;
     let hash = render.image.hash();
+    let whole = settings.image();
     let file = format!("figure-{}.png", figure.number);
     let path = args.out.join(&file);
-    render.image.write(&path, Transfer::Gamma2, &metadata(&scene, &settings, &hash))?;
+    render.image.write(
+        &path,
+        Transfer::Gamma2,
+        &Identity::new(&scene, &settings, whole).metadata(&hash),
+    )?;
     let seconds = render.seconds.render;
     Ok(Rendered { figure, settings, file, seconds, rays: render.tally.rays.total(), hash })
 }

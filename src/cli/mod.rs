@@ -10,6 +10,8 @@ mod converge;
 mod dashboard;
 mod figures;
 mod files;
+mod keep;
+mod merge;
 mod path;
 mod plan;
 mod progress;
@@ -17,7 +19,9 @@ mod rays;
 mod record;
 mod render;
 mod scenes;
+mod share;
 mod stats;
+mod target;
 mod timeline;
 mod trace;
 
@@ -55,6 +59,7 @@ fn dispatch(command: &Command) -> Result<u8> {
         }
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args),
+        Command::Merge(args) => merge::run(args).map(|()| 0),
         Command::Rays(args) => rays::run(args).map(|()| 0),
         Command::Path(args) => path::run(args).map(|()| 0),
         Command::Trace(args) => trace::run(args),
@@ -81,7 +86,7 @@ fn explain_usage(error: &clap::Error) -> u8 {
     let what = what.split("\n\nFor more information").next().unwrap_or_default();
     let what = what.strip_prefix("error: ").unwrap_or(what);
     let hint = if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        "a command is missing: render, scenes, figures, compare, converge, rays, path, trace, bench or dashboard"
+        "a command is missing: render, merge, scenes, figures, compare, converge, rays, path, trace, bench or dashboard"
             .to_owned()
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")

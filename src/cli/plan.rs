@@ -39,10 +39,5 @@ pub(super) fn describe(plan: &Plan) -> String {
         format!("{}: {}, shadows {}", number + 1, plan.closest_by(), plan.occluded.name())
     };
     let segments: Vec<String> = plan.segments.iter().enumerate().map(segment).collect();
-    format!(
-        "plan: waves of {}, tiles of {}; segment {}",
-        plan.wave_size,
-        plan.tile_size,
-        segments.join("; ")
-    )
+    format!("plan: waves of {}; segment {}", plan.wave_size, segments.join("; "))
 }

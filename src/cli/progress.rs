@@ -1,40 +1,59 @@
-//! Progress on standard error: a bar on a terminal, else a plain line every few seconds.
+//! Progress on standard error: a bar on a terminal, else a plain line every few seconds, or lines of JSON.
 
-use std::io::{IsTerminal, stderr};
+use std::io::{IsTerminal, Write, stderr};
+use std::path::Path;
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
 
 use super::notice;
-use crate::engine::{Observer, Pinned, Progress, Render, RenderSettings, Renderer};
+use crate::engine::{Observer, Pinned, Progress, Render, Renderer, Rendering};
 use crate::error::Result;
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(3);
+/// And between lines of JSON.
+const JSON_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Renders and shows how far it is, unless `quiet`.
-pub(super) fn render(
-    renderer: &Renderer<'_>,
-    title: &str,
-    settings: &RenderSettings,
-    quiet: bool,
-) -> Result<Render> {
-    static SAID: Once = Once::new();
-    if renderer.pinned() == Pinned::Failed && !quiet {
-        SAID.call_once(|| {
-            notice(format_args!("threads cannot be pinned to cores here, speeds may vary more"));
-        });
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Telling {
+    /// A bar on a terminal, else lines.
+    Auto,
+    /// A JSON object a line: `schema`, `event`, `done` and `total` samples, `eta_s`, `rays`.
+    Json,
+    /// Not at all.
+    None,
+}
+
+impl Telling {
+    pub(super) const ALL: [Self; 3] = [Self::Auto, Self::Json, Self::None];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Json => "json",
+            Self::None => "none",
+        }
     }
-    let progress = ProgressReport::new(title, settings, quiet);
-    let render = renderer.render_observed(&progress);
+}
+
+/// Renders the image and shows how far it is.
+pub(super) fn render(renderer: &Renderer<'_>, title: &str, telling: Telling) -> Result<Render> {
+    let mut rendering = renderer.begin()?;
+    let progress = ProgressReport::new(renderer, title, &rendering, telling);
+    let advanced = renderer.advance(&mut rendering, &progress);
     progress.finish();
-    render
+    advanced.and_then(|()| renderer.finish(rendering))
 }
 
 /// Shows how far one render is.
-struct ProgressReport {
+pub(super) struct ProgressReport {
     start: Instant,
+    /// What was done before.
+    begun: Progress,
     samples: u64,
     display: Display,
 }
@@ -43,47 +62,113 @@ enum Display {
     None,
     Bar(ProgressBar),
     Lines { title: String, last: Mutex<Instant> },
+    Json { last: Mutex<Instant> },
 }
 
 impl ProgressReport {
-    fn new(title: &str, settings: &RenderSettings, quiet: bool) -> Self {
-        let samples = settings.paths();
+    pub(super) fn new(
+        renderer: &Renderer<'_>,
+        title: &str,
+        rendering: &Rendering,
+        telling: Telling,
+    ) -> Self {
+        static SAID: Once = Once::new();
+        if renderer.pinned() == Pinned::Failed && telling == Telling::Auto {
+            SAID.call_once(|| {
+                notice(format_args!(
+                    "threads cannot be pinned to cores here, speeds may vary more"
+                ));
+            });
+        }
+        let (begun, samples) = (rendering.progress(), rendering.film.samples_to_do());
         let start = Instant::now();
-        let display = if quiet {
-            Display::None
-        } else if stderr().is_terminal() {
-            let bar = ProgressBar::new(samples);
-            let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
-            bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
-            bar.set_prefix(title.to_owned());
-            Display::Bar(bar)
-        } else {
-            Display::Lines { title: title.to_owned(), last: Mutex::new(start) }
+        let last = Mutex::new(start);
+        let display = match telling {
+            Telling::None => Display::None,
+            Telling::Json => Display::Json { last },
+            Telling::Auto if stderr().is_terminal() => {
+                let bar = ProgressBar::new(samples);
+                let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
+                bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
+                bar.set_prefix(title.to_owned());
+                Display::Bar(bar)
+            }
+            Telling::Auto => Display::Lines { title: title.to_owned(), last },
         };
-        Self { start, samples, display }
+        let report = Self { start, begun, samples, display };
+        report.event("start", begun, None);
+        report
     }
 
     /// Removes the bar.
-    fn finish(&self) {
+    pub(super) fn finish(&self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
     }
 
+    /// All is done.
+    pub(super) fn done(&self, progress: Progress) {
+        self.finish();
+        self.event("done", progress, None);
+    }
+
+    /// The render is kept in `file`; `event` says why.
+    pub(super) fn kept(&self, event: &str, progress: Progress, file: &Path) {
+        self.event(event, progress, Some(file));
+    }
+
+    /// Samples a second, since the report began.
+    fn rate(&self, count: u64, begun: u64) -> f64 {
+        (count - begun) as f64 / self.start.elapsed().as_secs_f64()
+    }
+
+    fn eta(&self, progress: Progress) -> f64 {
+        (self.samples - progress.samples) as f64 / self.rate(progress.samples, self.begun.samples)
+    }
+
     fn rates(&self, progress: Progress) -> String {
-        let seconds = self.start.elapsed().as_secs_f64();
-        let done = progress.samples as f64;
         format!(
             "{:.2} Msamples/s  {:.2} Mrays/s  ETA {:.0} s",
-            done / seconds * 1e-6,
-            progress.rays as f64 / seconds * 1e-6,
-            seconds * (self.samples as f64 / done - 1.0),
+            self.rate(progress.samples, self.begun.samples) * 1e-6,
+            self.rate(progress.rays, self.begun.rays) * 1e-6,
+            self.eta(progress),
         )
+    }
+
+    /// A line for programs.
+    fn event(&self, event: &str, progress: Progress, file: Option<&Path>) {
+        if !matches!(self.display, Display::Json { .. }) {
+            return;
+        }
+        let eta = Some(self.eta(progress)).filter(|eta| eta.is_finite());
+        let mut line = json!({
+            "schema": 1,
+            "event": event,
+            "done": progress.samples,
+            "total": self.samples,
+            "eta_s": eta,
+            "rays": progress.rays,
+        });
+        if let Some(file) = file {
+            line["file"] = Value::from(file.display().to_string());
+        }
+        // There is nowhere to say that standard error is closed.
+        let _ = writeln!(stderr(), "{line}");
     }
 }
 
 impl Observer for ProgressReport {
     fn progressed(&self, progress: Progress) {
+        let due = |last: &Mutex<Instant>, interval| {
+            last.lock().is_ok_and(|mut last| {
+                let due = last.elapsed() >= interval;
+                if due {
+                    *last = Instant::now();
+                }
+                due
+            })
+        };
         match &self.display {
             Display::None => {}
             Display::Bar(bar) => {
@@ -92,11 +177,14 @@ impl Observer for ProgressReport {
                 bar.set_message(self.rates(progress));
             }
             Display::Lines { title, last } => {
-                let Ok(mut last) = last.lock() else { return };
-                if last.elapsed() >= INTERVAL {
-                    *last = Instant::now();
+                if due(last, INTERVAL) {
                     let percent = progress.samples * 100 / self.samples;
                     notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
+                }
+            }
+            Display::Json { last } => {
+                if due(last, JSON_INTERVAL) {
+                    self.event("progress", progress, None);
                 }
             }
         }

@@ -4,7 +4,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::engine::{Planning, Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
-use crate::image::Metadata;
 use crate::machine::{Interference, Machine, peak_rss_bytes};
 use crate::scene::Scene;
 
@@ -24,7 +23,7 @@ pub(super) fn render_record(
     settings: &RenderSettings,
     renderer: &Renderer<'_>,
     render: &Render,
-    hash: &str,
+    hash: Option<&str>,
     seconds: StepSeconds,
     interference: Interference,
 ) -> Value {
@@ -91,27 +90,4 @@ fn segment(segment: &SegmentWork) -> Value {
 /// JSON has no infinity.
 fn finite(number: f32) -> Option<f32> {
     Some(number).filter(|number| number.is_finite())
-}
-
-/// What an image file says of itself: the same for equal renders, whatever engine, threads
-/// or machine made them.
-pub(super) fn metadata(scene: &Scene, settings: &RenderSettings, hash: &str) -> Metadata {
-    let mut decides = json!({
-        "width": settings.width,
-        "height": settings.height,
-        "spp": settings.spp,
-        "depth": settings.depth,
-        "sampling": settings.sampling.name(),
-        "sampler": settings.sampler.name(),
-        "roulette": settings.roulette,
-    });
-    if let Some(clamp) = finite(settings.clamp) {
-        decides["clamp"] = json!(clamp);
-    }
-    Metadata::default()
-        .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
-        .with("ptfast:hash", hash)
-        .with("ptfast:scene", scene.hash())
-        .with("ptfast:seed", settings.seed)
-        .with("ptfast:settings", decides)
 }

@@ -1,15 +1,20 @@
 //! `ptfast render`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
-use super::record::{self, StepSeconds, metadata};
-use super::{advise_on_build, files, notice, path, plan, progress, say, timeline};
-use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
+use super::keep::{self, Keeping};
+use super::progress::{ProgressReport, Telling};
+use super::record::{self, StepSeconds};
+use super::share::Share;
+use super::target::Target;
+use super::{advise_on_build, files, notice, path, plan, say, timeline};
+use crate::checkpoint::{Checkpoint, Identity};
+use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
-use crate::image::Format;
+use crate::interrupt;
 use crate::isa::Isa;
 use crate::machine::Interference;
 use crate::output::write_atomically;
@@ -17,32 +22,56 @@ use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
+    // Until there is something to be kept.
+    interrupt::leave_at_once(true);
+    interrupt::watch()?;
     // Whatever can fail fails before the work is done.
-    args.output.as_deref().map(Format::of_path).transpose()?;
+    args.output.clone().map(Target::of_path).transpose()?;
     let scene = Scene::load(&args.sample.scene)?;
     let load = start.elapsed().as_secs_f64();
-    let output = args.output.clone().unwrap_or_else(|| default_output(&args.sample.scene));
     let settings = settings(args, &scene)?;
     settings.check()?;
-    let more = [("the record", &args.json), ("the trace", &args.trace)];
-    let mut written = vec![("the image", &*output)];
-    written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    files::check(&[("the scene", Path::new(&args.sample.scene))], &written)?;
+    let share = args.share.share(&settings)?;
+    let identity = Identity::new(&scene, &settings, share.area);
+    let output = Target::new(args.output.clone(), &args.sample.scene, &share, &identity)?;
+    if args.skip_complete && output.is_complete(&identity, &share) {
+        return say(format_args!("{} is complete", output.path().display()));
+    }
+    let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start);
+    check_files(args, &output, &keeping)?;
+
+    let rendering = begin(args, &identity, &share)?;
+    let mut checkpoint =
+        Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let renderer = Renderer::new(&scene, settings.clone())?;
-    if !args.quiet {
+    let quiet = args.telling() != Telling::Auto;
+    if !quiet {
         advise_on_build(Isa::Avx2);
     }
-
-    if let Some(plan) = renderer.plan().filter(|_| !args.quiet) {
+    if let Some(plan) = renderer.plan().filter(|_| !quiet) {
         notice(format_args!("{}", plan::describe(plan)));
     }
     let before = Interference::so_far();
-    let render = progress::render(&renderer, scene.name(), &settings, args.quiet)?;
+    let progress =
+        ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
+    keep::render(&renderer, &mut checkpoint, &keeping, &progress)?;
     let interference = Interference::so_far().since(before);
 
-    let hash = render.image.hash();
     let writing = Instant::now();
-    render.image.write(&output, args.gamma, &metadata(&scene, &settings, &hash))?;
+    if let Target::Film(path) = &output {
+        checkpoint.write(path)?;
+    }
+    let render = renderer.finish(checkpoint.rendering)?;
+    // A part has no image, and so no hash of one.
+    let part = share.is_part(&checkpoint.identity);
+    let hash = (!part).then(|| render.image.hash());
+    if let Target::Image(path) = &output {
+        render.image.write(
+            path,
+            args.gamma,
+            &checkpoint.identity.metadata(hash.as_deref().unwrap_or_default()),
+        )?;
+    }
     let seconds = StepSeconds {
         load,
         build: render.seconds.build,
@@ -56,7 +85,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
             &settings,
             &renderer,
             &render,
-            &hash,
+            hash.as_deref(),
             seconds,
             interference,
         );
@@ -71,21 +100,45 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    summarize(&args.sample.scene, &scene, &settings, &renderer, &render, &hash, seconds, &output)
+    summarize(
+        &args.sample.scene,
+        &scene,
+        &settings,
+        &renderer,
+        &render,
+        hash.as_deref(),
+        seconds,
+        output.path(),
+    )
 }
 
-/// `spheres.png` for `spheres` and for `folder/spheres.ron`, in the current folder.
-fn default_output(scene: &str) -> PathBuf {
-    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
-    // `cloud:1000` is no name for a file everywhere.
-    PathBuf::from(stem.replace(':', "-")).with_added_extension("png")
+/// Refuses files that cannot be written, and files that are the same.
+fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<()> {
+    let mut written = vec![("the image", output.path())];
+    let more = [("the record", &args.json), ("the trace", &args.trace)];
+    written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
+    // A film that is continued may be kept where it was.
+    if keeping.file != output.path() {
+        written.push(("the checkpoint", &keeping.file));
+    }
+    files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
+}
+
+/// What there is of the render already.
+fn begin(args: &RenderArgs, identity: &Identity, share: &Share) -> Result<Rendering> {
+    let Some(file) = &args.keep.resume else {
+        return share.film(identity).map(Rendering::new);
+    };
+    let there = Checkpoint::read(file)?;
+    there.resume(&file.display().to_string(), identity, share.shard, share.samples.clone())
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
-    let plan = args.plan.as_deref().map(|file| plan::read(file, scene, args.quiet)).transpose()?;
+    let quiet = args.telling() != Telling::Auto;
+    let plan = args.plan.as_deref().map(|file| plan::read(file, scene, quiet)).transpose()?;
     let of_samples = args.sample.settings(scene);
     Ok(RenderSettings {
         spp: args.spp.unwrap_or(of_samples.spp),
@@ -93,13 +146,18 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
         pin: args.pin,
-        tile_size: args.tile_size.unwrap_or(0),
         wave_size: args.wave_size.unwrap_or(0),
         plan,
         count: args.stats,
         timeline: args.trace.is_some(),
         ..of_samples
     })
+}
+
+impl RenderArgs {
+    fn telling(&self) -> Telling {
+        if self.quiet { Telling::None } else { self.progress }
+    }
 }
 
 impl SampleArgs {
@@ -124,7 +182,7 @@ fn summarize(
     settings: &RenderSettings,
     renderer: &Renderer<'_>,
     render: &Render,
-    hash: &str,
+    hash: Option<&str>,
     seconds: StepSeconds,
     output: &Path,
 ) -> Result<()> {
@@ -170,7 +228,9 @@ fn summarize(
         million(rays.total()) / seconds.render,
         million(rays.primary) / seconds.render
     ))?;
-    say(format_args!("hash    {hash}"))?;
+    if let Some(hash) = hash {
+        say(format_args!("hash    {hash}"))?;
+    }
     say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
     say(format_args!("file    {}", output.display()))
 }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::engine::{Event, Render, Work};
 use crate::error::Result;
+use crate::film::Unit;
 use crate::output::write_atomically;
 
 /// Writes what the workers of `render` did.
@@ -36,9 +37,11 @@ fn metadata(name: &str, worker: usize, args: Value) -> Value {
 /// A complete event, in microseconds.
 fn event(event: &Event) -> Value {
     let (name, category, args) = match event.work {
-        Work::Tile(tile) => {
+        Work::Unit(Unit { tile, first, end }) => {
             let place = format!("tile {}, {}", tile.x, tile.y);
-            (place, "tile", json!({ "width": tile.width, "height": tile.height }))
+            let size =
+                json!({ "width": tile.width, "height": tile.height, "samples": [first, end] });
+            (place, "tile", size)
         }
         Work::Stage { stage, segment, active } => {
             (stage.name().to_owned(), "stage", json!({ "segment": segment, "active": active }))

@@ -4,6 +4,9 @@ use glam::Vec3;
 
 use crate::math::max_element;
 
+/// The version of the arithmetic: another one where any image has other bits than before.
+pub const BITS: u32 = 1;
+
 /// First segment that a path reaches only by Russian roulette.
 pub(super) const ROULETTE_FROM: u32 = 5;
 /// Largest chance of surviving it.

@@ -7,6 +7,7 @@ mod pool;
 mod proof;
 mod recording;
 mod renderer;
+mod rendering;
 mod scalar;
 mod settings;
 #[cfg(feature = "slowed")]
@@ -16,9 +17,11 @@ mod tally;
 mod timeline;
 mod wavefront;
 
+pub use contract::BITS;
 pub use pool::{Pin, Pinned};
 pub use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
-pub use renderer::{MOST_EVENTS, Observer, Progress, Render, Renderer, Seconds};
+pub use renderer::{Observer, Render, Renderer, Seconds, Stop};
+pub use rendering::{MOST_EVENTS, Progress, Rendering};
 pub use settings::{Engine, RenderSettings, Sampler};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};

@@ -1,12 +1,13 @@
-//! From a scene and settings to an image: tiles on threads, whatever the engine.
+//! From a scene and settings to an image: units of work on threads, whatever the engine.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use rayon::ThreadPool;
+use rayon::{BroadcastContext, ThreadPool};
 
 use super::pool::{self, Pinned};
+use super::rendering::{Progress, Rendering, Shared, Taken};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
 use super::stats::WaveStats;
@@ -14,7 +15,7 @@ use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, Planning, WavefrontEngine};
 use crate::error::Result;
-use crate::film::{Tile, Tiles};
+use crate::film::{Film, Schedule, Tile, Unit};
 use crate::image::Image;
 use crate::scene::Scene;
 
@@ -22,19 +23,19 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Renderer<'a> {
     settings: RenderSettings,
-    engine: Box<dyn TileEngine + 'a>,
+    engine: Box<dyn UnitEngine + 'a>,
     pool: ThreadPool,
     pinned: Pinned,
     seconds: Seconds,
 }
 
-/// What an engine does: its workers render tiles.
-pub(super) trait TileEngine: Sync + std::fmt::Debug {
-    /// What a thread works with.
-    fn worker(&self) -> Box<dyn TileWorker + '_>;
+/// What an engine does: its workers take units of work.
+pub(super) trait UnitEngine: Sync + std::fmt::Debug {
+    /// What a thread works with, for units of at most so many paths.
+    fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_>;
 
-    /// Side of the tiles that work is handed out in.
-    fn tile_size(&self) -> u32;
+    /// Paths that it takes best at once.
+    fn unit_paths(&self) -> u32;
 
     /// How it works, if it has a plan, where that is from, and the seconds that finding it took.
     fn plan(&self) -> Option<(&Plan, Planning, f64)> {
@@ -43,10 +44,9 @@ pub(super) trait TileEngine: Sync + std::fmt::Debug {
 }
 
 /// What a thread does.
-pub(super) trait TileWorker {
-    /// The mean radiance of every pixel of `tile`. Calls `report` now and then with the
-    /// samples finished and rays traced since the last call.
-    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult;
+pub(super) trait UnitWorker {
+    /// The samples of `unit`; `None` where `abandon`, which is asked now and then, says so.
+    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken>;
 }
 
 /// A finished render.
@@ -61,12 +61,10 @@ pub struct Render {
     pub waves: WaveStats,
     /// Time of each step.
     pub seconds: Seconds,
-    /// What each worker did when, if that was asked for; the first [`MOST_EVENTS`].
+    /// What each worker did when, if that was asked for; the first
+    /// [`MOST_EVENTS`](super::MOST_EVENTS).
     pub timeline: Vec<Event>,
 }
-
-/// Events of a timeline, at most: some hundred megabytes.
-pub const MOST_EVENTS: usize = 1 << 21;
 
 /// Wall-clock seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,34 +77,41 @@ pub struct Seconds {
     pub render: f64,
 }
 
-/// What an engine returns for a tile: its pixels row by row.
-#[derive(Debug, Default)]
-pub(super) struct TileResult {
-    pub(super) pixels: Vec<[f32; 3]>,
-    pub(super) tally: Tally,
-    pub(super) waves: WaveStats,
-    /// The stages one by one, if that was asked for.
-    pub(super) laps: Vec<Lap>,
-}
-
-/// How far a render is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Progress {
-    /// Samples finished.
-    pub samples: u64,
-    /// Rays traced.
-    pub rays: u64,
-}
-
-/// Is told how far a render is, from any thread, every few thousand samples, or after each wave.
+/// Is told how far a render is, and may stop it.
 pub trait Observer: Sync {
     /// `progress` is the state now; reports of several threads may arrive out of order.
     fn progressed(&self, progress: Progress);
+
+    /// Whether the render is to go on. Is asked often, from any thread.
+    fn stop(&self) -> Stop {
+        Stop::No
+    }
+}
+
+/// Whether a render is to go on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stop {
+    /// It is.
+    #[default]
+    No,
+    /// Workers finish what they are at, a few thousand paths.
+    Soon,
+    /// Workers leave what they are at.
+    Now,
 }
 
 /// Nobody watches.
 impl Observer for () {
     fn progressed(&self, _: Progress) {}
+}
+
+/// Tells the other workers when one fails, by an error or a panic: what they do would be in vain.
+struct Alarm<'a>(&'a AtomicBool);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 impl<'a> Renderer<'a> {
@@ -120,7 +125,7 @@ impl<'a> Renderer<'a> {
         settings.check()?;
         let start = Instant::now();
         let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
-        let engine: Box<dyn TileEngine + 'a> = match settings.engine {
+        let engine: Box<dyn UnitEngine + 'a> = match settings.engine {
             Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
@@ -154,77 +159,75 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where there is no memory for the image.
     pub fn render(&self) -> Result<Render> {
-        self.render_observed(&())
+        let mut rendering = self.begin()?;
+        self.advance(&mut rendering, &())?;
+        self.finish(rendering)
     }
 
-    /// Renders the image and tells `observer` how far it is.
+    /// A render of the whole image, of which nothing is done.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
-    pub fn render_observed(&self, observer: &dyn Observer) -> Result<Render> {
-        let RenderSettings { width, height, .. } = self.settings;
+    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for the image.
+    pub fn begin(&self) -> Result<Rendering> {
+        Film::new(self.settings.image(), 0..self.settings.spp).map(Rendering::new)
+    }
+
+    /// Renders what is left of `rendering`, or until `observer` stops it.
+    ///
+    /// # Errors
+    /// [`Error::Internal`](crate::Error::Internal) where memory runs out.
+    pub fn advance(&self, rendering: &mut Rendering, observer: &dyn Observer) -> Result<()> {
         let start = Instant::now();
-        let film = Mutex::new(Film::new(Image::try_new(width, height)?));
-        let (samples, rays) = (AtomicU64::new(0), AtomicU64::new(0));
-        let report = |new_samples, new_rays| {
-            observer.progressed(Progress {
-                samples: samples.fetch_add(new_samples, Ordering::Relaxed) + new_samples,
-                rays: rays.fetch_add(new_rays, Ordering::Relaxed) + new_rays,
-            });
-        };
-        let tiles = Tiles::new(width, height, self.engine.tile_size());
-        let next = AtomicU64::new(0);
-        self.pool.broadcast(|thread| {
+        let schedule = Schedule::new(&rendering.film, self.engine.unit_paths());
+        let most_paths = schedule.most_paths();
+        let shared = Mutex::new(Shared::new(rendering, schedule));
+        let lock = || shared.lock().expect("no thread panics while it holds the film");
+        let failed = AtomicBool::new(false);
+        let stop = || if failed.load(Ordering::Relaxed) { Stop::Now } else { observer.stop() };
+        let next = || (stop() == Stop::No).then(|| lock().next()).flatten();
+        let abandon = || stop() == Stop::Now;
+        let work = |thread: BroadcastContext<'_>| {
+            let alarm = Alarm(&failed);
             // None for threads that find no work.
             let mut worker = None;
-            while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let worker = worker.get_or_insert_with(|| self.engine.worker());
+            while let Some(unit) = next() {
+                let worker = worker.get_or_insert_with(|| self.engine.worker(most_paths));
                 let begin = Instant::now();
-                let mut result = worker.render_tile(tile, &report);
+                let Some(mut taken) = worker.take(unit, &abandon) else { break };
                 #[cfg(feature = "slowed")]
                 super::slowed::dawdle(begin.elapsed());
                 if self.settings.timeline {
-                    let (end, work) = (Instant::now(), Work::Tile(tile));
-                    result.laps.push(Lap { start: begin, end, work });
+                    taken.laps.push(Lap {
+                        start: begin,
+                        end: Instant::now(),
+                        work: Work::Unit(unit),
+                    });
                 }
-                let mut film = film.lock().expect("no thread panics while it holds the film");
-                film.add(tile, &result);
-                let room = MOST_EVENTS - film.timeline.len();
-                let laps = result.laps.iter().take(room);
-                film.timeline.extend(laps.map(|lap| lap.event(start, thread.index())));
+                let progress = lock().add(taken, thread.index())?;
+                observer.progressed(progress);
             }
-        });
-        let film = film.into_inner().expect("no thread panicked while it held the film");
+            std::mem::forget(alarm);
+            Ok(())
+        };
+        let worked: Result<Vec<()>> = self.pool.broadcast(work).into_iter().collect();
+        rendering.seconds += start.elapsed().as_secs_f64();
+        worked.map(|_| ())
+    }
+
+    /// The image as far as it is rendered.
+    ///
+    /// # Errors
+    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
+    pub fn finish(&self, rendering: Rendering) -> Result<Render> {
+        let Rendering { film, tally, waves, seconds, timeline } = rendering;
+        let Tile { width, height, .. } = film.area();
+        let image = Image::from_pixels(width, height, film.means()?);
         Ok(Render {
-            image: film.image,
-            tally: film.tally,
-            waves: film.waves,
-            seconds: Seconds { render: start.elapsed().as_secs_f64(), ..self.seconds },
-            timeline: film.timeline,
+            image,
+            tally,
+            waves,
+            seconds: Seconds { render: seconds, ..self.seconds },
+            timeline,
         })
-    }
-}
-
-/// The image as far as its tiles are done.
-#[derive(Debug)]
-struct Film {
-    image: Image,
-    tally: Tally,
-    waves: WaveStats,
-    timeline: Vec<Event>,
-}
-
-impl Film {
-    fn new(image: Image) -> Self {
-        let (tally, waves) = (Tally::default(), WaveStats::default());
-        Self { image, tally, waves, timeline: Vec::new() }
-    }
-
-    fn add(&mut self, tile: Tile, result: &TileResult) {
-        for (y, row) in (tile.y..).zip(result.pixels.chunks_exact(tile.width as usize)) {
-            self.image.put_row(tile.x, y, row);
-        }
-        self.tally.add(&result.tally);
-        self.waves.add(&result.waves);
     }
 }

@@ -1,6 +1,7 @@
 //! What a render is made of besides its scene.
 
 use crate::error::{Error, Result};
+use crate::film::Tile;
 use crate::limits;
 use crate::scene::{Sampling, Scene};
 
@@ -83,13 +84,10 @@ pub struct RenderSettings {
     pub threads: u32,
     /// Whether the threads stay on one core each.
     pub pin: Pin,
-    /// Side of the tiles that work is handed out in, 0 for what suits the engine; the image does not
-    /// depend on it.
-    pub tile_size: u32,
-    /// Paths that a worker of the wavefront engine traces at once, 0 for what suits it; the image
-    /// does not depend on it.
+    /// Most paths that a worker of the wavefront engine traces at once, where a pixel's are not more; 0
+    /// for what suits it. The image does not depend on it.
     pub wave_size: u32,
-    /// How the wavefront engine works, tiles and waves included; `None` for its own.
+    /// How the wavefront engine works, waves included; `None` for its own.
     pub plan: Option<Plan>,
     /// Whether kernels count their work, which costs them some time.
     pub count: bool,
@@ -114,7 +112,6 @@ impl RenderSettings {
             engine: Engine::default(),
             threads: 0,
             pin: Pin::default(),
-            tile_size: 0,
             wave_size: 0,
             plan: None,
             count: false,
@@ -144,7 +141,6 @@ impl RenderSettings {
     pub fn check(&self) -> Result<()> {
         limits::check_image(self.width, self.height)
             .and_then(|()| limits::check_sampling(self.spp, self.depth))
-            .and_then(|()| limits::check("tile_size", self.tile_size.max(1), limits::MAX_SIDE))
             .and_then(|()| limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE))
             .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))
             .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))
@@ -153,6 +149,11 @@ impl RenderSettings {
                 false => Err(format!("clamp must be above 0, is {}", self.clamp)),
             })
             .map_err(Error::Usage)
+    }
+
+    /// All pixels.
+    pub fn image(&self) -> Tile {
+        Tile { x: 0, y: 0, width: self.width, height: self.height }
     }
 
     /// Paths of the image.

@@ -171,9 +171,9 @@ impl WaveStats {
 /// Takes the time of stages.
 #[derive(Debug)]
 pub(super) struct Stopwatch {
-    pub(super) stats: WaveStats,
+    stats: WaveStats,
     /// The stages one by one, where that is asked for.
-    pub(super) laps: Option<Vec<Lap>>,
+    laps: Option<Vec<Lap>>,
     last: Instant,
 }
 
@@ -199,6 +199,12 @@ impl Stopwatch {
         }
         self.last = now;
         self.stats.note(stage, segment, &StageWork { seconds, ..work });
+    }
+
+    /// What was noted since the last time.
+    pub(super) fn take(&mut self) -> (WaveStats, Vec<Lap>) {
+        let laps = self.laps.as_mut().map(std::mem::take);
+        (std::mem::take(&mut self.stats), laps.unwrap_or_default())
     }
 
     /// So many paths ended on their segment `segment`.

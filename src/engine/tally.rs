@@ -1,9 +1,13 @@
 //! Exact counts of what was rendered, the same for every engine.
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::contract::counted;
+
 /// What was traced, and what came of it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tally {
     /// Rays traced.
     pub rays: RayCounts,
@@ -16,6 +20,22 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// What a sample of this radiance adds to its pixel, where components above `clamp` are clamped: notes
+    /// pixel and sample, `(x, y, sample)`, if it is not finite, and whether it was clamped.
+    #[inline]
+    pub(super) fn counted(&mut self, radiance: Vec3, clamp: f32, place: (u32, u32, u32)) -> Vec3 {
+        match counted(radiance, clamp) {
+            Some((radiance, clamped)) => {
+                self.clamped += u64::from(clamped);
+                radiance
+            }
+            None => {
+                self.non_finite.note(place);
+                Vec3::ZERO
+            }
+        }
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.rays.add(other.rays);
         self.endings.add(&other.endings);
@@ -49,7 +69,7 @@ impl RayCounts {
 }
 
 /// Samples whose radiance was NaN or infinite.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NonFinite {
     /// How many.
     pub count: u64,
@@ -58,9 +78,8 @@ pub struct NonFinite {
 }
 
 impl NonFinite {
-    /// Notes sample `sample` of pixel `(x, y)`.
-    pub(super) fn note(&mut self, x: u32, y: u32, sample: u32) {
-        self.merge(&Self { count: 1, first: Some((x, y, sample)) });
+    fn note(&mut self, place: (u32, u32, u32)) {
+        self.merge(&Self { count: 1, first: Some(place) });
     }
 
     fn merge(&mut self, other: &Self) {
@@ -71,7 +90,7 @@ impl NonFinite {
 }
 
 /// How paths ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Endings {
     /// They left the scene.
     pub background: u64,

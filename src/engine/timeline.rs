@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::stats::Stage;
-use crate::film::Tile;
+use crate::film::Unit;
 
 /// Something that took a worker's time.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,8 @@ pub struct Event {
 /// What a worker did.
 #[derive(Clone, Copy, Debug)]
 pub enum Work {
-    /// A tile.
-    Tile(Tile),
+    /// A unit of work.
+    Unit(Unit),
     /// A stage of a wave.
     Stage {
         /// Which one.

@@ -1,7 +1,204 @@
-//! Sums of samples in a fixed order, and the tiles that an image is rendered in.
+//! The film: sums of an image's samples, pixel by pixel, as far as they go.
 
+mod file;
+mod merge;
+mod schedule;
 mod sum;
+#[cfg(test)]
+mod tests;
 mod tile;
 
-pub use sum::{CHUNK, PixelSum};
-pub use tile::{Tile, Tiles};
+pub use merge::{Conflict, Sample};
+pub use schedule::{Schedule, Unit};
+pub use sum::CHUNK;
+pub use tile::{Grid, Tile};
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+
+/// A value of each pixel, row by row.
+pub type Plane = Vec<[f32; 3]>;
+
+/// The sums of the samples of some pixels of an image.
+#[derive(Clone, Debug)]
+pub struct Film {
+    area: Tile,
+    samples: Range<u32>,
+    /// Of each pixel of `area` the end of its samples that are done; [`ABSENT`] of those that are not on this
+    /// film.
+    done: Vec<u32>,
+    /// Of each pixel the first of the sums that are kept of these, the second, and so on.
+    sums: Vec<Plane>,
+}
+
+const ABSENT: u32 = u32::MAX;
+
+/// What came of a [`Unit`] of work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The samples.
+    pub unit: Unit,
+    /// Of each pixel their sum: they are added in order, to black.
+    pub sums: Plane,
+}
+
+impl Film {
+    /// For the samples `samples`, of which the first is the first of a chunk, of the pixels of `area`; none
+    /// is done.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] where there is no memory for it.
+    pub fn new(area: Tile, samples: Range<u32>) -> Result<Self> {
+        let done = plane(area, samples.start)?;
+        Ok(Self { area, samples, done, sums: Vec::new() })
+    }
+
+    /// The pixels that it may have.
+    pub fn area(&self) -> Tile {
+        self.area
+    }
+
+    /// The samples that each of its pixels is to have.
+    pub fn samples(&self) -> Range<u32> {
+        self.samples.clone()
+    }
+
+    /// Whether all pixels of `tile` lack the sample `sample`, or none does; neither if only some do.
+    fn lacks(&self, tile: Tile, sample: u32) -> Option<bool> {
+        let lacks = self.done[self.row(tile, 0).start] <= sample;
+        self.all(tile, |done| (done <= sample) == lacks).then_some(lacks)
+    }
+
+    /// Whether the samples before those of `unit` are done, and no more.
+    pub fn is_next(&self, unit: Unit) -> bool {
+        self.all(unit.tile, |done| done == unit.first)
+    }
+
+    /// Whether `is` holds for the end of the samples of each pixel of `tile`.
+    fn all(&self, tile: Tile, is: impl Fn(u32) -> bool) -> bool {
+        (0..tile.height).all(|row| self.done[self.row(tile, row)].iter().all(|&done| is(done)))
+    }
+
+    /// Adds samples that [are next](Self::is_next).
+    ///
+    /// # Errors
+    /// [`Error::Internal`] where there is no memory for them.
+    pub fn add(&mut self, part: &Part) -> Result<()> {
+        let Unit { tile, first, end } = part.unit;
+        let kept = sum::sums(&(self.samples.start..first));
+        // A chunk that is not complete stays by itself.
+        let node = (end - first == CHUNK).then_some((0, first / CHUNK));
+        for (row, sums) in (0..).zip(part.sums.chunks_exact(tile.width as usize)) {
+            let row = self.row(tile, row);
+            self.push(row.clone(), kept, node, sums)?;
+            self.done[row].fill(end);
+        }
+        Ok(())
+    }
+
+    /// Adds `sums` of a node, or of a chunk that is not complete, to the `kept` sums of `pixels`, and tells how
+    /// many they are now.
+    fn push(
+        &mut self,
+        pixels: Range<usize>,
+        kept: usize,
+        node: Option<(u32, u32)>,
+        sums: &[[f32; 3]],
+    ) -> Result<usize> {
+        let begin = self.samples.start / CHUNK;
+        let place = kept - node.map_or(0, |node| sum::left_siblings(begin, node));
+        self.make_room(place + 1)?;
+        let mut sums = sums.to_vec();
+        for left in self.sums[place..kept].iter().rev() {
+            for (sum, left) in sums.iter_mut().zip(&left[pixels.clone()]) {
+                *sum = (Vec3::from(*left) + Vec3::from(*sum)).to_array();
+            }
+        }
+        self.sums[place][pixels].copy_from_slice(&sums);
+        Ok(place + 1)
+    }
+
+    /// The means of the samples that are done; black where none is.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] where there is no memory for them.
+    pub fn means(&self) -> Result<Plane> {
+        let begin = self.samples.start;
+        let mut means = plane(self.area, [0.0; 3])?;
+        // Most pixels are as far as the one before.
+        let (mut last, mut kept) = (begin, 0);
+        for (pixel, (mean, &done)) in means.iter_mut().zip(&self.done).enumerate() {
+            let done = if done == ABSENT { begin } else { done };
+            if done != last {
+                (last, kept) = (done, sum::sums(&(begin..done)));
+            }
+            let sums = self.sums[..kept].iter().map(|sums| Vec3::from(sums[pixel]));
+            *mean = sum::mean(sums, done - begin).to_array();
+        }
+        Ok(means)
+    }
+
+    /// Leaves the pixels out for which `keep`, which is told their place in the image, says so. What there
+    /// was of them is gone.
+    pub fn retain(&mut self, keep: impl Fn(u32, u32) -> bool) {
+        for (pixel, done) in (0..).zip(&mut self.done) {
+            let (x, y) = self.area.pixel(pixel);
+            if !keep(x, y) {
+                *done = ABSENT;
+            }
+        }
+    }
+
+    /// From now on its samples are to end at `end`, not earlier than before. A last chunk that is not complete
+    /// will be taken anew.
+    pub fn grow(&mut self, end: u32) {
+        if self.samples.end < end {
+            let open = self.samples.end % CHUNK;
+            for done in self.done.iter_mut().filter(|done| **done == self.samples.end) {
+                *done -= open;
+            }
+            self.samples.end = end;
+        }
+    }
+
+    /// Samples that are done, of all pixels together.
+    pub fn samples_done(&self) -> u64 {
+        let done = self.done.iter().filter(|&&done| done != ABSENT);
+        done.map(|done| u64::from(done - self.samples.start)).sum()
+    }
+
+    /// Samples that are to be done, of all pixels together.
+    pub fn samples_to_do(&self) -> u64 {
+        let pixels = self.done.iter().filter(|&&done| done != ABSENT).count() as u64;
+        pixels * u64::from(self.samples.end - self.samples.start)
+    }
+
+    /// Room for so many sums of each pixel.
+    fn make_room(&mut self, sums: usize) -> Result<()> {
+        while self.sums.len() < sums {
+            self.sums.push(plane(self.area, [0.0; 3])?);
+        }
+        Ok(())
+    }
+
+    /// Where the row of `tile` number `row` is in planes.
+    fn row(&self, tile: Tile, row: u32) -> Range<usize> {
+        let Tile { x, y, width, .. } = self.area;
+        let first = (tile.y - y + row) as usize * width as usize + (tile.x - x) as usize;
+        first..first + tile.width as usize
+    }
+}
+
+/// So many values as `area` has pixels.
+fn plane<T: Clone>(area: Tile, value: T) -> Result<Vec<T>> {
+    let mut plane = Vec::new();
+    plane.try_reserve_exact(area.pixels() as usize).map_err(|_| {
+        let Tile { width, height, .. } = area;
+        Error::Internal(format!("no memory for an image of {width} × {height} pixels"))
+    })?;
+    plane.resize(area.pixels() as usize, value);
+    Ok(plane)
+}

@@ -1,103 +1,101 @@
-//! The sum of a pixel's samples, in an order that a split into chunks can repeat.
+//! Sums of a pixel's samples, in an order that any split into chunks can repeat.
+//!
+//! Samples are added one after the other in chunks of [`CHUNK`], chunks by a binary tree over their
+//! index, in which a missing right child adds nothing. What is kept of a range of chunks are the sums of
+//! the largest complete subtrees that it consists of, its *nodes*, from left to right: at most two for
+//! each level. Two neighbouring ranges have all that their union needs.
+
+use std::ops::Range;
 
 use glam::Vec3;
 
 /// Samples that are added one after the other; a split by samples goes by whole chunks.
 pub const CHUNK: u32 = 16;
 
-/// Sums a pixel's samples: in sample order within a chunk, chunks by a binary tree over
-/// the chunk's index, in which a missing right child adds nothing.
-///
-/// Kept as a binary counter: `partial` holds the sums of complete subtrees, largest first.
-#[derive(Clone, Debug, Default)]
-pub struct PixelSum {
-    chunk: Vec3,
-    samples: u32,
-    partial: Vec<Vec3>,
+/// The chunks that are complete in a range of samples, which begins with a chunk.
+fn complete(samples: &Range<u32>) -> Range<u32> {
+    debug_assert!(samples.start.is_multiple_of(CHUNK), "{samples:?}");
+    samples.start / CHUNK..samples.end / CHUNK
 }
 
-impl PixelSum {
-    /// Adds the next sample.
-    #[inline]
-    pub fn add(&mut self, radiance: Vec3) {
-        self.add_all(std::iter::once(radiance));
-    }
+/// The nodes of a range of chunks: level and first chunk.
+pub(super) fn nodes(chunks: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
+    let mut first = chunks.start;
+    std::iter::from_fn(move || {
+        let length = chunks.end.saturating_sub(first).checked_ilog2()?;
+        let (level, here) = (length.min(first.trailing_zeros()), first);
+        first += 1 << level;
+        Some((level, here))
+    })
+}
 
-    /// Adds the next samples.
-    pub fn add_all(&mut self, radiances: impl Iterator<Item = Vec3>) {
-        // Not in `self` meanwhile, where each sum would wait for memory.
-        let (mut chunk, mut samples) = (self.chunk, self.samples);
-        for radiance in radiances {
-            chunk += radiance;
-            samples += 1;
-            if samples.is_multiple_of(CHUNK) {
-                (self.chunk, self.samples) = (chunk, samples);
-                self.close_chunk();
-                chunk = Vec3::ZERO;
-            }
-        }
-        (self.chunk, self.samples) = (chunk, samples);
-    }
+/// How many sums are kept of a range of samples: of its nodes, and of the samples after the last
+/// complete chunk.
+pub(super) fn sums(samples: &Range<u32>) -> usize {
+    nodes(complete(samples)).count() + usize::from(!samples.end.is_multiple_of(CHUNK))
+}
 
-    fn close_chunk(&mut self) {
-        let mut sum = std::mem::take(&mut self.chunk);
-        // Each trailing 1 of the number of chunks before this one is a left sibling.
-        let before = (self.samples / CHUNK) - 1;
-        for _ in 0..before.trailing_ones() {
-            let left = self.partial.pop().expect("a subtree for each 1 of the counter");
-            sum = left + sum;
-        }
-        self.partial.push(sum);
+/// How many nodes of a range that begins with chunk `begin` and ends where this node begins are its left
+/// siblings, one level after the other: they are added to it, and their parent takes their place.
+pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> usize {
+    let mut siblings = 0;
+    while (first >> level) & 1 == 1 && first - begin >= 1 << level {
+        first -= 1 << level;
+        level += 1;
+        siblings += 1;
     }
+    siblings
+}
 
-    /// Mean of the samples so far; black without samples. Starts over.
-    pub fn take_mean(&mut self) -> Vec3 {
-        let samples = self.samples;
-        let mut sum = if samples.is_multiple_of(CHUNK) { None } else { Some(self.chunk) };
-        while let Some(left) = self.partial.pop() {
-            sum = Some(sum.map_or(left, |right| left + right));
-        }
-        (self.chunk, self.samples) = (Vec3::ZERO, 0);
-        sum.map_or(Vec3::ZERO, |sum| sum / samples as f32)
-    }
+/// The mean of so many samples by the sums that are kept of them; black without any.
+pub(super) fn mean(sums: impl DoubleEndedIterator<Item = Vec3>, samples: u32) -> Vec3 {
+    let sum = sums.rev().reduce(|right, left| left + right);
+    sum.map_or(Vec3::ZERO, |sum| sum / samples as f32)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
 
-    /// The definition: node (level, index) is the sum of its children, if they exist.
-    fn tree(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
-        if level == 0 {
-            return chunks.get(index).copied();
+    /// Every range of chunks: nodes are aligned, as large as can be, and without gaps.
+    #[test]
+    fn nodes_are_the_largest_subtrees() {
+        for begin in 0..40u32 {
+            for end in begin..90 {
+                let mut at = begin;
+                for (level, first) in nodes(begin..end) {
+                    assert_eq!(first, at);
+                    let (length, parent) = (1 << level, first >> (level + 1) << (level + 1));
+                    assert!(first.is_multiple_of(length) && first + length <= end);
+                    assert!(parent < begin || parent + 2 * length > end, "{begin}..{end}: {first}");
+                    at += length;
+                }
+                assert_eq!(at, end);
+            }
         }
-        let left = tree(chunks, level - 1, 2 * index)?;
-        Some(tree(chunks, level - 1, 2 * index + 1).map_or(left, |right| left + right))
     }
 
+    /// A range in two parts has the nodes of the whole, once siblings are added.
     #[test]
-    fn sums_follow_the_tree_for_every_number_of_samples() {
-        let mut random = Stream::new(4);
-        let samples: Vec<Vec3> = (0..700)
-            .map(|_| Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform()))
-            .collect();
-        let mut sum = PixelSum::default();
-        for n in 1..=samples.len() {
-            let chunks: Vec<Vec3> = samples[..n]
-                .chunks(CHUNK as usize)
-                .map(|chunk| chunk.iter().fold(Vec3::ZERO, |sum, s| sum + s))
-                .collect();
-            for s in &samples[..n] {
-                sum.add(*s);
+    fn neighbouring_ranges_join() {
+        for begin in 0..20u32 {
+            for end in begin + 1..60 {
+                for split in begin..=end {
+                    let mut joined: Vec<(u32, u32)> = nodes(begin..split).collect();
+                    for node in nodes(split..end) {
+                        let siblings = left_siblings(begin, node);
+                        let rest = joined.len() - siblings;
+                        let first = joined.get(rest).map_or(node.1, |left| left.1.min(node.1));
+                        for (k, left) in joined[rest..].iter().rev().enumerate() {
+                            assert_eq!(left.0, node.0 + k as u32, "a sibling is as large");
+                        }
+                        joined.truncate(rest);
+                        joined.push((node.0 + siblings as u32, first));
+                    }
+                    let whole: Vec<_> = nodes(begin..end).collect();
+                    assert_eq!(joined, whole, "{begin}..{split}..{end}");
+                }
             }
-            let want = tree(&chunks, 10, 0).unwrap() / n as f32;
-            assert_eq!(sum.take_mean(), want, "{n} samples");
-            let (first, others) = samples[..n].split_at(n * 3 / 5);
-            sum.add_all(first.iter().copied());
-            sum.add_all(others.iter().copied());
-            assert_eq!(sum.take_mean(), want, "{n} samples at once");
         }
-        assert_eq!(sum.take_mean(), Vec3::ZERO);
     }
 }

@@ -1,7 +1,7 @@
-//! Tiles: the units of work.
+//! Rectangles of pixels.
 
 /// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tile {
     /// Left edge in the image.
     pub x: u32,
@@ -23,46 +23,74 @@ impl Tile {
     pub fn pixel(&self, index: u32) -> (u32, u32) {
         (self.x + index % self.width, self.y + index / self.width)
     }
+
+    /// Cut across the longer side.
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let Self { x, y, width, height } = *self;
+        if width >= height {
+            let left = width / 2;
+            [Self { width: left, ..*self }, Self { x: x + left, width: width - left, ..*self }]
+        } else {
+            let upper = height / 2;
+            [
+                Self { height: upper, ..*self },
+                Self { y: y + upper, height: height - upper, ..*self },
+            ]
+        }
+    }
 }
 
-/// The tiles that cover an image, row by row.
-#[derive(Clone, Copy, Debug)]
-pub struct Tiles {
-    width: u32,
-    height: u32,
-    size: u32,
+/// Parts of a tile, row by row: all about equally large, and about as wide as high.
+#[derive(Clone, Debug, Default)]
+pub struct Grid {
+    whole: Tile,
+    columns: u32,
+    rows: u32,
+    next: u64,
 }
 
-impl Tiles {
-    /// Tiles of side `size`, 1 or more; those at the right and lower edge may be smaller.
-    pub fn new(width: u32, height: u32, size: u32) -> Self {
-        Self { width, height, size }
+impl Grid {
+    /// Of parts of at most so many pixels, at least 1.
+    pub fn new(whole: Tile, pixels: u64) -> Self {
+        let Tile { width, height, .. } = whole;
+        let pixels = pixels.max(1);
+        let columns = u64::from(width).div_ceil(pixels.isqrt()).max(1);
+        let widest = u64::from(width).div_ceil(columns).max(1);
+        let rows = u64::from(height).div_ceil(pixels / widest);
+        Self { whole, columns: columns as u32, rows: rows as u32, next: 0 }
     }
 
-    /// How many.
-    pub fn count(&self) -> u64 {
-        let along = |side: u32| u64::from(side.div_ceil(self.size));
-        along(self.width) * along(self.height)
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        [self.columns, self.rows]
     }
 
-    /// Tile number `index`; `None` beyond the last.
-    pub fn get(&self, index: u64) -> Option<Tile> {
-        let Self { width, size, .. } = *self;
-        let across = u64::from(width.div_ceil(size));
-        let place = |index: u64| index as u32 * size;
-        (index < self.count()).then(|| self.at(place(index % across), place(index / across)))
+    /// Pixels of the largest part.
+    pub fn most_pixels(&self) -> u64 {
+        let Tile { width, height, .. } = self.whole;
+        u64::from(width.div_ceil(self.columns)) * u64::from(height.div_ceil(self.rows))
     }
 
-    /// The tile of pixel `(x, y)`.
-    pub fn at(&self, x: u32, y: u32) -> Tile {
-        let Self { width, height, size } = *self;
-        let (x, y) = (x - x % size, y - y % size);
-        Tile { x, y, width: size.min(width - x), height: size.min(height - y) }
+    /// The part in a column and a row.
+    pub fn part(&self, column: u32, row: u32) -> Tile {
+        let cut = |begin: u32, length: u32, parts: u32, part: u32| {
+            let at = |part: u32| (u64::from(length) * u64::from(part) / u64::from(parts)) as u32;
+            (begin + at(part), at(part + 1) - at(part))
+        };
+        let (x, width) = cut(self.whole.x, self.whole.width, self.columns, column);
+        let (y, height) = cut(self.whole.y, self.whole.height, self.rows, row);
+        Tile { x, y, width, height }
     }
+}
 
-    /// All of them.
-    pub fn iter(self) -> impl Iterator<Item = Tile> {
-        (0..self.count()).filter_map(move |index| self.get(index))
+impl Iterator for Grid {
+    type Item = Tile;
+
+    fn next(&mut self) -> Option<Tile> {
+        let (columns, rows) = (u64::from(self.columns), u64::from(self.rows));
+        let number = (self.next < columns * rows).then_some(self.next)?;
+        self.next += 1;
+        Some(self.part((number % columns) as u32, (number / columns) as u32))
     }
 }
 
@@ -70,22 +98,32 @@ impl Tiles {
 mod tests {
     use super::*;
 
-    #[test]
-    fn tiles_cover_every_pixel_once() {
-        for (width, height, size) in [(1, 1, 16), (33, 16, 16), (7, 90, 1), (100, 3, 64)] {
-            let mut covered = vec![0; (width * height) as usize];
-            let tiles = Tiles::new(width, height, size);
-            assert_eq!(tiles.iter().count() as u64, tiles.count());
-            for tile in tiles.iter() {
-                assert!(tile.width > 0 && tile.height > 0);
-                for y in tile.y..tile.y + tile.height {
-                    for x in tile.x..tile.x + tile.width {
-                        covered[(y * width + x) as usize] += 1;
-                        assert_eq!(tiles.at(x, y), tile);
-                    }
-                }
+    fn cover(whole: Tile, parts: impl Iterator<Item = Tile>) {
+        let mut covered = vec![0; whole.pixels() as usize];
+        for part in parts {
+            assert!(part.width > 0 && part.height > 0, "{part:?}");
+            for index in 0..part.pixels() as u32 {
+                let (x, y) = part.pixel(index);
+                covered[((y - whole.y) * whole.width + x - whole.x) as usize] += 1;
             }
-            assert!(covered.iter().all(|&n| n == 1));
+        }
+        assert!(covered.iter().all(|&times| times == 1), "{whole:?}");
+    }
+
+    #[test]
+    fn parts_cover_every_pixel_once() {
+        for (width, height) in [(1, 1), (33, 16), (7, 90), (100, 3), (400, 400)] {
+            let whole = Tile { x: 5, y: 8, width, height };
+            for pixels in [0, 1, 2, 3, 16, 100, 512, 1 << 20] {
+                let grid = Grid::new(whole, pixels);
+                let most = grid.most_pixels();
+                assert!(most <= pixels.max(1), "{whole:?}: {most} of {pixels}");
+                assert!(grid.clone().all(|part| part.pixels() <= most));
+                cover(whole, grid);
+            }
+            if whole.pixels() > 1 {
+                cover(whole, whole.halves().into_iter());
+            }
         }
     }
 }

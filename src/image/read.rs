@@ -6,7 +6,7 @@ use std::path::Path;
 
 use image::{DynamicImage, ImageError, ImageReader, Limits};
 
-use super::{Image, Transfer};
+use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
 use crate::input;
 
@@ -51,6 +51,27 @@ pub(super) fn read(path: &Path) -> Result<Image> {
     }
     })?;
     Ok(to_linear(decoded, transfer))
+}
+
+/// What a PNG or EXR file says of itself.
+pub(super) fn metadata(path: &Path) -> Result<Metadata> {
+    let bad = |message: String| Error::input(path.display().to_string(), "", message);
+    let file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;
+    let entries = |all: Metadata, (key, value): (&str, String)| all.with(key, value);
+    if Format::of_path(path)? == Format::Exr {
+        let exr = exr::meta::MetaData::read_from_buffered(file, false);
+        let headers = exr.map_err(|error| bad(error.to_string()))?.headers;
+        let comments = headers.first().and_then(|header| header.own_attributes.comments.as_ref());
+        let text = comments.map(ToString::to_string).unwrap_or_default();
+        let lines = text.lines().filter_map(|line| line.split_once(": "));
+        return Ok(lines
+            .map(|(key, value)| (key, value.to_owned()))
+            .fold(Metadata::default(), entries));
+    }
+    let reader = png::Decoder::new(file).read_info().map_err(|error| bad(error.to_string()))?;
+    let texts = reader.info().utf8_text.iter();
+    let texts = texts.filter_map(|chunk| Some((chunk.keyword.as_str(), chunk.get_text().ok()?)));
+    Ok(texts.fold(Metadata::default(), entries))
 }
 
 fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {

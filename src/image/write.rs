@@ -18,6 +18,20 @@ impl Metadata {
         self.0.push((key.to_owned(), value.to_string()));
         self
     }
+
+    /// The value of the entry `key`.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        let entry = self.0.iter().find(|(name, _)| name == key);
+        entry.map(|(_, value)| value.as_str())
+    }
+
+    /// What the file `path` says of itself: PNG and EXR files do, if ptfast wrote them.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or is no such image.
+    pub fn read(path: &Path) -> Result<Self> {
+        super::read::metadata(path)
+    }
 }
 
 /// The image formats that can be written.

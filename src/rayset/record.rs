@@ -7,7 +7,6 @@ use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
 use crate::error::Result;
-use crate::film::Tiles;
 use crate::scene::Scene;
 
 /// Paths that are traced together, segment by segment.
@@ -66,10 +65,13 @@ fn for_each_ray(
     settings: &RenderSettings,
     mut visit: impl FnMut(RayKind, &TracedRay),
 ) {
-    let paths = Tiles::new(settings.width, settings.height, TILE).iter().flat_map(|tile| {
-        (0..settings.spp).flat_map(move |sample| {
-            (tile.y..tile.y + tile.height)
-                .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| (x, y, sample)))
+    let RenderSettings { width, height, spp, .. } = *settings;
+    let starts = |side: u32| (0..side).step_by(TILE as usize);
+    let within = |start: u32, side: u32| start..side.min(start + TILE);
+    let tiles = starts(height).flat_map(|top| starts(width).map(move |left| (left, top)));
+    let paths = tiles.flat_map(|(left, top)| {
+        (0..spp).flat_map(move |sample| {
+            within(top, height).flat_map(move |y| within(left, width).map(move |x| (x, y, sample)))
         })
     });
     let mut paths = paths.peekable();

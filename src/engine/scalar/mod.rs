@@ -8,14 +8,14 @@ mod path;
 
 use glam::Vec3;
 
-use super::contract::counted;
 use super::dimension::{Dimension, Randoms};
-use super::renderer::{TileEngine, TileResult, TileWorker};
+use super::renderer::{UnitEngine, UnitWorker};
+use super::rendering::Taken;
 use super::settings::RenderSettings;
 use super::stats::WaveStats;
-use super::tally::RayCounts;
+use super::tally::Tally;
 use crate::accel::Bvh2;
-use crate::film::{PixelSum, Tile};
+use crate::film::{Part, Plane, Unit};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
 use crate::scene::{CameraFrame, CameraSample, Scene};
@@ -54,76 +54,56 @@ impl<'a> ScalarEngine<'a> {
     }
 }
 
-/// Samples between two reports of progress.
-const REPORT_EVERY: u64 = 4096;
-
-impl TileEngine for ScalarEngine<'_> {
-    fn worker(&self) -> Box<dyn TileWorker + '_> {
-        // It has no state between tiles.
+impl UnitEngine for ScalarEngine<'_> {
+    fn worker(&self, _: u64) -> Box<dyn UnitWorker + '_> {
+        // It has no state between units.
         Box::new(self)
     }
 
-    fn tile_size(&self) -> u32 {
-        match self.settings.tile_size {
-            0 => 32,
-            size => size,
-        }
+    fn unit_paths(&self) -> u32 {
+        1 << 12
     }
 }
 
-impl TileWorker for &ScalarEngine<'_> {
-    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
+impl UnitWorker for &ScalarEngine<'_> {
+    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         if self.settings.count {
             let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
-            let (result, counting) = self.trace_tile(tile, tree, report);
-            TileResult { waves: counting.stats, ..result }
+            let (taken, counting) = self.trace(unit, tree, abandon)?;
+            Some(Taken { waves: counting.stats, ..taken })
         } else {
-            self.trace_tile(tile, self.tree(), report).0
+            self.trace(unit, self.tree(), abandon).map(|(taken, _)| taken)
         }
     }
 }
 
 impl ScalarEngine<'_> {
-    /// Renders `tile` with what finds the hits, and gives that back.
-    fn trace_tile<I: Intersect>(
+    /// Traces the samples of `unit` with what finds the hits, and gives that back.
+    fn trace<I: Intersect>(
         &self,
-        tile: Tile,
+        unit: Unit,
         intersect: I,
-        report: &dyn Fn(u64, u64),
-    ) -> (TileResult, I) {
-        let mut result = TileResult::default();
+        abandon: &dyn Fn() -> bool,
+    ) -> Option<(Taken, I)> {
+        let mut tally = Tally::default();
+        let mut sums = Plane::with_capacity(unit.tile.pixels() as usize);
         let mut tracer = PathTracer::new(self.scene, intersect, &self.settings);
-        let mut sum = PixelSum::default();
-        let mut reported = RayCounts::default();
-        for y in tile.y..tile.y + tile.height {
-            for x in tile.x..tile.x + tile.width {
-                for sample in 0..self.settings.spp {
-                    let (ray, key) = self.camera_ray(x, y, sample);
-                    let radiance = tracer.radiance(ray, key);
-                    match counted(radiance, self.settings.clamp) {
-                        Some((radiance, clamped)) => {
-                            sum.add(radiance);
-                            result.tally.clamped += u64::from(clamped);
-                        }
-                        None => {
-                            sum.add(Vec3::ZERO);
-                            result.tally.non_finite.note(x, y, sample);
-                        }
-                    }
-                    let samples = tracer.rays.primary - reported.primary;
-                    if samples == REPORT_EVERY {
-                        report(samples, tracer.rays.total() - reported.total());
-                        reported = tracer.rays;
-                    }
-                }
-                result.pixels.push(sum.take_mean().to_array());
+        for pixel in 0..unit.tile.pixels() as u32 {
+            let (x, y) = unit.tile.pixel(pixel);
+            let mut sum = Vec3::ZERO;
+            for sample in unit.first..unit.end {
+                let (ray, key) = self.camera_ray(x, y, sample);
+                let radiance = tracer.radiance(ray, key);
+                sum += tally.counted(radiance, self.settings.clamp, (x, y, sample));
+            }
+            sums.push(sum.to_array());
+            if abandon() {
+                return None;
             }
         }
-        let rays = tracer.rays.total() - reported.total();
-        report(tracer.rays.primary - reported.primary, rays);
-        result.tally.rays = tracer.rays;
-        result.tally.endings = tracer.endings;
-        (result, tracer.intersect)
+        (tally.rays, tally.endings) = (tracer.rays, tracer.endings);
+        let (waves, laps) = (WaveStats::default(), Vec::new());
+        Some((Taken { part: Part { unit, sums }, tally, waves, laps }, tracer.intersect))
     }
 }
 

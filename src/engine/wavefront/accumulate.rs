@@ -1,95 +1,74 @@
-//! Accumulate: samples become pixels, in the order that every engine keeps.
-
-use std::ops::Range;
+//! Accumulate: samples become sums of pixels, in the order that every engine keeps.
 
 use glam::Vec3;
 
 use super::paths::Paths;
-use crate::engine::contract::counted;
-use crate::engine::renderer::TileResult;
 use crate::engine::settings::RenderSettings;
-use crate::film::{PixelSum, Tile};
+use crate::engine::tally::Tally;
+use crate::film::{Part, Unit};
 
-/// Adds the samples of `paths`, which are number `range` of `tile`, to the pixel that `sum` is at, and
-/// to those that follow.
+/// Adds the samples of `paths`, which are those of `unit`, pixel by pixel.
 #[inline(never)]
 pub(super) fn accumulate(
     paths: &Paths,
-    tile: Tile,
-    range: Range<u64>,
+    unit: Unit,
     settings: &RenderSettings,
-    sum: &mut PixelSum,
-    result: &mut TileResult,
-) {
-    let RenderSettings { spp, clamp, .. } = *settings;
-    let (mut pixel, mut sample) =
-        ((range.start / u64::from(spp)) as u32, (range.start % u64::from(spp)) as u32);
-    let (mut first, count) = (0, (range.end - range.start) as usize);
-    while first < count {
-        let end = count.min(first + (spp - sample) as usize);
-        let radiances = paths.radiances(first..end);
+    tally: &mut Tally,
+) -> Part {
+    let samples = unit.samples() as usize;
+    let mut sum = |pixel: u32| {
+        let first = pixel as usize * samples;
+        let radiances = paths.radiances(first..first + samples);
         // Nearly always.
-        if clamp == f32::INFINITY && radiances.clone().all(|radiance| radiance.is_finite()) {
-            sum.add_all(radiances);
-        } else {
-            let (x, y) = tile.pixel(pixel);
-            for (sample, radiance) in (sample..).zip(radiances) {
-                let counted = counted(radiance, clamp);
-                let (radiance, clamped) = counted.unwrap_or((Vec3::ZERO, false));
-                sum.add(radiance);
-                result.tally.clamped += u64::from(clamped);
-                if counted.is_none() {
-                    result.tally.non_finite.note(x, y, sample);
-                }
-            }
+        if settings.clamp == f32::INFINITY && radiances.clone().all(|radiance| radiance.is_finite())
+        {
+            return radiances.fold(Vec3::ZERO, |sum, radiance| sum + radiance).to_array();
         }
-        sample += (end - first) as u32;
-        if sample == spp {
-            result.pixels.push(sum.take_mean().to_array());
-            (pixel, sample) = (pixel + 1, 0);
-        }
-        first = end;
-    }
+        let (x, y) = unit.tile.pixel(pixel);
+        let counted = (unit.first..)
+            .zip(radiances)
+            .map(|(sample, radiance)| tally.counted(radiance, settings.clamp, (x, y, sample)));
+        counted.fold(Vec3::ZERO, |sum, radiance| sum + radiance).to_array()
+    };
+    Part { unit, sums: (0..unit.tile.pixels() as u32).map(&mut sum).collect() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Tile;
     use crate::math::random::Stream;
     use crate::simd::{Int, Vec3x};
 
-    /// Waves that begin and end within pixels, and samples that are not finite.
+    /// And those that are not finite are counted.
     #[test]
     fn samples_go_to_their_pixels() {
         let tile = Tile { x: 3, y: 5, width: 4, height: 2 };
-        let (spp, mut random) = (21u32, Stream::new(9));
+        let unit = Unit { tile, first: 32, end: 47 };
+        let mut random = Stream::new(9);
         let scene = crate::scene::Scene::load("cornell").unwrap();
-        let settings = RenderSettings { spp, ..RenderSettings::of(&scene) };
-        let samples: Vec<Vec3> = (0..8 * spp)
+        let settings = RenderSettings::of(&scene);
+        let samples: Vec<Vec3> = (0..8 * 15)
             .map(|i| match i % 37 {
                 5 => Vec3::new(1.0, f32::NAN, 0.0),
                 6 => Vec3::X * f32::INFINITY,
                 _ => Vec3::splat(random.uniform()),
             })
             .collect();
-        let (mut sum, mut result) = (PixelSum::default(), TileResult::default());
-        for range in [0..5u64, 5..60, 60..63, 63..168] {
-            let mut paths = Paths::new(168);
-            for (path, sample) in (0..).zip(&samples[range.start as usize..range.end as usize]) {
-                let indices = paths.indices(Int::splat(path));
-                paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
-            }
-            accumulate(&paths, tile, range, &settings, &mut sum, &mut result);
+        let mut paths = Paths::new(samples.len());
+        for (path, sample) in (0..).zip(&samples) {
+            let indices = paths.indices(Int::splat(path));
+            paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
         }
-        let mut want = PixelSum::default();
-        for (pixel, samples) in samples.chunks(spp as usize).enumerate() {
-            for sample in samples {
-                want.add(if sample.is_finite() { *sample } else { Vec3::ZERO });
-            }
-            assert_eq!(result.pixels[pixel], want.take_mean().to_array(), "pixel {pixel}");
+        let mut tally = Tally::default();
+        let part = accumulate(&paths, unit, &settings, &mut tally);
+        assert_eq!(part.unit, unit);
+        for (got, samples) in part.sums.iter().zip(samples.chunks(15)) {
+            let finite = samples.iter().filter(|sample| sample.is_finite());
+            assert_eq!(*got, finite.fold(Vec3::ZERO, |sum, sample| sum + sample).to_array());
         }
         let wrong = samples.iter().filter(|sample| !sample.is_finite()).count();
-        assert_eq!(result.tally.non_finite.count, wrong as u64);
-        assert_eq!(result.tally.non_finite.first, Some((3, 5, 5)));
+        assert_eq!(tally.non_finite.count, wrong as u64);
+        assert_eq!(tally.non_finite.first, Some((3, 5, 37)));
     }
 }

@@ -119,7 +119,7 @@ mod tests {
 
     fn plan(ordered: bool, kernel: Kernel) -> Plan {
         let way = SegmentPlan { ordered, closest: kernel, occluded: kernel };
-        Plan { wave_size: 100, tile_size: 10, segments: vec![way] }
+        Plan { wave_size: 100, segments: vec![way] }
     }
 
     const USUAL: SegmentPlan =

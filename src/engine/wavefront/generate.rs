@@ -1,31 +1,28 @@
 //! Generate: camera rays.
 
-use std::ops::Range;
-
 use super::paths::{History, Paths, Segment};
 use super::rays::Rays;
 use crate::accel::RayVector;
 use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
-use crate::film::Tile;
+use crate::film::Unit;
 use crate::math::random::PixelKey;
 use crate::scene::CameraFrame;
 use crate::simd::random::PathKeys;
 use crate::simd::warp::uniform_disk;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
-/// Makes the paths number `range` of `tile`, whose pixels go row by row with all their samples.
+/// Makes the paths of `unit`, whose pixels go row by row with their samples.
 #[inline(never)]
 pub(super) fn generate(
     camera: &CameraFrame,
     settings: &RenderSettings,
-    tile: Tile,
-    range: Range<u64>,
+    unit: Unit,
     paths: &mut Paths,
     rays: &mut Rays,
 ) {
-    let mut samples = Samples::new(settings, tile, range.start);
-    let count = (range.end - range.start) as usize;
+    let mut samples = Samples::new(settings, unit);
+    let count = unit.paths() as usize;
     rays.begin(count);
     for first in (0..count).step_by(LANES) {
         let sampled = samples.next_lanes();
@@ -70,10 +67,10 @@ fn camera_rays(camera: &CameraFrame, x: Int, y: Int, randoms: &Randoms<PathKeys>
     }
 }
 
-/// Goes through the samples of a tile's pixels.
+/// Goes through the samples of a unit's pixels.
 struct Samples<'a> {
     settings: &'a RenderSettings,
-    tile: Tile,
+    unit: Unit,
     x: u32,
     y: u32,
     sample: u32,
@@ -90,17 +87,14 @@ struct SampleLanes {
 }
 
 impl<'a> Samples<'a> {
-    /// From path number `first` of `tile` on.
-    fn new(settings: &'a RenderSettings, tile: Tile, first: u64) -> Self {
-        let spp = u64::from(settings.spp);
-        let (pixel, sample) = ((first / spp) as u32, (first % spp) as u32);
-        let (x, y) = tile.pixel(pixel);
-        Self { settings, tile, x, y, sample, key: PixelKey::new(settings.seed, x, y) }
+    fn new(settings: &'a RenderSettings, unit: Unit) -> Self {
+        let (x, y) = (unit.tile.x, unit.tile.y);
+        Self { settings, unit, x, y, sample: unit.first, key: PixelKey::new(settings.seed, x, y) }
     }
 
     #[inline(always)]
     fn next_lanes(&mut self) -> SampleLanes {
-        if self.settings.spp - self.sample >= LANES as u32 {
+        if self.unit.end - self.sample >= LANES as u32 {
             let (first, second) = self.key.words();
             let lanes = SampleLanes {
                 x: Int::splat(self.x),
@@ -127,11 +121,12 @@ impl<'a> Samples<'a> {
     }
 
     fn next_pixel_at_end(&mut self) {
-        if self.sample == self.settings.spp {
-            self.sample = 0;
+        if self.sample == self.unit.end {
+            let tile = self.unit.tile;
+            self.sample = self.unit.first;
             self.x += 1;
-            if self.x == self.tile.x + self.tile.width {
-                (self.x, self.y) = (self.tile.x, self.y + 1);
+            if self.x == tile.x + tile.width {
+                (self.x, self.y) = (tile.x, self.y + 1);
             }
             self.key = PixelKey::new(self.settings.seed, self.x, self.y);
         }

@@ -18,17 +18,17 @@ mod shade;
 mod sort;
 mod trial;
 
-use std::ops::Range;
 use std::time::Instant;
 
 use rayon::ThreadPool;
 
-use super::renderer::{TileEngine, TileResult, TileWorker};
+use super::renderer::{UnitEngine, UnitWorker};
+use super::rendering::Taken;
 use super::settings::RenderSettings;
 use super::stats::{Stage, StageWork, Stopwatch};
-use super::tally::Endings;
+use super::tally::{Endings, Tally};
 use crate::accel::{Accelerator, HitBatch};
-use crate::film::{PixelSum, Tile};
+use crate::film::Unit;
 use crate::geometry::lanes::Surfaces;
 use crate::scene::{CameraFrame, Scene};
 use accumulate::accumulate;
@@ -41,7 +41,6 @@ use light::LightTable;
 use materials::Materials;
 use order::{Next, order};
 use paths::Paths;
-use plan::wave_length;
 pub use plan::{Plan, Planning, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
@@ -105,13 +104,13 @@ impl<'a> WavefrontEngine<'a> {
     }
 }
 
-impl TileEngine for WavefrontEngine<'_> {
-    fn worker(&self) -> Box<dyn TileWorker + '_> {
-        Box::new(Worker::new(&self.prepared, &self.plan))
+impl UnitEngine for WavefrontEngine<'_> {
+    fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_> {
+        Box::new(Worker::new(&self.prepared, &self.plan, paths))
     }
 
-    fn tile_size(&self) -> u32 {
-        self.plan.tile_size
+    fn unit_paths(&self) -> u32 {
+        self.plan.wave_size
     }
 
     fn plan(&self) -> Option<(&Plan, Planning, f64)> {
@@ -157,59 +156,29 @@ struct Worker<'a> {
     prepared: &'a Prepared<'a>,
     plan: &'a Plan,
     wave: Wave,
-    /// The pixel whose samples are being added.
-    sum: PixelSum,
-    result: TileResult,
     watch: Stopwatch,
 }
 
 impl<'a> Worker<'a> {
-    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan) -> Self {
-        let paths = plan.tile_paths(&prepared.settings);
-        let capacity = paths.min(u64::from(plan.wave_size)) as usize;
-        Self {
-            prepared,
-            plan,
-            wave: Wave::new(prepared, capacity),
-            sum: PixelSum::default(),
-            result: TileResult::default(),
-            watch: Stopwatch::new(prepared.settings.timeline),
-        }
+    /// For units of at most so many `paths`.
+    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan, paths: u64) -> Self {
+        let watch = Stopwatch::new(prepared.settings.timeline);
+        Self { prepared, plan, wave: Wave::new(prepared, paths as usize), watch }
     }
 
-    /// Starts over, by another plan.
-    fn reset(&mut self, plan: &'a Plan) {
-        self.plan = plan;
-        self.sum = PixelSum::default();
-        self.result = TileResult::default();
-        self.watch = Stopwatch::new(false);
-    }
-
-    /// Takes the paths number `range` of `tile` wave after wave. Tells `report` how many paths and
-    /// rays these were.
-    fn trace_all(&mut self, tile: Tile, range: Range<u64>, report: &dyn Fn(u64, u64)) {
-        let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
-        let length = wave_length(paths, self.plan.wave_size);
-        for first in range.clone().step_by(length as usize) {
-            let end = range.end.min(first + length);
-            let before = self.result.tally.rays.total();
-            self.trace(tile, first..end);
-            report(end - first, self.result.tally.rays.total() - before);
-        }
-    }
-
-    /// Takes the paths number `range` of `tile` from the camera to the film.
+    /// Takes the paths of `unit` from the camera to the film, unless they are to be abandoned.
     ///
     /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
-    fn trace(&mut self, tile: Tile, range: Range<u64>) {
-        let Self { prepared, plan, wave, sum, result, watch } = self;
+    fn trace(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+        let Self { prepared, plan, wave, watch } = self;
         let Prepared { scene, settings, camera, accelerator, materials, lights, surfaces, cells } =
             prepared;
         let Wave { paths, rays, hits, queues, shadows, next } = wave;
+        let mut tally = Tally::default();
         watch.start();
 
-        generate(camera, settings, tile, range.clone(), paths, rays);
-        result.tally.rays.primary += rays.len() as u64;
+        generate(camera, settings, unit, paths, rays);
+        tally.rays.primary += rays.len() as u64;
         watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
 
         for segment in 1..=settings.depth {
@@ -237,33 +206,33 @@ impl<'a> Worker<'a> {
                 let counters =
                     connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
                 let work = StageWork::of(shadows.rays.len());
-                result.tally.rays.shadow += work.active;
+                tally.rays.shadow += work.active;
                 watch.lap(Stage::Connect, segment, StageWork { counters, ..work });
             }
 
             if next.len() == 0 {
                 break;
             }
+            if abandon() {
+                return None;
+            }
             order(next, plan.segment(segment + 1).ordered, paths, rays);
-            result.tally.rays.bounce += rays.len() as u64;
+            tally.rays.bounce += rays.len() as u64;
             watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
 
-        let samples = (range.end - range.start) as usize;
-        accumulate(paths, tile, range, settings, sum, result);
-        watch.lap(Stage::Accumulate, 1, StageWork::of(samples));
+        let part = accumulate(paths, unit, settings, &mut tally);
+        watch.lap(Stage::Accumulate, 1, StageWork::of(unit.paths() as usize));
+        let (waves, laps) = watch.take();
+        for segment in &waves.segments {
+            tally.endings.add(&segment.endings);
+        }
+        Some(Taken { part, tally, waves, laps })
     }
 }
 
-impl TileWorker for Worker<'_> {
-    fn render_tile(&mut self, tile: Tile, report: &dyn Fn(u64, u64)) -> TileResult {
-        let paths = tile.pixels() * u64::from(self.prepared.settings.spp);
-        self.trace_all(tile, 0..paths, report);
-        self.result.waves = std::mem::take(&mut self.watch.stats);
-        self.result.laps = self.watch.laps.as_mut().map(std::mem::take).unwrap_or_default();
-        for segment in &self.result.waves.segments {
-            self.result.tally.endings.add(&segment.endings);
-        }
-        std::mem::take(&mut self.result)
+impl UnitWorker for Worker<'_> {
+    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+        self.trace(unit, abandon)
     }
 }

@@ -1,17 +1,16 @@
 //! Trials: what might be fastest is tried, on all threads at the same time as in a render.
 
-use std::ops::Range;
 use std::sync::Mutex;
 
 use rayon::ThreadPool;
 
 use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
-use super::plan::{Plan, Planning, SegmentPlan, tile_size};
+use super::plan::{Plan, Planning, SegmentPlan};
 use super::{Prepared, Worker};
 use crate::accel::Kernel;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
-use crate::film::{Tile, Tiles};
+use crate::film::{CHUNK, Grid, Tile, Unit};
 
 /// Sizes of waves that are tried.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
@@ -48,22 +47,17 @@ pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> (Plan, Pl
         _ => Plan { segments: planned.map(segment).collect(), ..usual },
     };
 
-    let sizes = each_size(settings, &plan, pool.current_num_threads());
+    let sizes = each_size(settings, &plan);
     let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
     let planning =
         if ways_tried || !tried.is_empty() { Planning::Measured } else { Planning::Usual };
     (fastest(&tried).map_or(plan, |size| size.plan.clone()), planning)
 }
 
-/// `plan` with each size of waves that may be chosen, and that tiles have paths enough for.
-fn each_size(settings: &RenderSettings, plan: &Plan, threads: usize) -> Vec<Plan> {
-    let sizes = SIZES.map(|wave_size| Plan {
-        wave_size,
-        tile_size: tile_size(settings, wave_size, threads),
-        ..plan.clone()
-    });
-    let fills = |plan: &Plan| plan.tile_paths(settings) >= u64::from(plan.wave_size);
-    sizes.into_iter().filter(|plan| settings.wave_size == 0 && fills(plan)).collect()
+/// `plan` with each size of waves that may be chosen.
+fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
+    let sizes = SIZES.map(|wave_size| Plan { wave_size, ..plan.clone() });
+    sizes.into_iter().filter(|_| settings.wave_size == 0).collect()
 }
 
 /// All ways that might be fastest, each for all segments.
@@ -95,17 +89,21 @@ fn try_all<'a>(
         prepared.accelerator.prepare(segment.occluded);
     }
     let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
+    // A pixel may have more than a wave.
+    let room = paths.max(u64::from(CHUNK));
     // All threads take their waves by the same plan at the same time.
     let take = |plan: &'a Plan, round: u64| {
         let paths = if round == 0 { paths.div_ceil(effort.first) } else { paths };
         pool.broadcast(|thread| {
             let number = round * threads + thread.index() as u64;
-            let (tile, range) = sample(&prepared.settings, plan, number, paths);
             let mut worker = workers[thread.index()].lock().expect("no thread panicked");
-            let worker = worker.get_or_insert_with(|| Worker::new(prepared, largest));
-            worker.reset(plan);
-            worker.trace_all(tile, range, &|_, _| ());
-            std::mem::take(&mut worker.watch.stats)
+            let worker = worker.get_or_insert_with(|| Worker::new(prepared, largest, room));
+            worker.plan = plan;
+            let units = units(&prepared.settings, plan, number, paths);
+            units
+                .filter_map(|unit| worker.trace(unit, &|| false))
+                .map(|taken| taken.waves)
+                .collect()
         })
     };
 
@@ -114,7 +112,7 @@ fn try_all<'a>(
     let mut tried: Vec<_> = plans.iter().map(Tried::new).collect();
     for round in 0..rounds {
         for tried in &mut tried {
-            tried.waves.extend::<Vec<WaveStats>>(take(tried.plan, round));
+            tried.waves.extend(take(tried.plan, round).into_iter().map(sum));
         }
         tried = without_those_behind(tried, round);
         // Each is the first in its turn, for which nothing is in the caches yet.
@@ -135,19 +133,33 @@ impl Effort {
     }
 }
 
-/// A tile, and the range of its paths that a trial takes: about pixel number `number` of a sequence
-/// that spreads in both directions (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences").
-fn sample(settings: &RenderSettings, plan: &Plan, number: u64, paths: u64) -> (Tile, Range<u64>) {
+/// What a thread did for the units of a trial.
+fn sum(waves: Vec<WaveStats>) -> WaveStats {
+    waves.iter().fold(WaveStats::default(), |mut sum, wave| {
+        sum.add(wave);
+        sum
+    })
+}
+
+/// The units that a trial takes, about so many paths: of neighbouring pixels at place number `number` of a
+/// sequence that spreads in both directions (Roberts 2018, "The unreasonable effectiveness of
+/// quasirandom sequences").
+fn units(
+    settings: &RenderSettings,
+    plan: &Plan,
+    number: u64,
+    paths: u64,
+) -> impl Iterator<Item = Unit> {
+    let RenderSettings { width, height, spp, .. } = *settings;
+    let wave = u64::from(plan.wave_size);
+    let samples = spp.min(CHUNK);
+    let parts = |whole: Tile, paths: u64| Grid::new(whole, paths / u64::from(samples));
+    let image = parts(Tile { x: 0, y: 0, width, height }, paths);
     let place =
-        |side: u32, step: f64| ((0.5 + number as f64 * step).fract() * f64::from(side)) as u32;
-    let (x, y) = (place(settings.width, 0.754_877_666), place(settings.height, 0.569_840_291));
-    let tile = Tiles::new(settings.width, settings.height, plan.tile_size).at(x, y);
-    let (spp, pixel) = (u64::from(settings.spp), (y - tile.y) * tile.width + x - tile.x);
-    let end = tile.pixels() * spp;
-    // Far enough from the tile's end.
-    let first = (u64::from(pixel) * spp).min(end.saturating_sub(paths));
-    (tile, first..end.min(first + paths))
+        |parts: u32, step: f64| ((0.5 + number as f64 * step).fract() * f64::from(parts)) as u32;
+    let [columns, rows] = image.size();
+    let around = image.part(place(columns, 0.754_877_666), place(rows, 0.569_840_291));
+    parts(around, wave).map(move |tile| Unit { tile, first: 0, end: samples })
 }
 
 #[cfg(test)]
@@ -172,34 +184,36 @@ mod tests {
 
     fn plan() -> Plan {
         let way = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
-        Plan { wave_size: 1 << 14, tile_size: 32, segments: vec![way] }
+        Plan { wave_size: 1 << 14, segments: vec![way] }
     }
 
     #[test]
-    fn samples_come_from_all_over_the_image() {
+    fn units_come_from_all_over_the_image() {
         for (side, spp) in [(512, 64), (1024, 8), (1024, 256), (4096, 16), (40, 4096)] {
             let settings = settings(side, spp);
             let mut quarters = [0; 4];
             for number in 0..12 {
-                let (tile, range) = sample(&settings, &plan(), number, 1 << 14);
-                let spp = u64::from(spp);
-                assert!(range.start < range.end && range.end <= tile.pixels() * spp);
-                assert!(range.end - range.start <= 1 << 14);
-                let (x, y) = tile.pixel((range.start / spp) as u32);
-                quarters[(2 * x / side + 2 * (2 * y / side)) as usize] += 1;
+                let units: Vec<Unit> = units(&settings, &plan(), number, 1 << 15).collect();
+                let paths: u64 = units.iter().map(Unit::paths).sum();
+                assert!((1 << 14..=1 << 15).contains(&paths), "{side} {spp}: {paths} paths");
+                for Unit { tile: Tile { x, y, width, height }, end, .. } in units {
+                    assert!(end <= spp);
+                    for (x, y) in [(x, y), (x + width - 1, y + height - 1)] {
+                        quarters[(2 * x / side + 2 * (2 * y / side)) as usize] += 1;
+                    }
+                }
             }
             assert!(quarters.iter().all(|&n| n > 0), "{side} {spp}: {quarters:?}");
         }
     }
 
     #[test]
-    fn sizes_are_tried_where_tiles_have_paths_for_them() {
+    fn sizes_are_tried_where_none_is_given() {
         let sizes = |settings: &RenderSettings| -> Vec<u32> {
-            each_size(settings, &plan(), 2).iter().map(|plan| plan.wave_size).collect()
+            each_size(settings, &plan()).iter().map(|plan| plan.wave_size).collect()
         };
         let large = settings(400, 100);
         assert_eq!(sizes(&large), SIZES);
-        assert_eq!(sizes(&RenderSettings { tile_size: 13, ..large.clone() }), SIZES[..2]);
         assert!(sizes(&RenderSettings { wave_size: 5000, ..large.clone() }).is_empty());
 
         let scene = Scene::load("cornell").unwrap();
@@ -207,7 +221,7 @@ mod tests {
         let (pool, _) = pool::start(1, Pin::Off).unwrap();
         let tried = |spp| {
             let prepared = Prepared::new(&scene, &render(spp));
-            let sizes = each_size(&render(spp), &plan(), 1);
+            let sizes = each_size(&render(spp), &plan());
             try_all(&prepared, &pool, &sizes, SIZES_EFFORT).len()
         };
         assert_eq!(tried(100), 0);

@@ -1,0 +1,161 @@
+//! Checkpoints in files.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
+use std::ops::Range;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Checkpoint, Identity, Shard};
+use crate::engine::{Rendering, Tally};
+use crate::error::{Error, Result};
+use crate::film::{CHUNK, Film};
+use crate::input;
+use crate::limits::{check_image, check_sampling};
+use crate::output::write_atomically;
+
+/// The first line.
+const MAGIC: &[u8] = b"ptfast film\n";
+/// The version of the format.
+const SCHEMA: u32 = 1;
+/// Bytes of the second line, at most.
+const MOST_HEADER: u64 = 1 << 16;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Header {
+    schema: u32,
+    scene: String,
+    identity: Identity,
+    shard: Option<Shard>,
+    samples: [u32; 2],
+    tally: Tally,
+    seconds: f64,
+}
+
+impl Checkpoint {
+    /// Writes it to `path`: whole or not at all.
+    ///
+    /// # Errors
+    /// Where `path` cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let Rendering { film, tally, seconds, .. } = &self.rendering;
+        let Range { start, end } = film.samples();
+        let header = Header {
+            schema: SCHEMA,
+            scene: self.scene.clone(),
+            identity: self.identity.clone(),
+            shard: self.shard,
+            samples: [start, end],
+            tally: tally.clone(),
+            seconds: *seconds,
+        };
+        write_atomically(path, |file| {
+            let mut file = Hashing { inner: file, hasher: blake3::Hasher::new() };
+            file.write_all(MAGIC)?;
+            serde_json::to_writer(&mut file, &header)?;
+            file.write_all(b"\n")?;
+            film.write(&mut file)?;
+            let hash = file.hasher.finalize();
+            file.inner.write_all(hash.as_bytes())
+        })
+    }
+
+    /// Reads one from `path`.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is no checkpoint, of a version that is not known, or damaged.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bad = |message: String| Error::input(path.display().to_string(), "", message);
+        let failed = |error| Error::io(path, "read")(error);
+        let length = input::length(path)?;
+        let open = || File::open(path).map(BufReader::new);
+        let mut file = open().map_err(failed)?;
+        let mut magic = [0; MAGIC.len()];
+        if length < MAGIC.len() as u64 || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
+            return Err(bad("not a checkpoint of ptfast".to_owned()));
+        }
+        if !is_whole(open().map_err(failed)?, length).map_err(failed)? {
+            return Err(bad("damaged: it is not what ptfast wrote".to_owned()));
+        }
+        let mut line = Vec::new();
+        file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
+        let header = header(&line).map_err(bad)?;
+        let Header { scene, identity, shard, samples: [first, end], tally, seconds, .. } = header;
+        // At least the end of each pixel's samples.
+        if length < 4 * identity.area().pixels() {
+            return Err(bad("damaged: the film ends early".to_owned()));
+        }
+        let film =
+            Film::read(identity.area(), first..end, &mut file).map_err(|error| {
+                match error.kind() {
+                    ErrorKind::InvalidData => bad(format!("damaged: {error}")),
+                    ErrorKind::UnexpectedEof => bad("damaged: the film ends early".to_owned()),
+                    _ => failed(error),
+                }
+            })?;
+        // The hash.
+        if file.bytes().count() != blake3::OUT_LEN {
+            return Err(bad("damaged: the film ends late".to_owned()));
+        }
+        let rendering = Rendering { tally, seconds, ..Rendering::new(film) };
+        Ok(Self { scene, identity, shard, rendering })
+    }
+}
+
+/// Whether a file of so many bytes ends with the hash of what comes before.
+fn is_whole(file: impl Read, length: u64) -> io::Result<bool> {
+    let mut file = BufReader::new(file);
+    let mut hasher = blake3::Hasher::new();
+    let before = length.saturating_sub(blake3::OUT_LEN as u64);
+    hasher.update_reader(file.by_ref().take(before))?;
+    let mut hash = Vec::new();
+    file.read_to_end(&mut hash)?;
+    Ok(hash == hasher.finalize().as_bytes())
+}
+
+/// The header in the second line, checked.
+fn header(line: &[u8]) -> Result<Header, String> {
+    let wrong = |error: serde_json::Error| format!("header: {error}");
+    let header: Value = serde_json::from_slice(line).map_err(wrong)?;
+    if header["schema"] != SCHEMA {
+        let message =
+            format!("version {} of checkpoints is not known, {SCHEMA} is", header["schema"]);
+        return Err(message);
+    }
+    let header: Header = serde_json::from_value(header).map_err(wrong)?;
+    let Identity { width, height, spp, depth, crop: [left, upper, right, lower], .. } =
+        header.identity;
+    check_image(width, height).and_then(|()| check_sampling(spp, depth))?;
+    if !(left < right && right <= width && upper < lower && lower <= height) {
+        return Err(format!("the crop is not within {width} x {height}"));
+    }
+    if header.shard.is_some_and(|Shard { index, count }| index >= count) {
+        return Err("the shard is none of so many".to_owned());
+    }
+    let [first, end] = header.samples;
+    if !(first.is_multiple_of(CHUNK) && first < end && end <= spp) {
+        return Err(format!("the samples {first}..{end} cannot be of {spp}"));
+    }
+    Ok(header)
+}
+
+/// Hashes what goes through.
+struct Hashing<'a, W> {
+    inner: &'a mut W,
+    hasher: blake3::Hasher,
+}
+
+impl<W: Write> Write for Hashing<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}

@@ -1,0 +1,117 @@
+//! What decides an image, as checkpoints and image files name it.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::engine::{BITS, RenderSettings};
+use crate::film::Tile;
+use crate::image::Metadata;
+use crate::scene::Scene;
+
+/// Scene and settings that decide an image: renders of equal identity have equal bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identity {
+    /// The version of the arithmetic, [`BITS`].
+    pub bits: u32,
+    /// The hash of the scene.
+    pub scene_hash: String,
+    /// Width of the whole image.
+    pub width: u32,
+    /// Height of the whole image.
+    pub height: u32,
+    /// What is rendered of it: left, upper, right and lower edge.
+    pub crop: [u32; 4],
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Most segments of a path.
+    pub depth: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// How light is found.
+    pub sampling: String,
+    /// Where random numbers are from.
+    pub sampler: String,
+    /// Whether paths of little weight end early.
+    pub roulette: bool,
+    /// The largest component that a sample may have; none where all may be as large as they are.
+    pub clamp: Option<f32>,
+}
+
+impl Identity {
+    /// Of a render of `crop`, a part of the image.
+    pub fn new(scene: &Scene, settings: &RenderSettings, crop: Tile) -> Self {
+        let Tile { x, y, width, height } = crop;
+        Self {
+            bits: BITS,
+            scene_hash: scene.hash(),
+            width: settings.width,
+            height: settings.height,
+            crop: [x, y, x + width, y + height],
+            spp: settings.spp,
+            depth: settings.depth,
+            seed: settings.seed,
+            sampling: settings.sampling.name().to_owned(),
+            sampler: settings.sampler.name().to_owned(),
+            roulette: settings.roulette,
+            // JSON has no infinity.
+            clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
+        }
+    }
+
+    /// The part of the image.
+    pub fn area(&self) -> Tile {
+        let [x, y, right, lower] = self.crop;
+        Tile { x, y, width: right - x, height: lower - y }
+    }
+
+    /// The first field in which the two differ, with the value here and there.
+    pub fn difference(&self, other: &Self) -> Option<(&'static str, Value, Value)> {
+        let pairs = self.fields().into_iter().zip(other.fields());
+        let mut differ = pairs.filter(|((_, here), (_, there))| here != there);
+        differ.next().map(|((name, here), (_, there))| (name, here, there))
+    }
+
+    fn fields(&self) -> [(&'static str, Value); 12] {
+        [
+            ("bits", json!(self.bits)),
+            ("scene_hash", json!(self.scene_hash)),
+            ("width", json!(self.width)),
+            ("height", json!(self.height)),
+            ("crop", json!(self.crop)),
+            ("spp", json!(self.spp)),
+            ("depth", json!(self.depth)),
+            ("seed", json!(self.seed)),
+            ("sampling", json!(self.sampling)),
+            ("sampler", json!(self.sampler)),
+            ("roulette", json!(self.roulette)),
+            ("clamp", json!(self.clamp)),
+        ]
+    }
+
+    /// What an image file says of itself: the same for equal renders, whatever engine, threads or
+    /// machine made them.
+    pub fn metadata(&self, hash: &str) -> Metadata {
+        let mut settings = json!({
+            "width": self.width,
+            "height": self.height,
+            "spp": self.spp,
+            "depth": self.depth,
+            "sampling": self.sampling,
+            "sampler": self.sampler,
+            "roulette": self.roulette,
+        });
+        if let Some(clamp) = self.clamp {
+            settings["clamp"] = json!(clamp);
+        }
+        if self.crop != [0, 0, self.width, self.height] {
+            settings["crop"] = json!(self.crop);
+        }
+        Metadata::default()
+            .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
+            .with("ptfast:hash", hash)
+            .with("ptfast:scene", &self.scene_hash)
+            .with("ptfast:seed", self.seed)
+            .with("ptfast:settings", settings)
+    }
+}

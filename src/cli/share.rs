@@ -1,0 +1,249 @@
+//! Which part of a render is rendered: pixels, samples, or a shard of many.
+
+use std::env;
+use std::ops::Range;
+
+use clap::Args;
+
+use crate::checkpoint::{Identity, Shard};
+use crate::engine::RenderSettings;
+use crate::error::{Error, Result};
+use crate::film::{CHUNK, Film, Tile};
+
+#[derive(Debug, Args)]
+pub(super) struct ShareArgs {
+    /// Render only these pixels: left, upper, right and lower edge, from the top left of the image
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    crop: Option<[u32; 4]>,
+    /// Render shard I, from 0, of N into a .film, for `ptfast merge`; auto: as SLURM_ARRAY_TASK_ID says;
+    /// auto/N: or JOB_COMPLETION_INDEX
+    #[arg(long, value_name = "I/N|auto|auto/N", value_parser = shard)]
+    shard: Option<ShardChoice>,
+    /// Render the samples A to B-1 of each pixel into a .film, for `ptfast merge`: both multiples of 16, but
+    /// for the last
+    #[arg(long, value_name = "A..B", value_parser = samples)]
+    sample_range: Option<SampleRange>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ShardChoice {
+    Given(Shard),
+    Auto(Option<u32>),
+}
+
+/// `a..b`, not empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct SampleRange {
+    first: u32,
+    end: u32,
+}
+
+fn numbers<const N: usize>(text: &str, separator: &str) -> Option<[u32; N]> {
+    let numbers: Option<Vec<u32>> =
+        text.split(separator).map(|number| number.parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
+fn crop(text: &str) -> Result<[u32; 4], String> {
+    let edges =
+        numbers(text, ",").filter(|[left, upper, right, lower]| left < right && upper < lower);
+    edges.ok_or_else(|| {
+        "four edges, the first two less than the others, such as 0,0,640,360".to_owned()
+    })
+}
+
+fn samples(text: &str) -> Result<SampleRange, String> {
+    match numbers(text, "..") {
+        Some([first, end]) if first < end => Ok(SampleRange { first, end }),
+        _ => Err("two numbers, the first less than the second, such as 0..64".to_owned()),
+    }
+}
+
+fn shard(text: &str) -> Result<ShardChoice, String> {
+    let given = |[index, count]: [u32; 2]| (index < count).then_some(Shard { index, count });
+    let choice = match text.strip_prefix("auto") {
+        Some("") => Some(ShardChoice::Auto(None)),
+        Some(count) => {
+            let count = count.strip_prefix('/').and_then(|count| count.parse().ok());
+            count.filter(|&count| count > 0).map(|count| ShardChoice::Auto(Some(count)))
+        }
+        None => numbers(text, "/").and_then(given).map(ShardChoice::Given),
+    };
+    choice.ok_or_else(|| "0/4 to 3/4 for four shards, auto, or auto/4".to_owned())
+}
+
+impl ShardChoice {
+    fn shard(self) -> Result<Shard> {
+        match self {
+            Self::Given(shard) => Ok(shard),
+            Self::Auto(count) => from_scheduler(count, |name| env::var(name).ok()),
+        }
+    }
+}
+
+/// The shard that the environment's array job or indexed job is at.
+fn from_scheduler(count: Option<u32>, variable: impl Fn(&str) -> Option<String>) -> Result<Shard> {
+    let number = |name: &str| -> Result<Option<u32>> {
+        let parse = |text: String| {
+            let wrong = || Error::Usage(format!("--shard auto: {name} is no number: `{text}`"));
+            text.trim().parse().map_err(|_| wrong())
+        };
+        variable(name).map(parse).transpose()
+    };
+    let index = match number("SLURM_ARRAY_TASK_ID")? {
+        Some(id) => {
+            let least = number("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
+            let step = number("SLURM_ARRAY_TASK_STEP")?.unwrap_or(1).max(1);
+            id.checked_sub(least).map(|steps| steps / step)
+        }
+        None => number("JOB_COMPLETION_INDEX")?,
+    };
+    let count = match count {
+        Some(count) => Some(count),
+        None => number("SLURM_ARRAY_TASK_COUNT")?,
+    };
+    match (index, count) {
+        (Some(index), Some(count)) if index < count => Ok(Shard { index, count }),
+        (Some(index), Some(count)) => {
+            Err(Error::Usage(format!("--shard auto: task {index}, from 0, is none of {count}")))
+        }
+        (Some(_), None) => Err(Error::Usage(
+            "--shard auto: SLURM_ARRAY_TASK_COUNT is not set: tell how many there are with auto/N"
+                .to_owned(),
+        )),
+        (None, _) => Err(Error::Usage(
+            "--shard auto: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX is set".to_owned(),
+        )),
+    }
+}
+
+/// What is rendered of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Share {
+    pub(super) area: Tile,
+    pub(super) samples: Range<u32>,
+    pub(super) shard: Option<Shard>,
+}
+
+impl ShareArgs {
+    /// # Errors
+    /// [`Error::Usage`] where the image has no such part.
+    pub(super) fn share(&self, settings: &RenderSettings) -> Result<Share> {
+        let RenderSettings { width, height, spp, .. } = *settings;
+        let [left, upper, right, lower] = self.crop.unwrap_or([0, 0, width, height]);
+        if right > width || lower > height {
+            let message = format!("--crop must be within {width} x {height}");
+            return Err(Error::Usage(format!("{message}, is {left},{upper},{right},{lower}")));
+        }
+        let SampleRange { first, end } =
+            self.sample_range.unwrap_or(SampleRange { first: 0, end: spp });
+        let whole = |end: u32| end.is_multiple_of(CHUNK) || end == spp;
+        if !(first.is_multiple_of(CHUNK) && whole(end) && end <= spp) {
+            return Err(Error::Usage(format!(
+                "--sample-range must begin and end at multiples of {CHUNK}, or end at {spp}, is {first}..{end}"
+            )));
+        }
+        Ok(Share {
+            area: Tile { x: left, y: upper, width: right - left, height: lower - upper },
+            samples: first..end,
+            shard: self.shard.map(ShardChoice::shard).transpose()?,
+        })
+    }
+}
+
+impl Share {
+    /// Whether it is but a part of the samples of the image, which makes no image by itself.
+    pub(super) fn is_part(&self, identity: &Identity) -> bool {
+        self.shard.is_some() || self.samples != (0..identity.spp)
+    }
+
+    /// An empty film for it.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] where there is no memory for it.
+    pub(super) fn film(&self, identity: &Identity) -> Result<Film> {
+        let mut film = Film::new(self.area, self.samples.clone())?;
+        if let Some(shard) = self.shard {
+            film.retain(|x, y| shard.has(identity.width, x, y));
+        }
+        Ok(film)
+    }
+
+    /// What is added to the name of a scene for the name of its file.
+    pub(super) fn suffix(&self, identity: &Identity) -> String {
+        let shard = self.shard.map(|Shard { index, count }| format!(".{index}-of-{count}"));
+        let Range { start, end } = self.samples;
+        let some = (start, end) != (0, identity.spp);
+        let samples = some.then(|| format!(".samples-{start}-{end}"));
+        [shard, samples].into_iter().flatten().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_parsed() {
+        let given = |index, count| Ok(ShardChoice::Given(Shard { index, count }));
+        assert_eq!((shard("0/1"), shard("3/4")), (given(0, 1), given(3, 4)));
+        assert_eq!(shard("auto"), Ok(ShardChoice::Auto(None)));
+        assert_eq!(shard("auto/7"), Ok(ShardChoice::Auto(Some(7))));
+        for wrong in ["", "1", "4/4", "0/0", "-1/4", "1/4/5", "auto/0", "auto7", "auto/"] {
+            assert!(shard(wrong).is_err(), "{wrong}");
+        }
+        assert!(samples("16..64").is_ok() && samples("64..64").is_err() && samples("64").is_err());
+        assert!(crop("0,0,1,1").is_ok() && crop("1,0,1,1").is_err() && crop("0,0,1").is_err());
+    }
+
+    #[test]
+    fn schedulers_tell_the_shard() {
+        let shard = |count, variables: &[(&str, &str)]| {
+            from_scheduler(count, |name| {
+                variables
+                    .iter()
+                    .find(|(known, _)| *known == name)
+                    .map(|(_, text)| (*text).to_owned())
+            })
+        };
+        let slurm = [
+            ("SLURM_ARRAY_TASK_ID", "7"),
+            ("SLURM_ARRAY_TASK_MIN", "5"),
+            ("SLURM_ARRAY_TASK_COUNT", "4"),
+        ];
+        assert_eq!(shard(None, &slurm).unwrap(), Shard { index: 2, count: 4 });
+        let steps = [("SLURM_ARRAY_TASK_STEP", "2")];
+        assert_eq!(
+            shard(None, &[&slurm[..], &steps].concat()).unwrap(),
+            Shard { index: 1, count: 4 }
+        );
+        assert_eq!(
+            shard(Some(9), &[("JOB_COMPLETION_INDEX", "8")]).unwrap(),
+            Shard { index: 8, count: 9 }
+        );
+        for (count, variables) in [
+            (None, &slurm[..1]),
+            (None, &[]),
+            (Some(2), &slurm[..]),
+            (Some(9), &[("JOB_COMPLETION_INDEX", "x")]),
+        ] {
+            assert_eq!(shard(count, variables).unwrap_err().exit_code(), 2, "{variables:?}");
+        }
+    }
+
+    #[test]
+    fn shares_are_within_the_image() {
+        let scene = crate::scene::Scene::load("cornell").unwrap();
+        let settings = RenderSettings { spp: 50, ..RenderSettings::of(&scene) };
+        let share = |crop, samples: Option<(u32, u32)>| {
+            let sample_range = samples.map(|(first, end)| SampleRange { first, end });
+            ShareArgs { crop, shard: None, sample_range }.share(&settings)
+        };
+        assert_eq!(share(None, None).unwrap().samples, 0..50);
+        assert_eq!(share(Some([5, 6, 15, 400]), Some((16, 50))).unwrap().area.height, 394);
+        for samples in [(0, 51), (1, 16), (16, 33), (48, 64)] {
+            assert!(share(None, Some(samples)).is_err(), "{samples:?}");
+        }
+        assert!(share(Some([0, 0, 401, 1]), None).is_err());
+    }
+}

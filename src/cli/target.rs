@@ -1,0 +1,88 @@
+//! The file that a render makes: an image, or a film that can be continued and merged.
+
+use std::path::{Path, PathBuf};
+
+use super::share::Share;
+use crate::checkpoint::{Checkpoint, Identity};
+use crate::error::{Error, Result};
+use crate::image::{Format, Metadata, Transfer};
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    Image(PathBuf),
+    Film(PathBuf),
+}
+
+impl Target {
+    /// By the file's extension.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where no writer knows it.
+    pub(super) fn of_path(path: PathBuf) -> Result<Self> {
+        if path.extension().is_some_and(|extension| extension == "film") {
+            return Ok(Self::Film(path));
+        }
+        Format::of_path(&path)?;
+        Ok(Self::Image(path))
+    }
+
+    /// The file named `given`, or else one in the current folder after the name of the scene, for `share`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where no writer knows the extension, or `share` makes no image.
+    pub(super) fn new(
+        given: Option<PathBuf>,
+        scene: &str,
+        share: &Share,
+        identity: &Identity,
+    ) -> Result<Self> {
+        let part = share.is_part(identity);
+        let Some(path) = given else {
+            let extension = if part { "film" } else { "png" };
+            let suffix = share.suffix(identity);
+            return Self::of_path(PathBuf::from(format!("{}{suffix}.{extension}", stem(scene))));
+        };
+        let output = Self::of_path(path)?;
+        match &output {
+            Self::Image(path) if part => Err(Error::Usage(format!(
+                "{}: a part of a render makes no image: name a .film, for `ptfast merge`",
+                path.display()
+            ))),
+            _ => Ok(output),
+        }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Self::Image(path) | Self::Film(path) => path,
+        }
+    }
+
+    /// `transfer`, for images.
+    pub(super) fn transfer(&self, transfer: Transfer) -> Option<Transfer> {
+        matches!(self, Self::Image(_)).then_some(transfer)
+    }
+
+    /// Whether the file is there already, and of this render. One that tells nothing of itself is not.
+    pub(super) fn is_complete(&self, identity: &Identity, share: &Share) -> bool {
+        match self {
+            Self::Film(path) => Checkpoint::read(path).is_ok_and(|there| {
+                let same = there.identity == *identity && there.shard == share.shard;
+                same && there.rendering.film.samples() == share.samples && there.is_complete()
+            }),
+            Self::Image(path) => Metadata::read(path).is_ok_and(|there| {
+                // The hash is not known before.
+                let wanted = identity.metadata("");
+                let keys = ["ptfast:scene", "ptfast:seed", "ptfast:settings"];
+                keys.iter().all(|key| there.get(key).is_some() && there.get(key) == wanted.get(key))
+            }),
+        }
+    }
+}
+
+/// `spheres` for `spheres` and for `folder/spheres.ron`.
+fn stem(scene: &str) -> String {
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
+    // `cloud:1000` is no name for a file everywhere.
+    stem.replace(':', "-")
+}

@@ -1,0 +1,110 @@
+//! A render under way: what there is of it so far.
+
+use std::time::Instant;
+
+use super::stats::WaveStats;
+use super::tally::Tally;
+use super::timeline::{Event, Lap};
+use crate::error::Result;
+use crate::film::{Film, Part, Schedule, Unit};
+
+/// Events of a timeline, at most: some hundred megabytes.
+pub const MOST_EVENTS: usize = 1 << 21;
+
+/// A render under way.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// The samples so far.
+    pub film: Film,
+    /// What was traced for them, and what came of it.
+    pub tally: Tally,
+    /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
+    /// the work of its rays, without times.
+    pub waves: WaveStats,
+    /// Wall-clock seconds that it took.
+    pub seconds: f64,
+    /// What each worker did when, if that was asked for; the first [`MOST_EVENTS`].
+    pub timeline: Vec<Event>,
+}
+
+impl Rendering {
+    /// Nothing but a film.
+    pub fn new(film: Film) -> Self {
+        let (tally, waves) = (Tally::default(), WaveStats::default());
+        Self { film, tally, waves, seconds: 0.0, timeline: Vec::new() }
+    }
+
+    /// Counts what was traced for another part of the render, too.
+    pub fn add(&mut self, other: &Self) {
+        self.tally.add(&other.tally);
+        self.seconds += other.seconds;
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        Progress { samples: self.film.samples_done(), rays: self.tally.rays.total() }
+    }
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Samples finished.
+    pub samples: u64,
+    /// Rays traced.
+    pub rays: u64,
+}
+
+/// What came of a unit of work.
+#[derive(Debug)]
+pub(super) struct Taken {
+    pub(super) part: Part,
+    pub(super) tally: Tally,
+    pub(super) waves: WaveStats,
+    /// The stages one by one, if that was asked for.
+    pub(super) laps: Vec<Lap>,
+}
+
+/// What the workers share.
+#[derive(Debug)]
+pub(super) struct Shared<'a> {
+    rendering: &'a mut Rendering,
+    schedule: Schedule,
+    progress: Progress,
+    start: Instant,
+    /// What came of units whose pixels lack earlier samples, which another worker still has.
+    early: Vec<(Part, Tally)>,
+}
+
+impl<'a> Shared<'a> {
+    pub(super) fn new(rendering: &'a mut Rendering, schedule: Schedule) -> Self {
+        let (progress, start) = (rendering.progress(), Instant::now());
+        Self { rendering, schedule, progress, start, early: Vec::new() }
+    }
+
+    /// The next unit of work.
+    pub(super) fn next(&mut self) -> Option<Unit> {
+        self.schedule.next(&self.rendering.film)
+    }
+
+    /// Adds what came of one, and tells how far the render is.
+    ///
+    /// # Errors
+    /// Where there is no memory for it.
+    pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
+        let Taken { part, tally, waves, laps } = taken;
+        let Rendering { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
+        all_waves.add(&waves);
+        let room = MOST_EVENTS - timeline.len();
+        timeline.extend(laps.iter().take(room).map(|lap| lap.event(self.start, worker)));
+        self.early.push((part, tally));
+        while let Some(place) = self.early.iter().position(|(part, _)| film.is_next(part.unit)) {
+            let (part, tally) = self.early.swap_remove(place);
+            film.add(&part)?;
+            all.add(&tally);
+            self.progress.samples += part.unit.paths();
+            self.progress.rays += tally.rays.total();
+        }
+        Ok(self.progress)
+    }
+}

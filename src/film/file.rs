@@ -1,0 +1,121 @@
+//! Films as bytes: of each pixel the end of its samples, [`ABSENT`] where it has none; the first of the sums
+//! that are kept of these, of each pixel that has one; the second, and so on. Little-endian.
+
+use std::io::{self, Read, Write};
+use std::ops::Range;
+
+use super::sum::{self, CHUNK};
+use super::tile::Tile;
+use super::{ABSENT, Film};
+
+impl Film {
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of `file`.
+    pub fn write(&self, file: &mut impl Write) -> io::Result<()> {
+        self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
+        let kept = self.kept();
+        for (number, sums) in (0..).zip(&self.sums) {
+            for (sum, _) in sums.iter().zip(&kept).filter(|(_, kept)| **kept > number) {
+                sum.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads one of the samples `samples` of the pixels of `area`.
+    ///
+    /// # Errors
+    /// Those of `file`; [`io::ErrorKind::InvalidData`] where it is no such film,
+    /// [`io::ErrorKind::OutOfMemory`] where there is no memory for it.
+    pub fn read(area: Tile, samples: Range<u32>, file: &mut impl Read) -> io::Result<Self> {
+        let memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
+        let mut film = Self::new(area, samples).map_err(memory)?;
+        let Range { start, end } = film.samples;
+        for done in &mut film.done {
+            let mut bytes = [0; 4];
+            file.read_exact(&mut bytes)?;
+            *done = u32::from_le_bytes(bytes);
+            let chunks = (start..=end).contains(done) && done.is_multiple_of(CHUNK);
+            if !(chunks || *done == end || *done == ABSENT) {
+                let message = format!("a pixel's samples end at {done} of {start}..{end}");
+                return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+            }
+        }
+        let kept = film.kept();
+        film.make_room(kept.iter().copied().max().unwrap_or(0).into()).map_err(memory)?;
+        for (number, sums) in (0..).zip(&mut film.sums) {
+            for (sum, _) in sums.iter_mut().zip(&kept).filter(|(_, kept)| **kept > number) {
+                for value in sum {
+                    let mut bytes = [0; 4];
+                    file.read_exact(&mut bytes)?;
+                    *value = f32::from_le_bytes(bytes);
+                }
+            }
+        }
+        Ok(film)
+    }
+
+    /// How many sums are kept of each pixel: not more than 255, since there are not more than 2³² samples.
+    fn kept(&self) -> Vec<u8> {
+        let begin = self.samples.start;
+        // Most pixels are as far as the one before.
+        let (mut last, mut kept) = (begin, 0);
+        let each = self.done.iter().map(|&done| {
+            if done != last {
+                (last, kept) =
+                    (done, if done == ABSENT { 0 } else { sum::sums(&(begin..done)) as u8 });
+            }
+            kept
+        });
+        each.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Schedule;
+    use crate::film::tests::{AREA, rendered, rendered_film};
+
+    #[test]
+    fn films_come_back() {
+        let mut partly = Film::new(AREA, 16..333).unwrap();
+        partly.retain(|x, y| x * y % 3 > 0);
+        let mut schedule = Schedule::new(&partly, 100);
+        for _ in 0..50 {
+            let unit = schedule.next(&partly).unwrap();
+            partly.add(&rendered(unit)).unwrap();
+        }
+        let empty = Film::new(AREA, 0..4).unwrap();
+        for film in [empty, partly, rendered_film(0..50, |x, _| x > 7)] {
+            let mut bytes = Vec::new();
+            film.write(&mut bytes).unwrap();
+            let mut rest = &*bytes;
+            let back = Film::read(AREA, film.samples(), &mut rest).unwrap();
+            assert!(rest.is_empty());
+            assert_eq!(back.done, film.done);
+            assert_eq!(back.means().unwrap(), film.means().unwrap());
+            for end in [0, 3, bytes.len() - 1] {
+                let error = Film::read(AREA, film.samples(), &mut &bytes[..end]).unwrap_err();
+                assert_eq!(error.kind(), io::ErrorKind::UnexpectedEof);
+            }
+        }
+    }
+
+    #[test]
+    fn samples_that_cannot_be_are_refused() {
+        let area = Tile { width: 1, height: 1, ..AREA };
+        let read = |done: u32| {
+            let bytes: Vec<u8> = done.to_le_bytes().into_iter().chain([0; 100]).collect();
+            Film::read(area, 16..50, &mut &*bytes)
+        };
+        for done in [16, 32, 48, 50, ABSENT] {
+            assert!(read(done).is_ok(), "{done}");
+        }
+        for done in [0, 15, 17, 49, 51, 64, ABSENT - 1] {
+            assert_eq!(read(done).unwrap_err().kind(), io::ErrorKind::InvalidData, "{done}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Tests of films, and films for other tests.
+
+use super::*;
+use crate::math::random::Stream;
+
+pub(super) const AREA: Tile = Tile { x: 3, y: 2, width: 23, height: 9 };
+
+/// Sample number `sample` of pixel `(x, y)`.
+fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
+    let mut random = Stream::new(u64::from(x) << 40 | u64::from(y) << 20 | u64::from(sample));
+    Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
+}
+
+pub(super) fn rendered(unit: Unit) -> Part {
+    let sum = |pixel| {
+        let samples = (unit.first..unit.end).map(|number| sample(unit.tile.pixel(pixel), number));
+        samples.fold(Vec3::ZERO, |sum, sample| sum + sample).to_array()
+    };
+    Part { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
+}
+
+/// The definition: node (level, index) of the tree is the sum of its children, if they exist.
+fn node(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
+    if level == 0 {
+        return chunks.get(index).copied();
+    }
+    let left = node(chunks, level - 1, 2 * index)?;
+    Some(node(chunks, level - 1, 2 * index + 1).map_or(left, |right| left + right))
+}
+
+/// The mean of so many samples of the pixel.
+fn mean(pixel: (u32, u32), samples: u32) -> [f32; 3] {
+    let numbers: Vec<u32> = (0..samples).collect();
+    let chunk = |numbers: &[u32]| {
+        numbers.iter().fold(Vec3::ZERO, |sum, &number| sum + sample(pixel, number))
+    };
+    let chunks: Vec<Vec3> = numbers.chunks(CHUNK as usize).map(chunk).collect();
+    (node(&chunks, 10, 0).unwrap() / samples as f32).to_array()
+}
+
+pub(super) fn want(samples: u32) -> Plane {
+    (0..AREA.pixels() as u32).map(|pixel| mean(AREA.pixel(pixel), samples)).collect()
+}
+
+/// A film of some pixels, all samples done.
+pub(super) fn rendered_film(samples: Range<u32>, keep: impl Fn(u32, u32) -> bool) -> Film {
+    let mut film = Film::new(AREA, samples).unwrap();
+    film.retain(keep);
+    let mut schedule = Schedule::new(&film, 500);
+    while let Some(unit) = schedule.next(&film) {
+        film.add(&rendered(unit)).unwrap();
+    }
+    film
+}
+
+/// However the units are cut, and whenever the work stops.
+#[test]
+fn units_of_all_sizes_give_the_same_means() {
+    let mut random = Stream::new(3);
+    for samples in [1, 15, 16, 17, 50, 100, 333] {
+        let want = want(samples);
+        for round in 0..10 {
+            let mut film = Film::new(AREA, 0..samples).unwrap();
+            while film.samples_done() < film.samples_to_do() {
+                let paths = 1 + (random.bits() % 5000) as u32;
+                let mut schedule = Schedule::new(&film, paths);
+                for _ in 0..random.bits() % 100 {
+                    let Some(unit) = schedule.next(&film) else { break };
+                    assert!(film.is_next(unit), "{unit:?}");
+                    film.add(&rendered(unit)).unwrap();
+                }
+            }
+            assert_eq!(film.samples_to_do(), AREA.pixels() * u64::from(samples));
+            assert!(Schedule::new(&film, 100).next(&film).is_none());
+            assert_eq!(film.means().unwrap(), want, "{samples} samples, round {round}");
+        }
+    }
+}
+
+/// As if the film had been made for that many.
+#[test]
+fn films_grow() {
+    for (from, to) in [(16, 333), (50, 51), (50, 64), (15, 100), (48, 48)] {
+        let mut film = rendered_film(0..from, |x, _| x > 5);
+        let rest = film.samples_to_do() / u64::from(from) * u64::from(to - from / CHUNK * CHUNK);
+        film.grow(to);
+        assert_eq!(film.samples_to_do() - film.samples_done(), if to > from { rest } else { 0 });
+        let mut schedule = Schedule::new(&film, 300);
+        while let Some(unit) = schedule.next(&film) {
+            film.add(&rendered(unit)).unwrap();
+        }
+        let want = rendered_film(0..to, |x, _| x > 5).means().unwrap();
+        assert_eq!(film.means().unwrap(), want, "{from} to {to}");
+    }
+}
+
+#[test]
+fn means_are_those_of_what_is_done() {
+    let area = Tile { width: 4, height: 1, ..AREA };
+    let mut film = Film::new(area, 0..20).unwrap();
+    let [one, two] = [1, 2].map(|width| Tile { width, ..area });
+    film.add(&rendered(Unit { tile: two, first: 0, end: 16 })).unwrap();
+    film.add(&rendered(Unit { tile: one, first: 16, end: 20 })).unwrap();
+    assert_eq!(film.samples_done(), 20 + 16);
+    assert!(!film.is_next(Unit { tile: two, first: 16, end: 20 }));
+    let want = [mean(area.pixel(0), 20), mean(area.pixel(1), 16), [0.0; 3], [0.0; 3]];
+    assert_eq!(film.means().unwrap(), want);
+}

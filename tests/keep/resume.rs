@@ -1,0 +1,214 @@
+//! Stopped and continued: the same bits, whatever continues.
+
+use std::fs;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ptfast::checkpoint::{Checkpoint, Identity};
+use ptfast::engine::{Observer, Progress, Rendering, Stop};
+use ptfast::math::random::Stream;
+use ptfast::{Engine, RenderSettings, Renderer, Scene};
+
+use super::common::ptfast;
+use super::{hash, refusal, with};
+
+/// Stops a render when it was asked so many times whether it is to go on.
+struct Patience {
+    left: AtomicU64,
+    stop: Stop,
+}
+
+impl Observer for Patience {
+    fn progressed(&self, _: Progress) {}
+
+    fn stop(&self) -> Stop {
+        let left = self
+            .left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
+        if left.is_ok() { Stop::No } else { self.stop }
+    }
+}
+
+/// At random moments, by files, by other engines, threads, and waves; some work is thrown away.
+#[test]
+fn renders_go_on_where_they_were_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.film");
+    let mut random = Stream::new(6);
+    for (name, spp) in [("tests/data/everything.ron", 50), ("cornell", 100), ("spheres", 33)] {
+        let scene = Scene::load(name).unwrap();
+        let base = RenderSettings { width: 43, height: 29, spp, ..RenderSettings::of(&scene) };
+        let whole = Renderer::new(&scene, base.clone()).unwrap().render().unwrap();
+        let identity = Identity::new(&scene, &base, base.image());
+        for _ in 0..4 {
+            let mut rendering = Renderer::new(&scene, base.clone()).unwrap().begin().unwrap();
+            let mut stops = 0;
+            loop {
+                let mut below = |end: u64| random.bits() % end;
+                let settings = RenderSettings {
+                    engine: Engine::ALL[below(2) as usize],
+                    threads: 1 + below(3) as u32,
+                    wave_size: 1 + below(3000) as u32,
+                    ..base.clone()
+                };
+                let stop = [Stop::Soon, Stop::Now][below(2) as usize];
+                let patience = Patience { left: AtomicU64::new(below(60)), stop };
+                let renderer = Renderer::new(&scene, settings).unwrap();
+                renderer.advance(&mut rendering, &patience).unwrap();
+                let Rendering { film, .. } = &rendering;
+                if film.samples_done() == film.samples_to_do() {
+                    break;
+                }
+                stops += 1;
+                let scene = scene.name().to_owned();
+                let kept = Checkpoint { scene, identity: identity.clone(), shard: None, rendering };
+                kept.write(&file).unwrap();
+                let kept = Checkpoint::read(&file).unwrap();
+                rendering = kept.resume("a.film", &identity, None, 0..spp).unwrap();
+            }
+            assert!(stops > 0, "{name}: it was never stopped");
+            let render = Renderer::new(&scene, base.clone()).unwrap().finish(rendering).unwrap();
+            assert_eq!(render.image.hash(), whole.image.hash(), "{name}");
+            assert_eq!(render.tally, whole.tally, "{name}");
+        }
+    }
+}
+
+const SMALL: [&str; 9] =
+    ["render", "--scene", "cornell", "--width", "24", "--seed", "5", "--quiet", "-o"];
+
+/// From finished renders to more samples, with and without a last chunk that is not complete.
+#[test]
+fn samples_may_grow() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for (few, many) in [("16", "48"), ("20", "50"), ("33", "34"), ("7", "100")] {
+        let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", many]));
+        hash(here, &with(&SMALL, &["a.film", "--spp", few]));
+        let more = ["more.pfm", "--spp", many, "--resume", "a.film"];
+        assert_eq!(hash(here, &with(&SMALL, &more)), whole, "{few} to {many}");
+        let bytes = |name: &str| fs::read(here.join(name)).unwrap();
+        assert!(bytes("more.pfm") == bytes("whole.pfm"));
+    }
+}
+
+/// Of another scene, seed or setting.
+#[test]
+fn other_renders_are_not_continued() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    hash(here, &with(&SMALL, &["a.film", "--spp", "40"]));
+    for (more, field) in [
+        (&["--spp", "32"][..], "spp 40, not 32"),
+        (&["--spp", "40", "--seed", "6"], "seed 5, not 6"),
+        (&["--spp", "40", "--width", "25"], "width 24, not 25"),
+        (&["--spp", "40", "--depth", "7"], "depth "),
+        (&["--spp", "40", "--sampling", "bsdf"], "sampling \"mis\", not \"bsdf\""),
+        (&["--spp", "40", "--sampler", "independent"], "sampler "),
+        (&["--spp", "40", "--roulette", "off"], "roulette true, not false"),
+        (&["--spp", "40", "--clamp", "2"], "clamp null, not 2"),
+        (&["--spp", "40", "--scene", "checker"], "scene_hash "),
+        (&["--spp", "40", "--crop", "0,0,9,9"], "crop [0,0,24,24], not [0,0,9,9]"),
+        (&["--spp", "40", "--shard", "0/2", "-o", "c.film"], "all shards, not of shard 0/2"),
+        (&["--spp", "40", "--sample-range", "0..16", "-o", "c.film"], "samples 0..40, not 0..16"),
+    ] {
+        // The last of two counts.
+        let mut words = with(&["render", "--resume", "a.film", "--quiet"], more);
+        for pair in [["--scene", "cornell"], ["--width", "24"], ["--seed", "5"], ["-o", "b.pfm"]] {
+            if !more.contains(&pair[0]) {
+                words.extend(pair);
+            }
+        }
+        let says = refusal(here, &words, 65);
+        assert!(says.contains("a.film: ") && says.contains(field), "{field}: {says}");
+    }
+    assert!(!here.join("b.pfm").exists() && !here.join("c.film").exists());
+}
+
+/// Torn, edited, of another version or something else.
+#[test]
+fn damaged_checkpoints_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    hash(here, &with(&SMALL, &["a.film", "--spp", "40"]));
+    let good = fs::read(here.join("a.film")).unwrap();
+    let mut random = Stream::new(2);
+    let refused = |bytes: &[u8], what: &str| {
+        fs::write(here.join("bad.film"), bytes).unwrap();
+        let words = with(&SMALL, &["b.pfm", "--spp", "40", "--resume", "bad.film"]);
+        let says = refusal(here, &words, 65);
+        assert!(says.contains("bad.film: ") && says.contains(what), "{what}: {says}");
+    };
+    for length in [0, 5, 12, 13, 100, good.len() - 33, good.len() - 1] {
+        let what = if length < 12 { "not a checkpoint" } else { "damaged" };
+        refused(&good[..length], what);
+    }
+    for _ in 0..20 {
+        let mut edited = good.clone();
+        let place = (12 + random.bits() % (good.len() as u64 - 12)) as usize;
+        edited[place] ^= 1 << (random.bits() % 8);
+        refused(&edited, "damaged");
+    }
+    refused(&[&good[..], b"x"].concat(), "damaged");
+    refused(b"something else", "not a checkpoint");
+    // With a hash that is right.
+    let text = |from: &str, to: &str| {
+        let end = good.len() - 32;
+        let line = good[12..].iter().position(|&byte| byte == b'\n').unwrap() + 12;
+        let header = std::str::from_utf8(&good[..line]).unwrap();
+        assert!(header.contains(from), "{header}");
+        let mut bytes = header.replace(from, to).into_bytes();
+        bytes.extend(&good[line..end]);
+        let hash = blake3::hash(&bytes);
+        bytes.extend(hash.as_bytes());
+        bytes
+    };
+    refused(&text("\"schema\":1", "\"schema\":2"), "version 2 of checkpoints is not known");
+    refused(&text("\"schema\":1", "\"shemca\":1"), "version null");
+    refused(&text("\"depth\":", "\"wealth\":"), "header: unknown field");
+    refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
+    refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");
+    refused(&text("[0,0,24,24]", "[0,0,24,20]"), "damaged");
+    refused(&text("\"samples\":[0,40]", "\"samples\":[0,30]"), "a pixel's samples end at 40");
+    refused(&text("\"samples\":[0,40]", "\"samples\":[1,40]"), "cannot be of 40");
+    refused(&text("\"shard\":null", "\"shard\":{\"index\":4,\"count\":4}"), "the shard");
+    let elsewhere = with(&SMALL, &["b.pfm", "--spp", "40", "--resume", "none.film"]);
+    assert!(refusal(here, &elsewhere, 74).contains("none.film: cannot read"));
+    assert!(!here.join("b.pfm").exists());
+}
+
+/// A limit of time ends a render with its own code; where it went on, the image is the same.
+#[test]
+fn limits_of_time_end_a_render() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    // At the first look at the clock, whatever the machine.
+    let limited = with(&SMALL, &["a.pfm", "--spp", "40", "--time-limit", "1ms"]);
+    let says = refusal(here, &limited, 75);
+    assert!(says.contains("stopped by --time-limit after"), "{says}");
+    assert!(says.contains("go on with --resume a.partial.film, a.partial.pfm shows it"), "{says}");
+    assert!(!here.join("a.pfm").exists() && here.join("a.partial.pfm").exists());
+    let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", "40"]));
+    let resumed = with(&SMALL, &["a.pfm", "--spp", "40", "--resume", "a.partial.film"]);
+    assert_eq!(hash(here, &resumed), whole);
+}
+
+/// What is complete is not rendered again, unless it is of something else.
+#[test]
+fn complete_files_are_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for name in ["a.png", "a.exr", "a.film"] {
+        let skips = |more: &[&str]| {
+            let words = with(&with(&SMALL, &[name, "--skip-complete"]), more);
+            let output = ptfast(here, &words);
+            assert!(output.status.success());
+            String::from_utf8(output.stdout).unwrap().contains("is complete")
+        };
+        assert!(!skips(&["--spp", "3"]), "{name} is not there");
+        assert!(skips(&["--spp", "3"]), "{name}");
+        assert!(!skips(&["--spp", "4"]), "{name} of other settings");
+        assert!(!skips(&["--spp", "4", "--depth", "3"]) && skips(&["--spp", "4", "--depth", "3"]));
+        fs::write(here.join(name), "damaged").unwrap();
+        assert!(!skips(&["--spp", "4"]), "{name} is damaged");
+    }
+}
