@@ -261,7 +261,12 @@ fn wrong_usage() {
     wrong(&["--depth", "0"], &["--depth"]);
     wrong(&["--threads", "0"], &["--threads"]);
     wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
-    wrong(&["--width", "65536", "--height", "65536"], &["width × height must be at most"]);
+    wrong(
+        &["--width", "65536", "--height", "65536"],
+        &[
+            "the limit of pixels is 268435456, this needs 4294967296: --limit pixels=4294967296 raises it",
+        ],
+    );
     wrong(&["--spp", "many"], &["invalid value 'many' for '--spp <N>'"]);
     wrong(&["--sampling", "lihgt"], &["invalid value 'lihgt'", "bsdf, light, mis"]);
     wrong(&["--wdith", "3"], &["unexpected argument '--wdith'", "'--width'"]);

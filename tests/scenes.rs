@@ -5,6 +5,7 @@ mod common;
 use std::fs;
 
 use common::{Estimate, render};
+use ptfast::limits::Limits;
 use ptfast::scene::{BUILTIN_NAMES, Source};
 use ptfast::{RenderSettings, Sampling, Scene};
 
@@ -66,7 +67,7 @@ fn scenes_round_trip_through_ron_and_json() {
     for (from, to) in [("everything.ron", "a.ron"), ("picture.png", "picture.png")] {
         fs::copy(format!("tests/data/{from}"), path(to)).unwrap();
     }
-    let parsed = Source::find(&path("a.ron")).unwrap().read().unwrap();
+    let parsed = Source::find(&path("a.ron")).unwrap().read(&Limits::default()).unwrap();
     fs::write(path("b.ron"), parsed.to_ron()).unwrap();
     fs::write(path("c.json"), parsed.to_json()).unwrap();
     let original = Scene::load(&path("a.ron")).unwrap();
@@ -75,18 +76,21 @@ fn scenes_round_trip_through_ron_and_json() {
     assert_eq!(original.geometry().len(), 6 + 2 + 6 + 2);
     let hash = render(&original, settings.clone()).hash();
     for name in ["b.ron", "c.json"] {
-        let again = Source::find(&path(name)).unwrap().read().unwrap();
+        let again = Source::find(&path(name)).unwrap().read(&Limits::default()).unwrap();
         assert_eq!(again.file, parsed.file, "{name}");
         let scene = Scene::load(&path(name)).unwrap();
         assert_eq!(scene.hash(), original.hash(), "{name}");
         assert_eq!(render(&scene, settings.clone()).hash(), hash, "{name}");
     }
     for name in BUILTIN_NAMES {
-        let parsed = Source::find(name).unwrap().read().unwrap();
+        let parsed = Source::find(name).unwrap().read(&Limits::default()).unwrap();
         fs::write(path("d.json"), parsed.to_json()).unwrap();
         fs::write(path("d.ron"), parsed.to_ron()).unwrap();
         for file in ["d.json", "d.ron"] {
-            assert_eq!(Source::find(&path(file)).unwrap().read().unwrap().file, parsed.file);
+            assert_eq!(
+                Source::find(&path(file)).unwrap().read(&Limits::default()).unwrap().file,
+                parsed.file
+            );
         }
     }
 }

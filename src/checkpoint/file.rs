@@ -13,7 +13,7 @@ use crate::engine::{Rendering, Tally};
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
-use crate::limits::{check_image, check_sampling};
+use crate::limits::{Limit, Limits, check_image, check_sampling};
 use crate::output::write_atomically;
 
 /// The first line.
@@ -63,11 +63,12 @@ impl Checkpoint {
         })
     }
 
-    /// Reads one from `path`.
+    /// Reads one from `path`, within `limits`.
     ///
     /// # Errors
-    /// Where the file cannot be read, is no checkpoint, of a version that is not known, or damaged.
-    pub fn read(path: &Path) -> Result<Self> {
+    /// Where the file cannot be read, is no checkpoint, of a version that is not known, damaged, or beyond a
+    /// limit.
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self> {
         let bad = |message: String| Error::input(path.display().to_string(), "", message);
         let failed = |error| Error::io(path, "read")(error);
         let length = input::length(path)?;
@@ -84,18 +85,20 @@ impl Checkpoint {
         file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
         let header = header(&line).map_err(bad)?;
         let Header { scene, identity, shard, samples: [first, end], tally, seconds, .. } = header;
+        let area = identity.area();
+        limits
+            .check(Limit::Pixels, area.pixels())
+            .and_then(|()| limits.check(Limit::Memory, Film::memory(area, first..end)))
+            .map_err(bad)?;
         // At least the end of each pixel's samples.
-        if length < 4 * identity.area().pixels() {
+        if length < 4 * area.pixels() {
             return Err(bad("damaged: the film ends early".to_owned()));
         }
-        let film =
-            Film::read(identity.area(), first..end, &mut file).map_err(|error| {
-                match error.kind() {
-                    ErrorKind::InvalidData => bad(format!("damaged: {error}")),
-                    ErrorKind::UnexpectedEof => bad("damaged: the film ends early".to_owned()),
-                    _ => failed(error),
-                }
-            })?;
+        let film = Film::read(area, first..end, &mut file).map_err(|error| match error.kind() {
+            ErrorKind::InvalidData => bad(format!("damaged: {error}")),
+            ErrorKind::UnexpectedEof => bad("damaged: the film ends early".to_owned()),
+            _ => failed(error),
+        })?;
         // The hash.
         if file.bytes().count() != blake3::OUT_LEN {
             return Err(bad("damaged: the film ends late".to_owned()));

@@ -7,14 +7,16 @@ use super::{Checkpoint, Identity};
 use crate::engine::Rendering;
 use crate::error::{Error, Result};
 use crate::film::{Conflict, Film, Sample};
+use crate::limits::Limits;
 
-/// The render of which `files` are all parts: shards, ranges of samples, or both.
+/// The render of which `files` are all parts: shards, ranges of samples, or both. `limits` hold for each.
 ///
 /// # Errors
 /// Where a file cannot be read, is of another render than the first, is not done or overlaps with another;
 /// where a part is missing.
-pub fn merge(files: &[PathBuf]) -> Result<Checkpoint> {
-    let mut parts = files.iter().map(|file| Part::read(file)).collect::<Result<Vec<_>>>()?;
+pub fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
+    let parts = files.iter().map(|file| Part::read(file, limits));
+    let mut parts = parts.collect::<Result<Vec<_>>>()?;
     let Some(first) = parts.first() else {
         return Err(Error::Usage("there is nothing to be merged".to_owned()));
     };
@@ -26,10 +28,12 @@ pub fn merge(files: &[PathBuf]) -> Result<Checkpoint> {
     parts.sort_by_key(|part| part.samples.start);
     let mut whole = Rendering::new(Film::new(identity.area(), 0..identity.spp)?);
     for (number, part) in parts.iter().enumerate() {
-        let there = Checkpoint::read(part.file)?.rendering;
+        let there = Checkpoint::read(part.file, limits)?.rendering;
         match whole.film.append(&there.film)? {
             None => whole.add(&there),
-            Some(Conflict::Twice(sample)) => return Err(twice(part, &parts[..number], sample)?),
+            Some(Conflict::Twice(sample)) => {
+                return Err(twice(part, &parts[..number], sample, limits)?);
+            }
             Some(Conflict::Missing(sample)) => return Err(missing(files, sample)),
         }
     }
@@ -49,8 +53,8 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn read(file: &'a Path) -> Result<Self> {
-        let there = Checkpoint::read(file)?;
+    fn read(file: &'a Path, limits: &Limits) -> Result<Self> {
+        let there = Checkpoint::read(file, limits)?;
         let percent = (!there.is_complete()).then(|| there.percent());
         let samples = there.rendering.film.samples();
         Ok(Self { file, scene: there.scene, identity: there.identity, samples, percent })
@@ -75,10 +79,10 @@ fn describe((x, y, sample): Sample) -> String {
 }
 
 /// That `part` has a sample which one of `before` has, too.
-fn twice(part: &Part<'_>, before: &[Part<'_>], sample: Sample) -> Result<Error> {
+fn twice(part: &Part<'_>, before: &[Part<'_>], sample: Sample, limits: &Limits) -> Result<Error> {
     let mut other = None;
     for before in before {
-        if Checkpoint::read(before.file)?.rendering.film.has(sample) {
+        if Checkpoint::read(before.file, limits)?.rendering.film.has(sample) {
             other = Some(before.file.display().to_string());
             break;
         }

@@ -9,6 +9,7 @@ use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
 use super::keep::KeepArgs;
+use super::limits::LimitArgs;
 use super::merge::MergeArgs;
 use super::path::PathArgs;
 use super::progress::Telling;
@@ -92,6 +93,8 @@ pub(super) struct SampleArgs {
     /// Whether paths of little weight end early at random, without bias
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub(super) roulette: Switch,
+    #[command(flatten)]
+    pub(super) limits: LimitArgs,
 }
 
 #[derive(Debug, Args)]
@@ -175,12 +178,16 @@ pub(super) enum ScenesCommand {
         /// Print JSON
         #[arg(long)]
         json: bool,
+        #[command(flatten)]
+        limits: LimitArgs,
     },
     /// Check a scene file and count what is in it
     Check {
         /// Built-in scene, cloud:N, mesh:N or path
         #[arg(value_name = "NAME|FILE")]
         scene: String,
+        #[command(flatten)]
+        limits: LimitArgs,
     },
 }
 
@@ -212,6 +219,8 @@ pub(super) struct CompareArgs {
     /// Write a false-colour image of the differences
     #[arg(long, value_name = "FILE")]
     pub(super) heatmap: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) limits: LimitArgs,
 }
 
 #[derive(Debug, Args)]
@@ -231,6 +240,8 @@ pub(super) struct RaysArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
+    #[command(flatten)]
+    pub(super) limits: LimitArgs,
 }
 
 #[derive(Debug, Args)]

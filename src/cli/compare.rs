@@ -4,13 +4,19 @@ use super::args::CompareArgs;
 use super::say;
 use crate::error::Result;
 use crate::image::{Format, Image, Metadata, Transfer, compare};
+use crate::limits::Limit;
 
 /// 0 where the images are identical, else 1.
 pub(super) fn run(args: &CompareArgs) -> Result<u8> {
     if let Some(path) = &args.heatmap {
         Format::of_path(path)?;
     }
-    let (a, b) = (Image::read(&args.a)?, Image::read(&args.b)?);
+    let limits = args.limits.limits();
+    let allow = |pixels: u64, memory: u64| {
+        limits.check(Limit::Pixels, pixels).and_then(|()| limits.check(Limit::Memory, memory))
+    };
+    let read = |path| Image::read_where(path, &allow);
+    let (a, b) = (read(&args.a)?, read(&args.b)?);
     if (a.width(), a.height()) != (b.width(), b.height()) {
         say(format_args!(
             "identical        no: {} x {} and {} x {} pixels",

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::args::named;
+use super::limits::LimitArgs;
 use super::{files, notice, say};
 use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
 use crate::engine::{RenderSettings, Sampler};
@@ -59,6 +60,8 @@ pub(super) struct ConvergeArgs {
     /// No progress
     #[arg(short, long)]
     quiet: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
@@ -70,7 +73,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
     {
         return Err(Error::Usage(format!("{}: a plot must end with .svg", plot.display())));
     }
-    let scene = Scene::load(&args.scene)?;
+    let scene = args.limits.load(&args.scene)?;
     let options = options(args, &scene);
     let written = [("the record", &args.json), ("the plot", &args.plot)];
     let written: Vec<_> =

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::args::named;
+use super::limits::LimitArgs;
 use super::target::Target;
 use super::{files, say};
 use crate::checkpoint::{Checkpoint, merge};
@@ -22,13 +23,15 @@ pub(super) struct MergeArgs {
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     gamma: Transfer,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 pub(super) fn run(args: &MergeArgs) -> Result<()> {
     let output = Target::of_path(args.output.clone())?;
     let read: Vec<_> = args.parts.iter().map(|part| ("a part", part.as_path())).collect();
     files::check(&read, &[("the image", output.path())])?;
-    let whole = merge(&args.parts)?;
+    let whole = merge(&args.parts, &args.limits.limits())?;
     if let Target::Film(path) = &output {
         whole.write(path)?;
     }

@@ -11,6 +11,7 @@ mod dashboard;
 mod figures;
 mod files;
 mod keep;
+mod limits;
 mod merge;
 mod path;
 mod plan;

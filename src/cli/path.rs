@@ -51,7 +51,7 @@ pub(super) fn command(
 }
 
 pub(super) fn run(args: &PathArgs) -> Result<()> {
-    let scene = Scene::load(&args.of.scene)?;
+    let scene = args.of.limits.load(&args.of.scene)?;
     let settings = args.of.settings(&scene);
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {

@@ -8,11 +8,10 @@ use crate::error::Result;
 use crate::limits::MAX_SPP;
 use crate::output::check_folder;
 use crate::rayset;
-use crate::scene::Scene;
 
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
     check_folder(&args.out)?;
-    let scene = Scene::load(&args.scene)?;
+    let scene = args.limits.load(&args.scene)?;
     let mut settings = RenderSettings { seed: args.seed, ..RenderSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let enough = args.max_rays.div_ceil(pixels).min(u64::from(MAX_SPP));

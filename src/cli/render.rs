@@ -14,8 +14,10 @@ use super::{advise_on_build, files, notice, path, plan, say, timeline};
 use crate::checkpoint::{Checkpoint, Identity};
 use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
+use crate::film::Film;
 use crate::interrupt;
 use crate::isa::Isa;
+use crate::limits::Limits;
 use crate::machine::Interference;
 use crate::output::write_atomically;
 use crate::scene::Scene;
@@ -27,20 +29,21 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt::watch()?;
     // Whatever can fail fails before the work is done.
     args.output.clone().map(Target::of_path).transpose()?;
-    let scene = Scene::load(&args.sample.scene)?;
+    let scene = args.sample.limits.load(&args.sample.scene)?;
     let load = start.elapsed().as_secs_f64();
     let settings = settings(args, &scene)?;
     settings.check()?;
     let share = args.share.share(&settings)?;
+    settings.check_memory(&scene, Film::memory(share.area, share.samples.clone()))?;
     let identity = Identity::new(&scene, &settings, share.area);
     let output = Target::new(args.output.clone(), &args.sample.scene, &share, &identity)?;
-    if args.skip_complete && output.is_complete(&identity, &share) {
+    if args.skip_complete && output.is_complete(&identity, &share, scene.limits()) {
         return say(format_args!("{} is complete", output.path().display()));
     }
     let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start);
     check_files(args, &output, &keeping)?;
 
-    let rendering = begin(args, &identity, &share)?;
+    let rendering = begin(args, &identity, &share, scene.limits())?;
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let renderer = Renderer::new(&scene, settings.clone())?;
@@ -125,11 +128,16 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
 }
 
 /// What there is of the render already.
-fn begin(args: &RenderArgs, identity: &Identity, share: &Share) -> Result<Rendering> {
+fn begin(
+    args: &RenderArgs,
+    identity: &Identity,
+    share: &Share,
+    limits: &Limits,
+) -> Result<Rendering> {
     let Some(file) = &args.keep.resume else {
         return share.film(identity).map(Rendering::new);
     };
-    let there = Checkpoint::read(file)?;
+    let there = Checkpoint::read(file, limits)?;
     there.resume(&file.display().to_string(), identity, share.shard, share.samples.clone())
 }
 

@@ -10,13 +10,15 @@ pub(super) fn run(command: &ScenesCommand) -> Result<()> {
         ScenesCommand::List => BUILTIN_NAMES
             .iter()
             .try_for_each(|name| say(format_args!("{}", summary(&Scene::load(name)?)))),
-        ScenesCommand::Show { scene, json } => {
-            let parsed = Source::find(scene)?.read()?;
+        ScenesCommand::Show { scene, json, limits } => {
+            let parsed = Source::find(scene)?.read(&limits.limits())?;
             parsed.resolve()?;
             let text = if *json { parsed.to_json() } else { parsed.to_ron() };
             say(format_args!("{}", text.trim_end()))
         }
-        ScenesCommand::Check { scene } => say(format_args!("{}", summary(&Scene::load(scene)?))),
+        ScenesCommand::Check { scene, limits } => {
+            say(format_args!("{}", summary(&limits.load(scene)?)))
+        }
     }
 }
 

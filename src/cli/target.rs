@@ -6,6 +6,7 @@ use super::share::Share;
 use crate::checkpoint::{Checkpoint, Identity};
 use crate::error::{Error, Result};
 use crate::image::{Format, Metadata, Transfer};
+use crate::limits::Limits;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Target {
@@ -64,9 +65,9 @@ impl Target {
     }
 
     /// Whether the file is there already, and of this render. One that tells nothing of itself is not.
-    pub(super) fn is_complete(&self, identity: &Identity, share: &Share) -> bool {
+    pub(super) fn is_complete(&self, identity: &Identity, share: &Share, limits: &Limits) -> bool {
         match self {
-            Self::Film(path) => Checkpoint::read(path).is_ok_and(|there| {
+            Self::Film(path) => Checkpoint::read(path, limits).is_ok_and(|there| {
                 let same = there.identity == *identity && there.shard == share.shard;
                 same && there.rendering.film.samples() == share.samples && there.is_complete()
             }),

@@ -2,6 +2,7 @@
 
 mod contract;
 mod dimension;
+mod memory;
 mod pool;
 #[cfg(test)]
 mod proof;

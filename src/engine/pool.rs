@@ -73,15 +73,20 @@ fn cores() -> &'static [CoreId] {
     CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
 }
 
+/// How many threads are meant by `threads`, where 0 is for as many as the process may use.
+pub(super) fn threads(threads: u32) -> usize {
+    match threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads as usize,
+    }
+}
+
 /// So many threads, 0 for as many as the process may use.
 ///
 /// # Errors
 /// [`Error::Internal`] where they cannot be started.
 pub(super) fn start(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
-    let threads = match threads {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
-        threads => threads as usize,
-    };
+    let threads = self::threads(threads);
     let cores = cores();
     let tried = pin.tries(threads, cores.len());
     let failed = Arc::new(AtomicBool::new(cores.is_empty()));

@@ -22,6 +22,7 @@ use crate::scene::Scene;
 /// A scene with its acceleration structure and threads, ready to be rendered.
 #[derive(Debug)]
 pub struct Renderer<'a> {
+    scene: &'a Scene,
     settings: RenderSettings,
     engine: Box<dyn UnitEngine + 'a>,
     pool: ThreadPool,
@@ -119,10 +120,11 @@ impl<'a> Renderer<'a> {
     /// plan.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range,
+    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range or memory would not suffice,
     /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started.
     pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
+        settings.check_memory(scene, 0)?;
         let start = Instant::now();
         let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
         let engine: Box<dyn UnitEngine + 'a> = match settings.engine {
@@ -131,7 +133,7 @@ impl<'a> Renderer<'a> {
         };
         let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
         let seconds = Seconds { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 };
-        Ok(Self { settings, engine, pool, pinned, seconds })
+        Ok(Self { scene, settings, engine, pool, pinned, seconds })
     }
 
     /// How the wavefront engine works; `None` for others.
@@ -167,9 +169,12 @@ impl<'a> Renderer<'a> {
     /// A render of the whole image, of which nothing is done.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for the image.
+    /// [`Error::Usage`](crate::Error::Usage) where memory would not suffice for the image,
+    /// [`Error::Internal`](crate::Error::Internal) where there is none.
     pub fn begin(&self) -> Result<Rendering> {
-        Film::new(self.settings.image(), 0..self.settings.spp).map(Rendering::new)
+        let (image, samples) = (self.settings.image(), 0..self.settings.spp);
+        self.settings.check_memory(self.scene, Film::memory(image, samples.clone()))?;
+        Film::new(image, samples).map(Rendering::new)
     }
 
     /// Renders what is left of `rendering`, or until `observer` stops it.

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::film::Tile;
-use crate::limits;
+use crate::limits::{self, Limit, Limits};
 use crate::scene::{Sampling, Scene};
 
 use super::pool::Pin;
@@ -93,6 +93,8 @@ pub struct RenderSettings {
     pub count: bool,
     /// Whether it is kept what each worker did when.
     pub timeline: bool,
+    /// How many pixels there may be, and how much memory.
+    pub limits: Limits,
 }
 
 impl RenderSettings {
@@ -116,6 +118,7 @@ impl RenderSettings {
             plan: None,
             count: false,
             timeline: false,
+            limits: scene.limits().clone(),
         }
     }
 
@@ -140,6 +143,7 @@ impl RenderSettings {
     /// [`Error::Usage`] that names the first setting out of range.
     pub fn check(&self) -> Result<()> {
         limits::check_image(self.width, self.height)
+            .and_then(|()| self.limits.check(Limit::Pixels, self.image().pixels()))
             .and_then(|()| limits::check_sampling(self.spp, self.depth))
             .and_then(|()| limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE))
             .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))

@@ -56,6 +56,15 @@ impl Film {
         Ok(Self { area, samples, done, sums: Vec::new() })
     }
 
+    /// Bytes of memory for it when it is complete, and for its means.
+    pub fn memory(area: Tile, samples: Range<u32>) -> u64 {
+        let chunks = (samples.end - samples.start).div_ceil(CHUNK);
+        // Of each level two nodes, or one where all begins with sample 0; and a chunk that is not complete.
+        let levels = u64::from(u32::BITS - chunks.leading_zeros());
+        let sums = 1 + levels * if samples.start == 0 { 1 } else { 2 };
+        area.pixels() * (4 + 12 * sums + 12)
+    }
+
     /// The pixels that it may have.
     pub fn area(&self) -> Tile {
         self.area

@@ -58,7 +58,16 @@ impl Image {
     /// # Errors
     /// Where the file cannot be read, is damaged, or is of another format.
     pub fn read(path: &Path) -> Result<Self> {
-        read::read(path)
+        read::read(path, &|_, _| Ok(()))
+    }
+
+    /// As [`read`](Self::read), where `allow` does: it is told how many pixels there will be and how many bytes
+    /// of memory reading them takes, before that is allocated.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), and with the message of `allow`.
+    pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
+        read::read(path, allow)
     }
 
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).

@@ -1,10 +1,10 @@
 //! Readers into linear f32.
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 
-use image::{DynamicImage, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
@@ -15,30 +15,40 @@ pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 
 /// Largest width or height that is read.
 const MAX_SIDE: u32 = 65_536;
-/// Largest number of bytes that a decoder may allocate.
-const MAX_BYTES: u64 = 4 << 30;
+/// Bytes that a decoder may allocate before it tells the size of its image.
+const MAX_HEADER: u64 = 1 << 26;
+/// Bytes of a PFM file that its header may have.
+const MAX_PFM_HEADER: u64 = 1 << 10;
 
-pub(super) fn read(path: &Path) -> Result<Image> {
-    input::length(path)?;
+pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Image> {
+    let length = input::length(path)?;
     let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
     let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
     if is_pfm {
-        return read_pfm(&std::fs::read(path).map_err(Error::io(path, "read"))?).map_err(bad);
+        let mut begin = Vec::new();
+        let head = open()?.take(MAX_PFM_HEADER).read_to_end(&mut begin);
+        head.map_err(Error::io(path, "read"))?;
+        let pfm = Pfm::parse(&begin).map_err(bad)?;
+        pfm.check_length(length)
+            .and_then(|()| allow(pfm.pixels(), length + 12 * pfm.pixels()))
+            .map_err(bad)?;
+        let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
+        return pfm.check_length(bytes.len() as u64).map(|()| pfm.image(&bytes)).map_err(bad);
     }
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
+    limits.max_alloc = Some(MAX_HEADER);
+    reader.limits(limits.clone());
     let transfer = png::Decoder::new(open()?)
         .read_info()
         .ok()
         .and_then(|png| noted_transfer(png.info()))
         .unwrap_or_default();
-    let decoded = reader.decode().map_err(|error| {
+    let explain = |error| {
         match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
@@ -49,7 +59,19 @@ pub(super) fn read(path: &Path) -> Result<Image> {
         ),
         other => bad(format!("damaged image: {other}")),
     }
-    })?;
+    };
+    let mut decoder = reader.into_decoder().map_err(explain)?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(bad(format!("damaged image: {width} × {height} pixels")));
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    // As the file has them, again while they are decoded, and as they are wanted.
+    let decoding = decoder.total_bytes().saturating_mul(2);
+    allow(pixels, decoding.saturating_add(24 * pixels)).map_err(bad)?;
+    limits.max_alloc = Some(decoding.saturating_add(MAX_HEADER));
+    decoder.set_limits(limits).map_err(explain)?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(explain)?;
     Ok(to_linear(decoded, transfer))
 }
 
@@ -97,48 +119,75 @@ fn to_linear(decoded: DynamicImage, transfer: Transfer) -> Image {
     Image::from_pixels(width, height, pixels)
 }
 
-/// Portable float map: `PF` (colour) or `Pf` (grey), size, scale whose sign is the byte order.
-fn read_pfm(bytes: &[u8]) -> Result<Image, String> {
-    let mut rest = bytes;
-    let mut word = || {
-        let end = rest.iter().position(u8::is_ascii_whitespace).ok_or("damaged PFM header")?;
-        let word = std::str::from_utf8(&rest[..end]).map_err(|_| "damaged PFM header")?;
-        rest = &rest[end + 1..];
-        Ok::<&str, String>(word)
-    };
-    let channels = match word()? {
-        "PF" => 3,
-        "Pf" => 1,
-        _ => return Err("not a PFM file: it must begin with PF or Pf".into()),
-    };
-    let mut side = || {
-        let word = word()?;
-        match word.parse() {
-            Ok(side) if (1..=MAX_SIDE).contains(&side) => Ok(side),
-            _ => Err(format!("damaged PFM header: size `{word}` is not in 1 to {MAX_SIDE}")),
-        }
-    };
-    let (width, height) = (side()?, side()?);
-    let scale: f32 = word()?.parse().map_err(|_| "damaged PFM header: the scale is no number")?;
-    let expected = width as usize * height as usize * channels * 4;
-    if rest.len() != expected {
-        return Err(format!(
-            "damaged PFM: {width} × {height} need {expected} bytes of pixels, found {}",
-            rest.len()
-        ));
+/// What the header of a portable float map says: `PF` (colour) or `Pf` (grey), size, scale whose sign is the
+/// byte order.
+struct Pfm {
+    width: u32,
+    height: u32,
+    channels: usize,
+    little_endian: bool,
+    /// Bytes of the header.
+    begin: usize,
+}
+
+impl Pfm {
+    fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let mut rest = bytes;
+        let mut word = || {
+            let end = rest.iter().position(u8::is_ascii_whitespace).ok_or("damaged PFM header")?;
+            let word = std::str::from_utf8(&rest[..end]).map_err(|_| "damaged PFM header")?;
+            rest = &rest[end + 1..];
+            Ok::<&str, String>(word)
+        };
+        let channels = match word()? {
+            "PF" => 3,
+            "Pf" => 1,
+            _ => return Err("not a PFM file: it must begin with PF or Pf".into()),
+        };
+        let mut side = || {
+            let word = word()?;
+            match word.parse() {
+                Ok(side) if (1..=MAX_SIDE).contains(&side) => Ok(side),
+                _ => Err(format!("damaged PFM header: size `{word}` is not in 1 to {MAX_SIDE}")),
+            }
+        };
+        let (width, height) = (side()?, side()?);
+        let scale: f32 =
+            word()?.parse().map_err(|_| "damaged PFM header: the scale is no number")?;
+        let begin = bytes.len() - rest.len();
+        Ok(Self { width, height, channels, little_endian: scale < 0.0, begin })
     }
-    let value = |b: &[u8]| {
-        let b = [b[0], b[1], b[2], b[3]];
-        if scale < 0.0 { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
-    };
-    let row_bytes = width as usize * channels * 4;
-    let pixels = rest
-        .chunks_exact(row_bytes)
-        .rev()
-        .flat_map(|row| row.chunks_exact(channels * 4))
-        .map(|p| std::array::from_fn(|c| value(&p[4 * c.min(channels - 1)..])))
-        .collect();
-    Ok(Image::from_pixels(width, height, pixels))
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    fn check_length(&self, length: u64) -> Result<(), String> {
+        let Self { width, height, channels, begin, .. } = *self;
+        let (expected, found) = (self.pixels() * 4 * channels as u64, length - begin as u64);
+        if found == expected {
+            return Ok(());
+        }
+        Err(format!(
+            "damaged PFM: {width} × {height} need {expected} bytes of pixels, found {found}"
+        ))
+    }
+
+    /// The image in `bytes`, whose length is right.
+    fn image(&self, bytes: &[u8]) -> Image {
+        let value = |b: &[u8]| {
+            let b = [b[0], b[1], b[2], b[3]];
+            if self.little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
+        };
+        let channels = self.channels;
+        let pixels = bytes[self.begin..]
+            .chunks_exact(self.width as usize * channels * 4)
+            .rev()
+            .flat_map(|row| row.chunks_exact(channels * 4))
+            .map(|p| std::array::from_fn(|c| value(&p[4 * c.min(channels - 1)..])))
+            .collect();
+        Image::from_pixels(self.width, self.height, pixels)
+    }
 }
 
 #[cfg(test)]
@@ -150,6 +199,10 @@ mod tests {
         let mut bytes = b"Pf\n1 2\n1.0\n".to_vec();
         bytes.extend(1.0f32.to_be_bytes());
         bytes.extend(2.0f32.to_be_bytes());
+        let read_pfm = |bytes: &[u8]| {
+            let pfm = Pfm::parse(bytes)?;
+            pfm.check_length(bytes.len() as u64).map(|()| pfm.image(bytes))
+        };
         let image = read_pfm(&bytes).unwrap();
         assert_eq!(image.pixels(), [[2.0; 3], [1.0; 3]], "the bottom row comes first");
         bytes.pop();
@@ -163,11 +216,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("damaged image"));
+        assert!(read(&path, &|_, _| Ok(())).unwrap_err().to_string().contains("damaged image"));
         std::fs::write(&path, b"no image at all").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("lossless format"));
-        let error = read(folder.path()).unwrap_err();
+        assert!(read(&path, &|_, _| Ok(())).unwrap_err().to_string().contains("lossless format"));
+        let error = read(folder.path(), &|_, _| Ok(())).unwrap_err();
         assert_eq!(error.exit_code(), 74);
-        assert_eq!(read(Path::new("nosuch.png")).unwrap_err().exit_code(), 74);
+        assert_eq!(read(Path::new("nosuch.png"), &|_, _| Ok(())).unwrap_err().exit_code(), 74);
     }
 }

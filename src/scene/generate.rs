@@ -47,6 +47,13 @@ impl Generated {
         }))
     }
 
+    /// How many primitives it has, about.
+    pub(super) fn count(self) -> u32 {
+        match self {
+            Self::Cloud(count) | Self::Mesh(count) => count,
+        }
+    }
+
     pub(super) fn scene(self) -> SceneFile {
         match self {
             Self::Cloud(count) => cloud(count),

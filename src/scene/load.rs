@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use super::budget::Budget;
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
@@ -10,6 +11,10 @@ use super::place::Places;
 use super::{Scene, flat, parse, resolve};
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
+use crate::limits::{Limit, Limits};
+
+/// Bytes of memory for each primitive of a generated scene, as a file would say it.
+const GENERATED: u64 = 160;
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +46,7 @@ pub struct Parsed {
     /// The scene as written.
     pub file: SceneFile,
     places: Places,
+    budget: Budget,
 }
 
 impl Source {
@@ -77,16 +83,22 @@ impl Source {
     /// Reads the text and parses it.
     ///
     /// # Errors
-    /// Where the file cannot be read or its text is no scene.
-    pub fn read(&self) -> Result<Parsed> {
+    /// Where the file cannot be read, its text is no scene, or a limit is exceeded.
+    pub fn read(&self, limits: &Limits) -> Result<Parsed> {
         let (name, folder, form, text) = match self {
             Self::Generated(name, generated) => {
-                let (name, file) = (name.clone(), generated.scene());
+                let count = generated.count().into();
+                let budget = Budget::new(limits, 0);
+                limits
+                    .check(Limit::Primitives, count)
+                    .and_then(|()| budget.hold(GENERATED * count))
+                    .map_err(|message| Error::input(name, "", message))?;
                 return Ok(Parsed {
-                    name,
+                    name: name.clone(),
                     folder: PathBuf::new(),
-                    file,
+                    file: generated.scene(),
                     places: Places::default(),
+                    budget,
                 });
             }
             Self::Builtin(name) => {
@@ -95,15 +107,22 @@ impl Source {
             }
             Self::File(path, form) => {
                 let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-                (path.display().to_string(), folder, *form, read_text(path, "a scene file")?)
+                let check = |length| {
+                    limits
+                        .check(Limit::SceneBytes, length)
+                        .and_then(|()| Budget::new(limits, length).check(0))
+                };
+                let text = read_text(path, "a scene file", check)?;
+                (path.display().to_string(), folder, *form, text)
             }
         };
+        let budget = Budget::new(limits, text.len() as u64);
         let (file, places) = match form {
-            Form::Ron => (parse::from_ron(&name, &text)?, Places::default()),
-            Form::Json => (parse::from_json(&name, &text)?, Places::default()),
+            Form::Ron => (parse::from_ron(&name, &text, limits)?, Places::default()),
+            Form::Json => (parse::from_json(&name, &text, limits)?, Places::default()),
             Form::Flat => flat::from_flat(&name, &text)?,
         };
-        Ok(Parsed { name, folder, file, places })
+        Ok(Parsed { name, folder, file, places, budget })
     }
 }
 
@@ -113,7 +132,7 @@ impl Parsed {
     /// # Errors
     /// Where a value is out of range or a name unknown.
     pub fn resolve(&self) -> Result<Scene> {
-        resolve::resolve(&self.name, &self.folder, &self.file, &self.places)
+        resolve::resolve(&self.name, &self.folder, &self.file, &self.places, self.budget.clone())
     }
 
     /// The scene as RON.

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::budget::Budget;
 use super::place::{MAX_COORDINATE, angles};
 use super::{obj, ply};
 use crate::error::{Error, Result};
 use crate::geometry::Triangle;
 use crate::input::read_bytes;
+use crate::limits::Limit;
 use crate::math::precise::rotate;
 
 /// A mesh as its file says it, indices in range and coordinates finite.
@@ -33,8 +35,9 @@ impl Mesh {
     /// faces is ignored.
     ///
     /// # Errors
-    /// Where it cannot be read or its content is wrong: the message names file and line.
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    /// Where it cannot be read, is beyond the limits, or its content is wrong: the message names file and
+    /// line.
+    pub(super) fn read(path: &Path, budget: &Budget) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let parse = match extension.as_deref() {
             Some("obj") => obj::parse,
@@ -45,7 +48,11 @@ impl Mesh {
             }
         };
         let name = path.display().to_string();
-        let mesh = parse(&name, &read_bytes(path)?)?;
+        let bytes = read_bytes(path, |length| {
+            budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
+        })?;
+        let within = budget.with(bytes.len() as u64);
+        let mesh = parse(&name, &bytes, &within)?;
         if mesh.triangles.is_empty() {
             return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
         }
@@ -59,8 +66,15 @@ impl Mesh {
     /// left out: it has no normal.
     ///
     /// # Errors
-    /// A vertex that is too far away, or no triangle with an area.
-    pub(super) fn place(&self, placement: &Placement) -> Result<Vec<Triangle>, String> {
+    /// A vertex that is too far away, no triangle with an area, or no memory.
+    pub(super) fn place(
+        &self,
+        placement: &Placement,
+        budget: &Budget,
+    ) -> Result<Vec<Triangle>, String> {
+        let (vertices, triangles) = (self.vertices.len() as u64, self.triangles.len() as u64);
+        // With lists that grow.
+        budget.check(36 * (vertices + triangles) + 108 * triangles)?;
         let turns = angles(placement.rotation);
         let place = |vertex: &Vec3| {
             let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(placement.scale));

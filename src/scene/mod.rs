@@ -2,6 +2,7 @@
 
 mod alias;
 mod boxes;
+mod budget;
 mod builtin;
 mod camera;
 mod description;
@@ -14,6 +15,7 @@ mod material;
 mod medium;
 mod mesh;
 mod named;
+mod nesting;
 mod obj;
 mod parse;
 mod place;
@@ -41,6 +43,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::geometry::Geometry;
+use crate::limits::Limits;
 
 /// A scene that can be rendered: names are indices, every number is in its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +58,7 @@ pub struct Scene {
     material_of: Vec<u32>,
     lights: Lights,
     media: Vec<Medium>,
+    limits: Limits,
 }
 
 impl Scene {
@@ -64,7 +68,16 @@ impl Scene {
     /// # Errors
     /// Where there is no such file or its content is wrong: one line that names the place.
     pub fn load(name_or_path: &str) -> Result<Self> {
-        Source::find(name_or_path)?.read()?.resolve()
+        Self::load_within(name_or_path, &Limits::default())
+    }
+
+    /// As [`load`](Self::load), within other limits than the usual ones. They hold for renders of the scene,
+    /// too.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and where a limit is exceeded: it is named, and how it is raised.
+    pub fn load_within(name_or_path: &str, limits: &Limits) -> Result<Self> {
+        Source::find(name_or_path)?.read(limits)?.resolve()
     }
 
     /// The scene in `text`, in RON; textures are relative to the current folder.
@@ -72,7 +85,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn from_ron(text: &str) -> Result<Self> {
-        parse::from_ron("scene", text).and_then(|file| Self::from_file(&file))
+        parse::from_ron("scene", text, &Limits::default()).and_then(|file| Self::from_file(&file))
     }
 
     /// The scene that `file` describes; textures are relative to the current folder.
@@ -80,7 +93,8 @@ impl Scene {
     /// # Errors
     /// Where a number is out of range or a name unknown.
     pub fn from_file(file: &SceneFile) -> Result<Self> {
-        resolve::resolve("scene", Path::new(""), file, &place::Places::default())
+        let budget = budget::Budget::new(&Limits::default(), 0);
+        resolve::resolve("scene", Path::new(""), file, &place::Places::default(), budget)
     }
 
     /// The built-in name, or the path as given.
@@ -144,6 +158,11 @@ impl Scene {
     /// The lights.
     pub fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// What it was loaded within.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// The media, none of which overlaps another.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use tobj::LoadError;
 
+use super::budget::Budget;
 use super::mesh::{Mesh, in_range};
 use crate::error::{Error, Result};
 
@@ -10,10 +11,13 @@ const VERTEX: &str = "a vertex is `v` and three numbers";
 const FACE: &str = "a face is `f` and three or more numbers of vertices";
 
 /// The vertices and faces of all groups in `bytes`; `name` is what errors call the file.
-pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
+pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
+    let check = |more| budget.check(more).map_err(|message| Error::input(name, "", message));
+    check(text_memory(bytes))?;
     let text = String::from_utf8_lossy(bytes);
     let error = |(line, message): (usize, String)| Error::input(name, line.to_string(), message);
     let positions = Positions::new(text.trim_start_matches('\u{feff}')).map_err(error)?;
+    check(positions.memory())?;
     let mut rest = positions.text.as_bytes();
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -42,12 +46,21 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
 struct Positions {
     text: String,
     vertices: i64,
+    faces: u64,
+    corners: u64,
+}
+
+/// Memory for the text twice, and for the words of its longest line.
+fn text_memory(bytes: &[u8]) -> u64 {
+    let longest = bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
+    (2 * bytes.len() + 32 * longest) as u64
 }
 
 impl Positions {
     /// `Err` has line and message.
     fn new(file: &str) -> Result<Self, (usize, String)> {
         let (mut text, mut vertices) = (String::with_capacity(file.len()), 0);
+        let (mut faces, mut corners_of_all) = (0, 0);
         for (line, number) in file.lines().zip(1..) {
             let line = line.split('#').next().unwrap_or_default();
             let mut words: Vec<&str> = line.split_whitespace().collect();
@@ -71,6 +84,8 @@ impl Positions {
                     if corners.len() < 3 || corners.contains(&"") {
                         return wrong(FACE);
                     }
+                    faces += 1;
+                    corners_of_all += corners.len() as u64;
                     text.push_str("f ");
                     text.push_str(&corners.join(" "));
                 }
@@ -78,7 +93,16 @@ impl Positions {
             }
             text.push('\n');
         }
-        Ok(Self { text, vertices })
+        Ok(Self { text, vertices, faces, corners: corners_of_all })
+    }
+
+    /// Memory for what tobj makes of it, and for the mesh: what was seen for vertices, faces of three corners
+    /// and polygons, while lists grow.
+    fn memory(&self) -> u64 {
+        2 * self.text.len() as u64
+            + 120 * self.vertices as u64
+            + 320 * self.faces
+            + 120 * self.corners
     }
 
     /// Line and message of an error, after `read` lines.
@@ -121,9 +145,12 @@ fn is_in_range(words: &[&str]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::Limits;
 
     fn message(text: &str) -> String {
-        parse("a.obj", text.as_bytes()).unwrap_err().to_string()
+        parse("a.obj", text.as_bytes(), &Budget::new(&Limits::default(), 0))
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -131,7 +158,7 @@ mod tests {
         let text = "\u{feff}v 0 0 0 # first\n# caf\u{e9}\nmtllib none.mtl\no one\nv 1 0 0 1\nv 1 1 0 0.1 0.2 0.3\n\
                     vt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/9/1 3//7 # top\ng two\nv 0 1 0\n\
                     f -4 -3 -2 -1\nl 1 2\np 1\n";
-        let mesh = parse("a.obj", text.as_bytes()).unwrap();
+        let mesh = parse("a.obj", text.as_bytes(), &Budget::new(&Limits::default(), 0)).unwrap();
         let at = |t: [u32; 3]| t.map(|i| mesh.vertices[i as usize].to_array());
         let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]);
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| at(*t)).collect();
@@ -172,7 +199,7 @@ mod tests {
                 let place = (random.bits() % bytes.len() as u64) as usize;
                 bytes[place] = b"0123456789 -/.\nvfe\xff"[(random.bits() % 19) as usize];
             }
-            if let Ok(mesh) = parse("a.obj", &bytes) {
+            if let Ok(mesh) = parse("a.obj", &bytes, &Budget::new(&Limits::default(), 0)) {
                 let count = mesh.vertices.len() as u32;
                 assert!(mesh.triangles.iter().flatten().all(|i| *i < count));
             }

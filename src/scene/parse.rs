@@ -3,10 +3,13 @@
 use ron::extensions::Extensions;
 
 use super::description::SceneFile;
+use super::nesting;
 use crate::error::{Error, Result, suggestion};
+use crate::limits::{Limit, Limits};
 
 /// Reads the RON form.
-pub(super) fn from_ron(file: &str, text: &str) -> Result<SceneFile> {
+pub(super) fn from_ron(file: &str, text: &str, limits: &Limits) -> Result<SceneFile> {
+    check_nesting(file, text, limits)?;
     let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
     options.from_str(text).map_err(|error| {
         let place = format!("{}:{}", error.span.start.line, error.span.start.col);
@@ -32,7 +35,8 @@ fn ron_message(code: &ron::Error) -> String {
 }
 
 /// Reads the same schema as JSON.
-pub(super) fn from_json(file: &str, text: &str) -> Result<SceneFile> {
+pub(super) fn from_json(file: &str, text: &str, limits: &Limits) -> Result<SceneFile> {
+    check_nesting(file, text, limits)?;
     serde_json::from_str(text).map_err(|error| {
         let place = format!("{}:{}", error.line(), error.column());
         let message = error.to_string();
@@ -60,6 +64,16 @@ fn json_message(message: &str, is_data: bool) -> String {
         _ if is_data => one_line(message),
         _ => format!("JSON syntax: {}", one_line(message)),
     }
+}
+
+/// The parsers call themselves for what is nested.
+fn check_nesting(file: &str, text: &str, limits: &Limits) -> Result<()> {
+    let Some(((line, column), depth)) = nesting::deeper_than(text, limits.get(Limit::Nesting))
+    else {
+        return Ok(());
+    };
+    let checked = limits.check(Limit::Nesting, depth);
+    checked.map_err(|message| Error::input(file, format!("{line}:{column}"), message))
 }
 
 fn one_line(message: &str) -> String {

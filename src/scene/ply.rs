@@ -1,15 +1,20 @@
 //! Meshes in PLY files, ASCII and binary, read by ply-rs-bw.
 
 use glam::Vec3;
+use std::io::ErrorKind;
+
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
-    ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyDef,
-    PropertyType, ScalarType,
+    Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType,
+    ScalarType,
 };
 
+use super::budget::Budget;
 use super::mesh::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
-use crate::limits::MAX_ROWS;
+
+/// Rows that are in memory at once.
+const ROWS: usize = 1024;
 
 /// A row of any element: what there is of a vertex or a face.
 #[derive(Debug)]
@@ -49,65 +54,82 @@ fn integers(list: Property) -> Option<Vec<i64>> {
 }
 
 /// The vertices and faces in `bytes`; `name` is what errors call the file.
-pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
+pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
     let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error, None))?;
     let is_text = header.encoding == Encoding::Ascii;
-    for definition in header.elements.values() {
-        check_size(definition, is_text, reader.get_ref().len())
-            .map_err(|message| Error::input(name, definition.name.clone(), message))?;
-    }
+    let triangles = most_triangles(&header, reader.get_ref().len())
+        .map_err(|(place, message)| Error::input(name, place, message))?;
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
+    budget
+        .check(memory(count, triangles, is_text, reader.get_ref()))
+        .map_err(|message| Error::input(name, "", message))?;
     let mut mesh = Mesh::default();
-    for (element, definition) in &header.elements {
-        let first_line = reader.line();
-        // Where row number `row` is: a line of text, else told by its number.
-        let error = |row: usize, message: &str| {
-            let place =
-                if is_text { (first_line + row).to_string() } else { format!("{element}[{row}]") };
-            Error::input(name, place, message)
-        };
-        let rows = parser
-            .read_payload_for_element(&mut reader, definition, &header)
-            .map_err(|error| explain(name, &error, (!is_text).then_some(element)))?;
-        match element.as_str() {
-            "vertex" => {
-                if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
-                    let message = "a vertex needs x, y and z, finite and within ±1e9";
-                    return Err(error(row, message));
-                }
-                mesh.vertices = rows.iter().map(|row| row.position).collect();
-            }
-            "face" => {
-                for (number, row) in rows.iter().enumerate() {
-                    if row.corners.len() < 3 {
-                        let message = "a face needs a list `vertex_indices` of three or more";
-                        return Err(error(number, message));
+    for (element, all) in &header.elements {
+        let mut definition = all.clone();
+        for first in (0..all.count).step_by(ROWS) {
+            definition.count = ROWS.min(all.count - first);
+            let first_line = reader.line();
+            // Where row number `row` of these is: a line of text, else told by its number.
+            let error = |row: usize, message: &str| {
+                let place = match is_text {
+                    true => (first_line + row).to_string(),
+                    false => format!("{element}[{}]", first + row),
+                };
+                Error::input(name, place, message)
+            };
+            let rows = parser.read_payload_for_element(&mut reader, &definition, &header).map_err(
+                |error| match error.kind() {
+                    ErrorKind::UnexpectedEof => Error::input(
+                        name,
+                        element,
+                        format!("the file ends before its {} rows do", all.count),
+                    ),
+                    _ => explain(name, &error, (!is_text).then_some(element)),
+                },
+            )?;
+            match element.as_str() {
+                "vertex" => {
+                    if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
+                        let message = "a vertex needs x, y and z, finite and within ±1e9";
+                        return Err(error(row, message));
                     }
-                    let corners: Option<Vec<u32>> = row
-                        .corners
-                        .iter()
-                        .map(|&c| u32::try_from(c).ok().filter(|c| (*c as usize) < count))
-                        .collect();
-                    let Some(corners) = corners else {
-                        let message =
-                            format!("the face names a vertex beyond the {count} of the file");
-                        return Err(error(number, &message));
-                    };
-                    mesh.triangles.extend(fan(&corners));
+                    mesh.vertices.extend(rows.iter().map(|row| row.position));
                 }
+                "face" => {
+                    for (number, row) in rows.iter().enumerate() {
+                        if row.corners.len() < 3 {
+                            let message = "a face needs a list `vertex_indices` of three or more";
+                            return Err(error(number, message));
+                        }
+                        let corners: Option<Vec<u32>> = row
+                            .corners
+                            .iter()
+                            .map(|&c| u32::try_from(c).ok().filter(|c| (*c as usize) < count))
+                            .collect();
+                        let Some(corners) = corners else {
+                            let message =
+                                format!("the face names a vertex beyond the {count} of the file");
+                            return Err(error(number, &message));
+                        };
+                        mesh.triangles.extend(fan(&corners));
+                    }
+                }
+                _ => {}
             }
-            _ => {}
         }
     }
     Ok(mesh)
 }
 
-/// `Err` where there cannot be as many rows of an element in `bytes` bytes: nothing is allocated
-/// for what a header alone says.
-fn check_size(element: &ElementDef, is_text: bool, bytes: usize) -> Result<(), String> {
+/// The most triangles that there can be in `bytes` bytes after `header`; `Err` where there cannot be as many rows
+/// of an element, with its name.
+fn most_triangles(header: &Header, bytes: usize) -> Result<usize, (String, String)> {
+    let is_text = header.encoding == Encoding::Ascii;
     let size = |scalar: &ScalarType| match scalar {
+        // A digit and what parts it from the next.
+        _ if is_text => 2,
         ScalarType::Char | ScalarType::UChar => 1,
         ScalarType::Short | ScalarType::UShort => 2,
         ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
@@ -116,12 +138,38 @@ fn check_size(element: &ElementDef, is_text: bool, bytes: usize) -> Result<(), S
     let least = |property: &PropertyDef| match &property.data_type {
         PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
     };
-    let row = if is_text { 1 } else { element.properties.values().map(least).sum::<usize>() };
-    let most = bytes.checked_div(row).map_or(0, |rows| (rows + 1).min(MAX_ROWS));
-    if element.count <= most {
-        return Ok(());
+    let entry = |property: &PropertyDef| match &property.data_type {
+        PropertyType::Scalar(_) => None,
+        PropertyType::List(_, scalar) => Some(size(scalar)),
+    };
+    // The last line need not end.
+    let mut rest = bytes + usize::from(is_text);
+    for element in header.elements.values() {
+        let least: usize = element.properties.values().map(least).sum();
+        // Even an empty line of text is one.
+        let row = if is_text { least.max(1) } else { least };
+        let most = rest.checked_div(row).unwrap_or(0);
+        if element.count > most {
+            let message =
+                format!("the header says {} rows, there can be {most} at most", element.count);
+            return Err((element.name.clone(), message));
+        }
+        rest -= row * element.count;
     }
-    Err(format!("the header says {} rows, there can be {most} at most", element.count))
+    let Some(faces) = header.elements.get("face") else { return Ok(0) };
+    let entry = faces.properties.values().filter_map(entry).min().unwrap_or(usize::MAX);
+    Ok((rest / entry).saturating_sub(2 * faces.count))
+}
+
+/// Memory for a mesh of so many vertices and triangles, and for its longest row.
+fn memory(vertices: usize, triangles: usize, is_text: bool, bytes: &[u8]) -> u64 {
+    // Words of two bytes, as text and as numbers; or the corners of one polygon.
+    let row = match is_text {
+        true => 32 * bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0),
+        false => 32 * triangles.min(bytes.len()),
+    };
+    // While the list grows, it is there twice.
+    (12 * vertices + 36 * triangles + row) as u64
 }
 
 /// The library's errors tell the line of a text file.
@@ -143,14 +191,19 @@ fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::{Limit, Limits};
 
     const HEADER: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n\
         property float x\nproperty double y\nproperty int z\nproperty uchar red\n\
         element face 2\nproperty list uchar int vertex_indices\nend_header\n";
     const VERTICES: &str = "0 0 0 255\n1 0.5 0 255\n1 1 0 255\n0 1 2 255\n";
 
+    fn budget() -> Budget {
+        Budget::new(&Limits::default(), 0)
+    }
+
     fn message(text: &str) -> String {
-        let message = parse("a.ply", text.as_bytes()).unwrap_err().to_string();
+        let message = parse("a.ply", text.as_bytes(), &budget()).unwrap_err().to_string();
         assert!(!message.contains('\n') && message.len() < 300);
         message
     }
@@ -158,7 +211,7 @@ mod tests {
     #[test]
     fn text_of_any_types_with_polygons() {
         let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");
-        let mesh = parse("a.ply", text.as_bytes()).unwrap();
+        let mesh = parse("a.ply", text.as_bytes(), &budget()).unwrap();
         assert_eq!(mesh.vertices[1], Vec3::new(1.0, 0.5, 0.0));
         assert_eq!(mesh.vertices[3], Vec3::new(0.0, 1.0, 2.0));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3]]);
@@ -180,14 +233,14 @@ mod tests {
             for i in [2u32, 0, 1] {
                 bytes.extend(if little { i.to_le_bytes() } else { i.to_be_bytes() });
             }
-            let mesh = parse("a.ply", &bytes).unwrap();
+            let mesh = parse("a.ply", &bytes, &budget()).unwrap();
             assert_eq!(mesh.vertices[2], Vec3::new(0.0, 1.0, 0.5));
             assert_eq!(mesh.triangles, [[2, 0, 1]]);
-            let cut = parse("a.ply", &bytes[..bytes.len() - 2]).unwrap_err().to_string();
-            assert!(cut.starts_with("a.ply:face: PLY syntax"), "{cut}");
+            let cut = parse("a.ply", &bytes[..bytes.len() - 2], &budget()).unwrap_err().to_string();
+            assert!(cut.starts_with("a.ply:face: the file ends before its 1 rows do"), "{cut}");
             let last = bytes.len() - 1;
             bytes[if little { last - 3 } else { last }] = 3;
-            let wrong = parse("a.ply", &bytes).unwrap_err().to_string();
+            let wrong = parse("a.ply", &bytes, &budget()).unwrap_err().to_string();
             assert_eq!(wrong, "a.ply:face[0]: the face names a vertex beyond the 3 of the file");
         }
     }
@@ -212,7 +265,8 @@ mod tests {
         assert!(message(&text).starts_with("a.ply:13: PLY syntax"), "{}", message(&text));
         let text = format!("{}{VERTICES}{faces}", HEADER.replace("vertex 4", "vertex four"));
         assert!(message(&text).starts_with("a.ply:4: PLY syntax"), "{}", message(&text));
-        assert!(message(&format!("{HEADER}{VERTICES}3 0 1 2\n")).starts_with("a.ply:1"));
+        let cut = format!("{HEADER}{VERTICES}3 0 1 2    \n");
+        assert_eq!(message(&cut), "a.ply:face: the file ends before its 2 rows do");
         assert!(message("solid cube\n").starts_with("a.ply:1: PLY syntax"));
         assert!(message("").starts_with("a.ply"));
     }
@@ -222,6 +276,7 @@ mod tests {
         for (format, properties, count) in [
             ("binary_little_endian", "", 1_000_000_000_000u64),
             ("binary_big_endian", "", 1),
+            ("binary_big_endian", "property uchar x\nelement face 2\nproperty uchar y\n", 0),
             ("binary_little_endian", "property uchar x\n", 1_000_000_000_000),
             ("ascii", "", 1_000_000_000_000),
         ] {
@@ -229,8 +284,25 @@ mod tests {
                 "ply\nformat {format} 1.0\nelement vertex {count}\n{properties}end_header\n"
             );
             let error = message(&text);
-            assert!(error.starts_with("a.ply:vertex: the header says"), "{error}");
+            let element = if count == 0 { "face" } else { "vertex" };
+            assert!(error.starts_with(&format!("a.ply:{element}: the header says")), "{error}");
         }
+    }
+
+    /// Before it is allocated: little for meshes as programs write them, much for polygons of many corners.
+    #[test]
+    fn memory_is_limited() {
+        let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");
+        let least = (0..).find(|&bytes| {
+            let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
+            parse("a.ply", text.as_bytes(), &budget).is_ok()
+        });
+        // Four vertices, at most five triangles, and the longest line, of the header.
+        let line = "property list uchar int vertex_indices".len() as u64;
+        assert!((4 * 12 + 3 * 12..=4 * 12 + 5 * 36 + 32 * line).contains(&least.unwrap()));
+        let budget = Budget::new(&Limits::default().with(Limit::Memory, 10), 0);
+        let error = parse("a.ply", text.as_bytes(), &budget).unwrap_err().to_string();
+        assert!(error.starts_with("a.ply: the limit of memory is 10, this needs"), "{error}");
     }
 
     #[test]
@@ -244,7 +316,7 @@ mod tests {
                 let place = (random.bits() % bytes.len() as u64) as usize;
                 bytes[place] = random.bits() as u8;
             }
-            if let Ok(mesh) = parse("a.ply", &bytes) {
+            if let Ok(mesh) = parse("a.ply", &bytes, &budget()) {
                 let count = mesh.vertices.len() as u32;
                 assert!(mesh.triangles.iter().flatten().all(|i| *i < count));
             }

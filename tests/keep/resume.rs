@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use ptfast::checkpoint::{Checkpoint, Identity};
 use ptfast::engine::{Observer, Progress, Rendering, Stop};
+use ptfast::limits::Limits;
 use ptfast::math::random::Stream;
 use ptfast::{Engine, RenderSettings, Renderer, Scene};
 
@@ -62,7 +63,7 @@ fn renders_go_on_where_they_were_stopped() {
                 let scene = scene.name().to_owned();
                 let kept = Checkpoint { scene, identity: identity.clone(), shard: None, rendering };
                 kept.write(&file).unwrap();
-                let kept = Checkpoint::read(&file).unwrap();
+                let kept = Checkpoint::read(&file, &Limits::default()).unwrap();
                 rendering = kept.resume("a.film", &identity, None, 0..spp).unwrap();
             }
             assert!(stops > 0, "{name}: it was never stopped");

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::Resolver;
 use crate::error::{Result, suggestion};
 use crate::image::Image;
+use crate::limits::Limit;
 use crate::scene::description::{Albedo, MaterialFile, TextureFile};
 use crate::scene::material::{Emission, Material};
 use crate::scene::place::MAX_RADIANCE;
@@ -23,7 +24,16 @@ impl Resolver<'_> {
                     Texture::Checker(Checker::new(odd, even, *scale))
                 }
                 TextureFile::Image { file } => {
-                    let image = Image::read(&folder.join(file)).map_err(|error| e.error(error))?;
+                    let path = self.path(&e, folder, file)?;
+                    let allow = |pixels: u64, memory: u64| {
+                        let bytes = 12 * pixels;
+                        let limits = &self.budget.limits;
+                        limits
+                            .check(Limit::TextureBytes, bytes)
+                            .and_then(|()| self.budget.check(memory))
+                            .and_then(|()| self.budget.hold(bytes))
+                    };
+                    let image = Image::read_where(&path, &allow).map_err(|error| e.error(error))?;
                     if let Some(bad) =
                         image.pixels().iter().find(|p| p.iter().any(|c| !(0.0..=1.0).contains(c)))
                     {

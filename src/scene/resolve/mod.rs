@@ -4,19 +4,20 @@
 mod materials;
 mod primitives;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::Scene;
+use super::budget::Budget;
 use super::camera::Camera;
 use super::description::{BackgroundFile, CameraFile, SceneFile};
 use super::light::Lights;
 use super::material::Background;
 use super::medium::Medium;
 use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
-use crate::error::Result;
-use crate::limits::MAX_MEDIA;
+use crate::error::{Error, Result};
+use crate::limits::{self, Limit, MAX_MEDIA};
 
 /// The scene that `file` describes. `name` is what errors call it, `folder` is where its
 /// textures are.
@@ -25,8 +26,9 @@ pub(super) fn resolve(
     folder: &Path,
     file: &SceneFile,
     places: &Places,
+    budget: Budget,
 ) -> Result<Scene> {
-    let resolver = Resolver { name, file, places };
+    let resolver = Resolver { name, file, places, budget };
     let camera = resolver.camera(&file.camera)?;
     let background = resolver.background()?;
     resolver.render_defaults()?;
@@ -46,6 +48,7 @@ pub(super) fn resolve(
         material_of,
         lights,
         media,
+        limits: resolver.budget.limits,
     })
 }
 
@@ -53,11 +56,29 @@ struct Resolver<'a> {
     name: &'a str,
     file: &'a SceneFile,
     places: &'a Places,
+    budget: Budget,
 }
 
 impl<'a> Resolver<'a> {
     fn element(&self, place: String, kind: &'a str) -> Element<'a> {
         Element { file: self.name, place, kind }
+    }
+
+    /// The file that the scene calls `file`: in `folder`, unless the user allows others.
+    fn path(&self, e: &Element<'_>, folder: &Path, file: &str) -> Result<PathBuf> {
+        let path = folder.join(file);
+        let within = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        // What is not there is for the reader to tell.
+        let real = |path: &Path| path.canonicalize().ok();
+        match (real(&path), real(within)) {
+            (Some(there), Some(folder))
+                if !self.budget.limits.outside_files() && !there.starts_with(&folder) =>
+            {
+                let message = "is outside the folder of the scene: --outside-files allows it";
+                Err(e.error(Error::input(path.display().to_string(), "", message)))
+            }
+            _ => Ok(path),
+        }
     }
 
     fn camera(&self, camera: &CameraFile) -> Result<Camera> {
@@ -110,8 +131,10 @@ impl<'a> Resolver<'a> {
 
     fn render_defaults(&self) -> Result<()> {
         let render = &self.file.render;
-        crate::limits::check_image(render.width, render.height)
-            .and_then(|()| crate::limits::check_sampling(render.spp, render.depth))
+        let pixels = u64::from(render.width) * u64::from(render.height);
+        limits::check_image(render.width, render.height)
+            .and_then(|()| limits::check_sampling(render.spp, render.depth))
+            .and_then(|()| self.budget.limits.check(Limit::Pixels, pixels))
             .map_err(|message| {
                 self.element(Places::section(self.places.render), "render").error(message)
             })

@@ -7,7 +7,6 @@ use glam::Vec3;
 use super::Resolver;
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
-use crate::limits::MAX_PRIMITIVES;
 use crate::scene::boxes;
 use crate::scene::description::PrimitiveFile;
 use crate::scene::mesh::{Mesh, Placement};
@@ -27,12 +26,7 @@ impl Resolver<'_> {
                 let known = self.file.materials.names();
                 e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
             })?;
-            add(&e, folder, primitive, &mut geometry)?;
-            if geometry.len() > MAX_PRIMITIVES {
-                return Err(
-                    e.error(format!("a scene can have {MAX_PRIMITIVES} primitives at most"))
-                );
-            }
+            self.add(&e, folder, primitive, &mut geometry)?;
             let counts = [geometry.spheres.len(), geometry.quads.len(), geometry.triangles.len()];
             for (list, count) in materials.iter_mut().zip(counts) {
                 list.resize(count, material);
@@ -40,74 +34,86 @@ impl Resolver<'_> {
         }
         Ok((geometry, materials.concat()))
     }
-}
 
-/// Checks one primitive and appends what it stands for.
-fn add(
-    e: &Element<'_>,
-    folder: &Path,
-    primitive: &PrimitiveFile,
-    geometry: &mut Geometry,
-) -> Result<()> {
-    let radius_of = |radius: f32| {
-        let ok = radius > 0.0 && radius <= MAX_COORDINATE;
-        e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
-    };
-    let quad = |q, u, v| {
-        Quad::new(q, u, v).ok_or_else(|| {
-            e.error("the edges must span an area, they are zero or (all but) parallel")
-        })
-    };
-    match primitive {
-        PrimitiveFile::Sphere { center, radius, .. } => {
-            let center = e.point("center", *center)?;
-            geometry.spheres.push(Sphere::still(center, radius_of(*radius)?));
-        }
-        PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
-            let center = e.point("center", *center)?;
-            let center1 = e.point("center1", *center1)?;
-            geometry.spheres.push(Sphere { center, center1, radius: radius_of(*radius)? });
-        }
-        PrimitiveFile::Quad { q, u, v, .. } => {
-            geometry.quads.push(quad(e.point("q", *q)?, e.point("u", *u)?, e.point("v", *v)?)?);
-        }
-        PrimitiveFile::Box { min, max, rotation, .. } => {
-            e.bounds(*min, *max)?;
-            e.rotation(*rotation)?;
-            for (q, u, v) in boxes::faces(*min, *max, *rotation) {
-                geometry.quads.push(quad(q.into(), u.into(), v.into())?);
+    /// Checks one primitive and appends what it stands for.
+    fn add(
+        &self,
+        e: &Element<'_>,
+        folder: &Path,
+        primitive: &PrimitiveFile,
+        geometry: &mut Geometry,
+    ) -> Result<()> {
+        let before = geometry.len();
+        let room = |more: usize| {
+            self.budget.hold_primitives(before, more).map_err(|message| e.error(message))
+        };
+        let radius_of = |radius: f32| {
+            let ok = radius > 0.0 && radius <= MAX_COORDINATE;
+            e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
+        };
+        let quad = |q, u, v| {
+            Quad::new(q, u, v).ok_or_else(|| {
+                e.error("the edges must span an area, they are zero or (all but) parallel")
+            })
+        };
+        match primitive {
+            PrimitiveFile::Sphere { center, radius, .. } => {
+                let center = e.point("center", *center)?;
+                room(1)?;
+                geometry.spheres.push(Sphere::still(center, radius_of(*radius)?));
             }
-        }
-        PrimitiveFile::Mesh { file, scale, rotation, translation, .. } => {
-            let ok = *scale > 0.0 && *scale <= MAX_COORDINATE;
-            e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
-            e.rotation(*rotation)?;
-            e.point("translation", *translation)?;
-            let (scale, rotation, translation) = (*scale, *rotation, *translation);
-            let mesh = Mesh::read(&folder.join(file)).map_err(|error| e.error(error))?;
-            let placed = mesh.place(&Placement { scale, rotation, translation });
-            let placed = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
-            geometry.triangles.extend(placed);
-        }
-        PrimitiveFile::Triangles { vertices, indices, .. } => {
-            for (i, vertex) in vertices.iter().enumerate() {
-                e.point(&format!("vertices[{i}]"), *vertex)?;
+            PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
+                let center = e.point("center", *center)?;
+                let center1 = e.point("center1", *center1)?;
+                room(1)?;
+                geometry.spheres.push(Sphere { center, center1, radius: radius_of(*radius)? });
             }
-            for (i, corner) in indices.iter().enumerate() {
-                let vertex = |k: u32| vertices.get(k as usize).map(|v| Vec3::from_array(*v));
-                let [Some(a), Some(b), Some(c)] = corner.map(vertex) else {
-                    return Err(e.error(format!(
-                        "indices[{i}] must be below the number of vertices {}, is {corner:?}",
-                        vertices.len()
-                    )));
-                };
-                let triangle = Triangle { vertices: [a, b, c] };
-                // Meshes have some; they have no normal.
-                if !triangle.is_degenerate() {
-                    geometry.triangles.push(triangle);
+            PrimitiveFile::Quad { q, u, v, .. } => {
+                room(1)?;
+                geometry.quads.push(quad(e.point("q", *q)?, e.point("u", *u)?, e.point("v", *v)?)?);
+            }
+            PrimitiveFile::Box { min, max, rotation, .. } => {
+                e.bounds(*min, *max)?;
+                e.rotation(*rotation)?;
+                room(6)?;
+                for (q, u, v) in boxes::faces(*min, *max, *rotation) {
+                    geometry.quads.push(quad(q.into(), u.into(), v.into())?);
+                }
+            }
+            PrimitiveFile::Mesh { file, scale, rotation, translation, .. } => {
+                let ok = *scale > 0.0 && *scale <= MAX_COORDINATE;
+                e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
+                e.rotation(*rotation)?;
+                e.point("translation", *translation)?;
+                let (scale, rotation, translation) = (*scale, *rotation, *translation);
+                let path = self.path(e, folder, file)?;
+                let mesh = Mesh::read(&path, &self.budget).map_err(|error| e.error(error))?;
+                room(mesh.triangles.len())?;
+                let placed = mesh.place(&Placement { scale, rotation, translation }, &self.budget);
+                let placed = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
+                geometry.triangles.extend(placed);
+            }
+            PrimitiveFile::Triangles { vertices, indices, .. } => {
+                room(indices.len())?;
+                for (i, vertex) in vertices.iter().enumerate() {
+                    e.point(&format!("vertices[{i}]"), *vertex)?;
+                }
+                for (i, corner) in indices.iter().enumerate() {
+                    let vertex = |k: u32| vertices.get(k as usize).map(|v| Vec3::from_array(*v));
+                    let [Some(a), Some(b), Some(c)] = corner.map(vertex) else {
+                        return Err(e.error(format!(
+                            "indices[{i}] must be below the number of vertices {}, is {corner:?}",
+                            vertices.len()
+                        )));
+                    };
+                    let triangle = Triangle { vertices: [a, b, c] };
+                    // Meshes have some; they have no normal.
+                    if !triangle.is_degenerate() {
+                        geometry.triangles.push(triangle);
+                    }
                 }
             }
         }
+        Ok(())
     }
-    Ok(())
 }

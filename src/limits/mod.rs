@@ -1,9 +1,12 @@
-//! What is refused as absurd before anything is allocated.
+//! What is refused before anything is allocated for it.
+
+mod limit;
+mod memory;
+
+pub use limit::{Limit, Limits};
 
 /// Largest width or height of an image, in pixels.
 pub const MAX_SIDE: u32 = 65_536;
-/// Largest number of pixels of an image: 3 GiB of f32 RGB.
-pub const MAX_PIXELS: u64 = 1 << 28;
 /// Largest number of samples a pixel.
 pub const MAX_SPP: u32 = 1 << 24;
 /// Largest number of segments of a path.
@@ -14,10 +17,8 @@ pub const MAX_GENERATED: u32 = 1 << 24;
 pub const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.
 pub const MAX_MEDIA: usize = 64;
-/// Largest number of rows of an element of a PLY file.
-pub const MAX_ROWS: usize = 1 << 26;
-/// Largest file of a scene or mesh, or manifest of a ray set, in bytes.
-pub const MAX_FILE: u64 = 1 << 32;
+/// Largest file of JSON that is no scene: a plan, a record, the manifest of a ray set.
+pub const MAX_JSON: u64 = 1 << 30;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of paths of a wave.
@@ -28,12 +29,7 @@ pub const MAX_THREADS: u32 = 4096;
 /// `Err` says which side is out of range.
 pub(crate) fn check_image(width: u32, height: u32) -> Result<(), String> {
     check("width", width, MAX_SIDE)?;
-    check("height", height, MAX_SIDE)?;
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MAX_PIXELS {
-        return Err(format!("width × height must be at most {MAX_PIXELS}, is {pixels}"));
-    }
-    Ok(())
+    check("height", height, MAX_SIDE)
 }
 
 /// `Err` says which number is out of range.
@@ -60,7 +56,6 @@ mod tests {
         assert!(check_image(1, 1).is_ok() && check_image(65_536, 4096).is_ok());
         assert!(check_image(0, 9).unwrap_err().starts_with("width must be in 1 to 65536"));
         assert!(check_image(9, 1_000_000_000).unwrap_err().starts_with("height"));
-        assert!(check_image(65_536, 4097).unwrap_err().starts_with("width × height"));
         assert!(check_sampling(0, 1).unwrap_err().starts_with("spp"));
         assert!(check_sampling(1, 0).unwrap_err().starts_with("depth"));
     }

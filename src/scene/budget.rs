@@ -1,0 +1,69 @@
+//! Memory that a scene takes while it is read, by estimate: told before it is allocated.
+
+use std::cell::Cell;
+
+use crate::limits::{Limit, Limits};
+
+/// Bytes of memory for each byte of a scene file, while it is text and what it says. Up to 10 were measured.
+const TEXT: u64 = 12;
+/// Bytes for each primitive of a scene while their lists grow: a quad has 52.
+const PRIMITIVE: u64 = 160;
+
+/// What is held so far, and how much there may be.
+#[derive(Clone, Debug)]
+pub(super) struct Budget {
+    pub(super) limits: Limits,
+    text: u64,
+    held: Cell<u64>,
+}
+
+impl Budget {
+    /// For a scene file of so many bytes.
+    pub(super) fn new(limits: &Limits, bytes: u64) -> Self {
+        Self { limits: limits.clone(), text: TEXT.saturating_mul(bytes), held: Cell::new(0) }
+    }
+
+    /// `Err` where `more` bytes are too many beside what is held.
+    pub(super) fn check(&self, more: u64) -> Result<(), String> {
+        let all = self.text.saturating_add(self.held.get()).saturating_add(more);
+        self.limits.check(Limit::Memory, all)
+    }
+
+    /// The same with so many bytes more, for a while.
+    pub(super) fn with(&self, bytes: u64) -> Self {
+        let other = self.clone();
+        other.held.set(self.held.get() + bytes);
+        other
+    }
+
+    /// From now on `bytes` more are held.
+    pub(super) fn hold(&self, bytes: u64) -> Result<(), String> {
+        self.check(bytes)?;
+        self.held.set(self.held.get() + bytes);
+        Ok(())
+    }
+
+    /// As [`hold`](Self::hold), for so many primitives more than the `before` that there are.
+    pub(super) fn hold_primitives(&self, before: usize, more: usize) -> Result<(), String> {
+        self.limits.check(Limit::Primitives, before as u64 + more as u64)?;
+        self.hold(PRIMITIVE * more as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_held_counts() {
+        let limits = Limits::default().with(Limit::Memory, 2000).with(Limit::Primitives, 9);
+        let budget = Budget::new(&limits, 100);
+        assert!(budget.check(800).is_ok() && budget.check(801).is_err());
+        budget.hold(300).unwrap();
+        assert!(budget.check(500).is_ok() && budget.check(501).is_err());
+        assert!(budget.hold_primitives(6, 4).unwrap_err().contains("limit of primitives is 9"));
+        budget.hold_primitives(6, 3).unwrap();
+        assert!(budget.hold_primitives(0, 1).unwrap_err().contains("limit of memory"));
+        assert!(budget.check(u64::MAX).is_err());
+    }
+}
