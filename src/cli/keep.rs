@@ -89,7 +89,6 @@ pub(super) fn render(
     keeping: &Keeping,
     progress: &ProgressReport,
 ) -> Result<()> {
-    interrupt::leave_at_once(false);
     loop {
         let watch = Watch::new(keeping, progress);
         let advanced = renderer.advance(&mut checkpoint.rendering, &watch);

@@ -24,7 +24,6 @@ use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
-    // Until there is something to be kept.
     interrupt::leave_at_once(true);
     interrupt::watch()?;
     // Whatever can fail fails before the work is done.
@@ -55,6 +54,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         notice(format_args!("{}", plan::describe(plan)));
     }
     let before = Interference::so_far();
+    // From here on there is something to be kept.
+    interrupt::leave_at_once(false);
     let progress =
         ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
     keep::render(&renderer, &mut checkpoint, &keeping, &progress)?;

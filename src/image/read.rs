@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 
+use image::error::UnsupportedErrorKind;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use super::{Format, Image, Metadata, Transfer};
@@ -16,7 +17,7 @@ pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 /// Largest width or height that is read.
 const MAX_SIDE: u32 = 65_536;
 /// Bytes that a decoder may allocate before it tells the size of its image.
-const MAX_HEADER: u64 = 1 << 26;
+const MAX_HEADER: u64 = 1 << 23;
 /// Bytes of a PFM file that its header may have.
 const MAX_PFM_HEADER: u64 = 1 << 10;
 
@@ -43,7 +44,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_HEADER);
     reader.limits(limits.clone());
-    let transfer = png::Decoder::new(open()?)
+    let transfer = png_decoder(open()?)
         .read_info()
         .ok()
         .and_then(|png| noted_transfer(png.info()))
@@ -53,7 +54,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
         }
-        ImageError::Unsupported(_) => bad(
+        ImageError::Unsupported(error) if matches!(error.kind(), UnsupportedErrorKind::Format(_)) => bad(
             "not an image of a lossless format that ptfast reads: PNG, EXR, HDR, PFM, BMP, TGA, PNM"
                 .into(),
         ),
@@ -90,10 +91,15 @@ pub(super) fn metadata(path: &Path) -> Result<Metadata> {
             .map(|(key, value)| (key, value.to_owned()))
             .fold(Metadata::default(), entries));
     }
-    let reader = png::Decoder::new(file).read_info().map_err(|error| bad(error.to_string()))?;
+    let reader = png_decoder(file).read_info().map_err(|error| bad(error.to_string()))?;
     let texts = reader.info().utf8_text.iter();
     let texts = texts.filter_map(|chunk| Some((chunk.keyword.as_str(), chunk.get_text().ok()?)));
     Ok(texts.fold(Metadata::default(), entries))
+}
+
+/// One that refuses texts and profiles that are too long.
+fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
+    png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_HEADER as usize })
 }
 
 fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {

@@ -1,0 +1,163 @@
+//! Meshes that are none.
+
+use super::{Case, Content};
+
+/// A scene of a mesh.
+fn scene(file: &str) -> String {
+    format!(
+        r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+    materials: {{"grey": lambertian(albedo: (0.5, 0.5, 0.5))}},
+    primitives: [mesh(file: "{file}", material: "grey")],
+)"#
+    )
+}
+
+/// A scene of the mesh `content`.
+fn mesh(file: &'static str, content: Content, says: &str) -> Case {
+    Case::scene("a.ron", scene(file), says).with(file, content)
+}
+
+fn ply(format: &str, elements: &str, rows: &[u8], says: &str) -> Case {
+    let mut bytes = format!("ply\nformat {format} 1.0\n{elements}end_header\n").into_bytes();
+    bytes.extend(rows);
+    let mut case = mesh("m.ply", Content::Bytes(bytes), says);
+    case.name = format!("PLY {format}: {elements}");
+    case
+}
+
+const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
+const FACES: &str = "property list uchar int vertex_indices\n";
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (text, says) in [
+        ("", "no face in it"),
+        ("f 1 2 3\n", "beyond the 0 of the file"),
+        ("v nan 0 0\n", "coordinates must be finite"),
+        ("v 1e39 0 0\n", "coordinates must be finite"),
+        ("v 0 0 0 0\nf 1 1 1\n", "m.obj"),
+        ("v 0 0 0 nan\nf 1 1 1\n", "m.obj"),
+        ("v 0 0\n", "a vertex is `v`"),
+        ("v a b c\n", "a vertex is `v`"),
+        ("v 0 0 0\nf 1 1 1\n", "no triangle has an area"),
+        ("v \\\n0 0 0\n", "a line that goes on"),
+        ("\0\0\0", "no face in it"),
+        ("\u{1b}[31m\nf \u{1b}[31m 1 2\n", "m.obj"),
+        ("f 1//\n", "a face is `f`"),
+        ("mtllib /dev/zero\nusemtl a\n", "no face in it"),
+    ] {
+        cases.push(mesh("m.obj", Content::Bytes(text.into()), says));
+    }
+    for (face, says) in [
+        ("1 2 4", "beyond the 3 of the file"),
+        ("0 1 2", "beyond the 3 of the file"),
+        ("1 2 -4", "beyond the 3 of the file"),
+        ("1 2 4294967297", "beyond the 3 of the file"),
+        ("1 2 18446744073709551617", "m.obj"),
+        ("1 2 -9223372036854775808", "m.obj"),
+        ("1 2 3.5", "a face is `f`"),
+        ("1 2", "a face is `f`"),
+    ] {
+        let text = format!("{vertices}f {face}\n");
+        cases.push(mesh("m.obj", Content::Bytes(text.into()), says));
+    }
+    let much = |part: &str, times: usize| {
+        Content::Bytes(format!("{vertices}{}\n", part.repeat(times)).into())
+    };
+    cases.push(mesh("m.obj", much("f 1 2 3\n", 200_000), "the limit of memory"));
+    cases.push(mesh("m.obj", much("v 0 0 0\n", 300_000), "the limit of memory"));
+    let polygon = format!("{vertices}f{}\n", " 1 2 3".repeat(200_000));
+    cases.push(mesh("m.obj", Content::Bytes(polygon.into()), "the limit of memory"));
+    for (file, length, says) in [
+        ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4294967296, this needs 4294967297"),
+        ("m.obj", 1 << 26, "the limit of memory"),
+        ("m.ply", 1 << 40, "the limit of mesh-bytes"),
+        ("m.ply", 1 << 26, "the limit of memory"),
+    ] {
+        cases.push(mesh(file, Content::Sparse(length), says));
+    }
+
+    let (big, little) = ("binary_big_endian", "binary_little_endian");
+    let head = |vertices: &str, faces: &str| {
+        format!("element vertex {vertices}\n{XYZ}element face {faces}\n{FACES}")
+    };
+    for format in ["ascii", big, little] {
+        for count in
+            ["4", "1000000000", "4294967296", "9223372036854775807", "18446744073709551615"]
+        {
+            let says = "the header says";
+            cases.push(ply(format, &head(count, "1"), b"0 0 0\n1 0 0\n", says));
+            cases.push(ply(format, &head("0", count), b"", says));
+        }
+        for (elements, says) in [
+            ("", "no face in it"),
+            ("element vertex 18446744073709551616\n", "PLY syntax"),
+            ("element vertex -1\n", "PLY syntax"),
+            ("element vertex 1\nproperty list double float x\n", "m.ply"),
+            ("element vertex 1\nproperty quad x\n", "PLY syntax"),
+            ("property float x\n", "PLY syntax"),
+            ("element face 1000000\n", "the header says"),
+        ] {
+            cases.push(ply(format, elements, b"", says));
+        }
+    }
+    let three = {
+        let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        floats.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>()
+    };
+    let face = |count: u8, corners: &[i32]| {
+        let corners = corners.iter().flat_map(|c| c.to_le_bytes());
+        three.iter().copied().chain([count]).chain(corners).collect::<Vec<u8>>()
+    };
+    for (rows, says) in [
+        (face(3, &[0, 1, 3]), "names a vertex beyond the 3"),
+        (face(3, &[0, 1, -1]), "names a vertex beyond the 3"),
+        (face(3, &[0, 1, i32::MIN]), "names a vertex beyond the 3"),
+        (face(2, &[0, 1]), "needs a list"),
+        (face(0, &[0]), "needs a list"),
+        (face(255, &[0, 1, 2]), "the file ends before"),
+        (face(3, &[0, 1]), "the file ends before"),
+        (face(3, &[0, 0, 0]), "no triangle has an area"),
+    ] {
+        cases.push(ply(little, &head("3", "1"), &rows, says));
+    }
+    let nan: Vec<u8> = [f32::NAN, 0.0, 0.0].iter().flat_map(|c| c.to_le_bytes()).collect();
+    cases.push(ply(
+        little,
+        &format!("element vertex 1\n{XYZ}"),
+        &nan,
+        "a vertex needs x, y and z, finite",
+    ));
+    cases.push(ply(
+        little,
+        "element vertex 1\nproperty float x\n",
+        &[0; 4],
+        "a vertex needs x, y and z",
+    ));
+    // A list that says it has four thousand million corners.
+    let lists =
+        format!("element vertex 3\n{XYZ}element face 1\nproperty list uint uchar vertex_indices\n");
+    let lies = [&three[..], &u32::MAX.to_le_bytes(), &[0; 100]].concat();
+    cases.push(ply(little, &lists, &lies, "the file ends before"));
+    // One that has a million, of a byte each.
+    let long = [&three[..], &2_000_000u32.to_le_bytes(), &[0; 2_000_000]].concat();
+    cases.push(ply(little, &lists, &long, "the limit of memory"));
+    let text = format!("0 0 0\n1 0 0\n0 1 0\n{}{}\n", 600_000, " 1".repeat(600_000));
+    cases.push(ply("ascii", &head("3", "1"), text.as_bytes(), "the limit of memory"));
+    let rows = "0 0 0\n".repeat(1_000_000);
+    cases.push(ply(
+        "ascii",
+        &format!("element vertex 1000000\n{XYZ}"),
+        rows.as_bytes(),
+        "no face in it",
+    ));
+    cases.push(ply(
+        "ascii",
+        "element face 1000000\nproperty list uchar int vertex_indices\n",
+        "3 0 0 0\n".repeat(1_000_000).as_bytes(),
+        "limit of memory",
+    ));
+    cases
+}

@@ -1,0 +1,230 @@
+//! Pictures that are none, or more than they seem.
+
+use std::io::Write;
+
+use super::{Case, Content};
+
+fn scene(file: &str) -> String {
+    format!(
+        r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+    textures: {{"t": image(file: "{file}")}},
+    materials: {{"grey": lambertian(albedo: "t")}},
+    primitives: [sphere(center: (0, 0, 0), radius: 1, material: "grey")],
+)"#
+    )
+}
+
+fn texture(file: &'static str, bytes: Vec<u8>, says: &str) -> Case {
+    Case::scene("a.ron", scene(file), says).with(file, Content::Bytes(bytes))
+}
+
+fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    let mut crc = 0xffff_ffffu32;
+    for byte in kind.iter().chain(data) {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+        }
+    }
+    [&(data.len() as u32).to_be_bytes()[..], kind, data, &(!crc).to_be_bytes()].concat()
+}
+
+/// Zeros, as zlib has them without compressing: blocks of 65 535.
+fn stored(length: usize) -> Vec<u8> {
+    let mut bytes = vec![0x78, 1];
+    let zeros = vec![0u8; length];
+    let blocks = zeros.chunks(65_535).count();
+    for (number, block) in zeros.chunks(65_535).enumerate() {
+        bytes.push(u8::from(number + 1 == blocks));
+        bytes.extend((block.len() as u16).to_le_bytes());
+        bytes.extend((!(block.len() as u16)).to_le_bytes());
+        bytes.extend(block);
+    }
+    // Adler-32 of zeros.
+    bytes.extend(((length as u32 % 65_521) << 16 | 1).to_be_bytes());
+    bytes
+}
+
+fn png(width: u32, height: u32, depth: u8, color: u8, rest: &[Vec<u8>]) -> Vec<u8> {
+    let sides = [width.to_be_bytes(), height.to_be_bytes()].concat();
+    let header = [&sides[..], &[depth, color, 0, 0, 0]].concat();
+    [b"\x89PNG\r\n\x1a\n".to_vec(), chunk(b"IHDR", &header), rest.concat(), chunk(b"IEND", b"")]
+        .concat()
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    // A bomb: 31 250 × 32 000 pixels, a thousand million.
+    for (width, height, says) in [
+        (
+            31_250,
+            32_000,
+            "the limit of texture-bytes is 1073741824, this needs 12000000000: --limit texture-bytes=12000000000 raises it",
+        ),
+        (65_536, 65_536, "the limit of texture-bytes"),
+        (1_000_000_000, 1, "damaged image"),
+        (2_147_483_647, 2_147_483_647, "damaged image"),
+        (4_294_967_295, 1, "damaged image"),
+        (2_000, 2_000, "the limit of memory is 33554432"),
+        (0, 0, "damaged image"),
+        (0, 5, "damaged image"),
+        (5, 0, "damaged image"),
+    ] {
+        for (depth, color) in [(8, 0), (8, 2), (16, 6)] {
+            let bytes = png(width, height, depth, color, &[chunk(b"IDAT", &stored(1000))]);
+            cases.push(texture("t.png", bytes, says));
+        }
+    }
+    for (rest, says) in [
+        (vec![], "damaged image"),
+        (vec![chunk(b"IDAT", b"")], "damaged image"),
+        (vec![chunk(b"IDAT", b"not zlib")], "damaged image"),
+        (vec![chunk(b"IDAT", &stored(10))], "damaged image"),
+        (vec![chunk(b"IDAT", &stored(1000))[..100].to_vec()], "damaged image"),
+    ] {
+        cases.push(texture("t.png", png(10, 10, 8, 2, &rest), says));
+    }
+    for (depth, color) in [(3, 2), (8, 5), (16, 3), (255, 255)] {
+        cases.push(texture("t.png", png(10, 10, depth, color, &[]), "damaged image"));
+    }
+    // Chunks beside the picture that are larger than it.
+    for kind in [b"zTXt", b"iCCP"] {
+        let bomb = [&b"a\0\0"[..], &stored(40 << 20)].concat();
+        let bytes = png(10, 10, 8, 2, &[chunk(kind, &bomb)]);
+        let mut case = texture("t.png", bytes, "damaged image");
+        case.name = "PNG with a large chunk".to_owned();
+        cases.push(case);
+    }
+    let huge = [&b"\x89PNG\r\n\x1a\n"[..], &u32::MAX.to_be_bytes(), b"IHDR"].concat();
+    cases.push(texture("t.png", huge, "damaged image"));
+
+    // Headers of the other formats that promise much, or nothing.
+    let bmp = |width: i32, height: i32, bits: u16| {
+        let mut bytes = b"BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();
+        bytes.extend([width.to_le_bytes(), height.to_le_bytes()].concat());
+        bytes.extend([1, 0]);
+        bytes.extend(bits.to_le_bytes());
+        bytes.extend([0; 24]);
+        bytes
+    };
+    for (width, height, bits, says) in [
+        (30_000, 30_000, 24, "the limit of texture-bytes"),
+        (i32::MAX, i32::MAX, 24, "damaged image"),
+        (-5, 5, 24, "damaged image"),
+        (0, 5, 24, "damaged image"),
+        (5, i32::MIN, 24, "damaged image"),
+        (5, 5, 7, "damaged image"),
+        (5, 5, 24, "damaged image"),
+    ] {
+        cases.push(texture("t.bmp", bmp(width, height, bits), says));
+    }
+    for (text, says) in [
+        ("P6 30000 30000 255\n", "the limit of texture-bytes"),
+        ("P6 4294967295 4294967295 255\n", "damaged image"),
+        ("P6 99999999999 1 255\n", "damaged image"),
+        ("P6 0 0 255\n", "damaged image"),
+        ("P6 5 5 0\n", "damaged image"),
+        ("P6 5 5 255\nabc", "damaged image"),
+        ("P3 5 5 255\n1 2 300 x", "damaged image"),
+        (
+            "P7\nWIDTH 30000\nHEIGHT 30000\nDEPTH 3\nMAXVAL 255\nTUPLTYPE RGB\nENDHDR\n",
+            "the limit of texture-bytes",
+        ),
+        ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 30000 +X 30000\n", "the limit of texture-bytes"),
+        ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4294967295 +X 4294967295\n", "damaged image"),
+        ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 5 +X 5\nabc", "damaged image"),
+        ("#?RADIANCE\n\n", "damaged image"),
+        ("GIF89a", "lossless format"),
+        ("", "lossless format"),
+        ("\u{0}\u{0}\u{0}\u{0}", "lossless format"),
+        ("<svg xmlns='http://www.w3.org/2000/svg'/>", "lossless format"),
+    ] {
+        cases.push(texture("t.pnm", text.into(), says));
+    }
+    for (text, says) in [
+        ("PF\n30000 30000\n-1\n", "need 10800000000 bytes"),
+        ("PF\n65537 1\n-1\n", "is not in 1 to 65536"),
+        ("PF\n0 1\n-1\n", "is not in 1 to 65536"),
+        ("PF\n-1 1\n-1\n", "is not in 1 to 65536"),
+        ("PF\n1 1\nx\n", "the scale is no number"),
+        ("PF\n1 1\n-1\nabc", "need 12 bytes"),
+        ("PF", "damaged PFM header"),
+        ("", "damaged PFM header"),
+        ("P6\n1 1\n-1\n", "must begin with PF"),
+    ] {
+        cases.push(texture("t.pfm", text.into(), says));
+    }
+    let values = |value: f32| {
+        let mut bytes = b"PF\n1 1\n-1\n".to_vec();
+        (0..3).for_each(|_| bytes.write_all(&value.to_le_bytes()).unwrap());
+        bytes
+    };
+    for value in [f32::NAN, f32::INFINITY, -1.0, 1.5] {
+        cases.push(texture("t.pfm", values(value), "an albedo must be in [0, 1]"));
+    }
+    let pfm = |length: usize| [&b"PF\n1280 1280\n-1\n"[..], &vec![0; length]].concat();
+    cases.push(texture("t.pfm", pfm(12 * 1280 * 1280), "the limit of memory"));
+
+    // OpenEXR: what makes no sense, and a window of a thousand million.
+    let exr = |window: [i32; 4]| {
+        let attribute = |name: &str, kind: &str, value: &[u8]| {
+            [
+                name.as_bytes(),
+                b"\0",
+                kind.as_bytes(),
+                b"\0",
+                &(value.len() as u32).to_le_bytes(),
+                value,
+            ]
+            .concat()
+        };
+        let window: Vec<u8> = window.iter().flat_map(|c| c.to_le_bytes()).collect();
+        let channel = |name: &str| {
+            [
+                name.as_bytes(),
+                b"\0",
+                &2u32.to_le_bytes(),
+                &[0; 4],
+                &1u32.to_le_bytes(),
+                &1u32.to_le_bytes(),
+            ]
+            .concat()
+        };
+        let channels = [channel("B"), channel("G"), channel("R"), vec![0]].concat();
+        [
+            &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0][..],
+            &attribute("channels", "chlist", &channels),
+            &attribute("compression", "compression", &[0]),
+            &attribute("dataWindow", "box2i", &window),
+            &attribute("displayWindow", "box2i", &window),
+            &attribute("lineOrder", "lineOrder", &[0]),
+            &attribute("pixelAspectRatio", "float", &1.0f32.to_le_bytes()),
+            &attribute("screenWindowCenter", "v2f", &[0; 8]),
+            &attribute("screenWindowWidth", "float", &1.0f32.to_le_bytes()),
+            &[0],
+        ]
+        .concat()
+    };
+    for (window, says) in [
+        ([0, 0, 31_249, 31_999], "the limit of texture-bytes"),
+        ([0, 0, 999, 999], "the limit of memory"),
+        ([0, 0, 9, 9], "damaged image"),
+        ([0, 0, -2, -2], "damaged image"),
+        ([9, 9, 0, 0], "damaged image"),
+        ([i32::MIN, i32::MIN, i32::MAX, i32::MAX], "damaged image"),
+        ([0, 0, i32::MAX, 0], "damaged image"),
+    ] {
+        cases.push(texture("t.exr", exr(window), says));
+    }
+    for bytes in [
+        &[0x76, 0x2f, 0x31, 0x01][..],
+        &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0],
+        &[0x76, 0x2f, 0x31, 0x01, 255, 255, 255, 255],
+    ] {
+        cases.push(texture("t.exr", bytes.to_vec(), "damaged image"));
+    }
+    // TGA has no magic number: its name tells.
+    cases.push(texture("t.tga", vec![0; 18], "t.tga"));
+    cases
+}
