@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
 use signal_hook::flag;
 
 use crate::error::{Error, Result};
@@ -45,8 +45,20 @@ pub fn watch() -> Result<()> {
         }
         flag::register(SIGUSR1, Arc::clone(asked))
     };
-    let refused = |error| Error::Internal(format!("cannot watch for signals: {error}"));
     register().map(|_| ()).map_err(refused)
+}
+
+/// From now on a write beyond the largest size that files may have fails, instead of ending the process.
+///
+/// # Errors
+/// [`Error::Internal`] where the operating system refuses.
+pub fn survive_large_files() -> Result<()> {
+    let registered = flag::register(SIGXFSZ, Arc::default());
+    registered.map(|_| ()).map_err(refused)
+}
+
+fn refused(error: std::io::Error) -> Error {
+    Error::Internal(format!("cannot watch for signals: {error}"))
 }
 
 /// Whether SIGINT and SIGTERM end the process at once, because there is nothing to be kept.

@@ -79,7 +79,8 @@ impl KeepArgs {
     }
 }
 
-/// Renders what is left of `checkpoint`, and keeps it as `keeping` says.
+/// Renders what is left of `checkpoint`, and keeps it as `keeping` says. Returns why the whole could not be kept,
+/// which is no reason not to write the image.
 ///
 /// # Errors
 /// [`Error::Stopped`] where a signal or the limit of time ended it, and it is kept; else where it cannot be.
@@ -88,7 +89,7 @@ pub(super) fn render(
     checkpoint: &mut Checkpoint,
     keeping: &Keeping,
     progress: &ProgressReport,
-) -> Result<()> {
+) -> Result<Option<Error>> {
     loop {
         let watch = Watch::new(keeping, progress);
         let advanced = renderer.advance(&mut checkpoint.rendering, &watch);
@@ -103,14 +104,21 @@ pub(super) fn render(
         }
         let ends = watch.ends().is_some();
         interrupt::take_request();
-        checkpoint.write(&keeping.file)?;
-        progress.kept(if ends { "stopped" } else { "checkpoint" }, so_far, &keeping.file);
+        let kept = checkpoint.write(&keeping.file);
         if ends {
+            kept?;
+            progress.kept("stopped", so_far, &keeping.file);
             return Err(stopped(checkpoint, keeping)?);
+        }
+        match kept {
+            Ok(()) => progress.kept("checkpoint", so_far, &keeping.file),
+            // There may be room again when it is due the next time.
+            Err(error) => progress.warn(&error),
         }
     }
     // It may be for more samples another time.
-    if keeping.every.is_some() { checkpoint.write(&keeping.file) } else { Ok(()) }
+    let kept = keeping.every.map_or(Ok(()), |_| checkpoint.write(&keeping.file));
+    Ok(kept.err())
 }
 
 /// Tells that a render was stopped, whose checkpoint is written, and shows it.
@@ -124,8 +132,11 @@ fn stopped(checkpoint: &Checkpoint, keeping: &Keeping) -> Result<Error> {
         let metadata = Metadata::default()
             .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
             .with("ptfast:partial", samples);
-        image.write(path, *transfer, &metadata)?;
-        kept += &format!(", {} shows it", path.display());
+        // What can be continued is there already.
+        kept += &match image.write(path, *transfer, &metadata) {
+            Ok(()) => format!(", {} shows it", path.display()),
+            Err(error) => format!(", {error}"),
+        };
     }
     Ok(Error::Stopped { signal: interrupt::signal(), percent: checkpoint.percent(), kept })
 }

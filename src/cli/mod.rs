@@ -37,6 +37,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use crate::error::{Error, Result};
+use crate::interrupt::survive_large_files;
 use crate::isa::{Isa, compiled_isa, detected_isa};
 use args::{Cli, Command, ScenesCommand};
 
@@ -44,7 +45,7 @@ use args::{Cli, Command, ScenesCommand};
 pub fn run() -> ExitCode {
     report_panics_in_one_line();
     let code = panic::catch_unwind(|| match Cli::try_parse() {
-        Ok(cli) => exit_code(dispatch(&cli.command)),
+        Ok(cli) => exit_code(survive_large_files().and_then(|()| dispatch(&cli.command))),
         Err(error) => explain_usage(&error),
     });
     ExitCode::from(code.unwrap_or(INTERNAL_FAULT))

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::notice;
 use crate::engine::{Observer, Pinned, Progress, Render, Renderer, Rendering};
+use crate::error::Error;
 use crate::error::Result;
 
 /// Time between plain lines.
@@ -116,6 +117,21 @@ impl ProgressReport {
     /// The render is kept in `file`; `event` says why.
     pub(super) fn kept(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(file));
+    }
+
+    /// Tells what went wrong, though the render goes on.
+    pub(super) fn warn(&self, error: &Error) {
+        match &self.display {
+            Display::Json { .. } => {
+                let line = json!({ "schema": 1, "event": "warning", "message": error.to_string() });
+                // There is nowhere to say that standard error is closed.
+                let _ = writeln!(stderr(), "{line}");
+            }
+            Display::Bar(bar) => {
+                bar.suspend(|| notice(format_args!("{error}, the render goes on")))
+            }
+            _ => notice(format_args!("{error}, the render goes on")),
+        }
     }
 
     /// Samples a second, since the report began.

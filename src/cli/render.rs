@@ -58,7 +58,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt::leave_at_once(false);
     let progress =
         ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
-    keep::render(&renderer, &mut checkpoint, &keeping, &progress)?;
+    let not_kept = keep::render(&renderer, &mut checkpoint, &keeping, &progress)?;
     let interference = Interference::so_far().since(before);
 
     let writing = Instant::now();
@@ -113,7 +113,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         hash.as_deref(),
         seconds,
         output.path(),
-    )
+    )?;
+    not_kept.map_or(Ok(()), Err)
 }
 
 /// Refuses files that cannot be written, and files that are the same.

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// Whether threads stay on one core each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pin {
-    /// They do.
+    /// They do, or nothing is rendered.
     On,
     /// The operating system moves them.
     Off,

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rayon::{BroadcastContext, ThreadPool};
 
-use super::pool::{self, Pinned};
+use super::pool::{self, Pin, Pinned};
 use super::rendering::{Progress, Rendering, Shared, Taken};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
@@ -14,7 +14,7 @@ use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, Planning, WavefrontEngine};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::film::{Film, Schedule, Tile, Unit};
 use crate::image::Image;
 use crate::scene::Scene;
@@ -121,12 +121,17 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range or memory would not suffice,
-    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started.
+    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started, or not be pinned as asked
+    /// for.
     pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
         settings.check_memory(scene, 0)?;
         let start = Instant::now();
         let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
+        if (settings.pin, pinned) == (Pin::On, Pinned::Failed) {
+            let message = "threads cannot be pinned to cores here: pin auto goes on without";
+            return Err(Error::Internal(message.to_owned()));
+        }
         let engine: Box<dyn UnitEngine + 'a> = match settings.engine {
             Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
