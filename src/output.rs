@@ -4,10 +4,13 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::error::{Error, Result};
 
-/// Calls `fill` with a temporary file beside `path`, which takes the place of `path` once
-/// it is complete. On failure `path` is what it was and the temporary file is gone.
+/// Calls `fill` with a temporary file, which takes the place of `path` once it is complete. On failure `path` is
+/// what it was and the temporary file is gone; a process that is killed leaves one only where the file system has
+/// no files without a name.
 ///
 /// # Errors
 /// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
@@ -16,14 +19,14 @@ pub fn write_atomically(
     fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
 ) -> Result<()> {
     let failed = |source| Error::io(path, "write")(source);
-    let (target, file) = temporary_beside(path).map_err(failed)?;
-    let mut writer = BufWriter::new(file.as_file());
+    let target = resolve(path).map_err(failed)?;
+    let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
+    let mut writer = BufWriter::new(temporary.file());
     fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
     drop(writer);
     // Some file systems report a full disk only now.
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(&target).map_err(|e| failed(e.error))?;
-    Ok(())
+    temporary.file().sync_all().map_err(failed)?;
+    temporary.persist(&target).map_err(failed)
 }
 
 /// Finds out whether [`write_atomically`] could begin to write `path`, so that a long render
@@ -32,7 +35,8 @@ pub fn write_atomically(
 /// # Errors
 /// As [`write_atomically`].
 pub fn check_writable(path: &Path) -> Result<()> {
-    temporary_beside(path).map(drop).map_err(Error::io(path, "write"))
+    let temporary = resolve(path).and_then(|target| Temporary::in_folder(folder_of(&target)));
+    temporary.map(drop).map_err(Error::io(path, "write"))
 }
 
 /// Finds out whether files can be written into `folder`, or into the nearest one above it that is
@@ -42,14 +46,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// Where they cannot.
 pub fn check_folder(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
-    temporary_in(there).map(drop).map_err(Error::io(folder, "make the folder"))
-}
-
-/// The file that `path` stands for, and an empty temporary file in its folder.
-fn temporary_beside(path: &Path) -> io::Result<(PathBuf, tempfile::NamedTempFile)> {
-    let target = resolve(path)?;
-    let file = temporary_in(folder_of(&target))?;
-    Ok((target, file))
+    Temporary::in_folder(there).map(drop).map_err(Error::io(folder, "make the folder"))
 }
 
 /// Whether two paths stand for one file, which need not be there yet.
@@ -70,8 +67,49 @@ fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// An empty temporary file in `folder`.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+/// A file that is not yet there.
+enum Temporary {
+    /// Without a name, where the file system has such: it is gone with the process.
+    Unnamed(fs::File, PathBuf),
+    Named(NamedTempFile),
+}
+
+impl Temporary {
+    fn in_folder(folder: &Path) -> io::Result<Self> {
+        // The crate's errors speak of the temporary file's name, which says nothing.
+        fs::metadata(folder)?;
+        match unnamed(folder) {
+            Some(file) => Ok(Self::Unnamed(file, folder.to_owned())),
+            None => {
+                let named = builder().tempfile_in(folder).map(Self::Named);
+                named.map_err(|error| io::Error::from(error.kind()))
+            }
+        }
+    }
+
+    fn file(&self) -> &fs::File {
+        match self {
+            Self::Unnamed(file, _) => file,
+            Self::Named(file) => file.as_file(),
+        }
+    }
+
+    /// Puts it in the place of `target`, in the same folder.
+    fn persist(self, target: &Path) -> io::Result<()> {
+        let path = match self {
+            Self::Named(file) => file.into_temp_path(),
+            Self::Unnamed(file, folder) => {
+                builder().make_in(folder, |path| link(&file, path))?.into_temp_path()
+            }
+        };
+        path.persist(target).map_err(|error| error.error)?;
+        // So that the name outlives a crash of the machine, too; not all file systems can.
+        let _ = fs::File::open(folder_of(target)).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+}
+
+fn builder() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".ptfast-").suffix(".tmp");
     #[cfg(unix)]
@@ -80,9 +118,36 @@ fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    // The crate's errors speak of the temporary file's name, which says nothing.
-    fs::metadata(folder)?;
-    builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))
+    builder
+}
+
+/// An empty file in `folder` that has no name yet.
+#[cfg(target_os = "linux")]
+fn unnamed(folder: &Path) -> Option<fs::File> {
+    use rustix::fs::{Mode, OFlags};
+    let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+    let file = rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666)).ok()?;
+    // Without /proc it could not be given a name.
+    Path::new("/proc/self/fd").exists().then(|| file.into())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn unnamed(_: &Path) -> Option<fs::File> {
+    None
+}
+
+/// Gives `file` the name `path`.
+#[cfg(target_os = "linux")]
+fn link(file: &fs::File, path: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD};
+    use std::os::fd::AsRawFd;
+    let open = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(rustix::fs::linkat(CWD, open, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn link(_: &fs::File, _: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// The file that `path` stands for: links are followed, folders and devices refused.
@@ -112,5 +177,22 @@ mod tests {
         assert!(error.to_string().contains("the disk is full"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn files_with_and_without_a_name_take_the_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pfm");
+        let named = || Ok(Temporary::Named(builder().tempfile_in(folder.path())?));
+        let usual = || Temporary::in_folder(folder.path());
+        let makers: [(&str, &dyn Fn() -> io::Result<Temporary>); 3] =
+            [("one", &usual), ("two", &named), ("three", &usual)];
+        for (text, make) in makers {
+            let temporary = make().unwrap();
+            temporary.file().write_all(text.as_bytes()).unwrap();
+            temporary.persist(&path).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        }
     }
 }

@@ -6,6 +6,7 @@ use super::bench_args::BenchArgs;
 use crate::bench::{Format, Options};
 use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
+use crate::limits::Limit;
 use crate::scene::{BUILTIN_NAMES, Scene};
 
 /// How much is measured where nothing is said.
@@ -50,6 +51,11 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         let usual = (f64::from(usual(args).pixels) * proportion).sqrt().round().max(1.0) as u32;
         let settings = defaults.with_size(args.width.or(Some(usual)), None);
         let settings = RenderSettings { spp: args.spp, ..settings };
+        let (pixels, most) = (settings.image().pixels(), settings.limits.get(Limit::Pixels));
+        if pixels > most {
+            let message = format!("a bench renders {most} pixels at most, not {pixels}");
+            return Err(Error::Usage(message));
+        }
         settings.check()?;
         Ok((name, (settings.width, settings.height)))
     };
