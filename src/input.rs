@@ -7,7 +7,6 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result};
-use crate::limits::MAX_JSON;
 
 /// The length of a file in bytes.
 ///
@@ -66,14 +65,14 @@ pub(crate) fn read_text(
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// The content of a JSON file, which is `what`.
+/// The content of a JSON file, which is `what`, of at most so many bytes.
 ///
 /// # Errors
 /// As [`read_text`], and where it is not such a value: the place says line and column.
-pub(crate) fn read_json<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T> {
-    let check = |length| match length <= MAX_JSON {
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path, what: &str, most: u64) -> Result<T> {
+    let check = |length| match length <= most {
         true => Ok(()),
-        false => Err(format!("at most {MAX_JSON} bytes can be read, it has {length}")),
+        false => Err(format!("at most {most} bytes can be read, it has {length}")),
     };
     serde_json::from_str(&read_text(path, what, check)?).map_err(|error| {
         let place = format!("{}:{}", error.line(), error.column());

@@ -70,3 +70,12 @@ pub use error::{Error, Result};
 pub use image::{Image, Metadata, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use scene::{Sampling, Scene};
+
+/// Reads the record of a bench, for fuzzing.
+///
+/// # Errors
+/// Where it is none.
+#[doc(hidden)]
+pub fn check_record(path: &std::path::Path) -> Result<()> {
+    bench::Record::read(path).map(drop)
+}

@@ -133,7 +133,7 @@ fn standard_output_that_takes_nothing() {
 /// A thousand threads where there is no room for their stacks.
 #[test]
 fn threads_that_cannot_be_started() {
-    let line = format!("ulimit -v 500000; $P {RENDER} --threads 1000 -o a.png");
+    let line = format!("ulimit -v 500000; $P {RENDER} --threads 1000 --memory-limit 1TB -o a.png");
     fails(&line, 70, "cannot start the threads: ", &[]);
 }
 
@@ -163,7 +163,10 @@ struct Panics(AtomicU64);
 impl Observer for Panics {
     fn progressed(&self, _: Progress) {
         let before = self.0.fetch_add(1, Ordering::Relaxed);
-        assert!(before > 0, "on purpose");
+        // As a panic, but nobody prints a backtrace meanwhile.
+        if before == 0 {
+            std::panic::resume_unwind(Box::new("on purpose"));
+        }
     }
 }
 
@@ -186,9 +189,9 @@ fn a_panic_in_a_worker_ends_the_render() {
         let mut rendering = renderer.begin().unwrap();
         let advance = std::panic::AssertUnwindSafe(|| renderer.advance(&mut rendering, &panics));
         assert!(std::panic::catch_unwind(advance).is_err());
-        // Each of the others may have reported once more: of 640 units and more.
+        // There are 10 240 units.
         let reports = panics.0.load(Ordering::Relaxed);
-        assert!(reports < 100, "{engine:?}: {reports}");
+        assert!(reports < 5000, "{engine:?}: {reports}");
         // What was done before is not lost.
         renderer.advance(&mut rendering, &()).unwrap();
         assert_eq!(rendering.film.samples_done(), rendering.film.samples_to_do());

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::record::{Block, Ratio, Record, Run, SCHEMA};
 use crate::error::{Error, Result};
 use crate::input::read_json;
+use crate::limits::MAX_JSON;
 use crate::statistics::Estimate;
 
 /// What is wrong at a place, and what would be right.
@@ -16,7 +17,7 @@ impl Record {
     /// # Errors
     /// Where it cannot be read, or is no record of a bench.
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let record: Self = read_json(path, "the record of a bench")?;
+        let record: Self = read_json(path, "the record of a bench", MAX_JSON)?;
         record
             .check()
             .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;

@@ -1,7 +1,7 @@
 //! Checkpoints in files.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -53,13 +53,15 @@ impl Checkpoint {
             seconds: *seconds,
         };
         write_atomically(path, |file| {
-            let mut file = Hashing { inner: file, hasher: blake3::Hasher::new() };
+            let hashing = Hashing { inner: file, hasher: blake3::Hasher::new() };
+            // Hashes are made of many bytes at once.
+            let mut file = BufWriter::with_capacity(1 << 16, hashing);
             file.write_all(MAGIC)?;
             serde_json::to_writer(&mut file, &header)?;
             file.write_all(b"\n")?;
             film.write(&mut file)?;
-            let hash = file.hasher.finalize();
-            file.inner.write_all(hash.as_bytes())
+            let Hashing { inner, hasher } = file.into_inner()?;
+            inner.write_all(hasher.finalize().as_bytes())
         })
     }
 

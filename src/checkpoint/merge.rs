@@ -7,7 +7,7 @@ use super::{Checkpoint, Identity};
 use crate::engine::Rendering;
 use crate::error::{Error, Result};
 use crate::film::{Conflict, Film, Sample};
-use crate::limits::Limits;
+use crate::limits::{Limit, Limits};
 
 /// The render of which `files` are all parts: shards, ranges of samples, or both. `limits` hold for each.
 ///
@@ -25,6 +25,9 @@ pub fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
         part.check(first)?;
     }
     // One film at a time is in memory, beside the whole.
+    let memory = |samples: &Range<u32>| Film::memory(identity.area(), samples.clone());
+    let largest = parts.iter().map(|part| memory(&part.samples)).max().unwrap_or(0);
+    limits.check(Limit::Memory, largest + memory(&(0..identity.spp))).map_err(Error::Usage)?;
     parts.sort_by_key(|part| part.samples.start);
     let mut whole = Rendering::new(Film::new(identity.area(), 0..identity.spp)?);
     for (number, part) in parts.iter().enumerate() {

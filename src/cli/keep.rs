@@ -106,9 +106,8 @@ pub(super) fn render(
         interrupt::take_request();
         let kept = checkpoint.write(&keeping.file);
         if ends {
-            kept?;
             progress.kept("stopped", so_far, &keeping.file);
-            return Err(stopped(checkpoint, keeping)?);
+            return Err(stopped(checkpoint, keeping, kept)?);
         }
         match kept {
             Ok(()) => progress.kept("checkpoint", so_far, &keeping.file),
@@ -121,9 +120,15 @@ pub(super) fn render(
     Ok(kept.err())
 }
 
-/// Tells that a render was stopped, whose checkpoint is written, and shows it.
-fn stopped(checkpoint: &Checkpoint, keeping: &Keeping) -> Result<Error> {
-    let mut kept = format!("go on with --resume {}", keeping.file.display());
+/// Tells that a render was stopped, and shows it; `kept` is whether its checkpoint is written, without which a limit
+/// of time is an error like others.
+fn stopped(checkpoint: &Checkpoint, keeping: &Keeping, kept: Result<()>) -> Result<Error> {
+    let signal = interrupt::signal();
+    let mut kept = match kept {
+        Ok(()) => format!("go on with --resume {}", keeping.file.display()),
+        Err(error) if signal.is_none() => return Err(error),
+        Err(error) => format!("nothing is kept, {error}"),
+    };
     if let Some((path, transfer)) = &keeping.partial {
         let Progress { samples, .. } = checkpoint.rendering.progress();
         let area = checkpoint.identity.area();
@@ -138,7 +143,7 @@ fn stopped(checkpoint: &Checkpoint, keeping: &Keeping) -> Result<Error> {
             Err(error) => format!(", {error}"),
         };
     }
-    Ok(Error::Stopped { signal: interrupt::signal(), percent: checkpoint.percent(), kept })
+    Ok(Error::Stopped { signal, percent: checkpoint.percent(), kept })
 }
 
 /// Watches a render, and stops it where something is to be done.

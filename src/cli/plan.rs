@@ -6,13 +6,14 @@ use super::notice;
 use crate::engine::{Plan, SegmentPlan};
 use crate::error::{Error, Result};
 use crate::input::read_json;
+use crate::limits::MAX_PLAN;
 use crate::scene::Scene;
 
 /// The plan in a file, which is a plan or the record of a render. Says so where that was of another
 /// scene, unless `quiet`.
 pub(super) fn read(path: &Path, scene: &Scene, quiet: bool) -> Result<Plan> {
     let bad = |message| Error::input(path.display().to_string(), "plan", message);
-    let record: serde_json::Value = read_json(path, "a plan")?;
+    let record: serde_json::Value = read_json(path, "a plan", MAX_PLAN)?;
     let plan = record.get("plan").unwrap_or(&record);
     if plan.is_null() {
         return Err(bad("the record has none: the scalar engine needs no plan".to_owned()));

@@ -123,9 +123,10 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
     // A film that is continued may be kept where it was.
-    if keeping.file != output.path() {
+    if keeping.file != output.path() || !matches!(output, Target::Film(_)) {
         written.push(("the checkpoint", &keeping.file));
     }
+    written.extend(keeping.partial.iter().map(|(file, _)| ("the partial image", file.as_path())));
     files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
 }
 

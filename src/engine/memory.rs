@@ -30,7 +30,8 @@ impl RenderSettings {
             Texture::Image(image) => image.pixels().len() as u64,
             _ => 0,
         });
-        let paths = PATHS.max(self.wave_size.into()) * pool::threads(self.threads) as u64;
+        let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
+        let paths = PATHS.max(given.into()) * pool::threads(self.threads) as u64;
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
             + PRIMITIVE * scene.geometry().len() as u64

@@ -75,6 +75,11 @@ impl Film {
         self.samples.clone()
     }
 
+    /// The least end of the samples of a pixel, as far as all is done.
+    fn least_done(&self) -> u32 {
+        self.done.iter().copied().min().unwrap_or(0).min(self.samples.end)
+    }
+
     /// Whether all pixels of `tile` lack the sample `sample`, or none does; neither if only some do.
     fn lacks(&self, tile: Tile, sample: u32) -> Option<bool> {
         let lacks = self.done[self.row(tile, 0).start] <= sample;

@@ -57,7 +57,7 @@ impl Schedule {
             tiles: Grid::default(),
             rest: Vec::new(),
         };
-        schedule.begin(samples.start);
+        schedule.begin(film.least_done() / CHUNK * CHUNK);
         schedule
     }
 

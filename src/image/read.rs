@@ -5,7 +5,8 @@ use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use image::error::UnsupportedErrorKind;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use png::text_metadata::ITXtChunk;
 
 use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
@@ -18,6 +19,8 @@ pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 const MAX_SIDE: u32 = 65_536;
 /// Bytes that a decoder may allocate before it tells the size of its image.
 const MAX_HEADER: u64 = 1 << 23;
+/// Bytes of a text in a PNG file, at most.
+const MAX_TEXT: usize = 1 << 16;
 /// Bytes of a PFM file that its header may have.
 const MAX_PFM_HEADER: u64 = 1 << 10;
 
@@ -37,8 +40,15 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
         let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
         return pfm.check_length(bytes.len() as u64).map(|()| pfm.image(&bytes)).map_err(bad);
     }
+    // Headers of text may be as long as the file.
+    allow(0, length.saturating_mul(3)).map_err(bad)?;
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
+    // TGA files begin with nothing that tells them.
+    let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+    if reader.format().is_none() && is_tga {
+        reader.set_format(ImageFormat::Tga);
+    }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
@@ -61,6 +71,11 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
         other => bad(format!("damaged image: {other}")),
     }
     };
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        let (pixels, bytes) =
+            exr_size(open()?).map_err(|error| bad(format!("damaged image: {error}")))?;
+        allow(pixels, bytes.saturating_add(pixels.saturating_mul(24))).map_err(bad)?;
+    }
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
@@ -79,10 +94,12 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
 /// What a PNG or EXR file says of itself.
 pub(super) fn metadata(path: &Path) -> Result<Metadata> {
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
+    input::length(path)?;
     let file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;
     let entries = |all: Metadata, (key, value): (&str, String)| all.with(key, value);
     if Format::of_path(path)? == Format::Exr {
-        let exr = exr::meta::MetaData::read_from_buffered(file, false);
+        let begin = BufReader::new(file.take(MAX_HEADER));
+        let exr = exr::meta::MetaData::read_from_buffered(begin, false);
         let headers = exr.map_err(|error| bad(error.to_string()))?.headers;
         let comments = headers.first().and_then(|header| header.own_attributes.comments.as_ref());
         let text = comments.map(ToString::to_string).unwrap_or_default();
@@ -93,7 +110,7 @@ pub(super) fn metadata(path: &Path) -> Result<Metadata> {
     }
     let reader = png_decoder(file).read_info().map_err(|error| bad(error.to_string()))?;
     let texts = reader.info().utf8_text.iter();
-    let texts = texts.filter_map(|chunk| Some((chunk.keyword.as_str(), chunk.get_text().ok()?)));
+    let texts = texts.filter_map(|chunk| Some((chunk.keyword.as_str(), text(chunk)?)));
     Ok(texts.fold(Metadata::default(), entries))
 }
 
@@ -104,7 +121,32 @@ fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
 
 fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {
     let note = info.utf8_text.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
-    Transfer::from_name(&note.get_text().ok()?)
+    Transfer::from_name(&text(note)?)
+}
+
+/// The text of a chunk, if it is not too long: compressed, it could be any length.
+fn text(chunk: &ITXtChunk) -> Option<String> {
+    let mut chunk = chunk.clone();
+    chunk.decompress_text_with_limit(MAX_TEXT).ok()?;
+    chunk.get_text().ok()
+}
+
+/// What there is in an OpenEXR file: the pixels of its largest part, shown or not, and the bytes of them all and
+/// of the largest block, several of which are decoded at once.
+fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
+    let begin = BufReader::new(file.take(MAX_HEADER));
+    let headers = exr::meta::MetaData::read_from_buffered(begin, false)?.headers;
+    let (mut pixels, mut bytes) = (0, 0u64);
+    for header in &headers {
+        let area = |[width, height]: [usize; 2]| (width as u64).saturating_mul(height as u64);
+        let data = area([header.layer_size.0, header.layer_size.1]);
+        let shown = header.shared_attributes.display_window.size;
+        pixels = data.max(area([shown.0, shown.1])).max(pixels);
+        let all = data.saturating_mul(header.channels.bytes_per_pixel as u64);
+        let block = (header.max_block_byte_size() as u64).saturating_mul(8);
+        bytes = bytes.saturating_add(all).saturating_add(block);
+    }
+    Ok((pixels, bytes))
 }
 
 fn to_linear(decoded: DynamicImage, transfer: Transfer) -> Image {
@@ -215,6 +257,17 @@ mod tests {
         assert!(read_pfm(&bytes).unwrap_err().contains("need 8 bytes"));
         assert!(read_pfm(b"PF\n0 1\n-1\n").unwrap_err().contains("size `0`"));
         assert!(read_pfm(b"P6 ").unwrap_err().contains("PF or Pf"));
+    }
+
+    #[test]
+    fn formats_without_a_mark_are_told_by_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.TGA");
+        // True colour, 1 × 1 pixel of 24 bits: blue, green, red.
+        let header = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0];
+        std::fs::write(&path, [&header[..], &[0, 0, 255]].concat()).unwrap();
+        let image = read(&path, &|_, _| Ok(())).unwrap();
+        assert_eq!(image.pixels(), [[1.0, 0.0, 0.0]]);
     }
 
     #[test]

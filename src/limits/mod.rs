@@ -17,8 +17,10 @@ pub const MAX_GENERATED: u32 = 1 << 24;
 pub const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.
 pub const MAX_MEDIA: usize = 64;
-/// Largest file of JSON that is no scene: a plan, a record, the manifest of a ray set.
-pub const MAX_JSON: u64 = 1 << 30;
+/// Largest file of the record of a bench, or the manifest of a ray set.
+pub const MAX_JSON: u64 = 1 << 24;
+/// Largest file of a plan, or of the record of a render that has one.
+pub const MAX_PLAN: u64 = 1 << 20;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of paths of a wave.

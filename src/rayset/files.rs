@@ -13,7 +13,7 @@ use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
 use crate::input::{self, read_json};
-use crate::limits::MAX_PRIMITIVES;
+use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
 
 /// The file that is written last, and so says that the folder is complete.
@@ -131,7 +131,7 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// cannot be, and where the manifest names no set, or one that cannot be.
 pub fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
-    let manifest: Manifest = read_json(&path, "a manifest")?;
+    let manifest: Manifest = read_json(&path, "a manifest", MAX_JSON)?;
     check_counts(&manifest.counts)
         .and_then(|()| check_entries(&manifest.sets))
         .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;

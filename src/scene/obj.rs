@@ -50,10 +50,12 @@ struct Positions {
     corners: u64,
 }
 
-/// Memory for the text twice, and for the words of its longest line.
+/// Memory for the text, twice, and for the words of its longest line.
 fn text_memory(bytes: &[u8]) -> u64 {
+    // What is no UTF-8 becomes three bytes each, in a list that grows.
+    let texts = if std::str::from_utf8(bytes).is_ok() { 2 } else { 12 };
     let longest = bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
-    (2 * bytes.len() + 32 * longest) as u64
+    (texts * bytes.len() + 32 * longest) as u64
 }
 
 impl Positions {

@@ -5,14 +5,18 @@ use std::io::ErrorKind;
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
-    Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType,
-    ScalarType,
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyDef,
+    PropertyType, ScalarType,
 };
 
 use super::budget::Budget;
 use super::mesh::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
 
+/// Bytes that a header may have.
+const MAX_HEADER: usize = 1 << 16;
+/// What ends it.
+const END: &[u8] = b"end_header";
 /// Rows that are in memory at once.
 const ROWS: usize = 1024;
 
@@ -57,13 +61,18 @@ fn integers(list: Property) -> Option<Vec<i64>> {
 pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
+    let begin = &bytes[..bytes.len().min(MAX_HEADER)];
+    if bytes.len() > MAX_HEADER && !begin.windows(END.len()).any(|window| window == END) {
+        let message = format!("a header has {MAX_HEADER} bytes at most, and ends with end_header");
+        return Err(Error::input(name, "", message));
+    }
     let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error, None))?;
     let is_text = header.encoding == Encoding::Ascii;
-    let triangles = most_triangles(&header, reader.get_ref().len())
+    let most = Most::new(&header, reader.get_ref().len())
         .map_err(|(place, message)| Error::input(name, place, message))?;
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
     budget
-        .check(memory(count, triangles, is_text, reader.get_ref()))
+        .check(most.memory(count, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
     let mut mesh = Mesh::default();
     for (element, all) in &header.elements {
@@ -123,53 +132,77 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// The most triangles that there can be in `bytes` bytes after `header`; `Err` where there cannot be as many rows
-/// of an element, with its name.
-fn most_triangles(header: &Header, bytes: usize) -> Result<usize, (String, String)> {
-    let is_text = header.encoding == Encoding::Ascii;
-    let size = |scalar: &ScalarType| match scalar {
-        // A digit and what parts it from the next.
-        _ if is_text => 2,
-        ScalarType::Char | ScalarType::UChar => 1,
-        ScalarType::Short | ScalarType::UShort => 2,
-        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-        ScalarType::Double => 8,
-    };
-    let least = |property: &PropertyDef| match &property.data_type {
-        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
-    };
-    let entry = |property: &PropertyDef| match &property.data_type {
-        PropertyType::Scalar(_) => None,
-        PropertyType::List(_, scalar) => Some(size(scalar)),
-    };
-    // The last line need not end.
-    let mut rest = bytes + usize::from(is_text);
-    for element in header.elements.values() {
-        let least: usize = element.properties.values().map(least).sum();
-        // Even an empty line of text is one.
-        let row = if is_text { least.max(1) } else { least };
-        let most = rest.checked_div(row).unwrap_or(0);
-        if element.count > most {
-            let message =
-                format!("the header says {} rows, there can be {most} at most", element.count);
-            return Err((element.name.clone(), message));
-        }
-        rest -= row * element.count;
-    }
-    let Some(faces) = header.elements.get("face") else { return Ok(0) };
-    let entry = faces.properties.values().filter_map(entry).min().unwrap_or(usize::MAX);
-    Ok((rest / entry).saturating_sub(2 * faces.count))
+/// What there can be at most in a file of a header.
+struct Most {
+    triangles: usize,
+    /// Entries of lists that are in memory at once.
+    entries: usize,
 }
 
-/// Memory for a mesh of so many vertices and triangles, and for its longest row.
-fn memory(vertices: usize, triangles: usize, is_text: bool, bytes: &[u8]) -> u64 {
-    // Words of two bytes, as text and as numbers; or the corners of one polygon.
-    let row = match is_text {
-        true => 32 * bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0),
-        false => 32 * triangles.min(bytes.len()),
-    };
-    // While the list grows, it is there twice.
-    (12 * vertices + 36 * triangles + row) as u64
+impl Most {
+    /// In `bytes` bytes after `header`; `Err` where there cannot be as many rows of an element, with its name.
+    fn new(header: &Header, bytes: usize) -> Result<Self, (String, String)> {
+        let is_text = header.encoding == Encoding::Ascii;
+        let size = |scalar: &ScalarType| match scalar {
+            // A digit and what parts it from the next.
+            _ if is_text => 2,
+            ScalarType::Char | ScalarType::UChar => 1,
+            ScalarType::Short | ScalarType::UShort => 2,
+            ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+            ScalarType::Double => 8,
+        };
+        let least = |property: &PropertyDef| match &property.data_type {
+            PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
+        };
+        // The last line need not end.
+        let mut rest = bytes + usize::from(is_text);
+        for element in header.elements.values() {
+            let least: usize = element.properties.values().map(least).sum();
+            // Even an empty line of text is one.
+            let row = if is_text { least.max(1) } else { least };
+            let most = rest.checked_div(row).unwrap_or(0);
+            if element.count > most {
+                let count = element.count;
+                let message = format!("the header says {count} rows, there can be {most} at most");
+                return Err((element.name.clone(), message));
+            }
+            rest -= row * element.count;
+        }
+        let lists = |element: &ElementDef| {
+            let list = |property: &PropertyDef| match &property.data_type {
+                PropertyType::Scalar(_) => None,
+                PropertyType::List(count, entry) => Some((count.clone(), rest / size(entry))),
+            };
+            element.properties.values().filter_map(list).collect::<Vec<_>>()
+        };
+        let faces = header.elements.get("face");
+        let corners = faces.iter().flat_map(|faces| lists(faces)).map(|(_, entries)| entries);
+        let twice = 2 * faces.map_or(0, |faces| faces.count);
+        let at_once = |(count, entries): (ScalarType, usize)| match count {
+            _ if is_text => entries,
+            ScalarType::Char | ScalarType::UChar => entries.min(ROWS << 8),
+            ScalarType::Short | ScalarType::UShort => entries.min(ROWS << 16),
+            _ => entries,
+        };
+        let all = header.elements.values().flat_map(lists).map(at_once);
+        Ok(Self {
+            triangles: corners.max().unwrap_or(0).saturating_sub(twice),
+            entries: all.max().unwrap_or(0),
+        })
+    }
+
+    /// Bytes of memory for a mesh of so many vertices, while `text`, if it is one, is read.
+    fn memory(&self, vertices: usize, text: Option<&[u8]>) -> u64 {
+        let longest = |text: &[u8]| text.split(|byte| *byte == b'\n').map(<[u8]>::len).max();
+        // Rows of words of two bytes, as text and as numbers.
+        let rows = text.map_or(usize::MAX, |text| {
+            longest(text).unwrap_or(0).saturating_mul(ROWS).min(text.len())
+        });
+        let entries = 32 * self.entries.min(rows);
+        let line = 32 * text.and_then(longest).unwrap_or(0);
+        // While the list of triangles grows, it is there twice.
+        (12 * vertices + 36 * self.triangles + entries + line) as u64
+    }
 }
 
 /// The library's errors tell the line of a text file.
@@ -183,7 +216,8 @@ fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
     // Lines mean nothing where numbers are binary.
     let place = element.cloned().unwrap_or(place);
     // Its messages have several lines, and may repeat a whole line of the file.
-    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let short: String = text.chars().take(400).collect();
+    let text = short.split_whitespace().collect::<Vec<_>>().join(" ");
     let short: String = text.chars().take(200).collect();
     Error::input(name, place, format!("PLY syntax: {short}"))
 }
@@ -297,9 +331,8 @@ mod tests {
             let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
             parse("a.ply", text.as_bytes(), &budget).is_ok()
         });
-        // Four vertices, at most five triangles, and the longest line, of the header.
-        let line = "property list uchar int vertex_indices".len() as u64;
-        assert!((4 * 12 + 3 * 12..=4 * 12 + 5 * 36 + 32 * line).contains(&least.unwrap()));
+        // Four vertices, at most five triangles, and lines of 9 bytes and less.
+        assert!((84..2000).contains(&least.unwrap()), "{least:?}");
         let budget = Budget::new(&Limits::default().with(Limit::Memory, 10), 0);
         let error = parse("a.ply", text.as_bytes(), &budget).unwrap_err().to_string();
         assert!(error.starts_with("a.ply: the limit of memory is 10, this needs"), "{error}");

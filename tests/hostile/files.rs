@@ -20,6 +20,9 @@ fn texture(file: &str) -> String {
     scene.replace("(file: \"\", material: \"grey\")]", "(file: \"none.obj\", material: \"grey\")]")
 }
 
+/// A render that memory suffices for.
+const SMALL: [&str; 7] = ["render", "--scene", "cornell", "--width", "20", "--threads", "1"];
+
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
 
 pub(super) fn cases() -> Vec<Case> {
@@ -170,10 +173,31 @@ pub(super) fn cases() -> Vec<Case> {
         case.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
         cases.push(case);
     }
-    let mut large = Case::scene("p.json", "", "at most 1073741824 bytes");
+    let mut large = Case::scene("p.json", "", "at most 1048576 bytes");
     large.files = vec![("p.json", Content::Sparse(1 << 40))];
     large.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
     cases.push(large);
+
+    let numbers = format!("[{}0]", "0,".repeat((1 << 19) - 8));
+    let mut many = Case::scene("p.json", numbers, "neither a plan nor the record");
+    many.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
+    cases.push(many);
+
+    // A pipe where an image is to be, and a checkpoint there.
+    let mut pipe = Case::scene("a.png", "", "it is a device or pipe");
+    pipe.files = vec![("a.png", Content::Pipe)];
+    pipe.arguments = [&SMALL[..], &["-o", "a.png", "--skip-complete"]].concat();
+    pipe.code = 74;
+    cases.push(pipe);
+    for (kept, says) in [
+        ("a.png", "the image and the checkpoint"),
+        ("a.partial.png", "the checkpoint and the partial"),
+    ] {
+        let mut case = Case::scene("m.obj", TETRAHEDRON, says);
+        case.arguments = [&SMALL[..], &["-o", "a.png", "--checkpoint", kept]].concat();
+        case.code = 2;
+        cases.push(case);
+    }
 
     // Images that are too large for the machine.
     for (arguments, says) in [

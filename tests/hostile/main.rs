@@ -27,6 +27,8 @@ enum Content {
     Bytes(Vec<u8>),
     /// So many zeros that take no room.
     Sparse(u64),
+    /// These bytes, and zeros up to this length.
+    Begun(Vec<u8>, u64),
     Link(&'static str),
     Folder,
     Pipe,
@@ -67,6 +69,10 @@ fn write(folder: &Path, (name, content): &(&'static str, Content)) {
     match content {
         Content::Bytes(bytes) => fs::write(path, bytes).unwrap(),
         Content::Sparse(length) => File::create(path).unwrap().set_len(*length).unwrap(),
+        Content::Begun(bytes, length) => {
+            fs::write(&path, bytes).unwrap();
+            File::options().write(true).open(path).unwrap().set_len(*length).unwrap();
+        }
         Content::Link(target) => symlink(target, path).unwrap(),
         Content::Folder => fs::create_dir(path).unwrap(),
         Content::Pipe => assert!(Command::new("mkfifo").arg(path).status().unwrap().success()),

@@ -146,6 +146,16 @@ pub(super) fn cases() -> Vec<Case> {
     cases.push(ply(little, &lists, &long, "the limit of memory"));
     let text = format!("0 0 0\n1 0 0\n0 1 0\n{}{}\n", 600_000, " 1".repeat(600_000));
     cases.push(ply("ascii", &head("3", "1"), text.as_bytes(), "the limit of memory"));
+    // Lists that are no faces.
+    let other = "element x 1\nproperty list uint uchar vertex_indices\n";
+    let long = [&4_000_000u32.to_le_bytes()[..], &[0; 4_000_000]].concat();
+    cases.push(ply(little, other, &long, "the limit of memory"));
+    // Headers that are all there is.
+    let elements = "element e1 0\n".repeat(100_000);
+    cases.push(ply("ascii", &elements, b"", "a header has 65536 bytes at most"));
+    let words = [&b"ply\n"[..], &b"a ".repeat(4 << 20)].concat();
+    cases.push(mesh("m.ply", Content::Bytes(words), "a header has 65536 bytes at most"));
+    cases.push(mesh("m.obj", Content::Bytes(vec![255; 8 << 20]), "the limit of memory"));
     let rows = "0 0 0\n".repeat(1_000_000);
     cases.push(ply(
         "ascii",

@@ -19,6 +19,9 @@ fn texture(file: &'static str, bytes: Vec<u8>, says: &str) -> Case {
     Case::scene("a.ron", scene(file), says).with(file, Content::Bytes(bytes))
 }
 
+/// 64 MiB of zeros, as zlib has them.
+const ZEROS: &[u8] = include_bytes!("zeros.zlib");
+
 fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let mut crc = 0xffff_ffffu32;
     for byte in kind.iter().chain(data) {
@@ -90,7 +93,7 @@ pub(super) fn cases() -> Vec<Case> {
     }
     // Chunks beside the picture that are larger than it.
     for kind in [b"zTXt", b"iCCP"] {
-        let bomb = [&b"a\0\0"[..], &stored(40 << 20)].concat();
+        let bomb = [&b"a\0\0"[..], &stored(9 << 20)].concat();
         let bytes = png(10, 10, 8, 2, &[chunk(kind, &bomb)]);
         let mut case = texture("t.png", bytes, "damaged image");
         case.name = "PNG with a large chunk".to_owned();
@@ -167,7 +170,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases.push(texture("t.pfm", pfm(12 * 1280 * 1280), "the limit of memory"));
 
     // OpenEXR: what makes no sense, and a window of a thousand million.
-    let exr = |window: [i32; 4]| {
+    let exr = |window: [i32; 4], shown: [i32; 4]| {
         let attribute = |name: &str, kind: &str, value: &[u8]| {
             [
                 name.as_bytes(),
@@ -179,7 +182,8 @@ pub(super) fn cases() -> Vec<Case> {
             ]
             .concat()
         };
-        let window: Vec<u8> = window.iter().flat_map(|c| c.to_le_bytes()).collect();
+        let [window, shown]: [Vec<u8>; 2] =
+            [window, shown].map(|window| window.iter().flat_map(|c| c.to_le_bytes()).collect());
         let channel = |name: &str| {
             [
                 name.as_bytes(),
@@ -197,7 +201,7 @@ pub(super) fn cases() -> Vec<Case> {
             &attribute("channels", "chlist", &channels),
             &attribute("compression", "compression", &[0]),
             &attribute("dataWindow", "box2i", &window),
-            &attribute("displayWindow", "box2i", &window),
+            &attribute("displayWindow", "box2i", &shown),
             &attribute("lineOrder", "lineOrder", &[0]),
             &attribute("pixelAspectRatio", "float", &1.0f32.to_le_bytes()),
             &attribute("screenWindowCenter", "v2f", &[0; 8]),
@@ -215,8 +219,23 @@ pub(super) fn cases() -> Vec<Case> {
         ([i32::MIN, i32::MIN, i32::MAX, i32::MAX], "damaged image"),
         ([0, 0, i32::MAX, 0], "damaged image"),
     ] {
-        cases.push(texture("t.exr", exr(window), says));
+        cases.push(texture("t.exr", exr(window, window), says));
     }
+    // What is shown is small, what there is is not.
+    let shown = [0, 0, 0, 0];
+    cases.push(texture("t.exr", exr([0, 0, 0x1fff_ffff, 15], shown), "the limit of texture-bytes"));
+    cases.push(texture("t.exr", exr([0, 0, 65_535, 15], shown), "the limit of memory"));
+    // Headers without end, and a text that is nothing but zeros.
+    for (file, begin) in
+        [("t.hdr", "#?RADIANCE\n#"), ("t.pnm", "P6 #"), ("t.pnm", "P7\n#"), ("t.bmp", "BM")]
+    {
+        let mut case = texture(file, vec![], "the limit of memory");
+        case.files[1].1 = Content::Begun(begin.as_bytes().to_vec(), 1 << 36);
+        cases.push(case);
+    }
+    let note = [&b"ptfast:transfer\0\x01\0\0\0"[..], ZEROS].concat();
+    let bomb = png(10, 10, 8, 2, &[chunk(b"iTXt", &note), chunk(b"IDAT", b"")]);
+    cases.push(texture("t.png", bomb, "damaged image"));
     for bytes in [
         &[0x76, 0x2f, 0x31, 0x01][..],
         &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0],

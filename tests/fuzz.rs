@@ -1,0 +1,74 @@
+//! The corpora of `tests/fuzz`, and variations of them: what cargo-fuzz looks for, on any toolchain and for as long as a
+//! test may take.
+
+#[path = "fuzz/subjects.rs"]
+mod subjects;
+
+use std::fs;
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+
+use ptfast::math::random::Stream;
+
+/// Variations of each file of a corpus.
+const VARIATIONS: usize = 100;
+
+/// `bytes` with a few changed, taken out, repeated, or replaced by a part of `other`.
+fn varied(bytes: &[u8], other: &[u8], random: &mut Stream) -> Vec<u8> {
+    let mut varied = bytes.to_vec();
+    for _ in 0..1 + random.bits() % 4 {
+        let mut below = |end: usize| (random.bits() % (end as u64).max(1)) as usize;
+        let at = below(varied.len() + 1);
+        let length = below(8).min(varied.len() - at);
+        match below(6) {
+            0 if at < varied.len() => varied[at] ^= 1 << below(8),
+            1 if at < varied.len() => varied[at] = b"0123456789-+.eE\"(){}[],:\0\xff"[below(26)],
+            2 => drop(varied.drain(at..at + length)),
+            3 => {
+                let part = varied[at..at + length].to_vec();
+                varied.splice(at..at, part.repeat(1 + below(20)));
+            }
+            4 => {
+                let from = below(other.len() + 1);
+                let part = &other[from..(from + below(64)).min(other.len())];
+                varied.splice(at..at + length, part.iter().copied());
+            }
+            _ => varied.truncate(at.max(1)),
+        }
+    }
+    varied
+}
+
+#[test]
+fn corpora_and_variations_of_them_are_taken() {
+    let corpora = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
+    let found = tempfile::tempdir().unwrap().keep();
+    let mut faults = Vec::new();
+    for (name, subject) in subjects::ALL {
+        let mut files: Vec<PathBuf> = fs::read_dir(corpora.join(name))
+            .unwrap_or_else(|error| panic!("{name}: {error}"))
+            .map(|entry| entry.unwrap().path())
+            .collect();
+        files.sort();
+        let corpus: Vec<Vec<u8>> = files.iter().map(|file| fs::read(file).unwrap()).collect();
+        assert!(corpus.len() >= 3, "{name} has a corpus");
+        let mut random = Stream::new(7);
+        let mut run = |bytes: &[u8]| {
+            if catch_unwind(|| subject(bytes)).is_err() {
+                let file = found.join(format!("{name}-{}", faults.len()));
+                fs::write(&file, bytes).unwrap();
+                faults.push(file);
+            }
+        };
+        for bytes in &corpus {
+            run(bytes);
+            for _ in 0..VARIATIONS {
+                let other = &corpus[(random.bits() % corpus.len() as u64) as usize];
+                run(&varied(bytes, other, &mut random));
+            }
+        }
+        println!("{name}: {} files, {} runs", corpus.len(), corpus.len() * (1 + VARIATIONS));
+    }
+    assert!(faults.is_empty(), "{faults:?}");
+    fs::remove_dir(found).unwrap();
+}

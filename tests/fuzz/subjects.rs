@@ -1,0 +1,175 @@
+//! What is fuzzed: each takes any bytes for the content of a file, and is not to panic, to hang or to take more memory
+//! than it is allowed; what it accepts is to be sound.
+
+#![allow(dead_code, unreachable_pub)] // each target has one
+
+use std::fs;
+use std::path::Path;
+
+use ptfast::checkpoint::Checkpoint;
+use ptfast::limits::{Limit, Limits};
+use ptfast::scene::Source;
+use ptfast::{Engine, Image, RenderSettings, Renderer, Sampling, Scene};
+
+/// Takes bytes.
+pub type Subject = fn(&[u8]);
+
+/// All of them, by name.
+pub const ALL: [(&str, Subject); 11] = [
+    ("scene_ron", scene_ron),
+    ("scene_json", scene_json),
+    ("scene_flat", scene_flat),
+    ("mesh_obj", mesh_obj),
+    ("mesh_ply", mesh_ply),
+    ("texture", texture),
+    ("texture_pfm", texture_pfm),
+    ("texture_tga", texture_tga),
+    ("checkpoint", checkpoint),
+    ("record", record),
+    ("render", render),
+];
+
+fn limits() -> Limits {
+    let limits = Limits::default().with(Limit::Memory, 64 << 20);
+    limits.with(Limit::Primitives, 10_000).with(Limit::Pixels, 1 << 20)
+}
+
+/// Calls `use_it` with a file of that name and content, alone in a folder.
+fn in_file<T>(name: &str, bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
+    thread_local! {
+        static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a folder");
+    }
+    FOLDER.with(|folder| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("a file");
+        use_it(&path)
+    })
+}
+
+/// A scene in a file; one that is accepted says the same once it is written and read again.
+fn scene(name: &str, bytes: &[u8]) -> Option<Scene> {
+    in_file(name, bytes, |path| {
+        let read = |path: &Path| Source::find(&path.display().to_string())?.read(&limits());
+        let parsed = read(path).ok()?;
+        let scene = parsed.resolve().ok()?;
+        for (again, text) in [("again.ron", parsed.to_ron()), ("again.json", parsed.to_json())] {
+            let again = in_file(again, text.as_bytes(), |path| read(path)?.resolve());
+            match again {
+                Ok(again) => assert_eq!(again.hash(), scene.hash()),
+                // Numbers may have more digits now.
+                Err(error) => assert!(error.to_string().contains("limit of memory"), "{error}"),
+            }
+        }
+        Some(scene)
+    })
+}
+
+pub fn scene_ron(bytes: &[u8]) {
+    scene("a.ron", bytes);
+}
+
+pub fn scene_json(bytes: &[u8]) {
+    scene("a.json", bytes);
+}
+
+pub fn scene_flat(bytes: &[u8]) {
+    scene("a.txt", bytes);
+}
+
+/// A mesh in a file of that name, as a scene has it.
+fn mesh(name: &str, bytes: &[u8]) {
+    let scene = format!(
+        "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40), \
+         materials: {{\"m\": lambertian(albedo: (0.5, 0.5, 0.5))}}, \
+         primitives: [mesh(file: \"{name}\", material: \"m\")])"
+    );
+    in_file(name, bytes, |_| {
+        in_file("a.ron", scene.as_bytes(), |path| {
+            let Ok(scene) = Scene::load_within(&path.display().to_string(), &limits()) else {
+                return;
+            };
+            for triangle in &scene.geometry().triangles {
+                let in_range = |c: f32| c.abs() <= 1e9;
+                assert!(triangle.vertices.iter().all(|v| v.to_array().into_iter().all(in_range)));
+            }
+        });
+    });
+}
+
+pub fn mesh_obj(bytes: &[u8]) {
+    mesh("m.obj", bytes);
+}
+
+pub fn mesh_ply(bytes: &[u8]) {
+    mesh("m.ply", bytes);
+}
+
+fn image(name: &str, bytes: &[u8]) {
+    let allow = |pixels: u64, memory: u64| {
+        let limits = limits();
+        limits.check(Limit::Pixels, pixels).and_then(|()| limits.check(Limit::Memory, memory))
+    };
+    in_file(name, bytes, |path| {
+        if let Ok(image) = Image::read_where(path, &allow) {
+            let pixels = u64::from(image.width()) * u64::from(image.height());
+            assert_eq!(image.pixels().len() as u64, pixels);
+            assert!((1..=1 << 20).contains(&pixels));
+        }
+    });
+}
+
+pub fn texture(bytes: &[u8]) {
+    image("t.png", bytes);
+}
+
+pub fn texture_tga(bytes: &[u8]) {
+    image("t.tga", bytes);
+}
+
+pub fn texture_pfm(bytes: &[u8]) {
+    image("t.pfm", bytes);
+}
+
+/// A checkpoint, whose hash is made right, so that what is behind it is reached.
+pub fn checkpoint(bytes: &[u8]) {
+    let hash = blake3::hash(bytes);
+    let whole = [bytes, hash.as_bytes()].concat();
+    in_file("a.film", &whole, |path| {
+        let Ok(checkpoint) = Checkpoint::read(path, &limits()) else { return };
+        let film = &checkpoint.rendering.film;
+        assert!(film.samples_done() <= film.samples_to_do() && checkpoint.percent() <= 100);
+        assert_eq!(film.means().expect("memory").len() as u64, film.area().pixels());
+        let again = path.with_file_name("again.film");
+        checkpoint.write(&again).expect("a file");
+        assert!(Checkpoint::read(&again, &limits()).is_ok());
+    });
+}
+
+/// A record of a bench.
+pub fn record(bytes: &[u8]) {
+    in_file("a.json", bytes, |path| {
+        let _ = ptfast::check_record(path);
+    });
+}
+
+/// A scene that is accepted is rendered, by both engines alike, and every sample is finite.
+pub fn render(bytes: &[u8]) {
+    let Some(scene) = scene("a.ron", bytes) else { return };
+    let images = Engine::ALL.map(|engine| {
+        let settings = RenderSettings {
+            width: 8,
+            height: 8,
+            spp: 2,
+            depth: 8,
+            sampling: if bytes.len().is_multiple_of(2) { Sampling::Mis } else { Sampling::Light },
+            engine,
+            threads: 1,
+            ..RenderSettings::of(&scene)
+        };
+        let render = Renderer::new(&scene, settings).and_then(|renderer| renderer.render());
+        let render = render.expect("a scene that is accepted is rendered");
+        assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
+        (render.image.hash(), render.tally)
+    });
+    assert_eq!(images[0], images[1]);
+}
