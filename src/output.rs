@@ -1,16 +1,16 @@
 //! Files that appear whole or not at all.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
 /// Calls `fill` with a temporary file, which takes the place of `path` once it is complete. On failure `path` is
-/// what it was and the temporary file is gone; a process that is killed leaves one only where the file system has
-/// no files without a name.
+/// what it was and the temporary file is gone; a process that is killed leaves one only in the moment before it
+/// takes its place, or where the file system has no files without a name.
 ///
 /// # Errors
 /// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
@@ -99,7 +99,11 @@ impl Temporary {
         let path = match self {
             Self::Named(file) => file.into_temp_path(),
             Self::Unnamed(file, folder) => {
-                builder().make_in(folder, |path| link(&file, path))?.into_temp_path()
+                match builder().make_in(&folder, |path| link(&file, path)) {
+                    Ok(named) => named.into_temp_path(),
+                    // Not every process may do that.
+                    Err(_) => copy(&file, &folder)?,
+                }
             }
         };
         path.persist(target).map_err(|error| error.error)?;
@@ -107,6 +111,15 @@ impl Temporary {
         let _ = fs::File::open(folder_of(target)).and_then(|folder| folder.sync_all());
         Ok(())
     }
+}
+
+/// A file in `folder` with the content of `file`.
+fn copy(mut file: &fs::File, folder: &Path) -> io::Result<TempPath> {
+    let mut named = builder().tempfile_in(folder)?;
+    file.rewind()?;
+    io::copy(&mut file, named.as_file_mut())?;
+    named.as_file().sync_all()?;
+    Ok(named.into_temp_path())
 }
 
 fn builder() -> tempfile::Builder<'static, 'static> {
@@ -125,10 +138,9 @@ fn builder() -> tempfile::Builder<'static, 'static> {
 #[cfg(target_os = "linux")]
 fn unnamed(folder: &Path) -> Option<fs::File> {
     use rustix::fs::{Mode, OFlags};
-    let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     let file = rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666)).ok()?;
-    // Without /proc it could not be given a name.
-    Path::new("/proc/self/fd").exists().then(|| file.into())
+    Some(file.into())
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -177,6 +189,16 @@ mod tests {
         assert!(error.to_string().contains("the disk is full"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn files_are_copied_where_they_cannot_be_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let temporary = Temporary::in_folder(folder.path()).unwrap();
+        temporary.file().write_all(b"content").unwrap();
+        let path = folder.path().join("a.pfm");
+        copy(temporary.file(), folder.path()).unwrap().persist(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"content");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Checkpoints in files.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -31,7 +31,8 @@ struct Header {
     identity: Identity,
     shard: Option<Shard>,
     samples: [u32; 2],
-    tally: Tally,
+    closed: Tally,
+    open: Tally,
     seconds: f64,
 }
 
@@ -41,7 +42,7 @@ impl Checkpoint {
     /// # Errors
     /// Where `path` cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let Rendering { film, tally, seconds, .. } = &self.rendering;
+        let Rendering { film, closed, open, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
             schema: SCHEMA,
@@ -49,7 +50,8 @@ impl Checkpoint {
             identity: self.identity.clone(),
             shard: self.shard,
             samples: [start, end],
-            tally: tally.clone(),
+            closed: closed.clone(),
+            open: open.clone(),
             seconds: *seconds,
         };
         write_atomically(path, |file| {
@@ -74,19 +76,21 @@ impl Checkpoint {
         let bad = |message: String| Error::input(path.display().to_string(), "", message);
         let failed = |error| Error::io(path, "read")(error);
         let length = input::length(path)?;
-        let open = || File::open(path).map(BufReader::new);
-        let mut file = open().map_err(failed)?;
+        let mut file = File::open(path).map(BufReader::new).map_err(failed)?;
         let mut magic = [0; MAGIC.len()];
         if length < MAGIC.len() as u64 || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
             return Err(bad("not a checkpoint of ptfast".to_owned()));
         }
-        if !is_whole(open().map_err(failed)?, length).map_err(failed)? {
+        file.rewind().map_err(failed)?;
+        if !is_whole(&mut file, length).map_err(failed)? {
             return Err(bad("damaged: it is not what ptfast wrote".to_owned()));
         }
+        file.seek(SeekFrom::Start(MAGIC.len() as u64)).map_err(failed)?;
         let mut line = Vec::new();
         file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
         let header = header(&line).map_err(bad)?;
-        let Header { scene, identity, shard, samples: [first, end], tally, seconds, .. } = header;
+        let Header { scene, identity, shard, samples: [first, end], closed, open, seconds, .. } =
+            header;
         let area = identity.area();
         limits
             .check(Limit::Pixels, area.pixels())
@@ -106,14 +110,17 @@ impl Checkpoint {
         if sums.limit() > 0 {
             return Err(bad("damaged: the film ends late".to_owned()));
         }
-        let rendering = Rendering { tally, seconds, ..Rendering::new(film) };
+        let has = |x, y| shard.is_none_or(|shard| shard.has(identity.width, x, y));
+        if !film.is_of(has) {
+            return Err(bad("damaged: its pixels are not those of its shard".to_owned()));
+        }
+        let rendering = Rendering { closed, open, seconds, ..Rendering::new(film) };
         Ok(Self { scene, identity, shard, rendering })
     }
 }
 
 /// Whether a file of so many bytes ends with the hash of what comes before.
-fn is_whole(file: impl Read, length: u64) -> io::Result<bool> {
-    let mut file = BufReader::new(file);
+fn is_whole(mut file: impl Read, length: u64) -> io::Result<bool> {
     let mut hasher = blake3::Hasher::new();
     let before = length.saturating_sub(blake3::OUT_LEN as u64);
     hasher.update_reader(file.by_ref().take(before))?;

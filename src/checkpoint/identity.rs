@@ -93,6 +93,7 @@ impl Identity {
     /// machine made them.
     pub fn metadata(&self, hash: &str) -> Metadata {
         let mut settings = json!({
+            "bits": self.bits,
             "width": self.width,
             "height": self.height,
             "spp": self.spp,

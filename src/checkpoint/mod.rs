@@ -3,7 +3,7 @@
 //! A file is a line that says what it is, a line of JSON, the film in binary, and a BLAKE3 hash of all that:
 //! ```text
 //! ptfast film
-//! {"schema":1,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"tally":{...},"seconds":1.5}
+//! {"schema":1,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"closed":{...},"open":{...},"seconds":1.5}
 //! of each pixel of the crop, row by row: the end of its samples that are done, u32; u32::MAX where it has none
 //! the first of the sums that are kept of these, of each pixel that has one: 3 f32; the second; ...
 //! 32 bytes
@@ -62,11 +62,11 @@ impl Checkpoint {
         shard: Option<Shard>,
         samples: Range<u32>,
     ) -> Result<Rendering> {
-        let film = &mut self.rendering.film;
-        let grows = film.samples().end == self.identity.spp && samples.end == wanted.spp;
+        let rendering = &mut self.rendering;
+        let grows = rendering.film.samples().end == self.identity.spp && samples.end == wanted.spp;
         if grows && self.identity.spp < wanted.spp {
             self.identity.spp = wanted.spp;
-            film.grow(samples.end);
+            rendering.grow(samples.end);
         }
         if let Some((field, here, wanted)) = self.identity.difference(wanted) {
             let message = format!("is of a render with {field} {here}, not {wanted}");
@@ -80,8 +80,8 @@ impl Checkpoint {
             let message = format!("is of {}, not of {}", name(self.shard), name(shard));
             return Err(Error::input(file, "", message));
         }
-        if film.samples() != samples {
-            let Range { start, end } = film.samples();
+        if self.rendering.film.samples() != samples {
+            let Range { start, end } = self.rendering.film.samples();
             let message =
                 format!("is of the samples {start}..{end}, not {}..{}", samples.start, samples.end);
             return Err(Error::input(file, "", message));

@@ -8,11 +8,13 @@ use clap::Args;
 use jiff::SignedDuration;
 
 use super::progress::ProgressReport;
-use crate::checkpoint::Checkpoint;
+use super::share::Share;
+use crate::checkpoint::{Checkpoint, Identity};
 use crate::engine::{Observer, Progress, Renderer, Stop};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata, Transfer};
 use crate::interrupt;
+use crate::limits::Limits;
 
 /// How long workers may take to finish what they are at, once a render is to be stopped.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -53,6 +55,32 @@ pub(super) struct Keeping {
     pub(super) start: Instant,
     /// The image as far as it is, when it is stopped; none for those who want no image.
     pub(super) partial: Option<(PathBuf, Transfer)>,
+}
+
+impl Keeping {
+    /// Refuses to begin anew what is kept already: it would be lost.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] that says how to go on.
+    pub(super) fn check(&self, identity: &Identity, share: &Share, limits: &Limits) -> Result<()> {
+        let file = self.file.display();
+        let Ok(there) = Checkpoint::read(&self.file, limits) else { return Ok(()) };
+        let percent = there.percent();
+        let same = there.identity == *identity
+            && there.shard == share.shard
+            && there.rendering.film.samples() == share.samples;
+        if same && there.rendering.film.samples_done() > 0 {
+            return Err(Error::Usage(format!(
+                "{file} has {percent}% of this render: go on with --resume {file}, or remove it"
+            )));
+        }
+        match self.every {
+            Some(_) if !same => Err(Error::Usage(format!(
+                "{file} is of another render: name another file, or remove it"
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl KeepArgs {
@@ -112,7 +140,7 @@ pub(super) fn render(
         match kept {
             Ok(()) => progress.kept("checkpoint", so_far, &keeping.file),
             // There may be room again when it is due the next time.
-            Err(error) => progress.warn(&error),
+            Err(error) => progress.warn(so_far, &error),
         }
     }
     // It may be for more samples another time.

@@ -36,7 +36,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let area = identity.area();
+    let (area, tally) = (identity.area(), rendering.tally());
     let image = Image::from_pixels(area.width, area.height, rendering.film.means()?);
     let hash = image.hash();
     if let Target::Image(path) = &output {
@@ -50,7 +50,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         identity.seed,
         args.parts.len()
     ))?;
-    say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;
+    say(format_args!("rays    {:.2} M", tally.rays.total() as f64 * 1e-6))?;
     say(format_args!("hash    {hash}"))?;
     say(format_args!("file    {}", output.path().display()))
 }

@@ -116,16 +116,14 @@ impl ProgressReport {
 
     /// The render is kept in `file`; `event` says why.
     pub(super) fn kept(&self, event: &str, progress: Progress, file: &Path) {
-        self.event(event, progress, Some(file));
+        self.event(event, progress, Some(("file", file.display().to_string())));
     }
 
     /// Tells what went wrong, though the render goes on.
-    pub(super) fn warn(&self, error: &Error) {
+    pub(super) fn warn(&self, progress: Progress, error: &Error) {
         match &self.display {
             Display::Json { .. } => {
-                let line = json!({ "schema": 1, "event": "warning", "message": error.to_string() });
-                // There is nowhere to say that standard error is closed.
-                let _ = writeln!(stderr(), "{line}");
+                self.event("warning", progress, Some(("message", error.to_string())));
             }
             Display::Bar(bar) => {
                 bar.suspend(|| notice(format_args!("{error}, the render goes on")))
@@ -153,7 +151,7 @@ impl ProgressReport {
     }
 
     /// A line for programs.
-    fn event(&self, event: &str, progress: Progress, file: Option<&Path>) {
+    fn event(&self, event: &str, progress: Progress, more: Option<(&str, String)>) {
         if !matches!(self.display, Display::Json { .. }) {
             return;
         }
@@ -166,8 +164,8 @@ impl ProgressReport {
             "eta_s": eta,
             "rays": progress.rays,
         });
-        if let Some(file) = file {
-            line["file"] = Value::from(file.display().to_string());
+        if let Some((name, value)) = more {
+            line[name] = Value::from(value);
         }
         // There is nowhere to say that standard error is closed.
         let _ = writeln!(stderr(), "{line}");

@@ -36,13 +36,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     settings.check_memory(&scene, Film::memory(share.area, share.samples.clone()))?;
     let identity = Identity::new(&scene, &settings, share.area);
     let output = Target::new(args.output.clone(), &args.sample.scene, &share, &identity)?;
-    if args.skip_complete && output.is_complete(&identity, &share, scene.limits()) {
+    let beside = [&args.json, &args.trace].into_iter().flatten().all(|file| file.exists());
+    if args.skip_complete
+        && output.is_complete(&identity, &share, args.gamma, scene.limits())?
+        && beside
+    {
         return say(format_args!("{} is complete", output.path().display()));
     }
     let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start);
     check_files(args, &output, &keeping)?;
 
-    let rendering = begin(args, &identity, &share, scene.limits())?;
+    let rendering = begin(args, &keeping, &identity, &share, scene.limits())?;
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let renderer = Renderer::new(&scene, settings.clone())?;
@@ -133,11 +137,13 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
 /// What there is of the render already.
 fn begin(
     args: &RenderArgs,
+    keeping: &Keeping,
     identity: &Identity,
     share: &Share,
     limits: &Limits,
 ) -> Result<Rendering> {
     let Some(file) = &args.keep.resume else {
+        keeping.check(identity, share, limits)?;
         return share.film(identity).map(Rendering::new);
     };
     let there = Checkpoint::read(file, limits)?;

@@ -171,11 +171,14 @@ impl Share {
 
     /// What is added to the name of a scene for the name of its file.
     pub(super) fn suffix(&self, identity: &Identity) -> String {
+        let [left, upper, right, lower] = identity.crop;
+        let part = identity.crop != [0, 0, identity.width, identity.height];
+        let crop = part.then(|| format!(".crop-{left}-{upper}-{right}-{lower}"));
         let shard = self.shard.map(|Shard { index, count }| format!(".{index}-of-{count}"));
         let Range { start, end } = self.samples;
         let some = (start, end) != (0, identity.spp);
         let samples = some.then(|| format!(".samples-{start}-{end}"));
-        [shard, samples].into_iter().flatten().collect()
+        [crop, shard, samples].into_iter().flatten().collect()
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::share::Share;
 use crate::checkpoint::{Checkpoint, Identity};
 use crate::error::{Error, Result};
-use crate::image::{Format, Metadata, Transfer};
+use crate::image::{Format, Image, Metadata, Transfer};
 use crate::limits::Limits;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,21 +64,43 @@ impl Target {
         matches!(self, Self::Image(_)).then_some(transfer)
     }
 
-    /// Whether the file is there already, and of this render. One that tells nothing of itself is not.
-    pub(super) fn is_complete(&self, identity: &Identity, share: &Share, limits: &Limits) -> bool {
-        match self {
+    /// Whether the file is there already, whole, of this render and with this curve.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for files that cannot tell.
+    pub(super) fn is_complete(
+        &self,
+        identity: &Identity,
+        share: &Share,
+        curve: Transfer,
+        limits: &Limits,
+    ) -> Result<bool> {
+        Ok(match self {
             Self::Film(path) => Checkpoint::read(path, limits).is_ok_and(|there| {
                 let same = there.identity == *identity && there.shard == share.shard;
                 same && there.rendering.film.samples() == share.samples && there.is_complete()
             }),
-            Self::Image(path) => Metadata::read(path).is_ok_and(|there| {
-                // The hash is not known before.
-                let wanted = identity.metadata("");
-                let keys = ["ptfast:scene", "ptfast:seed", "ptfast:settings"];
-                keys.iter().all(|key| there.get(key).is_some() && there.get(key) == wanted.get(key))
-            }),
-        }
+            Self::Image(path) if !Format::of_path(path)?.has_metadata() => {
+                return Err(Error::Usage(format!(
+                    "{}: --skip-complete needs a file that tells what it is of: .png, .exr or .film",
+                    path.display()
+                )));
+            }
+            Self::Image(path) => is_image_of(path, identity, curve),
+        })
     }
+}
+
+fn is_image_of(path: &Path, identity: &Identity, curve: Transfer) -> bool {
+    let (Ok(there), Ok(image)) = (Metadata::read(path), Image::read(path)) else { return false };
+    // The hash is not known before.
+    let wanted = identity.metadata("");
+    let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
+    let hash = there.get("ptfast:hash");
+    ["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
+        && there.get("ptfast:transfer").is_none_or(|name| name == curve.name())
+        // Those without a curve have the very values.
+        && (there.get("ptfast:transfer").is_some() || hash == Some(&image.hash()))
 }
 
 /// `spheres` for `spheres` and for `folder/spheres.ron`.

@@ -229,7 +229,8 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
     pub fn finish(&self, rendering: Rendering) -> Result<Render> {
-        let Rendering { film, tally, waves, seconds, timeline } = rendering;
+        let tally = rendering.tally();
+        let Rendering { film, waves, seconds, timeline, .. } = rendering;
         let Tile { width, height, .. } = film.area();
         let image = Image::from_pixels(width, height, film.means()?);
         Ok(Render {

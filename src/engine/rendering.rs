@@ -6,7 +6,7 @@ use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
 use crate::error::Result;
-use crate::film::{Film, Part, Schedule, Unit};
+use crate::film::{CHUNK, Film, Part, Schedule, Unit};
 
 /// Events of a timeline, at most: some hundred megabytes.
 pub const MOST_EVENTS: usize = 1 << 21;
@@ -16,8 +16,10 @@ pub const MOST_EVENTS: usize = 1 << 21;
 pub struct Rendering {
     /// The samples so far.
     pub film: Film,
-    /// What was traced for them, and what came of it.
-    pub tally: Tally,
+    /// What was traced for the samples of complete chunks, and what came of it.
+    pub closed: Tally,
+    /// The same of the last chunks where these are not complete: they are taken anew if the samples grow.
+    pub open: Tally,
     /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
     /// the work of its rays, without times.
     pub waves: WaveStats,
@@ -30,19 +32,35 @@ pub struct Rendering {
 impl Rendering {
     /// Nothing but a film.
     pub fn new(film: Film) -> Self {
-        let (tally, waves) = (Tally::default(), WaveStats::default());
-        Self { film, tally, waves, seconds: 0.0, timeline: Vec::new() }
+        let (closed, open) = Default::default();
+        Self { film, closed, open, waves: WaveStats::default(), seconds: 0.0, timeline: Vec::new() }
     }
 
     /// Counts what was traced for another part of the render, too.
     pub fn add(&mut self, other: &Self) {
-        self.tally.add(&other.tally);
+        self.closed.add(&other.closed);
+        self.open.add(&other.open);
         self.seconds += other.seconds;
+    }
+
+    /// What was traced for all samples, and what came of it.
+    pub fn tally(&self) -> Tally {
+        let mut all = self.closed.clone();
+        all.add(&self.open);
+        all
+    }
+
+    /// From now on there are to be samples up to `end`, not fewer than before.
+    pub fn grow(&mut self, end: u32) {
+        if self.film.samples().end < end {
+            self.film.grow(end);
+            self.open = Tally::default();
+        }
     }
 
     /// How far it is.
     pub fn progress(&self) -> Progress {
-        Progress { samples: self.film.samples_done(), rays: self.tally.rays.total() }
+        Progress { samples: self.film.samples_done(), rays: self.tally().rays.total() }
     }
 }
 
@@ -72,14 +90,18 @@ pub(super) struct Shared<'a> {
     schedule: Schedule,
     progress: Progress,
     start: Instant,
+    /// Seconds of the timeline that were before.
+    before: f64,
     /// What came of units whose pixels lack earlier samples, which another worker still has.
     early: Vec<(Part, Tally)>,
 }
 
 impl<'a> Shared<'a> {
     pub(super) fn new(rendering: &'a mut Rendering, schedule: Schedule) -> Self {
+        let ends = rendering.timeline.iter().map(|event| event.start + event.seconds);
+        let before = ends.fold(0.0, f64::max);
         let (progress, start) = (rendering.progress(), Instant::now());
-        Self { rendering, schedule, progress, start, early: Vec::new() }
+        Self { rendering, schedule, progress, start, before, early: Vec::new() }
     }
 
     /// The next unit of work.
@@ -93,15 +115,20 @@ impl<'a> Shared<'a> {
     /// Where there is no memory for it.
     pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
         let Taken { part, tally, waves, laps } = taken;
-        let Rendering { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
+        let Rendering { film, closed, open, waves: all_waves, timeline, .. } = &mut *self.rendering;
         all_waves.add(&waves);
         let room = MOST_EVENTS - timeline.len();
-        timeline.extend(laps.iter().take(room).map(|lap| lap.event(self.start, worker)));
+        let event = |lap: &Lap| {
+            let event = lap.event(self.start, worker);
+            Event { start: event.start + self.before, ..event }
+        };
+        timeline.extend(laps.iter().take(room).map(event));
         self.early.push((part, tally));
         while let Some(place) = self.early.iter().position(|(part, _)| film.is_next(part.unit)) {
             let (part, tally) = self.early.swap_remove(place);
             film.add(&part)?;
-            all.add(&tally);
+            let is_closed = part.unit.end.is_multiple_of(CHUNK);
+            if is_closed { &mut *closed } else { &mut *open }.add(&tally);
             self.progress.samples += part.unit.paths();
             self.progress.rays += tally.rays.total();
         }

@@ -166,6 +166,14 @@ impl Film {
         }
     }
 
+    /// Whether it has the pixels for which `has`, which is told their place in the image, says so, and no others.
+    pub fn is_of(&self, has: impl Fn(u32, u32) -> bool) -> bool {
+        (0..).zip(&self.done).all(|(pixel, &done)| {
+            let (x, y) = self.area.pixel(pixel);
+            has(x, y) == (done != ABSENT)
+        })
+    }
+
     /// From now on its samples are to end at `end`, not earlier than before. A last chunk that is not complete
     /// will be taken anew.
     pub fn grow(&mut self, end: u32) {

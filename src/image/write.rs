@@ -51,6 +51,11 @@ impl Format {
     const ALL: [(&'static str, Self); 4] =
         [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
 
+    /// Whether its files tell what they are of.
+    pub fn has_metadata(self) -> bool {
+        matches!(self, Self::Png | Self::Exr)
+    }
+
     /// The format of a path's extension.
     ///
     /// # Errors

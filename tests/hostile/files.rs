@@ -94,7 +94,7 @@ pub(super) fn cases() -> Vec<Case> {
         let good = concat!(
             r#"{"schema":1,"scene":"cornell","identity":{"bits":1,"scene_hash":"x","width":8,"height":8,"#,
             r#""crop":[0,0,8,8],"spp":4,"depth":5,"seed":1,"sampling":"mis","sampler":"sobol","roulette":true,"clamp":null},"#,
-            r#""shard":null,"samples":[0,4],"tally":TALLY,"seconds":1.0}"#
+            r#""shard":null,"samples":[0,4],"closed":TALLY,"open":TALLY,"seconds":1.0}"#
         );
         assert!(good.contains(from), "{from}");
         let tally = concat!(

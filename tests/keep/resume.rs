@@ -89,7 +89,34 @@ fn samples_may_grow() {
         assert_eq!(hash(here, &with(&SMALL, &more)), whole, "{few} to {many}");
         let bytes = |name: &str| fs::read(here.join(name)).unwrap();
         assert!(bytes("more.pfm") == bytes("whole.pfm"));
+        // What was traced is counted once, too.
+        hash(here, &with(&SMALL, &["whole.film", "--spp", many]));
+        hash(here, &with(&SMALL, &["more.film", "--spp", many, "--resume", "a.film"]));
+        let tallies = ["more.film", "whole.film"].map(|name| {
+            Checkpoint::read(&here.join(name), &Limits::default()).unwrap().rendering.tally()
+        });
+        assert_eq!(tallies[0], tallies[1], "{few} to {many}");
     }
+}
+
+/// A render that is kept is not begun anew over it.
+#[test]
+fn what_is_kept_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    hash(here, &with(&SMALL, &["kept.film", "--spp", "40"]));
+    let before = fs::read(here.join("kept.film")).unwrap();
+    let again = |spp| with(&SMALL, &["a.pfm", "--checkpoint", "kept.film", "--spp", spp]);
+    let says = refusal(here, &again("40"), 2);
+    let whole = "kept.film has 100% of this render: go on with --resume kept.film, or remove it";
+    assert!(says.contains(whole), "{says}");
+    let says = refusal(here, &again("50"), 2);
+    assert!(says.contains("kept.film is of another render: name another file"), "{says}");
+    assert!(fs::read(here.join("kept.film")).unwrap() == before && !here.join("a.pfm").exists());
+    // By its usual name, too.
+    fs::rename(here.join("kept.film"), here.join("a.partial.film")).unwrap();
+    let says = refusal(here, &with(&SMALL, &["a.pfm", "--spp", "40"]), 2);
+    assert!(says.contains("a.partial.film has 100% of this render"), "{says}");
 }
 
 /// Of another scene, seed or setting.
@@ -165,7 +192,7 @@ fn damaged_checkpoints_are_refused() {
     };
     refused(&text("\"schema\":1", "\"schema\":2"), "version 2 of checkpoints is not known");
     refused(&text("\"schema\":1", "\"shemca\":1"), "version null");
-    refused(&text("\"depth\":", "\"wealth\":"), "header: unknown field");
+    refused(&text("\"roulette\":true", "\"wealth\":true"), "header: unknown field");
     refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
     refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");
     refused(&text("[0,0,24,24]", "[0,0,24,20]"), "damaged");
@@ -209,7 +236,19 @@ fn complete_files_are_skipped() {
         assert!(skips(&["--spp", "3"]), "{name}");
         assert!(!skips(&["--spp", "4"]), "{name} of other settings");
         assert!(!skips(&["--spp", "4", "--depth", "3"]) && skips(&["--spp", "4", "--depth", "3"]));
+        assert!(!skips(&["--spp", "4"]) && skips(&["--spp", "4"]), "{name}");
+        let whole = fs::read(here.join(name)).unwrap();
+        fs::write(here.join(name), &whole[..whole.len() - whole.len() / 4]).unwrap();
+        assert!(!skips(&["--spp", "4"]), "{name} is cut");
         fs::write(here.join(name), "damaged").unwrap();
         assert!(!skips(&["--spp", "4"]), "{name} is damaged");
+        let record = ["--spp", "4", "--json", "record.json"];
+        assert!(!skips(&record) && skips(&record), "there is no record");
+        fs::remove_file(here.join("record.json")).unwrap();
     }
+    let curve = with(&SMALL, &["a.png", "--skip-complete", "--spp", "4", "--gamma", "2"]);
+    let output = ptfast(here, &curve);
+    assert!(!String::from_utf8(output.stdout).unwrap().contains("is complete"), "another curve");
+    let says = refusal(here, &with(&SMALL, &["a.pfm", "--skip-complete"]), 2);
+    assert!(says.contains("needs a file that tells what it is of"), "{says}");
 }

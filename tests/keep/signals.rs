@@ -88,6 +88,24 @@ fn signals_keep_the_render() {
     assert!(fs::read(here.join("a.pfm")).unwrap() == fs::read(here.join("whole.pfm")).unwrap());
 }
 
+/// A second SIGINT does not wait for a checkpoint, which takes a while for so many pixels.
+#[test]
+fn a_second_interrupt_leaves_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let words = "render --scene cornell --width 3000 --spp 4000 --progress json -o a.pfm";
+    let mut render = Started::new(here, &words.split(' ').collect::<Vec<_>>());
+    render.wait_for("start");
+    let id = render.child.id();
+    // Not both at once: they would be one.
+    let twice = format!("kill -INT {id}; sleep 0.01; kill -INT {id}");
+    assert!(Command::new("sh").args(["-c", &twice]).status().unwrap().success());
+    let (ended, said) = render.end();
+    assert_eq!(ended, Some(130), "{said}");
+    assert!(!said.contains("interrupted by"), "{said}");
+    assert_eq!(fs::read_dir(here).unwrap().count(), 0, "nothing is kept, and nothing half-written");
+}
+
 /// A checkpoint where one asks for it, and the render goes on; a kill then loses no more than what came later.
 #[test]
 fn checkpoints_are_made_on_request_and_now_and_then() {
@@ -107,6 +125,8 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         assert_eq!(render.end().0, None);
         let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
         assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
+        // What is kept is not begun anew.
+        fs::remove_file(here.join("kept.film")).unwrap();
         fs::remove_file(here.join("a.pfm")).unwrap();
     }
 }
