@@ -5,6 +5,7 @@ mod common;
 use std::fmt::Write;
 
 use common::{SAMPLINGS, render};
+use ptfast::engine::BITS;
 use ptfast::{RenderSettings, Sampler, Scene};
 
 /// Small settings with a last chunk of samples that is not full.
@@ -33,7 +34,7 @@ fn threads_and_waves_do_not_matter() {
 }
 
 /// Hashes that every build and machine must give. A change of them is a change of the
-/// images: it needs a line in CHANGELOG.md.
+/// images: it needs a line in CHANGELOG.md, and another version of the arithmetic.
 #[test]
 fn every_build_gives_the_pinned_hashes() {
     let mut hashes = String::new();
@@ -55,4 +56,12 @@ fn every_build_gives_the_pinned_hashes() {
     }
     let pinned = include_str!("data/hashes.txt");
     assert_eq!(hashes, pinned, "write these to tests/data/hashes.txt if they are meant:\n{hashes}");
+    // Of each version of the arithmetic the hash of these hashes. What is kept of renders tells by the version
+    // whether it may be continued.
+    let known = include_str!("data/bits.txt");
+    let now = format!("{BITS} {}", blake3::hash(pinned.as_bytes()));
+    assert_eq!(known.lines().last(), Some(&*now), "for other images raise BITS, and add the line");
+    let versions =
+        known.lines().map(|line| line.split(' ').next().unwrap().parse::<u32>().unwrap());
+    assert!(versions.eq(1..=BITS), "each version of tests/data/bits.txt has one line");
 }

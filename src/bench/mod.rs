@@ -45,6 +45,8 @@ pub(crate) struct Options {
     pub(crate) threads: Vec<usize>,
     pub(crate) spp: u32,
     pub(crate) seed: u64,
+    /// More arguments of each render.
+    pub(crate) arguments: Vec<String>,
 }
 
 impl Options {
@@ -103,8 +105,9 @@ impl Bench {
     /// # Errors
     /// Where a program fails, or engines of one program give different images.
     pub(crate) fn new(options: &Options, baseline: Option<&Record>) -> Result<Self> {
-        let mut programs = vec![Program::new(&options.program)?];
-        programs.extend(options.against.as_deref().map(Program::new).transpose()?);
+        let program = |path| Program::new(path, &options.arguments);
+        let mut programs = vec![program(&*options.program)?];
+        programs.extend(options.against.as_deref().map(program).transpose()?);
         let mut bench = Self { programs, groups: Vec::new(), time: now() };
         for &(ref scene, (width, height)) in &options.scenes {
             for &threads in &options.threads {

@@ -35,6 +35,8 @@ pub(super) struct Program {
     /// As it was named.
     name: String,
     scratch: tempfile::TempDir,
+    /// More arguments of each render.
+    arguments: Vec<String>,
 }
 
 /// Names in the folder: a copy of the binary, which is not replaced by a build meanwhile, and files.
@@ -96,11 +98,11 @@ struct Work {
 }
 
 impl Program {
-    /// The binary at `path`.
+    /// The binary at `path`, which renders with `arguments` besides its task.
     ///
     /// # Errors
     /// Where there is none, or no room for what it writes.
-    pub(super) fn new(path: &Path) -> Result<Self> {
+    pub(super) fn new(path: &Path, arguments: &[String]) -> Result<Self> {
         let file = fs::metadata(path).map_err(Error::io(path, "run"))?;
         if !file.is_file() {
             return Err(Error::Usage(format!("{}: not a program", path.display())));
@@ -109,7 +111,7 @@ impl Program {
         let scratch = tempfile::Builder::new().prefix("ptfast-bench-").tempdir_in(&folder);
         let scratch = scratch.map_err(Error::io(&folder, "make a folder"))?;
         fs::copy(path, scratch.path().join(BINARY)).map_err(Error::io(path, "copy"))?;
-        Ok(Self { name: path.display().to_string(), scratch })
+        Ok(Self { name: path.display().to_string(), scratch, arguments: arguments.to_vec() })
     }
 
     /// Renders `task`, by `plan` or its own, and counts the work if asked to, which takes time.
@@ -136,7 +138,7 @@ impl Program {
         ] {
             command.arg(name).arg(value.to_string());
         }
-        command.arg("--output").arg(here(IMAGE)).arg("--json").arg(&record);
+        command.args(&self.arguments).arg("--output").arg(here(IMAGE)).arg("--json").arg(&record);
         if count {
             command.arg("--stats");
         }

@@ -108,8 +108,7 @@ impl Identity {
         if self.crop != [0, 0, self.width, self.height] {
             settings["crop"] = json!(self.crop);
         }
-        Metadata::default()
-            .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
+        Metadata::of_program()
             .with("ptfast:hash", hash)
             .with("ptfast:scene", &self.scene_hash)
             .with("ptfast:seed", self.seed)

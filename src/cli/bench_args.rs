@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::args::named;
+use super::limits::LimitArgs;
 use crate::engine::Engine;
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::statistics::Estimate;
@@ -63,4 +64,6 @@ pub(super) struct BenchArgs {
     /// No progress and no notices
     #[arg(long, short)]
     pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) limits: LimitArgs,
 }

@@ -7,7 +7,7 @@ use crate::bench::{Format, Options};
 use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
 use crate::limits::Limit;
-use crate::scene::{BUILTIN_NAMES, Scene};
+use crate::scene::BUILTIN_NAMES;
 
 /// How much is measured where nothing is said.
 struct Usual {
@@ -46,7 +46,7 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         some => without_repeats(some),
     };
     let with_size = |name: String| {
-        let defaults = RenderSettings::of(&Scene::load(&name)?);
+        let defaults = RenderSettings::of(&args.limits.load(&name)?);
         let proportion = f64::from(defaults.width) / f64::from(defaults.height);
         let usual = (f64::from(usual(args).pixels) * proportion).sqrt().round().max(1.0) as u32;
         let settings = defaults.with_size(args.width.or(Some(usual)), None);
@@ -80,6 +80,7 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         threads,
         spp: args.spp,
         seed: args.seed,
+        arguments: args.limits.arguments(),
     })
 }
 
@@ -167,7 +168,9 @@ mod tests {
         );
         assert_eq!(blocks(&args), 6);
         let wide = parse(&["--scene", "spheres", "--width", "160", "--blocks", "9"]);
-        assert_eq!(self::options(&wide).unwrap().scenes[0].1, (160, 90));
+        let wide_options = self::options(&wide).unwrap();
+        assert_eq!(wide_options.scenes[0].1, (160, 90));
+        assert!(wide_options.arguments.is_empty());
         assert_eq!(blocks(&wide), 9);
     }
 }

@@ -23,8 +23,8 @@ const INTERVAL: Duration = Duration::from_secs(60);
 
 #[derive(Debug, Args)]
 pub(super) struct KeepArgs {
-    /// Keep what is rendered so far in this .film file, now and then, on SIGUSR1 and when stopped [default: one
-    /// beside the image, when stopped]
+    /// Keep what is rendered so far in this .film file, now and then, on SIGUSR1 and when stopped [default: that
+    /// of --resume, or one beside the image, when stopped]
     #[arg(long, value_name = "FILE")]
     pub(super) checkpoint: Option<PathBuf>,
     /// Time between checkpoints, such as 90s or 1h30m [default: 60s]
@@ -121,7 +121,7 @@ pub(super) fn render(
     loop {
         let watch = Watch::new(keeping, progress);
         let advanced = renderer.advance(&mut checkpoint.rendering, &watch);
-        if advanced.is_err() || checkpoint.is_complete() || watch.ends().is_some() {
+        if advanced.is_err() || checkpoint.is_complete() {
             progress.finish();
         }
         advanced?;
@@ -130,10 +130,11 @@ pub(super) fn render(
             progress.done(so_far);
             break;
         }
-        let ends = watch.ends().is_some();
         interrupt::take_request();
         let kept = checkpoint.write(&keeping.file);
-        if ends {
+        // A signal may have come meanwhile.
+        if watch.ends().is_some() {
+            progress.finish();
             progress.kept("stopped", so_far, &keeping.file);
             return Err(stopped(checkpoint, keeping, kept)?);
         }
@@ -162,9 +163,7 @@ fn stopped(checkpoint: &Checkpoint, keeping: &Keeping, kept: Result<()>) -> Resu
         let area = checkpoint.identity.area();
         let means = checkpoint.rendering.film.means()?;
         let image = Image::from_pixels(area.width, area.height, means);
-        let metadata = Metadata::default()
-            .with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
-            .with("ptfast:partial", samples);
+        let metadata = Metadata::of_program().with("ptfast:partial", samples);
         // What can be continued is there already.
         kept += &match image.write(path, *transfer, &metadata) {
             Ok(()) => format!(", {} shows it", path.display()),

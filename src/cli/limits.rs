@@ -14,7 +14,7 @@ pub(super) struct LimitArgs {
     /// N may be such as 2GiB
     #[arg(long = "limit", value_name = "NAME=N", value_parser = limit)]
     limits: Vec<(Limit, u64)>,
-    /// Refuse what would take more memory, by estimate, such as 4GiB [default: the machine's]
+    /// Refuse what would take more memory, by estimate, such as 4GiB [default: what the machine and the process have]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     memory_limit: Option<u64>,
     /// Let a scene read textures and meshes from outside its folder
@@ -28,6 +28,15 @@ impl LimitArgs {
         let usual = Limits::default().with_outside_files(self.outside_files);
         let given = self.limits.iter().copied().chain(memory);
         given.fold(usual, |limits, (limit, value)| limits.with(limit, value))
+    }
+
+    /// The arguments again, for another process.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let limits =
+            self.limits.iter().map(|(limit, value)| format!("--limit={}={value}", limit.name()));
+        let memory = self.memory_limit.map(|size| format!("--memory-limit={size}"));
+        let outside = self.outside_files.then(|| "--outside-files".to_owned());
+        limits.chain(memory).chain(outside).collect()
     }
 
     /// As [`Scene::load_within`].
@@ -58,7 +67,25 @@ fn limit(text: &str) -> Result<(Limit, u64), String> {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Command {
+        #[command(flatten)]
+        limits: LimitArgs,
+    }
+
+    #[test]
+    fn arguments_say_the_same_again() {
+        let given = ["--limit", "pixels=100", "--limit", "nesting=7", "--memory-limit", "1MiB"];
+        let args = Command::parse_from(["a"].iter().chain(&given).chain(&["--outside-files"]));
+        let arguments = args.limits.arguments();
+        let again = Command::parse_from(std::iter::once("a".to_owned()).chain(arguments));
+        assert_eq!(again.limits.limits(), args.limits.limits());
+        assert_eq!(again.limits.limits().get(Limit::Memory), 1 << 20);
+    }
 
     #[test]
     fn limits_are_read() {

@@ -49,7 +49,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let rendering = begin(args, &keeping, &identity, &share, scene.limits())?;
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
-    let renderer = Renderer::new(&scene, settings.clone())?;
+    let film = &checkpoint.rendering.film;
+    let left = film.samples_to_do() - film.samples_done();
+    let renderer = Renderer::for_paths(&scene, settings.clone(), left)?;
     let quiet = args.telling() != Telling::Auto;
     if !quiet {
         advise_on_build(Isa::Avx2);

@@ -94,7 +94,11 @@ fn from_scheduler(count: Option<u32>, variable: impl Fn(&str) -> Option<String>)
         Some(id) => {
             let least = number("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
             let step = number("SLURM_ARRAY_TASK_STEP")?.unwrap_or(1).max(1);
-            id.checked_sub(least).map(|steps| steps / step)
+            let steps = id.checked_sub(least).map(|steps| steps / step);
+            Some(steps.ok_or_else(|| {
+                let wrong = "is less than SLURM_ARRAY_TASK_MIN";
+                Error::Usage(format!("--shard auto: SLURM_ARRAY_TASK_ID {id} {wrong} {least}"))
+            })?)
         }
         None => number("JOB_COMPLETION_INDEX")?,
     };
@@ -228,6 +232,7 @@ mod tests {
             (None, &slurm[..1]),
             (None, &[]),
             (Some(2), &slurm[..]),
+            (Some(9), &[("SLURM_ARRAY_TASK_ID", "4"), ("SLURM_ARRAY_TASK_MIN", "5")]),
             (Some(9), &[("JOB_COMPLETION_INDEX", "x")]),
         ] {
             assert_eq!(shard(count, variables).unwrap_err().exit_code(), 2, "{variables:?}");

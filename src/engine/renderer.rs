@@ -124,6 +124,16 @@ impl<'a> Renderer<'a> {
     /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started, or not be pinned as asked
     /// for.
     pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
+        let paths = settings.paths();
+        Self::for_paths(scene, settings, paths)
+    }
+
+    /// As [`new`](Self::new), for a render of which but so many paths are left: the less there is to do, the less is
+    /// tried before it.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn for_paths(scene: &'a Scene, settings: RenderSettings, paths: u64) -> Result<Self> {
         settings.check()?;
         settings.check_memory(scene, 0)?;
         let start = Instant::now();
@@ -133,7 +143,7 @@ impl<'a> Renderer<'a> {
             return Err(Error::Internal(message.to_owned()));
         }
         let engine: Box<dyn UnitEngine + 'a> = match settings.engine {
-            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, &pool)),
+            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, paths, &pool)),
             Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
         };
         let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);

@@ -162,7 +162,7 @@ impl RenderSettings {
 
     /// Paths of the image.
     pub fn paths(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height) * u64::from(self.spp)
+        self.image().pixels() * u64::from(self.spp)
     }
 
     /// Whether light is looked for by sampling lights.

@@ -4,7 +4,7 @@
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use super::sum::{self, CHUNK};
+use super::sum::CHUNK;
 use super::tile::Tile;
 use super::{ABSENT, Film};
 
@@ -15,9 +15,8 @@ impl Film {
     /// Those of `file`.
     pub fn write(&self, file: &mut impl Write) -> io::Result<()> {
         self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
-        let kept = self.kept();
-        for (number, sums) in (0..).zip(&self.sums) {
-            for (sum, _) in sums.iter().zip(&kept).filter(|(_, kept)| **kept > number) {
+        for (number, sums) in self.sums.iter().enumerate() {
+            for (sum, _) in sums.iter().zip(self.kept()).filter(|(_, (_, kept))| *kept > number) {
                 sum.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))?;
             }
         }
@@ -43,10 +42,12 @@ impl Film {
                 return Err(io::Error::new(io::ErrorKind::InvalidData, message));
             }
         }
-        let kept = film.kept();
-        film.make_room(kept.iter().copied().max().unwrap_or(0).into()).map_err(memory)?;
-        for (number, sums) in (0..).zip(&mut film.sums) {
-            for (sum, _) in sums.iter_mut().zip(&kept).filter(|(_, kept)| **kept > number) {
+        let most = film.kept().map(|(_, kept)| kept).max().unwrap_or(0);
+        film.make_room(most).map_err(memory)?;
+        let mut planes = std::mem::take(&mut film.sums);
+        for (number, sums) in planes.iter_mut().enumerate() {
+            let kept = sums.iter_mut().zip(film.kept()).filter(|(_, (_, kept))| *kept > number);
+            for (sum, _) in kept {
                 for value in sum {
                     let mut bytes = [0; 4];
                     file.read_exact(&mut bytes)?;
@@ -54,22 +55,8 @@ impl Film {
                 }
             }
         }
+        film.sums = planes;
         Ok(film)
-    }
-
-    /// How many sums are kept of each pixel: not more than 255, since there are not more than 2³² samples.
-    fn kept(&self) -> Vec<u8> {
-        let begin = self.samples.start;
-        // Most pixels are as far as the one before.
-        let (mut last, mut kept) = (begin, 0);
-        let each = self.done.iter().map(|&done| {
-            if done != last {
-                (last, kept) =
-                    (done, if done == ABSENT { 0 } else { sum::sums(&(begin..done)) as u8 });
-            }
-            kept
-        });
-        each.collect()
     }
 }
 

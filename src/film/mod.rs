@@ -142,17 +142,26 @@ impl Film {
     pub fn means(&self) -> Result<Plane> {
         let begin = self.samples.start;
         let mut means = plane(self.area, [0.0; 3])?;
-        // Most pixels are as far as the one before.
-        let (mut last, mut kept) = (begin, 0);
-        for (pixel, (mean, &done)) in means.iter_mut().zip(&self.done).enumerate() {
-            let done = if done == ABSENT { begin } else { done };
-            if done != last {
-                (last, kept) = (done, sum::sums(&(begin..done)));
-            }
+        for (pixel, (mean, (done, kept))) in means.iter_mut().zip(self.kept()).enumerate() {
             let sums = self.sums[..kept].iter().map(|sums| Vec3::from(sums[pixel]));
             *mean = sum::mean(sums, done - begin).to_array();
         }
         Ok(means)
+    }
+
+    /// Of each pixel the end of its samples, which is the beginning where it has none, and how many sums are kept of
+    /// them.
+    fn kept(&self) -> impl Iterator<Item = (u32, usize)> {
+        let begin = self.samples.start;
+        // Most pixels are as far as the one before.
+        let mut last = (begin, 0);
+        self.done.iter().map(move |&done| {
+            let done = if done == ABSENT { begin } else { done };
+            if done != last.0 {
+                last = (done, sum::sums(&(begin..done)));
+            }
+            last
+        })
     }
 
     /// Leaves the pixels out for which `keep`, which is told their place in the image, says so. What there

@@ -11,12 +11,11 @@ use png::text_metadata::ITXtChunk;
 use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
 use crate::input;
+use crate::limits::MAX_SIDE;
 
 /// PNG text key under which ptfast notes the transfer curve.
 pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 
-/// Largest width or height that is read.
-const MAX_SIDE: u32 = 65_536;
 /// Bytes that a decoder may allocate before it tells the size of its image.
 const MAX_HEADER: u64 = 1 << 23;
 /// Bytes of a text in a PNG file, at most.

@@ -12,6 +12,11 @@ use crate::output::write_atomically;
 pub struct Metadata(pub Vec<(String, String)>);
 
 impl Metadata {
+    /// The program that writes the file.
+    pub fn of_program() -> Self {
+        Self::default().with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
+    }
+
     /// Adds one entry.
     #[must_use]
     pub fn with(mut self, key: &str, value: impl ToString) -> Self {

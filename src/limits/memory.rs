@@ -3,19 +3,48 @@
 use std::fs;
 use std::path::Path;
 
-/// That of the machine or of the process's control groups, whichever is least, in bytes; without a limit
-/// where the operating system does not tell.
+/// That of the machine, of the process's control groups, or of its address space, whichever is least, in bytes;
+/// without a limit where the operating system does not tell.
 pub(super) fn of_process() -> u64 {
-    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| total(&text));
-    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let group = groups.lines().find_map(|line| line.strip_prefix("0::/"));
-    let root = Path::new("/sys/fs/cgroup");
-    let folder = root.join(group.unwrap_or_default());
+    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
+    let machine = total(&read("/proc/meminfo"));
+    let space = address_space(&read("/proc/self/limits"));
+    let groups = read("/proc/self/cgroup");
+    let groups = groups
+        .lines()
+        .filter_map(group)
+        .filter_map(|(root, group, file)| of_group(Path::new(root), group, file));
+    groups.chain(machine).chain(space).min().unwrap_or(u64::MAX)
+}
+
+/// The control group by a line of `/proc/self/cgroup`: where its kind is mounted, which it is there, and the file that
+/// tells its memory; of version 2, and of 1.
+fn group(line: &str) -> Option<(&'static str, &str, &'static str)> {
+    let mut parts = line.splitn(3, ':').skip(1);
+    let (kinds, group) = (parts.next()?, parts.next()?.strip_prefix('/')?);
+    match kinds {
+        "" => Some(("/sys/fs/cgroup", group, "memory.max")),
+        _ if kinds.split(',').any(|kind| kind == "memory") => {
+            Some(("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes"))
+        }
+        _ => None,
+    }
+}
+
+/// The least memory that `file` tells of a group and those around it.
+fn of_group(root: &Path, group: &str, file: &str) -> Option<u64> {
+    let folder = root.join(group);
     let within = folder.ancestors().take_while(|folder| folder.starts_with(root));
     let limits = within.filter_map(|folder| {
-        fs::read_to_string(folder.join("memory.max")).ok()?.trim().parse().ok()
+        fs::read_to_string(folder.join(file)).ok()?.trim().parse::<u64>().ok()
     });
-    limits.chain(machine).min().unwrap_or(u64::MAX)
+    limits.min()
+}
+
+/// The soft limit by the text of `/proc/self/limits`; `None` where there is none.
+fn address_space(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 /// The machine's memory by the text of `/proc/meminfo`.
@@ -35,5 +64,26 @@ mod tests {
         assert_eq!(total(text), Some(8_123_456 * 1024));
         assert_eq!(total("MemFree: 1 kB\n"), None);
         assert!(of_process() > 1 << 20);
+    }
+
+    #[test]
+    fn limits_of_groups_and_address_spaces_are_read() {
+        let old = ("/sys/fs/cgroup/memory", "job/step", "memory.limit_in_bytes");
+        assert_eq!(group("7:memory:/job/step"), Some(old));
+        assert_eq!(group("0::/job:1"), Some(("/sys/fs/cgroup", "job:1", "memory.max")));
+        assert_eq!((group("12:cpu,cpuacct:/a"), group("3:memory"), group("")), (None, None, None));
+
+        let root = tempfile::tempdir().unwrap();
+        let group = root.path().join("job/step");
+        fs::create_dir_all(&group).unwrap();
+        fs::write(group.join("memory.max"), "max\n").unwrap();
+        assert_eq!(of_group(root.path(), "job/step", "memory.max"), None);
+        fs::write(root.path().join("job/memory.max"), "1048576\n").unwrap();
+        assert_eq!(of_group(root.path(), "job/step", "memory.max"), Some(1 << 20));
+
+        let line =
+            "Max address space         65536                unlimited            bytes     \n";
+        assert_eq!(address_space(&format!("Limit  Soft\n{line}")), Some(65_536));
+        assert_eq!(address_space(&line.replace("65536", "unlimited")), None);
     }
 }

@@ -85,14 +85,20 @@ impl<'a> Prepared<'a> {
 }
 
 impl<'a> WavefrontEngine<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings, pool: &ThreadPool) -> Self {
+    /// For a render of so many paths.
+    pub(super) fn new(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        paths: u64,
+        pool: &ThreadPool,
+    ) -> Self {
         // A plan is found without counting, which takes time.
         let uncounted = RenderSettings { count: false, ..settings.clone() };
         let mut prepared = Prepared::new(scene, &uncounted);
         let start = Instant::now();
         let (plan, planning) = match &settings.plan {
             Some(plan) => (plan.clone(), Planning::Given),
-            None => trial::find_plan(&prepared, pool),
+            None => trial::find_plan(&prepared, paths, pool),
         };
         let plan_seconds = start.elapsed().as_secs_f64();
         prepared.settings.count = settings.count;

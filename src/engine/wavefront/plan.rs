@@ -74,9 +74,7 @@ impl Plan {
     }
 
     /// What is mostly best for so many primitives, paths and threads.
-    pub(super) fn usual(prepared: &Prepared<'_>, threads: usize) -> Self {
-        let settings = &prepared.settings;
-        let paths = settings.image().pixels() * u64::from(settings.spp);
+    pub(super) fn usual(prepared: &Prepared<'_>, paths: u64, threads: usize) -> Self {
         let share = (paths / (LEAST_WAVES * threads as u64)).max(1);
         let primitives = prepared.scene.geometry().len();
         let [first, later] = match primitives {
@@ -86,7 +84,7 @@ impl Plan {
         };
         let ordered = later == Kernel::Packet;
         Self {
-            wave_size: match settings.wave_size {
+            wave_size: match prepared.settings.wave_size {
                 0 => share.min(USUAL_WAVE.into()) as u32,
                 size => size,
             },

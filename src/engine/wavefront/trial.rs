@@ -31,14 +31,18 @@ const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// ... sizes by a few percent, and the parts of an image differ more.
 const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
-/// The fastest plan on waves from all over the image; in small renders the usual one. And whether it was
+/// The fastest plan on waves from all over the image; in renders of few `paths` the usual one. And whether it was
 /// measured.
-pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> (Plan, Planning) {
+pub(super) fn find_plan(
+    prepared: &Prepared<'_>,
+    paths: u64,
+    pool: &ThreadPool,
+) -> (Plan, Planning) {
     let settings = &prepared.settings;
-    let usual = Plan::usual(prepared, pool.current_num_threads());
+    let usual = Plan::usual(prepared, paths, pool.current_num_threads());
 
     let ways = each_way(prepared, &usual);
-    let tried = try_all(prepared, pool, &ways, WAYS_EFFORT);
+    let tried = try_all(prepared, paths, pool, &ways, WAYS_EFFORT);
     let ways_tried = !tried.is_empty();
     let planned = 1..=settings.depth.min(PLANNED);
     let segment = |number| fastest_segment(&tried, number, usual.segment(number));
@@ -48,7 +52,7 @@ pub(super) fn find_plan(prepared: &Prepared<'_>, pool: &ThreadPool) -> (Plan, Pl
     };
 
     let sizes = each_size(settings, &plan);
-    let tried = try_all(prepared, pool, &sizes, SIZES_EFFORT);
+    let tried = try_all(prepared, paths, pool, &sizes, SIZES_EFFORT);
     let planning =
         if ways_tried || !tried.is_empty() { Planning::Measured } else { Planning::Usual };
     (fastest(&tried).map_or(plan, |size| size.plan.clone()), planning)
@@ -73,6 +77,7 @@ fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
 /// left out; none is left in a render that is too small for a trial.
 fn try_all<'a>(
     prepared: &Prepared<'_>,
+    all_paths: u64,
     pool: &ThreadPool,
     plans: &'a [Plan],
     effort: Effort,
@@ -80,7 +85,7 @@ fn try_all<'a>(
     let Some(largest) = plans.iter().max_by_key(|plan| plan.wave_size) else { return Vec::new() };
     let threads = pool.current_num_threads() as u64;
     let paths = u64::from(largest.wave_size);
-    let paths_a_thread = prepared.settings.paths() / threads;
+    let paths_a_thread = all_paths / threads;
     let Some(rounds) = effort.rounds(paths_a_thread, plans.len() as u64 * paths, threads) else {
         return Vec::new();
     };
@@ -220,12 +225,15 @@ mod tests {
         let render = |spp| RenderSettings { spp, threads: 1, depth: 2, ..large.clone() };
         let (pool, _) = pool::start(1, Pin::Off).unwrap();
         let tried = |spp| {
-            let prepared = Prepared::new(&scene, &render(spp));
-            let sizes = each_size(&render(spp), &plan());
-            try_all(&prepared, &pool, &sizes, SIZES_EFFORT).len()
+            let settings = render(spp);
+            let prepared = Prepared::new(&scene, &settings);
+            let sizes = each_size(&settings, &plan());
+            let tried = |paths| try_all(&prepared, paths, &pool, &sizes, SIZES_EFFORT).len();
+            [tried(settings.paths()), tried(settings.paths() / 2)]
         };
-        assert_eq!(tried(100), 0);
-        // How many fall behind is chance's.
-        assert!(tried(200) > 0);
+        assert_eq!(tried(100), [0, 0]);
+        // How many fall behind is chance's; a half of it, as a shard is, is too small again.
+        let [whole, half] = tried(200);
+        assert!(whole > 0 && half == 0);
     }
 }
