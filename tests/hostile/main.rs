@@ -1,5 +1,5 @@
 //! Hostile input: each file is refused in one line, with the exit code of its kind, and without more memory than is
-//! allowed: more than twice as much address space is not to be had.
+//! allowed: more is not to be had.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -15,9 +15,9 @@ use std::process::Command;
 
 use common::{stderr, stdout};
 
-/// What the program is allowed.
-const MEMORY: &str = "32MiB";
-/// Address space in KiB, by the operating system: what goes beyond is aborted.
+/// KiB that the program is allowed, by itself and by the operating system: what goes beyond is aborted.
+const MEMORY: u32 = 32 << 10;
+/// KiB of address space, with the program itself and the C library.
 const ADDRESS_SPACE: u32 = 64 << 10;
 /// Seconds on a core: what takes more is killed. None takes a tenth of one.
 const CPU_SECONDS: u32 = 60;
@@ -86,11 +86,13 @@ fn fault(case: &Case) -> Option<String> {
     let inner = folder.path().join("inner");
     fs::create_dir(&inner).unwrap();
     case.files.iter().for_each(|file| write(&inner, file));
-    let limited = format!("ulimit -v {ADDRESS_SPACE}; ulimit -t {CPU_SECONDS}; exec \"$0\" \"$@\"");
-    let output = Command::new("sh")
+    let limited = format!(
+        "ulimit -d {MEMORY}; ulimit -v {ADDRESS_SPACE}; ulimit -t {CPU_SECONDS}; exec \"$0\" \"$@\""
+    );
+    let output = Command::new("bash")
         .args(["-c", &limited, env!("CARGO_BIN_EXE_ptfast")])
         .args(&case.arguments)
-        .args(["--memory-limit", MEMORY])
+        .args(["--memory-limit", &format!("{MEMORY}KiB")])
         .current_dir(&inner)
         .output()
         .unwrap();
