@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use common::stderr;
 use ptfast::engine::{Observer, Progress};
 use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use tempfile::TempDir;
 
 const RENDER: &str = "render --scene cornell --width 64 --spp 2 --quiet";
 
@@ -137,24 +138,67 @@ fn threads_that_cannot_be_started() {
     fails(&line, 70, "cannot start the threads: ", &[]);
 }
 
+/// A folder in which what C functions do is replaced by `source`.
+struct Replaced(TempDir);
+
+impl Replaced {
+    fn by(source: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.c"), source).unwrap();
+        // The linker of Rust programs is a C compiler.
+        let built = shell(folder.path(), "cc -shared -fPIC -o a.so a.c");
+        assert!(built.status.success(), "{}", stderr(&built));
+        Self(folder)
+    }
+
+    /// Renders there.
+    fn render(&self, more: &str) -> Output {
+        shell(self.0.path(), &format!("LD_PRELOAD=$PWD/a.so $P {RENDER} {more}"))
+    }
+
+    fn has(&self, file: &str) -> bool {
+        self.0.path().join(file).exists()
+    }
+}
+
 /// Where the operating system refuses.
 #[test]
 fn threads_that_cannot_be_pinned() {
-    let folder = tempfile::tempdir().unwrap();
-    let source = "#include <errno.h>\nint sched_setaffinity(int p, unsigned long n, const void *m)\n\
-                  { (void)p; (void)n; (void)m; errno = EPERM; return -1; }\n";
-    fs::write(folder.path().join("refuse.c"), source).unwrap();
-    // The linker of Rust programs is a C compiler.
-    let built = shell(folder.path(), "cc -shared -fPIC -o refuse.so refuse.c");
-    assert!(built.status.success(), "{}", stderr(&built));
-    let run =
-        |more: &str| shell(folder.path(), &format!("LD_PRELOAD=$PWD/refuse.so $P {RENDER} {more}"));
+    let replaced = Replaced::by(
+        "#include <errno.h>\nint sched_setaffinity(int p, unsigned long n, const void *m)\n\
+         { (void)p; (void)n; (void)m; errno = EPERM; return -1; }\n",
+    );
+    let run = |more| replaced.render(more);
     let refused = run("--pin on -o a.png");
     assert_eq!(refused.status.code(), Some(70), "{}", stderr(&refused));
     let message = "ptfast: internal fault: threads cannot be pinned to cores here: pin auto goes on without\n";
     assert_eq!(stderr(&refused), message);
-    assert!(!folder.path().join("a.png").exists());
-    assert!(run("--pin auto -o b.png").status.success() && folder.path().join("b.png").exists());
+    assert!(!replaced.has("a.png"));
+    assert!(run("--pin auto -o b.png").status.success() && replaced.has("b.png"));
+}
+
+/// The clock fails all threads but the first, and so does what std makes of it: a panic.
+#[test]
+fn a_panic_in_a_worker_is_an_internal_fault() {
+    let replaced = Replaced::by(
+        "#define _GNU_SOURCE\n#include <errno.h>\n#include <sys/syscall.h>\n#include <time.h>\n\
+         #include <unistd.h>\nint clock_gettime(clockid_t c, struct timespec *t)\n\
+         { if (syscall(SYS_gettid) == getpid()) return syscall(SYS_clock_gettime, c, t);\n\
+         errno = EINVAL; return -1; }\n",
+    );
+    for engine in ["wavefront", "scalar"] {
+        let panicked = replaced.render(&format!("--engine {engine} --threads 2 -o a.png"));
+        let says = stderr(&panicked);
+        println!("{:?} {says}", panicked.status.code());
+        assert_eq!(panicked.status.code(), Some(70), "{says}");
+        assert!(
+            says.starts_with("ptfast: internal fault: panicked at ") && says.contains("time.rs")
+        );
+        assert_eq!(says.lines().count(), 1, "{says}");
+        assert!(panicked.stdout.is_empty());
+        let left = ["a.png", "a.partial.png", "a.partial.film"].map(|file| replaced.has(file));
+        assert_eq!(left, [false; 3]);
+    }
 }
 
 /// Panics when the first work is done.

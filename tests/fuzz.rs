@@ -39,6 +39,19 @@ fn varied(bytes: &[u8], other: &[u8], random: &mut Stream) -> Vec<u8> {
     varied
 }
 
+/// For cargo-fuzz, in which each is a program of its own.
+#[test]
+fn each_subject_is_a_target() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz");
+    let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+    for (name, _) in subjects::ALL {
+        let target = fs::read_to_string(folder.join(format!("targets/{name}.rs"))).unwrap();
+        assert!(target.contains(&format!("|bytes: &[u8]| subjects::{name}(bytes)")), "{name}");
+        assert!(manifest.contains(&format!("path = \"targets/{name}.rs\"")), "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.join("targets")).unwrap().count(), subjects::ALL.len());
+}
+
 #[test]
 fn corpora_and_variations_of_them_are_taken() {
     let corpora = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
