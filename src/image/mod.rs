@@ -1,6 +1,7 @@
 //! Linear images, their hash, and the files that hold them.
 
 mod compare;
+mod pfm;
 mod read;
 mod transfer;
 mod write;

@@ -1,14 +1,14 @@
 //! Meshes in PLY files, ASCII and binary, read by ply-rs-bw.
 
-use glam::Vec3;
+mod most;
+
 use std::io::ErrorKind;
 
+use glam::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyDef,
-    PropertyType, ScalarType,
-};
+use ply_rs_bw::ply::{Encoding, Property, PropertyAccess, PropertyAccessResult};
 
+use self::most::Most;
 use super::budget::Budget;
 use super::mesh::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
@@ -76,133 +76,60 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
         .map_err(|message| Error::input(name, "", message))?;
     let mut mesh = Mesh::default();
     for (element, all) in &header.elements {
-        let mut definition = all.clone();
+        let mut some = all.clone();
         for first in (0..all.count).step_by(ROWS) {
-            definition.count = ROWS.min(all.count - first);
+            some.count = ROWS.min(all.count - first);
             let first_line = reader.line();
-            // Where row number `row` of these is: a line of text, else told by its number.
-            let error = |row: usize, message: &str| {
+            let rows = parser.read_payload_for_element(&mut reader, &some, &header);
+            let rows = rows.map_err(|error| match error.kind() {
+                ErrorKind::UnexpectedEof => {
+                    let message = format!("the file ends before its {} rows do", all.count);
+                    Error::input(name, element, message)
+                }
+                _ => explain(name, &error, (!is_text).then_some(element)),
+            })?;
+            let added = match element.as_str() {
+                "vertex" => add_vertices(&mut mesh, &rows),
+                "face" => add_faces(&mut mesh, &rows, count),
+                _ => Ok(()),
+            };
+            added.map_err(|(row, message)| {
+                // A line of text, else it is told by its number.
                 let place = match is_text {
                     true => (first_line + row).to_string(),
                     false => format!("{element}[{}]", first + row),
                 };
                 Error::input(name, place, message)
-            };
-            let rows = parser.read_payload_for_element(&mut reader, &definition, &header).map_err(
-                |error| match error.kind() {
-                    ErrorKind::UnexpectedEof => Error::input(
-                        name,
-                        element,
-                        format!("the file ends before its {} rows do", all.count),
-                    ),
-                    _ => explain(name, &error, (!is_text).then_some(element)),
-                },
-            )?;
-            match element.as_str() {
-                "vertex" => {
-                    if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
-                        let message = "a vertex needs x, y and z, finite and within ±1e9";
-                        return Err(error(row, message));
-                    }
-                    mesh.vertices.extend(rows.iter().map(|row| row.position));
-                }
-                "face" => {
-                    for (number, row) in rows.iter().enumerate() {
-                        if row.corners.len() < 3 {
-                            let message = "a face needs a list `vertex_indices` of three or more";
-                            return Err(error(number, message));
-                        }
-                        let corners: Option<Vec<u32>> = row
-                            .corners
-                            .iter()
-                            .map(|&c| u32::try_from(c).ok().filter(|c| (*c as usize) < count))
-                            .collect();
-                        let Some(corners) = corners else {
-                            let message =
-                                format!("the face names a vertex beyond the {count} of the file");
-                            return Err(error(number, &message));
-                        };
-                        mesh.triangles.extend(fan(&corners));
-                    }
-                }
-                _ => {}
-            }
+            })?;
         }
     }
     Ok(mesh)
 }
 
-/// What there can be at most in a file of a header.
-struct Most {
-    triangles: usize,
-    /// Entries of lists that are in memory at once.
-    entries: usize,
+/// `Err` tells which row is wrong, and why.
+fn add_vertices(mesh: &mut Mesh, rows: &[Row]) -> Result<(), (usize, String)> {
+    if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
+        return Err((row, "a vertex needs x, y and z, finite and within ±1e9".to_owned()));
+    }
+    mesh.vertices.extend(rows.iter().map(|row| row.position));
+    Ok(())
 }
 
-impl Most {
-    /// In `bytes` bytes after `header`; `Err` where there cannot be as many rows of an element, with its name.
-    fn new(header: &Header, bytes: usize) -> Result<Self, (String, String)> {
-        let is_text = header.encoding == Encoding::Ascii;
-        let size = |scalar: &ScalarType| match scalar {
-            // A digit and what parts it from the next.
-            _ if is_text => 2,
-            ScalarType::Char | ScalarType::UChar => 1,
-            ScalarType::Short | ScalarType::UShort => 2,
-            ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-            ScalarType::Double => 8,
-        };
-        let least = |property: &PropertyDef| match &property.data_type {
-            PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
-        };
-        // The last line need not end.
-        let mut rest = bytes + usize::from(is_text);
-        for element in header.elements.values() {
-            let least: usize = element.properties.values().map(least).sum();
-            // Even an empty line of text is one.
-            let row = if is_text { least.max(1) } else { least };
-            let most = rest.checked_div(row).unwrap_or(0);
-            if element.count > most {
-                let count = element.count;
-                let message = format!("the header says {count} rows, there can be {most} at most");
-                return Err((element.name.clone(), message));
-            }
-            rest -= row * element.count;
+/// Of `count` vertices, in whatever order the file has the two. `Err` as that of [`add_vertices`].
+fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
+    for (number, Row { corners, .. }) in rows.iter().enumerate() {
+        if corners.len() < 3 {
+            let message = "a face needs a list `vertex_indices` of three or more";
+            return Err((number, message.to_owned()));
         }
-        let lists = |element: &ElementDef| {
-            let list = |property: &PropertyDef| match &property.data_type {
-                PropertyType::Scalar(_) => None,
-                PropertyType::List(count, entry) => Some((count.clone(), rest / size(entry))),
-            };
-            element.properties.values().filter_map(list).collect::<Vec<_>>()
+        let vertex = |&c: &i64| u32::try_from(c).ok().filter(|&c| (c as usize) < count);
+        let Some(corners) = corners.iter().map(vertex).collect::<Option<Vec<u32>>>() else {
+            let message = format!("the face names a vertex beyond the {count} of the file");
+            return Err((number, message));
         };
-        let faces = header.elements.get("face");
-        let corners = faces.iter().flat_map(|faces| lists(faces)).map(|(_, entries)| entries);
-        let twice = 2 * faces.map_or(0, |faces| faces.count);
-        let at_once = |(count, entries): (ScalarType, usize)| match count {
-            _ if is_text => entries,
-            ScalarType::Char | ScalarType::UChar => entries.min(ROWS << 8),
-            ScalarType::Short | ScalarType::UShort => entries.min(ROWS << 16),
-            _ => entries,
-        };
-        let all = header.elements.values().flat_map(lists).map(at_once);
-        Ok(Self {
-            triangles: corners.max().unwrap_or(0).saturating_sub(twice),
-            entries: all.max().unwrap_or(0),
-        })
+        mesh.triangles.extend(fan(&corners));
     }
-
-    /// Bytes of memory for a mesh of so many vertices, while `text`, if it is one, is read.
-    fn memory(&self, vertices: usize, text: Option<&[u8]>) -> u64 {
-        let longest = |text: &[u8]| text.split(|byte| *byte == b'\n').map(<[u8]>::len).max();
-        // Rows of words of two bytes, as text and as numbers.
-        let rows = text.map_or(usize::MAX, |text| {
-            longest(text).unwrap_or(0).saturating_mul(ROWS).min(text.len())
-        });
-        let entries = 32 * self.entries.min(rows);
-        let line = 32 * text.and_then(longest).unwrap_or(0);
-        // While the list of triangles grows, it is there twice.
-        (12 * vertices + 36 * self.triangles + entries + line) as u64
-    }
+    Ok(())
 }
 
 /// The library's errors tell the line of a text file.

@@ -1,0 +1,97 @@
+//! Portable float maps.
+
+use super::Image;
+use crate::limits::MAX_SIDE;
+
+/// What the header of a portable float map says: `PF` (colour) or `Pf` (grey), size, scale whose sign is the
+/// byte order.
+pub(super) struct Pfm {
+    width: u32,
+    height: u32,
+    channels: usize,
+    little_endian: bool,
+    /// Bytes of the header.
+    begin: usize,
+}
+
+impl Pfm {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let mut rest = bytes;
+        let mut word = || {
+            let end = rest.iter().position(u8::is_ascii_whitespace).ok_or("damaged PFM header")?;
+            let word = std::str::from_utf8(&rest[..end]).map_err(|_| "damaged PFM header")?;
+            rest = &rest[end + 1..];
+            Ok::<&str, String>(word)
+        };
+        let channels = match word()? {
+            "PF" => 3,
+            "Pf" => 1,
+            _ => return Err("not a PFM file: it must begin with PF or Pf".into()),
+        };
+        let mut side = || {
+            let word = word()?;
+            match word.parse() {
+                Ok(side) if (1..=MAX_SIDE).contains(&side) => Ok(side),
+                _ => Err(format!("damaged PFM header: size `{word}` is not in 1 to {MAX_SIDE}")),
+            }
+        };
+        let (width, height) = (side()?, side()?);
+        let scale: f32 =
+            word()?.parse().map_err(|_| "damaged PFM header: the scale is no number")?;
+        let begin = bytes.len() - rest.len();
+        Ok(Self { width, height, channels, little_endian: scale < 0.0, begin })
+    }
+
+    pub(super) fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    pub(super) fn check_length(&self, length: u64) -> Result<(), String> {
+        let Self { width, height, channels, begin, .. } = *self;
+        let (expected, found) = (self.pixels() * 4 * channels as u64, length - begin as u64);
+        if found == expected {
+            return Ok(());
+        }
+        Err(format!(
+            "damaged PFM: {width} × {height} need {expected} bytes of pixels, found {found}"
+        ))
+    }
+
+    /// The image in `bytes`, whose length is right.
+    pub(super) fn image(&self, bytes: &[u8]) -> Image {
+        let value = |b: &[u8]| {
+            let b = [b[0], b[1], b[2], b[3]];
+            if self.little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
+        };
+        let channels = self.channels;
+        let pixels = bytes[self.begin..]
+            .chunks_exact(self.width as usize * channels * 4)
+            .rev()
+            .flat_map(|row| row.chunks_exact(channels * 4))
+            .map(|p| std::array::from_fn(|c| value(&p[4 * c.min(channels - 1)..])))
+            .collect();
+        Image::from_pixels(self.width, self.height, pixels)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pfm_of_both_byte_orders_and_grey() {
+        let mut bytes = b"Pf\n1 2\n1.0\n".to_vec();
+        bytes.extend(1.0f32.to_be_bytes());
+        bytes.extend(2.0f32.to_be_bytes());
+        let read_pfm = |bytes: &[u8]| {
+            let pfm = Pfm::parse(bytes)?;
+            pfm.check_length(bytes.len() as u64).map(|()| pfm.image(bytes))
+        };
+        let image = read_pfm(&bytes).unwrap();
+        assert_eq!(image.pixels(), [[2.0; 3], [1.0; 3]], "the bottom row comes first");
+        bytes.pop();
+        assert!(read_pfm(&bytes).unwrap_err().contains("need 8 bytes"));
+        assert!(read_pfm(b"PF\n0 1\n-1\n").unwrap_err().contains("size `0`"));
+        assert!(read_pfm(b"P6 ").unwrap_err().contains("PF or Pf"));
+    }
+}
