@@ -1,17 +1,7 @@
 //! Paths that lead astray; checkpoints, plans and records that are none.
 
+use super::meshes::scene as mesh;
 use super::{Case, Content};
-
-fn mesh(file: &str) -> String {
-    let file = file.replace('\\', "\\\\");
-    format!(
-        r#"(
-    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
-    materials: {{"grey": lambertian(albedo: (0.5, 0.5, 0.5))}},
-    primitives: [mesh(file: "{file}", material: "grey")],
-)"#
-    )
-}
 
 fn texture(file: &str) -> String {
     let place = "primitives: [mesh(";

@@ -3,7 +3,8 @@
 use super::{Case, Content};
 
 /// A scene of a mesh.
-fn scene(file: &str) -> String {
+pub(super) fn scene(file: &str) -> String {
+    let file = file.replace('\\', "\\\\");
     format!(
         r#"(
     camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
