@@ -116,17 +116,21 @@ impl Error {
 /// `, did you mean ...?` for the known name nearest to `found`, or the list of all names
 /// where they are few.
 pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    let known: Vec<&str> = known.into_iter().collect();
+    // Distances take long among very many or very long names, which nobody mistypes.
+    let (most, longest) = (1000, 64);
+    let known: Vec<&str> = known.into_iter().take(most).collect();
+    let short = |name: &&&str| name.len().max(found.len()) <= longest;
     let nearest = known
         .iter()
+        .filter(short)
         .map(|name| (strsim::damerau_levenshtein(found, name), name))
         .min_by_key(|(distance, _)| *distance);
     match nearest {
         Some((distance, name)) if distance <= 1 + name.len() / 3 => {
             format!(", did you mean `{name}`?")
         }
-        None => ", none is defined".to_owned(),
-        Some(_) if known.len() <= 20 => format!(", known: `{}`", known.join("`, `")),
+        _ if known.is_empty() => ", none is defined".to_owned(),
+        _ if known.len() <= 20 => format!(", known: `{}`", known.join("`, `")),
         _ => String::new(),
     }
 }
@@ -140,6 +144,8 @@ mod tests {
         assert_eq!(suggestion("raduis", ["center", "radius"]), ", did you mean `radius`?");
         assert_eq!(suggestion("xyz", ["center", "radius"]), ", known: `center`, `radius`");
         assert_eq!(suggestion("xyz", []), ", none is defined");
+        let long = "a".repeat(1 << 20);
+        assert_eq!(suggestion(&long, [&*long, "b"].repeat(11)), "");
     }
 
     #[test]

@@ -22,6 +22,8 @@ const MAGIC: &[u8] = b"ptfast film\n";
 const SCHEMA: u32 = 1;
 /// Bytes of the second line, at most.
 const MOST_HEADER: u64 = 1 << 16;
+/// A file of so many bytes is hashed in a second, whatever its header says.
+const SOON_HASHED: u64 = 1 << 30;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -81,14 +83,19 @@ impl Checkpoint {
         if length < MAGIC.len() as u64 || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
             return Err(bad("not a checkpoint of ptfast".to_owned()));
         }
-        file.rewind().map_err(failed)?;
-        if !is_whole(&mut file, length).map_err(failed)? {
-            return Err(bad("damaged: it is not what ptfast wrote".to_owned()));
-        }
-        file.seek(SeekFrom::Start(MAGIC.len() as u64)).map_err(failed)?;
         let mut line = Vec::new();
         file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
-        let header = header(&line).map_err(bad)?;
+        let is_whole = |file: &mut BufReader<File>| {
+            file.rewind().and_then(|()| is_whole(file, length)).map_err(failed)
+        };
+        let damaged = || bad("damaged: it is not what ptfast wrote".to_owned());
+        let header = match header(&line) {
+            Ok(header) => header,
+            Err(message) if length <= SOON_HASHED && is_whole(&mut file)? => {
+                return Err(bad(message));
+            }
+            Err(_) => return Err(damaged()),
+        };
         let Header { scene, identity, shard, samples: [first, end], closed, open, seconds, .. } =
             header;
         let area = identity.area();
@@ -96,12 +103,20 @@ impl Checkpoint {
             .check(Limit::Pixels, area.pixels())
             .and_then(|()| limits.check(Limit::Memory, Film::memory(area, first..end)))
             .map_err(bad)?;
+        let before = MAGIC.len() + line.len();
+        let of_film = length.saturating_sub((before + blake3::OUT_LEN) as u64);
         // At least the end of each pixel's samples.
-        if length < 4 * area.pixels() {
+        if of_film < 4 * area.pixels() {
             return Err(bad("damaged: the film ends early".to_owned()));
         }
-        let before = MAGIC.len() + line.len() + blake3::OUT_LEN;
-        let mut sums = file.take(length.saturating_sub(before as u64));
+        if of_film > Film::most_bytes(area, first..end) {
+            return Err(bad("damaged: the film ends late".to_owned()));
+        }
+        if !is_whole(&mut file)? {
+            return Err(damaged());
+        }
+        file.seek(SeekFrom::Start(before as u64)).map_err(failed)?;
+        let mut sums = file.take(of_film);
         let film = Film::read(area, first..end, &mut sums).map_err(|error| match error.kind() {
             ErrorKind::InvalidData => bad(format!("damaged: {error}")),
             ErrorKind::UnexpectedEof => bad("damaged: the film ends early".to_owned()),

@@ -4,7 +4,6 @@ use super::args::CompareArgs;
 use super::say;
 use crate::error::Result;
 use crate::image::{Format, Image, Metadata, Transfer, compare};
-use crate::limits::Limit;
 
 /// 0 where the images are identical, else 1.
 pub(super) fn run(args: &CompareArgs) -> Result<u8> {
@@ -12,9 +11,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<u8> {
         Format::of_path(path)?;
     }
     let limits = args.limits.limits();
-    let allow = |pixels: u64, memory: u64| {
-        limits.check(Limit::Pixels, pixels).and_then(|()| limits.check(Limit::Memory, memory))
-    };
+    let allow = |pixels: u64, memory: u64| limits.check_image(pixels, memory);
     let read = |path| Image::read_where(path, &allow);
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     if (a.width(), a.height()) != (b.width(), b.height()) {

@@ -86,21 +86,25 @@ impl Target {
                     path.display()
                 )));
             }
-            Self::Image(path) => is_image_of(path, identity, curve),
+            Self::Image(path) => is_image_of(path, identity, curve, limits),
         })
     }
 }
 
-fn is_image_of(path: &Path, identity: &Identity, curve: Transfer) -> bool {
-    let (Ok(there), Ok(image)) = (Metadata::read(path), Image::read(path)) else { return false };
+fn is_image_of(path: &Path, identity: &Identity, curve: Transfer, limits: &Limits) -> bool {
+    let Ok(there) = Metadata::read(path) else { return false };
     // The hash is not known before.
     let wanted = identity.metadata("");
     let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
-    let hash = there.get("ptfast:hash");
-    ["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
-        && there.get("ptfast:transfer").is_none_or(|name| name == curve.name())
-        // Those without a curve have the very values.
-        && (there.get("ptfast:transfer").is_some() || hash == Some(&image.hash()))
+    let transfer = there.get("ptfast:transfer");
+    if !["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
+        || transfer.is_some_and(|name| name != curve.name())
+    {
+        return false;
+    }
+    // Those without a curve have the very values.
+    Image::read_where(path, &|pixels, memory| limits.check_image(pixels, memory))
+        .is_ok_and(|image| transfer.is_some() || there.get("ptfast:hash") == Some(&image.hash()))
 }
 
 /// `spheres` for `spheres` and for `folder/spheres.ron`.

@@ -58,11 +58,16 @@ impl Film {
 
     /// Bytes of memory for it when it is complete, and for its means.
     pub fn memory(area: Tile, samples: Range<u32>) -> u64 {
+        Self::most_bytes(area, samples) + 12 * area.pixels()
+    }
+
+    /// Bytes that it has at most, in memory and in a file.
+    pub fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
         let chunks = (samples.end - samples.start).div_ceil(CHUNK);
         // Of each level two nodes, or one where all begins with sample 0; and a chunk that is not complete.
         let levels = u64::from(u32::BITS - chunks.leading_zeros());
         let sums = 1 + levels * if samples.start == 0 { 1 } else { 2 };
-        area.pixels() * (4 + 12 * sums + 12)
+        area.pixels() * (4 + 12 * sums)
     }
 
     /// The pixels that it may have.

@@ -1,6 +1,7 @@
 //! Linear images, their hash, and the files that hold them.
 
 mod compare;
+mod header;
 mod pfm;
 mod read;
 mod transfer;

@@ -1,13 +1,14 @@
 //! Readers into linear f32.
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read};
+use std::io::{BufReader, ErrorKind, Read, Seek};
 use std::path::Path;
 
 use image::error::UnsupportedErrorKind;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use png::text_metadata::ITXtChunk;
 
+use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
 use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
@@ -17,8 +18,8 @@ use crate::limits::MAX_SIDE;
 /// PNG text key under which ptfast notes the transfer curve.
 pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 
-/// Bytes that a decoder may allocate before it tells the size of its image.
-const MAX_HEADER: u64 = 1 << 23;
+/// Bytes that a decoder may allocate besides the pixels.
+const MAX_BESIDES: u64 = 1 << 23;
 /// Bytes of a text in a PNG file, at most.
 const MAX_TEXT: usize = 1 << 16;
 /// Bytes of a PFM file that its header may have.
@@ -52,8 +53,10 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_HEADER);
+    limits.max_alloc = Some(MAX_BESIDES);
     reader.limits(limits.clone());
+    header::check(reader.format(), open()?)
+        .map_err(|message| bad(format!("damaged image: {message}")))?;
     let transfer = png_decoder(open()?)
         .read_info()
         .ok()
@@ -85,7 +88,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     // As the file has them, again while they are decoded, and as they are wanted.
     let decoding = decoder.total_bytes().saturating_mul(2);
     allow(pixels, decoding.saturating_add(24 * pixels)).map_err(bad)?;
-    limits.max_alloc = Some(decoding.saturating_add(MAX_HEADER));
+    limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
     decoder.set_limits(limits).map_err(explain)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(explain)?;
     Ok(to_linear(decoded, transfer))
@@ -95,7 +98,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
 pub(super) fn metadata(path: &Path) -> Result<Metadata> {
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
     input::length(path)?;
-    let file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;
+    let mut file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;
     let entries = |all: Metadata, (key, value): (&str, String)| all.with(key, value);
     if Format::of_path(path)? == Format::Exr {
         let begin = BufReader::new(file.take(MAX_HEADER));
@@ -108,6 +111,8 @@ pub(super) fn metadata(path: &Path) -> Result<Metadata> {
             .map(|(key, value)| (key, value.to_owned()))
             .fold(Metadata::default(), entries));
     }
+    header::check(Some(ImageFormat::Png), &mut file).map_err(bad)?;
+    file.rewind().map_err(Error::io(path, "read"))?;
     let reader = png_decoder(file).read_info().map_err(|error| bad(error.to_string()))?;
     let texts = reader.info().utf8_text.iter();
     let texts = texts.filter_map(|chunk| Some((chunk.keyword.as_str(), text(chunk)?)));
@@ -116,7 +121,7 @@ pub(super) fn metadata(path: &Path) -> Result<Metadata> {
 
 /// One that refuses texts and profiles that are too long.
 fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
-    png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_HEADER as usize })
+    png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES as usize })
 }
 
 fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {

@@ -119,6 +119,14 @@ impl Limits {
         self.outside_files
     }
 
+    /// `Err` where an image is of too many pixels, or reading it takes too many bytes of memory.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn check_image(&self, pixels: u64, memory: u64) -> Result<(), String> {
+        self.check(Limit::Pixels, pixels).and_then(|()| self.check(Limit::Memory, memory))
+    }
+
     /// `Err` says that `value` is beyond the limit, and how it is raised.
     ///
     /// # Errors

@@ -56,7 +56,26 @@ impl Mesh {
         if mesh.triangles.is_empty() {
             return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
         }
-        Ok(mesh)
+        Ok(mesh.without_stray_vertices())
+    }
+
+    /// With the vertices of its triangles alone, where most are of none: placing takes time for each.
+    fn without_stray_vertices(self) -> Self {
+        if self.vertices.len() <= 3 * self.triangles.len() {
+            return self;
+        }
+        let corners = self.triangles.iter().flatten();
+        Self {
+            vertices: corners.map(|&corner| self.vertices[corner as usize]).collect(),
+            triangles: (0..self.triangles.len() as u32)
+                .map(|t| [0, 1, 2].map(|c| 3 * t + c))
+                .collect(),
+        }
+    }
+
+    /// Bytes of memory that it takes.
+    pub(super) fn memory(&self) -> u64 {
+        12 * (self.vertices.len() + self.triangles.len()) as u64
     }
 
     /// The triangles that have an area, placed. Computed in f64 and rounded once.

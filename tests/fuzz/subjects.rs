@@ -105,10 +105,7 @@ pub fn mesh_ply(bytes: &[u8]) {
 }
 
 fn image(name: &str, bytes: &[u8]) {
-    let allow = |pixels: u64, memory: u64| {
-        let limits = limits();
-        limits.check(Limit::Pixels, pixels).and_then(|()| limits.check(Limit::Memory, memory))
-    };
+    let allow = |pixels: u64, memory: u64| limits().check_image(pixels, memory);
     in_file(name, bytes, |path| {
         if let Ok(image) = Image::read_where(path, &allow) {
             let pixels = u64::from(image.width()) * u64::from(image.height());

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 
 /// Bytes that a header may have.
 const MAX_HEADER: usize = 1 << 16;
-/// What ends it.
+/// The line that ends it.
 const END: &[u8] = b"end_header";
 /// Rows that are in memory at once.
 const ROWS: usize = 1024;
@@ -61,8 +61,8 @@ fn integers(list: Property) -> Option<Vec<i64>> {
 pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
-    let begin = &bytes[..bytes.len().min(MAX_HEADER)];
-    if bytes.len() > MAX_HEADER && !begin.windows(END.len()).any(|window| window == END) {
+    let mut lines = bytes[..bytes.len().min(MAX_HEADER)].split(|byte| *byte == b'\n');
+    if bytes.len() > MAX_HEADER && !lines.any(|line| line.trim_ascii_end() == END) {
         let message = format!("a header has {MAX_HEADER} bytes at most, and ends with end_header");
         return Err(Error::input(name, "", message));
     }

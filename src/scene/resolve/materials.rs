@@ -1,6 +1,7 @@
 //! Textures and materials.
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use super::Resolver;
 use crate::error::{Result, suggestion};
@@ -13,9 +14,12 @@ use crate::scene::texture::{Checker, Texture};
 
 impl Resolver<'_> {
     pub(super) fn textures(&self, folder: &Path) -> Result<Vec<Texture>> {
-        let resolve = |(name, texture): &(String, TextureFile)| {
+        // The number of the first texture of each file: none is read twice.
+        let mut files: HashMap<PathBuf, usize> = HashMap::new();
+        let mut textures: Vec<Texture> = Vec::new();
+        for (name, texture) in &self.file.textures.0 {
             let e = self.element(self.places.texture(name), "texture");
-            Ok(match texture {
+            textures.push(match texture {
                 TextureFile::Solid { color } => Texture::Solid(e.color("color", *color, 1.0)?),
                 TextureFile::Checker { odd, even, scale } => {
                     let range = "above 0 and at most 1e6";
@@ -25,6 +29,12 @@ impl Resolver<'_> {
                 }
                 TextureFile::Image { file } => {
                     let path = self.path(&e, folder, file)?;
+                    if let Some(Texture::Image(there)) = files.get(&path).map(|&i| &textures[i]) {
+                        let room = self.budget.hold(12 * there.pixels().len() as u64);
+                        room.map_err(|message| e.error(message))?;
+                        textures.push(Texture::Image(there.clone()));
+                        continue;
+                    }
                     let allow = |pixels: u64, memory: u64| {
                         let bytes = 12 * pixels;
                         let limits = &self.budget.limits;
@@ -41,18 +51,18 @@ impl Resolver<'_> {
                             "{file}: an albedo must be in [0, 1], a pixel is {bad:?}"
                         )));
                     }
+                    files.insert(path, textures.len());
                     Texture::Image(image)
                 }
-            })
-        };
-        self.file.textures.0.iter().map(resolve).collect()
+            });
+        }
+        Ok(textures)
     }
 
     /// Colours given in place of a texture are appended to `textures`.
     pub(super) fn materials(&self, textures: &mut Vec<Texture>) -> Result<Vec<Material>> {
         let mut materials = Vec::new();
-        let names: std::collections::HashMap<&str, u32> =
-            self.file.textures.names().zip(0..).collect();
+        let names: HashMap<&str, u32> = self.file.textures.names().zip(0..).collect();
         for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
             let e = self.element(self.places.material(index, name), "material");
             let mut texture = |albedo: &Albedo| match albedo {

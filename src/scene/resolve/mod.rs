@@ -32,6 +32,9 @@ pub(super) fn resolve(
     let camera = resolver.camera(&file.camera)?;
     let background = resolver.background()?;
     resolver.render_defaults()?;
+    let entries = file.textures.0.len() + file.materials.0.len();
+    let room = resolver.budget.hold(ENTRY * entries as u64);
+    room.map_err(|message| Error::input(name, "", message))?;
     let mut textures = resolver.textures(folder)?;
     let materials = resolver.materials(&mut textures)?;
     let (geometry, material_of) = resolver.primitives(folder)?;
@@ -56,6 +59,8 @@ pub(super) fn resolve(
     })
 }
 
+/// Bytes of memory for each texture and material besides their text: 60 were measured.
+const ENTRY: u64 = 100;
 /// Bytes of memory for each light: 160 were measured.
 const LIGHT: u64 = 200;
 

@@ -1,6 +1,8 @@
 //! Primitives, and which material each has.
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
@@ -16,9 +18,9 @@ impl Resolver<'_> {
     /// The primitives, and the material of each in their order.
     pub(super) fn primitives(&self, folder: &Path) -> Result<(Geometry, Vec<u32>)> {
         let mut geometry = Geometry::default();
+        let mut meshes = HashMap::new();
         let mut materials = [const { Vec::new() }; 3];
-        let names: std::collections::HashMap<&str, u32> =
-            self.file.materials.names().zip(0..).collect();
+        let names: HashMap<&str, u32> = self.file.materials.names().zip(0..).collect();
         for (index, primitive) in self.file.primitives.iter().enumerate() {
             let (kind, material) = primitive.kind_and_material();
             let e = self.element(self.places.primitive(index), kind);
@@ -26,7 +28,7 @@ impl Resolver<'_> {
                 let known = self.file.materials.names();
                 e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
             })?;
-            self.add(&e, folder, primitive, &mut geometry)?;
+            self.add(&e, folder, primitive, &mut meshes, &mut geometry)?;
             let counts = [geometry.spheres.len(), geometry.quads.len(), geometry.triangles.len()];
             for (list, count) in materials.iter_mut().zip(counts) {
                 list.resize(count, material);
@@ -35,12 +37,13 @@ impl Resolver<'_> {
         Ok((geometry, materials.concat()))
     }
 
-    /// Checks one primitive and appends what it stands for.
+    /// Checks one primitive and appends what it stands for; `meshes` are those that were read before.
     fn add(
         &self,
         e: &Element<'_>,
         folder: &Path,
         primitive: &PrimitiveFile,
+        meshes: &mut HashMap<PathBuf, Mesh>,
         geometry: &mut Geometry,
     ) -> Result<()> {
         let before = geometry.len();
@@ -87,7 +90,16 @@ impl Resolver<'_> {
                 e.point("translation", *translation)?;
                 let (scale, rotation, translation) = (*scale, *rotation, *translation);
                 let path = self.path(e, folder, file)?;
-                let mesh = Mesh::read(&path, &self.budget).map_err(|error| e.error(error))?;
+                let mesh = match meshes.entry(path) {
+                    Entry::Occupied(there) => there.into_mut(),
+                    Entry::Vacant(place) => {
+                        let mesh = Mesh::read(place.key(), &self.budget);
+                        let mesh = mesh.map_err(|error| e.error(error))?;
+                        let room = self.budget.hold(mesh.memory());
+                        room.map_err(|message| e.error(message))?;
+                        place.insert(mesh)
+                    }
+                };
                 room(mesh.triangles.len())?;
                 let placed = mesh.place(&Placement { scale, rotation, translation }, &self.budget);
                 let placed = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
