@@ -62,13 +62,26 @@ pub enum Error {
         kept: String,
     },
 
+    /// A file that could not be written, though what was to be in it is not lost.
+    #[error("{error}; {kept}")]
+    Kept {
+        /// Why not.
+        error: Box<Error>,
+        /// Where it is, and how to go on.
+        kept: String,
+    },
+
     /// A fault of the program or of the machine it runs on.
     #[error("internal fault: {0}")]
     Internal(String),
 }
 
 fn signal_name(signal: &u8) -> &'static str {
-    if *signal == 2 { "SIGINT" } else { "SIGTERM" }
+    match signal {
+        1 => "SIGHUP",
+        2 => "SIGINT",
+        _ => "SIGTERM",
+    }
 }
 
 fn stop_name(signal: &Option<u8>) -> String {
@@ -99,13 +112,14 @@ impl Error {
     }
 
     /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed, 75 stopped by a
-    /// limit of time, 130 and 143 interrupted.
+    /// limit of time, 129, 130 and 143 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
             Self::Input { .. } => 65,
             Self::Internal(_) => 70,
             Self::Io { .. } => 74,
+            Self::Kept { error, .. } => error.exit_code(),
             Self::Program { code, .. } => *code,
             Self::Interrupted(signal) | Self::Stopped { signal: Some(signal), .. } => 128 + signal,
             Self::Stopped { signal: None, .. } => 75,

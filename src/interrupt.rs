@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
 use signal_hook::flag;
 
 use crate::error::{Error, Result};
@@ -26,26 +26,34 @@ fn signals() -> &'static Signals {
     SIGNALS.get_or_init(Signals::default)
 }
 
-/// From now on SIGINT and SIGTERM are noted instead of ending the process, which a second SIGINT does; and
+/// From now on SIGINT, SIGTERM and SIGHUP are noted instead of ending the process, which a second SIGINT does; and
 /// SIGUSR1 is noted.
 ///
 /// # Errors
 /// [`Error::Internal`] where the operating system refuses.
 pub fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
+    // nohup has them ignored.
+    let hangups = (!hangups_are_ignored()).then_some(SIGHUP);
     let register = || {
-        for signal in [SIGINT, SIGTERM] {
-            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
-        }
         // Before it is noted that one has come.
         flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
-        for signal in [SIGINT, SIGTERM] {
+        flag::register(SIGINT, Arc::clone(insists))?;
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
             flag::register_usize(signal, Arc::clone(last), signal as usize)?;
-            flag::register(signal, Arc::clone(insists))?;
         }
         flag::register(SIGUSR1, Arc::clone(asked))
     };
     register().map(|_| ()).map_err(refused)
+}
+
+/// Whether SIGHUP is to leave the process alone; also where the operating system does not tell.
+fn hangups_are_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask & 1 << (SIGHUP - 1) != 0)
 }
 
 /// From now on a write beyond the largest size that files may have fails, instead of ending the process.
@@ -61,7 +69,7 @@ fn refused(error: std::io::Error) -> Error {
     Error::Internal(format!("cannot watch for signals: {error}"))
 }
 
-/// Whether SIGINT and SIGTERM end the process at once, because there is nothing to be kept.
+/// Whether signals end the process at once, because there is nothing to be kept.
 pub fn leave_at_once(leave: bool) {
     signals().leaves.store(leave, Ordering::Relaxed);
 }

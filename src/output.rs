@@ -8,6 +8,9 @@ use tempfile::{NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
+/// Links that are followed from one to the next.
+const MOST_LINKS: usize = 40;
+
 /// Calls `fill` with a temporary file, which takes the place of `path` once it is complete. On failure `path` is
 /// what it was and the temporary file is gone; a process that is killed leaves one only in the moment before it
 /// takes its place, or where the file system has no files without a name.
@@ -21,6 +24,10 @@ pub fn write_atomically(
     let failed = |source| Error::io(path, "write")(source);
     let target = resolve(path).map_err(failed)?;
     let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
+    if let Ok(replaced) = fs::metadata(&target) {
+        // Whoever may read the old file may read the new one, as far as this process may say so.
+        let _ = temporary.file().set_permissions(replaced.permissions());
+    }
     let mut writer = BufWriter::new(temporary.file());
     fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
     drop(writer);
@@ -162,14 +169,28 @@ fn link(_: &fs::File, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// The file that `path` stands for: links are followed, folders and devices refused.
+/// The file that `path` stands for, there or not: links are followed, folders and devices refused, and what stands
+/// for an open file, whose name nobody knows.
 fn resolve(path: &Path) -> io::Result<PathBuf> {
-    match fs::metadata(path) {
-        Ok(found) if found.is_file() => fs::canonicalize(path),
-        Ok(found) if found.is_dir() => Err(io::Error::other("it is a folder")),
-        Ok(_) => Err(io::Error::other("it is a device or pipe, not a file")),
-        Err(_) => Ok(path.to_owned()),
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(folder) = fs::canonicalize(folder_of(&path)) else { return Ok(path) };
+        if folder.starts_with("/proc") {
+            return Err(io::Error::other("it stands for an open file or for none"));
+        }
+        let found = match fs::symlink_metadata(&path) {
+            Ok(found) => found,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(path),
+            Err(error) => return Err(error),
+        };
+        match found.file_type() {
+            kind if kind.is_symlink() => path = folder.join(fs::read_link(&path)?),
+            kind if kind.is_file() => return Ok(path),
+            kind if kind.is_dir() => return Err(io::Error::other("it is a folder")),
+            _ => return Err(io::Error::other("it is a device or pipe, not a file")),
+        }
     }
+    Err(io::Error::other("its links lead nowhere"))
 }
 
 #[cfg(test)]
@@ -189,6 +210,39 @@ mod tests {
         assert!(error.to_string().contains("the disk is full"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_modes_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let text = |name: &str| fs::read_to_string(at(name)).unwrap();
+        let write = |name: &str, text: &str| {
+            write_atomically(&at(name), |file| file.write_all(text.as_bytes()))
+        };
+        fs::create_dir(at("d")).unwrap();
+        symlink("d/there", at("link")).unwrap();
+        symlink("link", at("more")).unwrap();
+        write("more", "one").unwrap();
+        assert_eq!(text("d/there"), "one", "through links that led to nothing");
+        fs::set_permissions(at("d/there"), fs::Permissions::from_mode(0o600)).unwrap();
+        write("link", "two").unwrap();
+        assert_eq!((text("d/there"), text("more")), ("two".to_owned(), "two".to_owned()));
+        assert_eq!(fs::metadata(at("d/there")).unwrap().permissions().mode() & 0o777, 0o600);
+        symlink("round", at("round")).unwrap();
+        symlink("/proc/self/fd/1", at("stdout")).unwrap();
+        for (name, says) in [
+            ("round", "lead nowhere"),
+            ("stdout", "an open file"),
+            ("d", "a folder"),
+            (&"n".repeat(300), "too long"),
+        ] {
+            let refused = write(name, "three").unwrap_err().to_string();
+            assert!(refused.contains(says), "{refused}");
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
     }
 
     #[test]

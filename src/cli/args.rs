@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
-use super::keep::KeepArgs;
+use super::keeping::KeepArgs;
 use super::limits::LimitArgs;
 use super::merge::MergeArgs;
 use super::path::PathArgs;
@@ -149,7 +149,7 @@ pub(super) struct RenderArgs {
     /// Write what each worker did when, as JSON that Perfetto and Chrome open
     #[arg(long, value_name = "FILE")]
     pub(super) trace: Option<PathBuf>,
-    /// No progress and no notices
+    /// No progress, and no notices but of samples that were replaced
     #[arg(long, short)]
     pub(super) quiet: bool,
 }

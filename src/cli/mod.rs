@@ -11,6 +11,7 @@ mod dashboard;
 mod figures;
 mod files;
 mod keep;
+mod keeping;
 mod limits;
 mod merge;
 mod path;
@@ -35,6 +36,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Parser;
 use clap::error::ErrorKind;
+use serde_json::json;
 
 use crate::error::{Error, Result};
 use crate::interrupt::survive_large_files;
@@ -73,7 +75,7 @@ fn dispatch(command: &Command) -> Result<u8> {
 
 fn exit_code(result: Result<u8>) -> u8 {
     result.unwrap_or_else(|error| {
-        notice(format_args!("{}", printable(&error.to_string())));
+        complain(&error.to_string(), error.exit_code());
         error.exit_code()
     })
 }
@@ -93,33 +95,71 @@ fn explain_usage(error: &clap::Error) -> u8 {
     } else {
         what.split_whitespace().collect::<Vec<_>>().join(" ")
     };
-    notice(format_args!("{hint} (see `ptfast --help`)"));
+    complain(&format!("{hint} (see `ptfast --help`)"), 2);
     2
 }
 
-/// `text` on one line: what a file or its name says must not steer the terminal.
+/// Without what would steer the terminal, which files and their names may say; lines stay.
 fn printable(text: &str) -> String {
-    text.chars()
-        .flat_map(|c| {
-            let escaped = c.is_control().then(|| c.escape_default());
-            let plain = (!c.is_control()).then_some(c);
-            escaped.into_iter().flatten().chain(plain)
-        })
-        .collect()
+    let escape = |c: char| {
+        let escaped = (c.is_control() && c != '\n').then(|| c.escape_default());
+        let plain = escaped.is_none().then_some(c);
+        escaped.into_iter().flatten().chain(plain)
+    };
+    text.chars().flat_map(escape).collect()
 }
 
-/// A line on standard output.
-fn say(line: fmt::Arguments<'_>) -> Result<()> {
+/// On one line, which is not too long: files may hold words of any length.
+fn one_line(text: &str) -> String {
+    const MOST: usize = 2000;
+    let text = text.replace('\n', "\\n");
+    let count = text.chars().count();
+    let cut: String = match count > MOST {
+        true => {
+            let begin = text.chars().take(MOST / 2);
+            begin.chain(" ... ".chars()).chain(text.chars().skip(count - MOST / 2)).collect()
+        }
+        false => text,
+    };
+    printable(&cut)
+}
+
+/// A line, or a few, on standard output.
+fn say(lines: fmt::Arguments<'_>) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{line}")
+    writeln!(stdout, "{}", printable(&lines.to_string()))
         .and_then(|()| stdout.flush())
         .map_err(Error::io(Path::new("standard output"), "write"))
 }
 
+/// Whether a program reads standard error: all lines are JSON.
+static FOR_PROGRAMS: AtomicBool = AtomicBool::new(false);
+
+/// From now on each line on standard error is an object of JSON, or not.
+fn for_programs(are: bool) {
+    FOR_PROGRAMS.store(are, Ordering::Relaxed);
+}
+
 /// A line on standard error.
 fn notice(line: fmt::Arguments<'_>) {
+    tell("notice", &line.to_string(), None);
+}
+
+/// Why the program ends with `code`.
+fn complain(message: &str, code: u8) {
+    tell("error", message, Some(code));
+}
+
+fn tell(event: &str, message: &str, code: Option<u8>) {
+    let line = match (FOR_PROGRAMS.load(Ordering::Relaxed), code) {
+        (false, _) => format!("ptfast: {}", one_line(message)),
+        (true, None) => json!({"schema": 1, "event": event, "message": message}).to_string(),
+        (true, Some(code)) => {
+            json!({"schema": 1, "event": event, "message": message, "code": code}).to_string()
+        }
+    };
     // There is nowhere to say that standard error is closed.
-    let _ = writeln!(io::stderr(), "ptfast: {line}");
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// One line where a build for this CPU would be faster: where the build falls behind what the CPU
@@ -138,7 +178,7 @@ fn report_panics_in_one_line() {
     static REPORTED: AtomicBool = AtomicBool::new(false);
     panic::set_hook(Box::new(|info| {
         if !REPORTED.swap(true, Ordering::Relaxed) {
-            notice(format_args!("internal fault: {}", printable(&info.to_string())));
+            complain(&format!("internal fault: {info}"), INTERNAL_FAULT);
         }
     }));
 }

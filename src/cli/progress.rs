@@ -47,7 +47,7 @@ pub(super) fn render(renderer: &Renderer<'_>, title: &str, telling: Telling) -> 
     let progress = ProgressReport::new(renderer, title, &rendering, telling);
     let advanced = renderer.advance(&mut rendering, &progress);
     progress.finish();
-    advanced.and_then(|()| renderer.finish(rendering))
+    advanced.and_then(|()| renderer.finish(&rendering))
 }
 
 /// Shows how far one render is.
@@ -62,8 +62,14 @@ pub(super) struct ProgressReport {
 enum Display {
     None,
     Bar(ProgressBar),
-    Lines { title: String, last: Mutex<Instant> },
-    Json { last: Mutex<Instant> },
+    Lines { title: String, last: Mutex<Told> },
+    Json { last: Mutex<Told> },
+}
+
+/// What was told last, and when.
+struct Told {
+    samples: u64,
+    when: Instant,
 }
 
 impl ProgressReport {
@@ -83,7 +89,7 @@ impl ProgressReport {
         }
         let (begun, samples) = (rendering.progress(), rendering.film.samples_to_do());
         let start = Instant::now();
-        let last = Mutex::new(start);
+        let last = Mutex::new(Told { samples: begun.samples, when: start });
         let display = match telling {
             Telling::None => Display::None,
             Telling::Json => Display::Json { last },
@@ -108,15 +114,19 @@ impl ProgressReport {
         }
     }
 
-    /// All is done.
+    /// All is done, and written.
     pub(super) fn done(&self, progress: Progress) {
-        self.finish();
         self.event("done", progress, None);
     }
 
     /// The render is kept in `file`; `event` says why.
     pub(super) fn kept(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(("file", file.display().to_string())));
+    }
+
+    /// The render is stopped, and not kept.
+    pub(super) fn lost(&self, progress: Progress) {
+        self.event("stopped", progress, None);
     }
 
     /// Tells what went wrong, though the render goes on.
@@ -155,7 +165,10 @@ impl ProgressReport {
         if !matches!(self.display, Display::Json { .. }) {
             return;
         }
-        let eta = Some(self.eta(progress)).filter(|eta| eta.is_finite());
+        let eta = match self.samples - progress.samples {
+            0 => Some(0.0),
+            _ => Some(self.eta(progress)).filter(|eta| eta.is_finite()),
+        };
         let mut line = json!({
             "schema": 1,
             "event": event,
@@ -174,32 +187,28 @@ impl ProgressReport {
 
 impl Observer for ProgressReport {
     fn progressed(&self, progress: Progress) {
-        let due = |last: &Mutex<Instant>, interval| {
-            last.lock().is_ok_and(|mut last| {
-                let due = last.elapsed() >= interval;
-                if due {
-                    *last = Instant::now();
-                }
-                due
-            })
+        // Several threads report: an earlier report may come later.
+        let due = |last: &Mutex<Told>, interval, tell: &dyn Fn()| {
+            let Ok(mut last) = last.lock() else { return };
+            if last.when.elapsed() >= interval && progress.samples >= last.samples {
+                *last = Told { samples: progress.samples, when: Instant::now() };
+                tell();
+            }
         };
         match &self.display {
             Display::None => {}
             Display::Bar(bar) => {
-                // Several threads report: an earlier report may come later.
                 bar.set_position(bar.position().max(progress.samples));
                 bar.set_message(self.rates(progress));
             }
             Display::Lines { title, last } => {
-                if due(last, INTERVAL) {
+                due(last, INTERVAL, &|| {
                     let percent = progress.samples * 100 / self.samples;
                     notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
-                }
+                });
             }
             Display::Json { last } => {
-                if due(last, JSON_INTERVAL) {
-                    self.event("progress", progress, None);
-                }
+                due(last, JSON_INTERVAL, &|| self.event("progress", progress, None));
             }
         }
     }

@@ -5,12 +5,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
-use super::keep::{self, Keeping};
+use super::keeping::Keeping;
 use super::progress::{ProgressReport, Telling};
 use super::record::{self, StepSeconds};
 use super::share::Share;
 use super::target::Target;
-use super::{advise_on_build, files, notice, path, plan, say, timeline};
+use super::{advise_on_build, files, for_programs, keep, notice, path, plan, say, timeline};
 use crate::checkpoint::{Checkpoint, Identity};
 use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
@@ -19,11 +19,12 @@ use crate::interrupt;
 use crate::isa::Isa;
 use crate::limits::Limits;
 use crate::machine::Interference;
-use crate::output::write_atomically;
+use crate::output::{same_file, write_atomically};
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
+    for_programs(args.telling() == Telling::Json);
     interrupt::leave_at_once(true);
     interrupt::watch()?;
     // Whatever can fail fails before the work is done.
@@ -68,20 +69,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let interference = Interference::so_far().since(before);
 
     let writing = Instant::now();
-    if let Target::Film(path) = &output {
-        checkpoint.write(path)?;
-    }
-    let render = renderer.finish(checkpoint.rendering)?;
+    let render = renderer.finish(&checkpoint.rendering)?;
     // A part has no image, and so no hash of one.
     let part = share.is_part(&checkpoint.identity);
     let hash = (!part).then(|| render.image.hash());
-    if let Target::Image(path) = &output {
-        render.image.write(
-            path,
-            args.gamma,
-            &checkpoint.identity.metadata(hash.as_deref().unwrap_or_default()),
-        )?;
-    }
+    let written = match &output {
+        Target::Film(path) => checkpoint.write(path),
+        Target::Image(path) => {
+            let metadata = checkpoint.identity.metadata(hash.as_deref().unwrap_or_default());
+            render.image.write(path, args.gamma, &metadata)
+        }
+    };
+    written.map_err(|error| keep::instead(&checkpoint, &keeping, error))?;
+    keeping.clean_up();
     let seconds = StepSeconds {
         load,
         build: render.seconds.build,
@@ -110,6 +110,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
+    progress.done(checkpoint.rendering.progress());
     summarize(
         &args.sample.scene,
         &scene,
@@ -128,10 +129,7 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
     let mut written = vec![("the image", output.path())];
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    // A film that is continued may be kept where it was.
-    if keeping.file != output.path() || !matches!(output, Target::Film(_)) {
-        written.push(("the checkpoint", &keeping.file));
-    }
+    written.push(("the checkpoint", &keeping.file));
     written.extend(keeping.partial.iter().map(|(file, _)| ("the partial image", file.as_path())));
     files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
 }
@@ -144,8 +142,11 @@ fn begin(
     share: &Share,
     limits: &Limits,
 ) -> Result<Rendering> {
-    let Some(file) = &args.keep.resume else {
+    let resumed = args.keep.resume.as_ref();
+    if resumed.is_none_or(|file| !same_file(file, &keeping.file)) {
         keeping.check(identity, share, limits)?;
+    }
+    let Some(file) = resumed else {
         return share.film(identity).map(Rendering::new);
     };
     let there = Checkpoint::read(file, limits)?;

@@ -102,9 +102,12 @@ fn from_scheduler(count: Option<u32>, variable: impl Fn(&str) -> Option<String>)
         }
         None => number("JOB_COMPLETION_INDEX")?,
     };
-    let count = match count {
-        Some(count) => Some(count),
-        None => number("SLURM_ARRAY_TASK_COUNT")?,
+    let count = match (count, number("SLURM_ARRAY_TASK_COUNT")?) {
+        (Some(given), Some(tasks)) if given != tasks => {
+            let message = format!("--shard auto/{given}: SLURM_ARRAY_TASK_COUNT is {tasks}");
+            return Err(Error::Usage(message));
+        }
+        (given, tasks) => given.or(tasks),
     };
     match (index, count) {
         (Some(index), Some(count)) if index < count => Ok(Shard { index, count }),
@@ -232,6 +235,7 @@ mod tests {
             (None, &slurm[..1]),
             (None, &[]),
             (Some(2), &slurm[..]),
+            (Some(8), &slurm[..]),
             (Some(9), &[("SLURM_ARRAY_TASK_ID", "4"), ("SLURM_ARRAY_TASK_MIN", "5")]),
             (Some(9), &[("JOB_COMPLETION_INDEX", "x")]),
         ] {

@@ -20,7 +20,7 @@ impl Target {
     /// # Errors
     /// [`Error::Usage`] where no writer knows it.
     pub(super) fn of_path(path: PathBuf) -> Result<Self> {
-        if path.extension().is_some_and(|extension| extension == "film") {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film")) {
             return Ok(Self::Film(path));
         }
         Format::of_path(&path)?;

@@ -2,7 +2,8 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use rayon::{BroadcastContext, ThreadPool};
 
@@ -178,7 +179,7 @@ impl<'a> Renderer<'a> {
     pub fn render(&self) -> Result<Render> {
         let mut rendering = self.begin()?;
         self.advance(&mut rendering, &())?;
-        self.finish(rendering)
+        self.finish(&rendering)
     }
 
     /// A render of the whole image, of which nothing is done.
@@ -204,7 +205,16 @@ impl<'a> Renderer<'a> {
         let lock = || shared.lock().expect("no thread panics while it holds the film");
         let failed = AtomicBool::new(false);
         let stop = || if failed.load(Ordering::Relaxed) { Stop::Now } else { observer.stop() };
-        let next = || (stop() == Stop::No).then(|| lock().next()).flatten();
+        // A worker that is held up may hold up others, but not have them pile up what they did.
+        let wait = || {
+            while stop() == Stop::No && lock().is_far_ahead() {
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        let next = || {
+            wait();
+            (stop() == Stop::No).then(|| lock().next()).flatten()
+        };
         let abandon = || stop() == Stop::Now;
         let work = |thread: BroadcastContext<'_>| {
             let alarm = Alarm(&failed);
@@ -238,7 +248,7 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
-    pub fn finish(&self, rendering: Rendering) -> Result<Render> {
+    pub fn finish(&self, rendering: &Rendering) -> Result<Render> {
         let tally = rendering.tally();
         let Rendering { film, waves, seconds, timeline, .. } = rendering;
         let Tile { width, height, .. } = film.area();
@@ -246,9 +256,9 @@ impl<'a> Renderer<'a> {
         Ok(Render {
             image,
             tally,
-            waves,
-            seconds: Seconds { render: seconds, ..self.seconds },
-            timeline,
+            waves: waves.clone(),
+            seconds: Seconds { render: *seconds, ..self.seconds },
+            timeline: timeline.clone(),
         })
     }
 }

@@ -11,6 +11,9 @@ use crate::film::{CHUNK, Film, Part, Schedule, Unit};
 /// Events of a timeline, at most: some hundred megabytes.
 pub const MOST_EVENTS: usize = 1 << 21;
 
+/// Units that wait for another, at most, but for one a worker: each has some thousand paths.
+const MOST_EARLY: usize = 1000;
+
 /// A render under way.
 #[derive(Clone, Debug)]
 pub struct Rendering {
@@ -102,6 +105,11 @@ impl<'a> Shared<'a> {
         let before = ends.fold(0.0, f64::max);
         let (progress, start) = (rendering.progress(), Instant::now());
         Self { rendering, schedule, progress, start, before, early: Vec::new() }
+    }
+
+    /// Whether so much waits for what another worker still has that more would take memory in vain.
+    pub(super) fn is_far_ahead(&self) -> bool {
+        self.early.len() >= MOST_EARLY
     }
 
     /// The next unit of work.

@@ -67,7 +67,7 @@ fn renders_go_on_where_they_were_stopped() {
                 rendering = kept.resume("a.film", &identity, None, 0..spp).unwrap();
             }
             assert!(stops > 0, "{name}: it was never stopped");
-            let render = Renderer::new(&scene, base.clone()).unwrap().finish(rendering).unwrap();
+            let render = Renderer::new(&scene, base.clone()).unwrap().finish(&rendering).unwrap();
             assert_eq!(render.image.hash(), whole.image.hash(), "{name}");
             assert_eq!(render.tally, whole.tally, "{name}");
         }
@@ -99,24 +99,60 @@ fn samples_may_grow() {
     }
 }
 
-/// A render that is kept is not begun anew over it.
+/// What is kept is replaced by what has as much of the same render, and by nothing else.
 #[test]
 fn what_is_kept_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    hash(here, &with(&SMALL, &["kept.film", "--spp", "40"]));
-    let before = fs::read(here.join("kept.film")).unwrap();
-    let again = |spp| with(&SMALL, &["a.pfm", "--checkpoint", "kept.film", "--spp", spp]);
-    let says = refusal(here, &again("40"), 2);
-    let whole = "kept.film has 100% of this render: go on with --resume kept.film, or remove it";
-    assert!(says.contains(whole), "{says}");
-    let says = refusal(here, &again("50"), 2);
-    assert!(says.contains("kept.film is of another render: name another file"), "{says}");
-    assert!(fs::read(here.join("kept.film")).unwrap() == before && !here.join("a.pfm").exists());
-    // By its usual name, too.
-    fs::rename(here.join("kept.film"), here.join("a.partial.film")).unwrap();
-    let says = refusal(here, &with(&SMALL, &["a.pfm", "--spp", "40"]), 2);
-    assert!(says.contains("a.partial.film has 100% of this render"), "{says}");
+    let whole = hash(here, &with(&SMALL, &["kept.film", "--spp", "40"]));
+    let kept = |spp, more: &[&'static str]| {
+        with(&with(&SMALL, &["a.pfm", "--checkpoint", "kept.film", "--spp", spp]), more)
+    };
+    assert_eq!(hash(here, &kept("40", &[])), whole, "the same again");
+    fs::remove_file(here.join("a.pfm")).unwrap();
+    let stopped = with(&SMALL, &["b.pfm", "--spp", "50", "--time-limit", "1ms"]);
+    refusal(here, &[&stopped[..], &["--checkpoint", "part.film"]].concat(), 75);
+    for (name, content, spp, more, says) in [
+        ("kept.film", None, "50", &[][..], "kept.film is of another render: name another file"),
+        ("kept.film", None, "50", &["--resume", "part.film"], "kept.film is of another render"),
+        ("kept.film", Some("my notes"), "40", &[], "kept.film: not a checkpoint of ptfast: name"),
+        ("kept.film", Some("ptfast film\n{}\n"), "40", &[], "kept.film: damaged"),
+    ] {
+        if let Some(content) = content {
+            fs::write(here.join(name), content).unwrap();
+        }
+        let before = fs::read(here.join(name)).unwrap();
+        let refused = refusal(here, &kept(spp, more), 2);
+        assert!(refused.contains(says), "{refused}");
+        assert!(fs::read(here.join(name)).unwrap() == before && !here.join("a.pfm").exists());
+    }
+    fs::rename(here.join("part.film"), here.join("kept.film")).unwrap();
+    let says = refusal(here, &kept("50", &[]), 2);
+    assert!(says.contains("% of this render: go on with --resume kept.film, or remove"), "{says}");
+    let target = with(&SMALL, &["c.film", "--spp", "40", "--checkpoint", "c.film"]);
+    assert!(refusal(here, &target, 2).contains("need two files"));
+}
+
+/// What is stopped without a checkpoint takes a name that is free, and is gone once it went on to the end.
+#[test]
+fn partial_files_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let image = |depth, more: &[&'static str]| {
+        with(&with(&SMALL, &["a.pfm", "--spp", "40", "--depth", depth]), more)
+    };
+    for (depth, partial) in [("1", "a.partial"), ("2", "a.partial.2")] {
+        let says = refusal(here, &image(depth, &["--time-limit", "1ms"]), 75);
+        let kept = format!("--resume {partial}.film, {partial}.pfm shows it");
+        assert!(says.contains(&kept), "{says}");
+    }
+    assert_eq!(fs::read_dir(here).unwrap().count(), 4);
+    let resumed = hash(here, &image("2", &["--resume", "a.partial.2.film"]));
+    assert_eq!(resumed, hash(here, &image("2", &[])));
+    let first = hash(here, &image("1", &["--resume", "a.partial.film"]));
+    assert_eq!(first, hash(here, &image("1", &[])));
+    let left: Vec<_> = fs::read_dir(here).unwrap().map(|file| file.unwrap().file_name()).collect();
+    assert_eq!(left, ["a.pfm"]);
 }
 
 /// Of another scene, seed or setting.
@@ -209,15 +245,20 @@ fn damaged_checkpoints_are_refused() {
 fn limits_of_time_end_a_render() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    // At the first look at the clock, whatever the machine.
+    // After the first work that is done, whatever the machine.
     let limited = with(&SMALL, &["a.pfm", "--spp", "40", "--time-limit", "1ms"]);
     let says = refusal(here, &limited, 75);
     assert!(says.contains("stopped by --time-limit after"), "{says}");
     assert!(says.contains("go on with --resume a.partial.film, a.partial.pfm shows it"), "{says}");
     assert!(!here.join("a.pfm").exists() && here.join("a.partial.pfm").exists());
     let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", "40"]));
-    let resumed = with(&SMALL, &["a.pfm", "--spp", "40", "--resume", "a.partial.film"]);
-    assert_eq!(hash(here, &resumed), whole);
+    // Each run does something, however short: in the end it is done.
+    let again = [&limited[..], &["--resume", "a.partial.film"]].concat();
+    let mut runs = (0..1000).map(|_| ptfast(here, &again));
+    let last = runs.find(|run| run.status.code() != Some(75)).expect("it ends");
+    assert!(last.status.success(), "{last:?}");
+    let bytes = |name: &str| fs::read(here.join(name)).unwrap();
+    assert!(bytes("a.pfm") == bytes("whole.pfm") && whole.len() == 64);
 }
 
 /// What is complete is not rendered again, unless it is of something else.

@@ -62,23 +62,32 @@ impl Started {
     }
 }
 
-/// By either signal, twice one after the other, and continued.
+/// By each signal, one after the other, and continued.
 #[test]
 fn signals_keep_the_render() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let mut resume = Vec::new();
-    for (signal, code, name) in [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM")] {
+    for (signal, code, name) in
+        [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM"), ("-HUP", 129, "SIGHUP")]
+    {
         let mut render = Started::new(here, &with(&LONG, &resume));
         render.wait_for("start");
         render.signal(signal);
         let (ended, said) = render.end();
         assert_eq!(ended, Some(code), "{said}");
-        assert!(said.contains(&format!("ptfast: interrupted by {name} after ")), "{said}");
-        assert!(
-            said.contains("go on with --resume a.partial.film, a.partial.pfm shows it"),
-            "{said}"
+        let said: Vec<Value> =
+            said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let [.., stopped, error] = &said[..] else { panic!("{said:?}") };
+        assert_eq!(
+            (&stopped["event"], &stopped["file"]),
+            (&"stopped".into(), &"a.partial.film".into())
         );
+        assert_eq!((&error["event"], &error["code"]), (&"error".into(), &code.into()));
+        let message = error["message"].as_str().unwrap();
+        assert!(message.starts_with(&format!("interrupted by {name} after ")), "{message}");
+        let kept = "go on with --resume a.partial.film, a.partial.pfm shows it";
+        assert!(message.ends_with(kept), "{message}");
         assert!(here.join("a.partial.pfm").exists() && !here.join("a.pfm").exists());
         resume = vec!["--resume", "a.partial.film"];
     }
@@ -106,6 +115,44 @@ fn a_second_interrupt_leaves_at_once() {
     assert_eq!(fs::read_dir(here).unwrap().count(), 0, "nothing is kept, and nothing half-written");
 }
 
+/// An interrupt after another signal is the first of its kind.
+#[test]
+fn other_signals_do_not_insist() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let mut render = Started::new(here, &LONG);
+    render.wait_for("start");
+    let id = render.child.id();
+    let both = format!("kill -TERM {id}; kill -TERM {id}; kill -INT {id}");
+    assert!(Command::new("sh").args(["-c", &both]).status().unwrap().success());
+    let (ended, said) = render.end();
+    assert!(matches!(ended, Some(130 | 143)), "{said}");
+    assert!(said.contains("go on with --resume a.partial.film"), "{said}");
+    hash(here, &with(&LONG, &["--resume", "a.partial.film"]));
+}
+
+/// While the scene is read there is nothing to be kept.
+#[test]
+fn signals_before_the_render_end_it_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = "render --scene cloud:3000000 --spp 1 --quiet -o a.png";
+    let render = Started::new(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    // Not before it watches: then the signal itself would end it.
+    let status = format!("/proc/{}/status", render.child.id());
+    let watches = || {
+        let text = fs::read_to_string(&status).unwrap();
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        u64::from_str_radix(caught.trim(), 16).unwrap() & 1 << 14 != 0
+    };
+    while !watches() {
+        std::thread::yield_now();
+    }
+    render.signal("-TERM");
+    let (ended, said) = render.end();
+    assert_eq!((ended, &*said), (Some(143), ""));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
 /// A checkpoint where one asks for it, and the render goes on; a kill then loses no more than what came later.
 #[test]
 fn checkpoints_are_made_on_request_and_now_and_then() {
@@ -120,7 +167,12 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         }
         let event = render.wait_for("checkpoint");
         assert_eq!(event["file"], "kept.film");
-        assert!(event["done"].as_u64() < event["total"].as_u64());
+        if asks {
+            render.signal("-USR1");
+        }
+        let later = render.wait_for("checkpoint");
+        let done = [&event, &later].map(|event| event["done"].as_u64().unwrap());
+        assert!(done[0] < done[1] && done[1] < event["total"].as_u64().unwrap(), "{done:?}");
         render.signal("-KILL");
         assert_eq!(render.end().0, None);
         let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
