@@ -101,6 +101,8 @@ fn write_png(
     let mut encoder = png::Encoder::new(file, image.width(), image.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // Writing takes a quarter of the time, and noise compresses as well as by the usual one.
+    encoder.set_compression(png::Compression::Fast);
     match transfer {
         Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
         Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),

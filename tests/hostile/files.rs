@@ -150,6 +150,16 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(case);
     }
 
+    // So much that only its hash would tell.
+    let mut sparse = Case::scene("m.film", "", "damaged");
+    sparse.files = vec![("m.film", Content::Begun(b"ptfast film\n".to_vec(), 1 << 40))];
+    sparse.arguments = vec!["merge", "m.film", "-o", "a.png"];
+    cases.push(sparse);
+    let mut sparse = Case::scene("m.film", "", "the film ends late");
+    sparse.files = vec![("m.film", Content::Begun(film(&header("8", "8"), &[]), 1 << 40))];
+    sparse.arguments = vec!["merge", "m.film", "-o", "a.png"];
+    cases.push(sparse);
+
     // Plans.
     for (text, says) in [
         ("", "p.json"),

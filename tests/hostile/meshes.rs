@@ -154,6 +154,8 @@ pub(super) fn cases() -> Vec<Case> {
     // Headers that are all there is.
     let elements = "element e1 0\n".repeat(100_000);
     cases.push(ply("ascii", &elements, b"", "a header has 65536 bytes at most"));
+    let comment = format!("comment end_header\n{elements}");
+    cases.push(ply("ascii", &comment, b"", "a header has 65536 bytes at most"));
     let words = [&b"ply\n"[..], &b"a ".repeat(4 << 20)].concat();
     cases.push(mesh("m.ply", Content::Bytes(words), "a header has 65536 bytes at most"));
     cases.push(mesh("m.obj", Content::Bytes(vec![255; 8 << 20]), "the limit of memory"));
@@ -170,5 +172,13 @@ pub(super) fn cases() -> Vec<Case> {
         "3 0 0 0\n".repeat(1_000_000).as_bytes(),
         "limit of memory",
     ));
+    // One mesh, twenty thousand times: read each time it would be twenty gigabytes.
+    let comments = format!("{vertices}f 1 2 3\n{}", "# a comment\n".repeat(90_000));
+    let named = r#"mesh(file: "m.obj", material: "grey")"#;
+    let scene = scene("m.obj").replace(named, &[named; 20_000].join(", "));
+    let mut many = Case::scene("a.ron", scene, "the limit of primitives is 19999");
+    many.name = "one mesh many times".to_owned();
+    many.arguments.extend(["--limit", "primitives=19999"]);
+    cases.push(many.with("m.obj", Content::Bytes(comments.into())));
     cases
 }

@@ -162,6 +162,18 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(empty((1 << 28) + 1, "the limit of scene-bytes is 268435456, this needs 268435457: --limit scene-bytes=268435457 raises it"));
         cases.push(empty(1 << 40, "the limit of scene-bytes"));
     }
+    // Words without end: what is wrong is told in a line all the same, and soon.
+    let long = "a".repeat(1 << 21);
+    cases.push(edited("a.ron", RON, "vfov", &long, "a.ron:"));
+    cases.push(edited("a.json", JSON, "vfov", &long, "a.json:"));
+    let textures: String = (0..4000)
+        .map(|n| format!("\"{n}{}\": solid(color: (0, 0, 0)), ", "b".repeat(500)))
+        .collect();
+    let unknown = RON.replace("albedo: \"t\"", &format!("albedo: \"{}\"", "c".repeat(20_000)));
+    let textures = format!("textures: {{{textures}");
+    cases.push(edited("a.ron", &unknown, "textures: {", &textures, "unknown texture `cccc"));
+    let materials = format!("{}mat", "mat lambert 0 0 0\n".repeat(150_000));
+    cases.push(edited("a.txt", FLAT, "mat", &materials, "the limit of memory"));
     let boxes = "box(min: (0, 0, 0), max: (1, 1, 1), material: \"grey\"),".repeat(30_000);
     cases.push(edited("a.ron", RON, "quad(", &format!("{boxes}quad("), "the limit of memory"));
     for (name, says) in

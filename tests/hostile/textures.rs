@@ -99,6 +99,19 @@ pub(super) fn cases() -> Vec<Case> {
         case.name = "PNG with a large chunk".to_owned();
         cases.push(case);
     }
+    let texts = vec![chunk(b"tEXt", b"a\0b"); 100_000];
+    cases.push(texture("t.png", png(10, 10, 8, 2, &texts), "256 chunks at most"));
+    let lines = [&b"#?RADIANCE\n"[..], &b"A=B\n".repeat(1 << 20), b"\n-Y 1 +X 1\n"].concat();
+    cases.push(texture("t.hdr", lines, "its header can have 65536 bytes at most"));
+    let attributes: Vec<u8> =
+        (0..100_000).flat_map(|n| format!("a{n}\0string\0\0\0\0\0").into_bytes()).collect();
+    let exr = [&b"\x76\x2f\x31\x01\x02\0\0\0"[..], &attributes, b"\0"].concat();
+    cases.push(texture("t.exr", exr, "damaged image"));
+    let tuple = format!(
+        "P7\nWIDTH 1\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\nTUPLTYPE {}\nENDHDR\nabc",
+        "A".repeat(3 << 20)
+    );
+    cases.push(texture("t.pam", tuple.into_bytes(), "damaged image"));
     let huge = [&b"\x89PNG\r\n\x1a\n"[..], &u32::MAX.to_be_bytes(), b"IHDR"].concat();
     cases.push(texture("t.png", huge, "damaged image"));
 
