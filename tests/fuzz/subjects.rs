@@ -9,7 +9,7 @@ use std::path::Path;
 use ptfast::checkpoint::Checkpoint;
 use ptfast::limits::{Limit, Limits};
 use ptfast::scene::Source;
-use ptfast::{Engine, Image, RenderSettings, Renderer, Sampling, Scene};
+use ptfast::{Engine, Image, Metadata, RenderSettings, Renderer, Sampling, Scene};
 
 /// Takes bytes.
 pub type Subject = fn(&[u8]);
@@ -107,6 +107,7 @@ pub fn mesh_ply(bytes: &[u8]) {
 fn image(name: &str, bytes: &[u8]) {
     let allow = |pixels: u64, memory: u64| limits().check_image(pixels, memory);
     in_file(name, bytes, |path| {
+        let _ = Metadata::read(path);
         if let Ok(image) = Image::read_where(path, &allow) {
             let pixels = u64::from(image.width()) * u64::from(image.height());
             assert_eq!(image.pixels().len() as u64, pixels);
