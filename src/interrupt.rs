@@ -33,13 +33,15 @@ fn signals() -> &'static Signals {
 /// [`Error::Internal`] where the operating system refuses.
 pub fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
-    // nohup has them ignored.
-    let hangups = (!hangups_are_ignored()).then_some(SIGHUP);
+    // nohup ignores some, and so do shells for what runs in the background.
+    let ends = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
     let register = || {
         // Before it is noted that one has come.
-        flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
-        flag::register(SIGINT, Arc::clone(insists))?;
-        for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {
+        if !is_ignored(SIGINT) {
+            flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
+            flag::register(SIGINT, Arc::clone(insists))?;
+        }
+        for signal in ends {
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
             flag::register_usize(signal, Arc::clone(last), signal as usize)?;
         }
@@ -48,12 +50,12 @@ pub fn watch() -> Result<()> {
     register().map(|_| ()).map_err(refused)
 }
 
-/// Whether SIGHUP is to leave the process alone; also where the operating system does not tell.
-fn hangups_are_ignored() -> bool {
+/// Whether `signal` is to leave the process alone.
+fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_none_or(|mask| mask & 1 << (SIGHUP - 1) != 0)
+    mask.is_some_and(|mask| mask & 1 << (signal - 1) != 0)
 }
 
 /// From now on a write beyond the largest size that files may have fails, instead of ending the process.

@@ -25,7 +25,7 @@ pub fn write_atomically(
     let target = resolve(path).map_err(failed)?;
     let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
     if let Ok(replaced) = fs::metadata(&target) {
-        // Whoever may read the old file may read the new one, as far as this process may say so.
+        // A file that is private stays so.
         let _ = temporary.file().set_permissions(replaced.permissions());
     }
     let mut writer = BufWriter::new(temporary.file());
@@ -125,6 +125,7 @@ fn copy(mut file: &fs::File, folder: &Path) -> io::Result<TempPath> {
     let mut named = builder().tempfile_in(folder)?;
     file.rewind()?;
     io::copy(&mut file, named.as_file_mut())?;
+    named.as_file().set_permissions(file.metadata()?.permissions())?;
     named.as_file().sync_all()?;
     Ok(named.into_temp_path())
 }

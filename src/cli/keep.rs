@@ -18,7 +18,7 @@ use crate::interrupt;
 /// How long workers may take to finish what they are at, once a render is to be stopped.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// So many times as long as a checkpoint took the render goes on before the next, whatever is asked for.
-const LEAST_GAP: u32 = 10;
+const LEAST_GAP: u32 = 4;
 
 /// Renders what is left of `checkpoint`, and keeps it as `keeping` says. Returns why the whole could not be kept,
 /// which is no reason not to write the image.
@@ -32,9 +32,9 @@ pub(super) fn render(
     renderer: &Renderer<'_>,
     checkpoint: &mut Checkpoint,
     keeping: &Keeping,
+    place: &mut Place<'_>,
     progress: &ProgressReport,
 ) -> Result<Option<Error>> {
-    let mut place = keeping.place();
     let mut gap = Duration::ZERO;
     loop {
         let watch = Watch::new(keeping, progress, gap);
@@ -43,7 +43,7 @@ pub(super) fn render(
             progress.finish();
             if keeping.every.is_some() {
                 // What is told is why the render ends.
-                let _ = place.keep(checkpoint);
+                let _ = place.keep_in_the_end(checkpoint);
             }
             resume_unwind(panic)
         });
@@ -57,7 +57,7 @@ pub(super) fn render(
         interrupt::take_request();
         if watch.ends().is_some() {
             progress.finish();
-            return Err(stopped(checkpoint, keeping, &mut place, progress)?);
+            return Err(stopped(checkpoint, keeping, place, progress)?);
         }
         let start = Instant::now();
         let kept = place.keep(checkpoint);
@@ -85,9 +85,11 @@ fn stopped(
     let signal = interrupt::signal();
     let so_far = checkpoint.rendering.progress();
     // Both take their time, and there is little.
+    let image = place.image();
     let (kept, shown) = thread::scope(|scope| {
-        let shown = scope.spawn(|| show(checkpoint, keeping));
-        (place.keep(checkpoint), shown.join().unwrap_or_else(|panic| resume_unwind(panic)))
+        let shown = scope.spawn(|| show(checkpoint, keeping, &image));
+        let kept = place.keep_in_the_end(checkpoint);
+        (kept, shown.join().unwrap_or_else(|panic| resume_unwind(panic)))
     });
     let mut told = match kept {
         Ok(()) => {
@@ -103,33 +105,31 @@ fn stopped(
         }
     };
     told += &match shown {
-        Ok(None) => String::new(),
-        Ok(Some(path)) => format!(", {} shows it", path.display()),
+        Ok(false) => String::new(),
+        Ok(true) => format!(", {} shows it", image.display()),
         Err(error) => format!(", {error}"),
     };
     Ok(Error::Stopped { signal, percent: checkpoint.percent(), kept: told })
 }
 
 /// Keeps a render that is complete, whose image could not be written: `error` says why.
-pub(super) fn instead(checkpoint: &Checkpoint, keeping: &Keeping, error: Error) -> Error {
-    let mut place = keeping.place();
-    // With a checkpoint that was asked for it is there already.
-    if keeping.every.is_some() || place.keep(checkpoint).is_err() {
+pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place<'_>, error: Error) -> Error {
+    if place.keep_in_the_end(checkpoint).is_err() {
         return error;
     }
     let kept = format!("go on with --resume {}", place.file().display());
     Error::Kept { error: Box::new(error), kept }
 }
 
-/// Writes the image as far as it is, where one is wanted.
-fn show<'a>(checkpoint: &Checkpoint, keeping: &'a Keeping) -> Result<Option<&'a Path>> {
-    let Some((path, transfer)) = &keeping.partial else { return Ok(None) };
+/// Writes the image as far as it is, where one is wanted, and tells whether it is.
+fn show(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<bool> {
+    let Some(transfer) = keeping.transfer else { return Ok(false) };
     let Progress { samples, .. } = checkpoint.rendering.progress();
     let area = checkpoint.identity.area();
     let means = checkpoint.rendering.film.means()?;
     let image = Image::from_pixels(area.width, area.height, means);
     let metadata = Metadata::of_program().with("ptfast:partial", samples);
-    image.write(path, *transfer, &metadata).map(|()| Some(path.as_path()))
+    image.write(path, transfer, &metadata).map(|()| true)
 }
 
 /// Watches a render, and stops it where something is to be done.
@@ -163,7 +163,8 @@ impl<'a> Watch<'a> {
     fn is_to_be_kept(&self) -> bool {
         let since = self.start.elapsed();
         let due = self.keeping.every.is_some_and(|every| since >= every);
-        since >= self.gap && (due || interrupt::is_requested())
+        let advanced = self.advanced.load(Ordering::Relaxed);
+        due && since >= self.gap || interrupt::is_requested() && advanced
     }
 }
 

@@ -1,7 +1,8 @@
 //! Where a render is kept, and when.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -51,21 +52,29 @@ pub(super) struct Keeping {
     pub(super) time_limit: Option<Duration>,
     /// When the program began.
     pub(super) start: Instant,
-    /// The image as far as it is, when it is stopped; none for those who want no image.
-    pub(super) partial: Option<(PathBuf, Transfer)>,
-    /// Another name for the checkpoint, where another program has taken the first meanwhile; none where the user
-    /// gave it.
-    names: Option<Names>,
-    /// What an earlier run left, which is of no use when all is done.
-    leftovers: Vec<PathBuf>,
+    /// How the image is shown as far as it is, when it is stopped; none for those who want no image.
+    pub(super) transfer: Option<Transfer>,
+    /// What is kept under names of the program's choice.
+    names: Names,
+    /// Whether the user named the checkpoint.
+    is_given: bool,
+    /// When the checkpoint that is there was changed last.
+    seen: Option<SystemTime>,
 }
 
 /// `NAME.partial.EXT`, `NAME.partial.2.EXT` and so on beside `NAME.png`.
 struct Names(PathBuf);
 
+/// Bytes of a name that are kept, so that there is room for more.
+const MOST_STEM: usize = 200;
+
 impl Names {
     fn name(&self, number: u32, extension: &OsStr) -> PathBuf {
-        let mut name = OsString::from(self.0.file_stem().unwrap_or_default());
+        let stem = self.0.file_stem().unwrap_or_default();
+        let mut name = match stem.len() <= MOST_STEM {
+            true => stem.to_owned(),
+            false => stem.to_string_lossy().chars().take(MOST_STEM / 4).collect::<String>().into(),
+        };
         name.push(".partial.");
         if number > 1 {
             name.push(format!("{number}."));
@@ -74,16 +83,31 @@ impl Names {
         self.0.with_file_name(name)
     }
 
-    /// The number of the first film that is not there yet.
-    fn free(&self) -> u32 {
-        let is_free = |number: &u32| !self.film(*number).exists();
-        (1..).find(is_free).expect("no folder is so full")
+    /// The first film that is not there yet, and neither is its image.
+    fn free_film(&self) -> PathBuf {
+        let is_free = |path: PathBuf| fs::symlink_metadata(path).is_err();
+        let are_free = |number: &u32| is_free(self.film(*number)) && is_free(self.image(*number));
+        let number = (1..).find(are_free).expect("no folder is so full");
+        self.film(number)
     }
 
     fn film(&self, number: u32) -> PathBuf {
         self.name(number, OsStr::new("film"))
     }
+
+    fn image(&self, number: u32) -> PathBuf {
+        self.name(number, self.0.extension().unwrap_or_default())
+    }
+
+    /// That of `film`; of one that the user named, the first.
+    fn image_of(&self, film: &Path) -> PathBuf {
+        let own = (1..MOST_OWN).find(|&number| same_file(&self.film(number), film));
+        self.image(own.unwrap_or(1))
+    }
 }
+
+/// Films of one image that are told by their names, at most.
+const MOST_OWN: u32 = 100;
 
 impl KeepArgs {
     /// Of a render that writes `output`, an image where `transfer` says how.
@@ -97,32 +121,34 @@ impl KeepArgs {
         // A target is whole, or as it was.
         let resumed = self.resume.as_ref().filter(|file| !same_file(file, output));
         let given = self.checkpoint.as_ref().or(resumed);
-        let number = if given.is_some() { 1 } else { names.free() };
-        let image = |number| names.name(number, output.extension().unwrap_or_default());
-        // Those of this render's own making, by their names.
-        let mut own = (1..100).map(|number| (names.film(number), image(number)));
-        let left = resumed
-            .filter(|_| self.checkpoint.is_none())
-            .and_then(|file| own.find(|(film, _)| same_file(film, file)));
+        let file = given.cloned().unwrap_or_else(|| names.free_film());
         Keeping {
-            file: given.cloned().unwrap_or_else(|| names.film(number)),
+            seen: changed(&file),
+            file,
+            is_given: given.is_some(),
             every: self.checkpoint.as_ref().map(|_| self.checkpoint_every.unwrap_or(INTERVAL)),
             time_limit: self.time_limit,
             start,
-            partial: transfer.map(|transfer| (image(number), transfer)),
-            leftovers: left.map_or_else(Vec::new, |(film, image)| vec![film, image]),
-            names: given.is_none().then_some(names),
+            transfer,
+            names,
         }
     }
 }
 
 impl Keeping {
-    /// Refuses to replace what is not of this render, or more of it: it would be lost.
+    /// Refuses to replace what is not of this render, or has more of it than the samples that are `done`: it would
+    /// be lost.
     ///
     /// # Errors
     /// [`Error::Usage`] that says what to do.
-    pub(super) fn check(&self, identity: &Identity, share: &Share, limits: &Limits) -> Result<()> {
-        if fs::symlink_metadata(&self.file).is_err() {
+    pub(super) fn check(
+        &self,
+        identity: &Identity,
+        share: &Share,
+        done: u64,
+        limits: &Limits,
+    ) -> Result<()> {
+        if fs::metadata(&self.file).is_err_and(|error| error.kind() == ErrorKind::NotFound) {
             return Ok(());
         }
         let file = self.file.display();
@@ -136,8 +162,7 @@ impl Keeping {
         if !same {
             return Err(refused(&format_args!("{file} is of another render")));
         }
-        // What is complete will be the same again.
-        if there.is_complete() || there.rendering.film.samples_done() == 0 {
+        if there.rendering.film.samples_done() <= done {
             return Ok(());
         }
         let percent = there.percent();
@@ -148,22 +173,14 @@ impl Keeping {
 
     /// For this run.
     pub(super) fn place(&self) -> Place<'_> {
-        Place { file: self.file.clone(), names: self.names.as_ref(), last: changed(&self.file) }
-    }
-
-    /// Removes what an earlier run left, now that all is done.
-    pub(super) fn clean_up(&self) {
-        for file in &self.leftovers {
-            // They are in nobody's way.
-            let _ = fs::remove_file(file);
-        }
+        Place { keeping: self, file: self.file.clone(), last: self.seen }
     }
 }
 
 /// A place for checkpoints that nobody else is to take.
 pub(super) struct Place<'a> {
+    keeping: &'a Keeping,
     file: PathBuf,
-    names: Option<&'a Names>,
     /// When the file was changed last by this program; none while it is not there.
     last: Option<SystemTime>,
 }
@@ -178,16 +195,34 @@ impl Place<'_> {
     /// # Errors
     /// Where it cannot be written, or another program writes the file that the user named.
     pub(super) fn keep(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        if changed(&self.file) != self.last {
-            let Some(names) = self.names else {
-                let error = std::io::Error::other("another program writes it, too");
+        let there = changed(&self.file);
+        if there.is_some() && there != self.last {
+            if self.keeping.is_given {
+                let error = io::Error::other("another program has changed it");
                 return Err(Error::io(&self.file, "write")(error));
-            };
-            self.file = names.film(names.free());
+            }
+            self.file = self.keeping.names.free_film();
         }
         checkpoint.write(&self.file)?;
         self.last = changed(&self.file);
         Ok(())
+    }
+
+    /// Writes `checkpoint`, the last of this run: under another name, where that of the user cannot be had.
+    ///
+    /// # Errors
+    /// Where it cannot be written by any name.
+    pub(super) fn keep_in_the_end(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        let Err(error) = self.keep(checkpoint) else { return Ok(()) };
+        let other = self.keeping.names.free_film();
+        checkpoint.write(&other).map_err(|_| error)?;
+        self.file = other;
+        Ok(())
+    }
+
+    /// Where the image is shown as far as it is, beside the checkpoint that was written last.
+    pub(super) fn image(&self) -> PathBuf {
+        self.keeping.names.image_of(&self.file)
     }
 }
 
@@ -227,16 +262,21 @@ mod tests {
         let keeping = |resume, output: &str| {
             args(resume).keeping(&at(output), Some(Transfer::default()), Instant::now())
         };
-        let names = |keeping: &Keeping| (keeping.file.clone(), keeping.partial.clone().unwrap().0);
+        let names = |keeping: &Keeping| (keeping.file.clone(), keeping.place().image());
         assert_eq!(names(&keeping(None, "a.png")), (at("a.partial.film"), at("a.partial.png")));
         fs::write(at("a.partial.film"), "").unwrap();
         assert_eq!(names(&keeping(None, "a.png")), (at("a.partial.2.film"), at("a.partial.2.png")));
         let resumed = keeping(Some("a.partial.film"), "a.png");
         assert_eq!(names(&resumed), (at("a.partial.film"), at("a.partial.png")));
-        assert_eq!(resumed.leftovers, [at("a.partial.film"), at("a.partial.png")]);
+        let second = keeping(Some("a.partial.2.film"), "a.png");
+        assert_eq!(names(&second), (at("a.partial.2.film"), at("a.partial.2.png")));
+        fs::write(at("a.partial.2.png"), "").unwrap();
+        assert_eq!(keeping(None, "a.png").file, at("a.partial.3.film"), "the image is there");
         let other = keeping(Some("b.film"), "a.png");
-        assert_eq!((other.file, other.leftovers), (at("b.film"), Vec::new()));
+        assert_eq!(names(&other), (at("b.film"), at("a.partial.png")));
         assert_eq!(keeping(Some("a.film"), "a.film").file, at("a.partial.2.film"));
+        let long = keeping(None, &format!("{}.png", "é".repeat(125)));
+        assert_eq!(long.file, at(&format!("{}.partial.film", "é".repeat(50))));
     }
 
     #[test]
@@ -271,6 +311,13 @@ mod tests {
                 true => assert!(kept.unwrap_err().to_string().contains("another program")),
                 false => assert_eq!((kept.unwrap(), place.file()), ((), &*at("a.partial.2.film"))),
             }
+            place.keep_in_the_end(&checkpoint).unwrap();
+            let last = if given { "a.partial.film" } else { "a.partial.2.film" };
+            assert_eq!(place.file(), at(last));
+            fs::remove_file(place.file()).unwrap();
+            place.keep(&checkpoint).unwrap();
+            assert_eq!(place.file(), at(last), "what is gone is written again");
+            fs::remove_file(place.file()).unwrap();
         }
     }
 }

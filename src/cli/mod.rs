@@ -27,6 +27,8 @@ mod target;
 mod timeline;
 mod trace;
 
+use std::env;
+use std::ffi::OsString;
 use std::fmt;
 use std::io::{self, Write};
 use std::panic;
@@ -46,6 +48,7 @@ use args::{Cli, Command, ScenesCommand};
 /// Runs the program with the process's arguments.
 pub fn run() -> ExitCode {
     report_panics_in_one_line();
+    for_programs(asks_for_json(env::args_os()));
     let code = panic::catch_unwind(|| match Cli::try_parse() {
         Ok(cli) => exit_code(survive_large_files().and_then(|()| dispatch(&cli.command))),
         Err(error) => explain_usage(&error),
@@ -134,6 +137,13 @@ fn say(lines: fmt::Arguments<'_>) -> Result<()> {
 
 /// Whether a program reads standard error: all lines are JSON.
 static FOR_PROGRAMS: AtomicBool = AtomicBool::new(false);
+
+/// Whether these arguments do, right or wrong as they are.
+fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
+    let arguments: Vec<_> = arguments.collect();
+    let pair = |pair: &[OsString]| pair[0] == "--progress" && pair[1] == "json";
+    arguments.windows(2).any(pair) || arguments.iter().any(|word| word == "--progress=json")
+}
 
 /// From now on each line on standard error is an object of JSON, or not.
 fn for_programs(are: bool) {

@@ -65,7 +65,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt::leave_at_once(false);
     let progress =
         ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
-    let not_kept = keep::render(&renderer, &mut checkpoint, &keeping, &progress)?;
+    let mut place = keeping.place();
+    let not_kept = keep::render(&renderer, &mut checkpoint, &keeping, &mut place, &progress)?;
     let interference = Interference::so_far().since(before);
 
     let writing = Instant::now();
@@ -80,8 +81,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
             render.image.write(path, args.gamma, &metadata)
         }
     };
-    written.map_err(|error| keep::instead(&checkpoint, &keeping, error))?;
-    keeping.clean_up();
+    written.map_err(|error| keep::instead(&checkpoint, &mut place, error))?;
     let seconds = StepSeconds {
         load,
         build: render.seconds.build,
@@ -110,7 +110,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    progress.done(checkpoint.rendering.progress());
     summarize(
         &args.sample.scene,
         &scene,
@@ -121,7 +120,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         seconds,
         output.path(),
     )?;
-    not_kept.map_or(Ok(()), Err)
+    if let Some(error) = not_kept {
+        return Err(error);
+    }
+    progress.done(checkpoint.rendering.progress());
+    Ok(())
 }
 
 /// Refuses files that cannot be written, and files that are the same.
@@ -130,7 +133,8 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
     written.push(("the checkpoint", &keeping.file));
-    written.extend(keeping.partial.iter().map(|(file, _)| ("the partial image", file.as_path())));
+    let partial = keeping.place().image();
+    written.extend(keeping.transfer.map(|_| ("the partial image", partial.as_path())));
     files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
 }
 
@@ -143,14 +147,17 @@ fn begin(
     limits: &Limits,
 ) -> Result<Rendering> {
     let resumed = args.keep.resume.as_ref();
-    if resumed.is_none_or(|file| !same_file(file, &keeping.file)) {
-        keeping.check(identity, share, limits)?;
-    }
-    let Some(file) = resumed else {
-        return share.film(identity).map(Rendering::new);
+    let rendering = match resumed {
+        None => share.film(identity).map(Rendering::new)?,
+        Some(file) => {
+            let (there, samples) = (Checkpoint::read(file, limits)?, share.samples.clone());
+            there.resume(&file.display().to_string(), identity, share.shard, samples)?
+        }
     };
-    let there = Checkpoint::read(file, limits)?;
-    there.resume(&file.display().to_string(), identity, share.shard, share.samples.clone())
+    if resumed.is_none_or(|file| !same_file(file, &keeping.file)) {
+        keeping.check(identity, share, rendering.film.samples_done(), limits)?;
+    }
+    Ok(rendering)
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {

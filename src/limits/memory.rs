@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-/// What is free of the machine's, or that of the process's control groups or of its address space, whichever is
-/// least, in bytes; without a limit where the operating system does not tell.
+/// That of the machine, of the process's control groups, or of its address space, whichever is least, in bytes;
+/// without a limit where the operating system does not tell. What is free just now would refuse at one time what it
+/// allows at another.
 pub(super) fn of_process() -> u64 {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
-    let machine = available(&read("/proc/meminfo"));
+    let machine = total(&read("/proc/meminfo"));
     let space = address_space(&read("/proc/self/limits"));
     let groups = read("/proc/self/cgroup");
     let groups = groups
@@ -47,9 +48,9 @@ fn address_space(text: &str) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// The machine's memory that nothing else needs, by the text of `/proc/meminfo`.
-fn available(text: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+/// The machine's memory by the text of `/proc/meminfo`.
+fn total(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024)
 }
@@ -60,9 +61,9 @@ mod tests {
 
     #[test]
     fn memory_is_read() {
-        let text = "MemTotal:        9123456 kB\nMemAvailable:    8123456 kB\n";
-        assert_eq!(available(text), Some(8_123_456 * 1024));
-        assert_eq!(available("MemFree: 1 kB\n"), None);
+        let text = "MemTotal:        8123456 kB\nMemFree:          123 kB\n";
+        assert_eq!(total(text), Some(8_123_456 * 1024));
+        assert_eq!(total("MemFree: 1 kB\n"), None);
         assert!(of_process() > 1 << 20);
     }
 

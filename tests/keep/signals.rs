@@ -17,7 +17,7 @@ const LONG: [&str; 11] = [
     "--width",
     "60",
     "--spp",
-    "4000",
+    "6000",
     "--progress",
     "json",
     "-o",
@@ -136,7 +136,7 @@ fn other_signals_do_not_insist() {
 fn signals_before_the_render_end_it_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let words = "render --scene cloud:3000000 --spp 1 --quiet -o a.png";
-    let render = Started::new(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    let mut render = Started::new(folder.path(), &words.split(' ').collect::<Vec<_>>());
     // Not before it watches: then the signal itself would end it.
     let status = format!("/proc/{}/status", render.child.id());
     let watches = || {
@@ -145,6 +145,7 @@ fn signals_before_the_render_end_it_at_once() {
         u64::from_str_radix(caught.trim(), 16).unwrap() & 1 << 14 != 0
     };
     while !watches() {
+        assert_eq!(render.child.try_wait().unwrap(), None, "it ended before");
         std::thread::yield_now();
     }
     render.signal("-TERM");
