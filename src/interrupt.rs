@@ -33,15 +33,13 @@ fn signals() -> &'static Signals {
 /// [`Error::Internal`] where the operating system refuses.
 pub fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
-    // nohup ignores some, and so do shells for what runs in the background.
-    let ends = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
+    // nohup has them ignored. (Shells ignore SIGINT for what runs in the background: who sends it there means it.)
+    let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
     let register = || {
         // Before it is noted that one has come.
-        if !is_ignored(SIGINT) {
-            flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
-            flag::register(SIGINT, Arc::clone(insists))?;
-        }
-        for signal in ends {
+        flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
+        flag::register(SIGINT, Arc::clone(insists))?;
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
             flag::register_usize(signal, Arc::clone(last), signal as usize)?;
         }

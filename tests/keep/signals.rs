@@ -131,6 +131,25 @@ fn other_signals_do_not_insist() {
     hash(here, &with(&LONG, &["--resume", "a.partial.film"]));
 }
 
+/// Those that nohup ignores; but not those that a shell ignores for what runs in the background.
+#[test]
+fn ignored_hangups_stay_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    for (signal, spp, code) in [("HUP", 600, 0), ("INT", 6000, 130)] {
+        let line = format!(
+            "trap '' {signal}; \"$0\" render --scene cornell --width 60 --spp {spp} --progress json \
+             -o a.pfm 2>said & until grep -q start said; do sleep 0.01; done; kill -{signal} $!; wait $!"
+        );
+        let output = Command::new("bash")
+            .args(["-c", &line, env!("CARGO_BIN_EXE_ptfast")])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(code), "{signal}: {output:?}");
+        fs::remove_file(folder.path().join("said")).unwrap();
+    }
+}
+
 /// While the scene is read there is nothing to be kept.
 #[test]
 fn signals_before_the_render_end_it_at_once() {
