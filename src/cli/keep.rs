@@ -1,24 +1,81 @@
 //! Renders that are kept: checkpoints while they go on, and what is left of them when they are stopped.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::keeping::{Keeping, Place};
+use clap::Args;
+use jiff::SignedDuration;
+
+use super::place::Place;
 use super::progress::ProgressReport;
 use crate::checkpoint::Checkpoint;
 use crate::engine::{Observer, Progress, Renderer, Stop};
 use crate::error::{Error, Result};
-use crate::image::{Image, Metadata};
+use crate::image::{Image, Metadata, Transfer};
 use crate::interrupt;
+use crate::output::same_file;
 
 /// How long workers may take to finish what they are at, once a render is to be stopped.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// So many times as long as a checkpoint took the render goes on before the next, whatever is asked for.
 const LEAST_GAP: u32 = 4;
+
+/// Time between checkpoints.
+const INTERVAL: Duration = Duration::from_secs(60);
+
+#[derive(Debug, Args)]
+pub(super) struct KeepArgs {
+    /// Keep what is rendered so far in this .film file, now and then, on SIGUSR1 and when stopped [default: that of
+    /// --resume, or one beside the image, when stopped]
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Time between checkpoints, such as 90s or 1h30m [default: 60s]
+    #[arg(long, value_name = "TIME", requires = "checkpoint", value_parser = duration)]
+    checkpoint_every: Option<Duration>,
+    /// Stop after this time, such as 90s or 1h30m, with a checkpoint and exit code 75; something is rendered in any
+    /// case
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    time_limit: Option<Duration>,
+    /// Go on from a checkpoint of the same scene and settings; there may be more samples than it was for
+    #[arg(long, value_name = "FILE")]
+    pub(super) resume: Option<PathBuf>,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let parsed = text.parse::<SignedDuration>().ok().and_then(|time| Duration::try_from(time).ok());
+    parsed.filter(|time| !time.is_zero()).ok_or_else(|| "a time such as 90s or 1h30m".to_owned())
+}
+
+/// When a render is kept.
+pub(super) struct Keeping {
+    /// The time between checkpoints; none where there is one only when it is stopped.
+    every: Option<Duration>,
+    /// How long it may take from `start` on.
+    time_limit: Option<Duration>,
+    /// When the program began.
+    start: Instant,
+    /// How the image is shown as far as it is, when it is stopped; none for those who want no image.
+    pub(super) transfer: Option<Transfer>,
+}
+
+impl KeepArgs {
+    /// When a render that began at `start` is kept, of which there is an image where `transfer` says how.
+    pub(super) fn keeping(&self, transfer: Option<Transfer>, start: Instant) -> Keeping {
+        let every = self.checkpoint.as_ref().map(|_| self.checkpoint_every.unwrap_or(INTERVAL));
+        Keeping { every, time_limit: self.time_limit, start, transfer }
+    }
+
+    /// Where a render of `output` is kept.
+    pub(super) fn place(&self, output: &Path) -> Place {
+        // A target is whole, or as it was.
+        let resumed = self.resume.as_deref().filter(|file| !same_file(file, output));
+        Place::new(output, self.checkpoint.as_deref().or(resumed))
+    }
+}
 
 /// Renders what is left of `checkpoint`, and keeps it as `keeping` says. Returns why the whole could not be kept,
 /// which is no reason not to write the image.
@@ -32,7 +89,7 @@ pub(super) fn render(
     renderer: &Renderer<'_>,
     checkpoint: &mut Checkpoint,
     keeping: &Keeping,
-    place: &mut Place<'_>,
+    place: &mut Place,
     progress: &ProgressReport,
 ) -> Result<Option<Error>> {
     let mut gap = Duration::ZERO;
@@ -79,7 +136,7 @@ pub(super) fn render(
 fn stopped(
     checkpoint: &Checkpoint,
     keeping: &Keeping,
-    place: &mut Place<'_>,
+    place: &mut Place,
     progress: &ProgressReport,
 ) -> Result<Error> {
     let signal = interrupt::signal();
@@ -113,7 +170,7 @@ fn stopped(
 }
 
 /// Keeps a render that is complete, whose image could not be written: `error` says why.
-pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place<'_>, error: Error) -> Error {
+pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place, error: Error) -> Error {
     if place.keep_in_the_end(checkpoint).is_err() {
         return error;
     }
@@ -180,6 +237,22 @@ impl Observer for Watch<'_> {
             Some(_) => Stop::Soon,
             None if self.is_to_be_kept() => Stop::Soon,
             None => Stop::No,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_parsed() {
+        let seconds = |text| duration(text).map(|time| time.as_secs_f64());
+        assert_eq!(seconds("90s"), Ok(90.0));
+        assert_eq!(seconds("1h30m"), Ok(5400.0));
+        assert_eq!(seconds("500ms"), Ok(0.5));
+        for wrong in ["", "90", "-5s", "0s", "5 parsecs"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -5,14 +5,16 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
-use super::keeping::Keeping;
+use super::keep::Keeping;
+use super::place::Place;
 use super::progress::{ProgressReport, Telling};
 use super::record::{self, StepSeconds};
 use super::share::Share;
+use super::summary::summarize;
 use super::target::Target;
-use super::{advise_on_build, files, for_programs, keep, notice, path, plan, say, timeline};
+use super::{advise_on_build, files, for_programs, keep, notice, plan, say, timeline};
 use crate::checkpoint::{Checkpoint, Identity};
-use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer, Rendering};
+use crate::engine::{Engine, MOST_EVENTS, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::interrupt;
@@ -44,10 +46,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     {
         return say(format_args!("{} is complete", output.path().display()));
     }
-    let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start);
-    check_files(args, &output, &keeping)?;
+    let keeping = args.keep.keeping(output.transfer(args.gamma), start);
+    let mut place = args.keep.place(output.path());
+    check_files(args, &output, &keeping, &place)?;
 
-    let rendering = begin(args, &keeping, &identity, &share, scene.limits())?;
+    let rendering = begin(args, &place, &identity, &share, scene.limits())?;
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let film = &checkpoint.rendering.film;
@@ -65,7 +68,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt::leave_at_once(false);
     let progress =
         ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
-    let mut place = keeping.place();
     let not_kept = keep::render(&renderer, &mut checkpoint, &keeping, &mut place, &progress)?;
     let interference = Interference::so_far().since(before);
 
@@ -128,12 +130,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 }
 
 /// Refuses files that cannot be written, and files that are the same.
-fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<()> {
+fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping, place: &Place) -> Result<()> {
     let mut written = vec![("the image", output.path())];
     let more = [("the record", &args.json), ("the trace", &args.trace)];
     written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    written.push(("the checkpoint", &keeping.file));
-    let partial = keeping.place().image();
+    written.push(("the checkpoint", place.file()));
+    let partial = place.image();
     written.extend(keeping.transfer.map(|_| ("the partial image", partial.as_path())));
     files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
 }
@@ -141,7 +143,7 @@ fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping) -> Result<
 /// What there is of the render already.
 fn begin(
     args: &RenderArgs,
-    keeping: &Keeping,
+    place: &Place,
     identity: &Identity,
     share: &Share,
     limits: &Limits,
@@ -154,8 +156,8 @@ fn begin(
             there.resume(&file.display().to_string(), identity, share.shard, samples)?
         }
     };
-    if resumed.is_none_or(|file| !same_file(file, &keeping.file)) {
-        keeping.check(identity, share, rendering.film.samples_done(), limits)?;
+    if resumed.is_none_or(|file| !same_file(file, place.file())) {
+        place.check(identity, share, rendering.film.samples_done(), limits)?;
     }
     Ok(rendering)
 }
@@ -200,64 +202,4 @@ impl SampleArgs {
             ..defaults
         }
     }
-}
-
-#[expect(clippy::too_many_arguments, reason = "what a run consists of")]
-fn summarize(
-    given: &str,
-    scene: &Scene,
-    settings: &RenderSettings,
-    renderer: &Renderer<'_>,
-    render: &Render,
-    hash: Option<&str>,
-    seconds: StepSeconds,
-    output: &Path,
-) -> Result<()> {
-    let RenderSettings { width, height, spp, depth, seed, .. } = settings;
-    let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
-    let engine = settings.engine.name();
-    let roulette = if settings.roulette { "on" } else { "off" };
-    let rays = &render.tally.rays;
-    let million = |n: u64| n as f64 * 1e-6;
-    let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
-    if let Some((x, y, sample)) = render.tally.non_finite.first {
-        notice(format_args!(
-            "{} samples were not finite and count as black; the first again, ray by ray: {}",
-            render.tally.non_finite.count,
-            path::command(given, settings, (x, y), sample)
-        ));
-    }
-    if settings.clamp < f32::INFINITY {
-        notice(format_args!("{} samples were clamped to {}", render.tally.clamped, settings.clamp));
-    }
-    say(format_args!(
-        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",
-        scene.name()
-    ))?;
-    say(format_args!(
-        "time    {total:.2} s = load {:.2} + build {:.2} + plan {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
-        seconds.load,
-        seconds.build,
-        seconds.plan,
-        seconds.render,
-        seconds.write,
-        renderer.threads()
-    ))?;
-    say(format_args!(
-        "rays    {:.2} M = {:.2} M primary + {:.2} M bounce + {:.2} M shadow",
-        million(rays.total()),
-        million(rays.primary),
-        million(rays.bounce),
-        million(rays.shadow)
-    ))?;
-    say(format_args!(
-        "speed   {:.2} Mrays/s, {:.2} Msamples/s",
-        million(rays.total()) / seconds.render,
-        million(rays.primary) / seconds.render
-    ))?;
-    if let Some(hash) = hash {
-        say(format_args!("hash    {hash}"))?;
-    }
-    say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
-    say(format_args!("file    {}", output.display()))
 }

@@ -32,7 +32,9 @@ struct Started {
 
 impl Started {
     fn new(folder: &Path, words: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_ptfast"))
+        // Whoever runs the tests may ignore hangups.
+        let mut child = Command::new("env")
+            .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_ptfast")])
             .args(words)
             .current_dir(folder)
             .stdout(Stdio::null())
