@@ -13,7 +13,7 @@ use crate::engine::{Rendering, Tally};
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
-use crate::limits::{Limit, Limits, check_image, check_sampling};
+use crate::limits::{Limits, check_image, check_sampling};
 use crate::output::write_atomically;
 
 /// The first line.
@@ -99,10 +99,7 @@ impl Checkpoint {
         let Header { scene, identity, shard, samples: [first, end], closed, open, seconds, .. } =
             header;
         let area = identity.area();
-        limits
-            .check(Limit::Pixels, area.pixels())
-            .and_then(|()| limits.check(Limit::Memory, Film::memory(area, first..end)))
-            .map_err(bad)?;
+        limits.check_image(area.pixels(), Film::memory(area, first..end)).map_err(bad)?;
         let before = MAGIC.len() + line.len();
         let of_film = length.saturating_sub((before + blake3::OUT_LEN) as u64);
         // At least the end of each pixel's samples.

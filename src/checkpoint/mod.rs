@@ -38,6 +38,11 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
+    /// Whether it is of this render, of this shard and these samples, however far it is.
+    pub fn is_of(&self, wanted: &Identity, shard: Option<Shard>, samples: &Range<u32>) -> bool {
+        self.identity == *wanted && self.shard == shard && self.rendering.film.samples() == *samples
+    }
+
     /// Whether nothing is left to be done for it.
     pub fn is_complete(&self) -> bool {
         let film = &self.rendering.film;

@@ -15,7 +15,7 @@ use super::progress::ProgressReport;
 use crate::checkpoint::Checkpoint;
 use crate::engine::{Observer, Progress, Renderer, Stop};
 use crate::error::{Error, Result};
-use crate::image::{Image, Metadata, Transfer};
+use crate::image::{Metadata, Transfer};
 use crate::interrupt;
 use crate::output::same_file;
 
@@ -141,8 +141,10 @@ fn stopped(
 ) -> Result<Error> {
     let signal = interrupt::signal();
     let so_far = checkpoint.rendering.progress();
-    // Both take their time, and there is little.
+    // Whether that can be is told when it is tried.
+    let _ = place.settle();
     let image = place.image();
+    // Both take their time, and there is little.
     let (kept, shown) = thread::scope(|scope| {
         let shown = scope.spawn(|| show(checkpoint, keeping, &image));
         let kept = place.keep_in_the_end(checkpoint);
@@ -182,9 +184,7 @@ pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place, error: Error) 
 fn show(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<bool> {
     let Some(transfer) = keeping.transfer else { return Ok(false) };
     let Progress { samples, .. } = checkpoint.rendering.progress();
-    let area = checkpoint.identity.area();
-    let means = checkpoint.rendering.film.means()?;
-    let image = Image::from_pixels(area.width, area.height, means);
+    let image = checkpoint.rendering.image()?;
     let metadata = Metadata::of_program().with("ptfast:partial", samples);
     image.write(path, transfer, &metadata).map(|()| true)
 }

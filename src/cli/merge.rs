@@ -10,7 +10,7 @@ use super::target::Target;
 use super::{files, say};
 use crate::checkpoint::{Checkpoint, merge};
 use crate::error::Result;
-use crate::image::{Image, Transfer};
+use crate::image::Transfer;
 
 #[derive(Debug, Args)]
 pub(super) struct MergeArgs {
@@ -36,8 +36,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let (area, tally) = (identity.area(), rendering.tally());
-    let image = Image::from_pixels(area.width, area.height, rendering.film.means()?);
+    let tally = rendering.tally();
+    let image = rendering.image()?;
     let hash = image.hash();
     if let Target::Image(path) = &output {
         image.write(path, args.gamma, &identity.metadata(&hash))?;

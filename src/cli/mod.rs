@@ -162,13 +162,14 @@ fn complain(message: &str, code: u8) {
 }
 
 fn tell(event: &str, message: &str, code: Option<u8>) {
-    let line = match (FOR_PROGRAMS.load(Ordering::Relaxed), code) {
-        (false, _) => format!("ptfast: {}", one_line(message)),
-        (true, None) => json!({"schema": 1, "event": event, "message": message}).to_string(),
-        (true, Some(code)) => {
-            json!({"schema": 1, "event": event, "message": message, "code": code}).to_string()
+    let mut line = format!("ptfast: {}", one_line(message));
+    if FOR_PROGRAMS.load(Ordering::Relaxed) {
+        let mut object = json!({"schema": 1, "event": event, "message": message});
+        if let Some(code) = code {
+            object["code"] = code.into();
         }
-    };
+        line = object.to_string();
+    }
     // There is nowhere to say that standard error is closed.
     let _ = writeln!(io::stderr(), "{line}");
 }

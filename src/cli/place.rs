@@ -101,10 +101,7 @@ impl Place {
             Error::Usage(format!("{what}: name another file for --checkpoint, or remove it"))
         };
         let there = Checkpoint::read(&self.file, limits).map_err(|error| refused(&error))?;
-        let same = there.identity == *identity
-            && there.shard == share.shard
-            && there.rendering.film.samples() == share.samples;
-        if !same {
+        if !there.is_of(identity, share.shard, &share.samples) {
             return Err(refused(&format_args!("{file} is of another render")));
         }
         if there.rendering.film.samples_done() <= done {
@@ -116,11 +113,11 @@ impl Place {
         )))
     }
 
-    /// Writes `checkpoint`.
+    /// Finds another name, where another program has taken this one meanwhile.
     ///
     /// # Errors
-    /// Where it cannot be written, or another program writes the file that the user named.
-    pub(super) fn keep(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+    /// Where the user named the file.
+    pub(super) fn settle(&mut self) -> Result<()> {
         let there = changed(&self.file);
         if there.is_some() && there != self.last {
             if self.is_given {
@@ -128,7 +125,17 @@ impl Place {
                 return Err(Error::io(&self.file, "write")(error));
             }
             self.file = self.names.free_film();
+            self.last = None;
         }
+        Ok(())
+    }
+
+    /// Writes `checkpoint`.
+    ///
+    /// # Errors
+    /// Where it cannot be written, or another program writes the file that the user named.
+    pub(super) fn keep(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        self.settle()?;
         checkpoint.write(&self.file)?;
         self.last = changed(&self.file);
         Ok(())
@@ -208,6 +215,8 @@ mod tests {
             fs::write(&file, "another's").unwrap();
             let kept = place.keep(&checkpoint);
             assert_eq!(fs::read_to_string(&file).unwrap(), "another's");
+            let image = if given { "a.partial.png" } else { "a.partial.2.png" };
+            assert_eq!(place.image(), at(image));
             match given {
                 true => assert!(kept.unwrap_err().to_string().contains("another program")),
                 false => assert_eq!((kept.unwrap(), place.file()), ((), &*at("a.partial.2.film"))),

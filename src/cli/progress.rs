@@ -47,7 +47,7 @@ pub(super) fn render(renderer: &Renderer<'_>, title: &str, telling: Telling) -> 
     let progress = ProgressReport::new(renderer, title, &rendering, telling);
     let advanced = renderer.advance(&mut rendering, &progress);
     progress.finish();
-    advanced.and_then(|()| renderer.finish(&rendering))
+    advanced.and_then(|()| renderer.finish(&mut rendering))
 }
 
 /// Shows how far one render is.

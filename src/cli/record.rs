@@ -17,16 +17,20 @@ pub(super) struct StepSeconds {
     pub(super) write: f64,
 }
 
+/// A run of `ptfast render`, of which the record and the summary tell.
+pub(super) struct Run<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a RenderSettings,
+    pub(super) renderer: &'a Renderer<'a>,
+    pub(super) render: &'a Render,
+    /// None for a part of an image.
+    pub(super) hash: Option<&'a str>,
+    pub(super) seconds: StepSeconds,
+}
+
 /// `render --json`: field names are fixed, more may be added.
-pub(super) fn render_record(
-    scene: &Scene,
-    settings: &RenderSettings,
-    renderer: &Renderer<'_>,
-    render: &Render,
-    hash: Option<&str>,
-    seconds: StepSeconds,
-    interference: Interference,
-) -> Value {
+pub(super) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
+    let Run { scene, settings, renderer, render, hash, seconds } = *run;
     let samples = render.tally.rays.primary as f64;
     json!({
         "schema": 1,

@@ -8,7 +8,7 @@ use super::args::{RenderArgs, SampleArgs, Switch};
 use super::keep::Keeping;
 use super::place::Place;
 use super::progress::{ProgressReport, Telling};
-use super::record::{self, StepSeconds};
+use super::record::{self, Run, StepSeconds};
 use super::share::Share;
 use super::summary::summarize;
 use super::target::Target;
@@ -72,7 +72,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let interference = Interference::so_far().since(before);
 
     let writing = Instant::now();
-    let render = renderer.finish(&checkpoint.rendering)?;
+    let render = renderer.finish(&mut checkpoint.rendering)?;
     // A part has no image, and so no hash of one.
     let part = share.is_part(&checkpoint.identity);
     let hash = (!part).then(|| render.image.hash());
@@ -91,16 +91,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         render: render.seconds.render,
         write: writing.elapsed().as_secs_f64(),
     };
+    let (settings, hash) = (&settings, hash.as_deref());
+    let run = Run { scene: &scene, settings, renderer: &renderer, render: &render, hash, seconds };
     if let Some(path) = &args.json {
-        let record = record::render_record(
-            &scene,
-            &settings,
-            &renderer,
-            &render,
-            hash.as_deref(),
-            seconds,
-            interference,
-        );
+        let record = record::render_record(&run, interference);
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
     }
     if let Some(path) = &args.trace {
@@ -112,16 +106,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if args.stats {
         super::stats::print(&render, renderer.plan())?;
     }
-    summarize(
-        &args.sample.scene,
-        &scene,
-        &settings,
-        &renderer,
-        &render,
-        hash.as_deref(),
-        seconds,
-        output.path(),
-    )?;
+    summarize(&run, &args.sample.scene, output.path())?;
     if let Some(error) = not_kept {
         return Err(error);
     }

@@ -2,23 +2,14 @@
 
 use std::path::Path;
 
-use super::record::StepSeconds;
+use super::record::Run;
 use super::{notice, path, say};
-use crate::engine::{Render, RenderSettings, Renderer};
+use crate::engine::RenderSettings;
 use crate::error::Result;
-use crate::scene::Scene;
 
-#[expect(clippy::too_many_arguments, reason = "what a run consists of")]
-pub(super) fn summarize(
-    given: &str,
-    scene: &Scene,
-    settings: &RenderSettings,
-    renderer: &Renderer<'_>,
-    render: &Render,
-    hash: Option<&str>,
-    seconds: StepSeconds,
-    output: &Path,
-) -> Result<()> {
+/// Of the scene that was `given`, whose image or film is `output`.
+pub(super) fn summarize(run: &Run<'_>, given: &str, output: &Path) -> Result<()> {
+    let Run { scene, settings, renderer, render, hash, seconds } = *run;
     let RenderSettings { width, height, spp, depth, seed, .. } = settings;
     let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
     let engine = settings.engine.name();

@@ -77,8 +77,7 @@ impl Target {
     ) -> Result<bool> {
         Ok(match self {
             Self::Film(path) => Checkpoint::read(path, limits).is_ok_and(|there| {
-                let same = there.identity == *identity && there.shard == share.shard;
-                same && there.rendering.film.samples() == share.samples && there.is_complete()
+                there.is_of(identity, share.shard, &share.samples) && there.is_complete()
             }),
             Self::Image(path) if !Format::of_path(path)?.has_metadata() => {
                 return Err(Error::Usage(format!(

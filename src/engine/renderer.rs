@@ -1,5 +1,6 @@
 //! From a scene and settings to an image: units of work on threads, whatever the engine.
 
+use std::mem;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -16,7 +17,7 @@ use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, Planning, WavefrontEngine};
 use crate::error::{Error, Result};
-use crate::film::{Film, Schedule, Tile, Unit};
+use crate::film::{Film, Schedule, Unit};
 use crate::image::Image;
 use crate::scene::Scene;
 
@@ -179,7 +180,7 @@ impl<'a> Renderer<'a> {
     pub fn render(&self) -> Result<Render> {
         let mut rendering = self.begin()?;
         self.advance(&mut rendering, &())?;
-        self.finish(&rendering)
+        self.finish(&mut rendering)
     }
 
     /// A render of the whole image, of which nothing is done.
@@ -205,15 +206,17 @@ impl<'a> Renderer<'a> {
         let lock = || shared.lock().expect("no thread panics while it holds the film");
         let failed = AtomicBool::new(false);
         let stop = || if failed.load(Ordering::Relaxed) { Stop::Now } else { observer.stop() };
-        // A worker that is held up may hold up others, but not have them pile up what they did.
-        let wait = || {
-            while stop() == Stop::No && lock().is_far_ahead() {
+        let next = || {
+            while stop() == Stop::No {
+                let mut shared = lock();
+                if !shared.is_far_ahead() {
+                    return shared.next();
+                }
+                drop(shared);
+                // A worker that is held up may hold up others, but not have them pile up what they did.
                 thread::sleep(Duration::from_millis(1));
             }
-        };
-        let next = || {
-            wait();
-            (stop() == Stop::No).then(|| lock().next()).flatten()
+            None
         };
         let abandon = || stop() == Stop::Now;
         let work = |thread: BroadcastContext<'_>| {
@@ -236,7 +239,7 @@ impl<'a> Renderer<'a> {
                 let progress = lock().add(taken, thread.index())?;
                 observer.progressed(progress);
             }
-            std::mem::forget(alarm);
+            mem::forget(alarm);
             Ok(())
         };
         let worked: Result<Vec<()>> = self.pool.broadcast(work).into_iter().collect();
@@ -244,21 +247,17 @@ impl<'a> Renderer<'a> {
         worked.map(|_| ())
     }
 
-    /// The image as far as it is rendered.
+    /// The image as far as it is rendered. Takes the timeline out of `rendering`: it may be large.
     ///
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
-    pub fn finish(&self, rendering: &Rendering) -> Result<Render> {
-        let tally = rendering.tally();
-        let Rendering { film, waves, seconds, timeline, .. } = rendering;
-        let Tile { width, height, .. } = film.area();
-        let image = Image::from_pixels(width, height, film.means()?);
+    pub fn finish(&self, rendering: &mut Rendering) -> Result<Render> {
         Ok(Render {
-            image,
-            tally,
-            waves: waves.clone(),
-            seconds: Seconds { render: *seconds, ..self.seconds },
-            timeline: timeline.clone(),
+            image: rendering.image()?,
+            tally: rendering.tally(),
+            waves: rendering.waves.clone(),
+            seconds: Seconds { render: rendering.seconds, ..self.seconds },
+            timeline: mem::take(&mut rendering.timeline),
         })
     }
 }

@@ -6,7 +6,8 @@ use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
 use crate::error::Result;
-use crate::film::{CHUNK, Film, Part, Schedule, Unit};
+use crate::film::{CHUNK, Film, Part, Schedule, Tile, Unit};
+use crate::image::Image;
 
 /// Events of a timeline, at most: some hundred megabytes.
 pub const MOST_EVENTS: usize = 1 << 21;
@@ -59,6 +60,15 @@ impl Rendering {
             self.film.grow(end);
             self.open = Tally::default();
         }
+    }
+
+    /// The image as far as it is; black where nothing is done.
+    ///
+    /// # Errors
+    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
+    pub fn image(&self) -> Result<Image> {
+        let Tile { width, height, .. } = self.film.area();
+        Ok(Image::from_pixels(width, height, self.film.means()?))
     }
 
     /// How far it is.

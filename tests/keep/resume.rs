@@ -67,7 +67,8 @@ fn renders_go_on_where_they_were_stopped() {
                 rendering = kept.resume("a.film", &identity, None, 0..spp).unwrap();
             }
             assert!(stops > 0, "{name}: it was never stopped");
-            let render = Renderer::new(&scene, base.clone()).unwrap().finish(&rendering).unwrap();
+            let render =
+                Renderer::new(&scene, base.clone()).unwrap().finish(&mut rendering).unwrap();
             assert_eq!(render.image.hash(), whole.image.hash(), "{name}");
             assert_eq!(render.tally, whole.tally, "{name}");
         }
