@@ -1,8 +1,10 @@
 //! Transfer curves between linear values and 8-bit codes, exact on every platform.
 
+use std::array;
 use std::sync::LazyLock;
 
 use crate::math::precise::pow_12_5;
+use crate::math::{max, min};
 
 /// How linear values become display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,15 +20,33 @@ pub enum Transfer {
 struct Table {
     /// Linear value of each code.
     linear: [f32; 256],
-    /// Entry k: the linear value half-way, on the curve, between codes k and k + 1.
-    thresholds: [f32; 255],
+    /// Entry k: the linear value half-way, on the curve, between codes k and k + 1; nothing is beyond the last.
+    thresholds: [f32; 256],
+    /// The code of the least value of each range of values, 2⁸ to an octave: so narrow that they have one
+    /// threshold at most.
+    codes: [u8; RANGES],
+}
+
+/// Below it all is code 0, on every curve.
+const DARK: f32 = 1.0 / (1 << 18) as f32;
+/// Low bits that may differ within a range: an `f32` has 23 to an octave.
+const RANGE_BITS: u32 = 23 - 8;
+const RANGES: usize = range(1.0) + 1;
+
+/// The range of a value in `[DARK, 1]`.
+const fn range(linear: f32) -> usize {
+    (linear.to_bits() - DARK.to_bits()) as usize >> RANGE_BITS
 }
 
 impl Table {
     fn new(to_linear: fn(f64) -> f64) -> Self {
+        let threshold = |k| to_linear((k as f64 + 0.5) / 255.0) as f32;
+        let thresholds = array::from_fn(|k| if k < 255 { threshold(k) } else { f32::INFINITY });
+        let least = |range: usize| f32::from_bits(DARK.to_bits() + ((range as u32) << RANGE_BITS));
         Self {
-            linear: std::array::from_fn(|k| to_linear(k as f64 / 255.0) as f32),
-            thresholds: std::array::from_fn(|k| to_linear((k as f64 + 0.5) / 255.0) as f32),
+            linear: array::from_fn(|k| to_linear(k as f64 / 255.0) as f32),
+            thresholds,
+            codes: array::from_fn(|range| thresholds.partition_point(|&t| t <= least(range)) as u8),
         }
     }
 }
@@ -54,8 +74,12 @@ impl Transfer {
     }
 
     /// The nearest of the 256 codes, clamped; NaN gives 0.
+    #[inline]
     pub fn encode(self, linear: f32) -> u8 {
-        self.table().thresholds.partition_point(|&threshold| threshold <= linear) as u8
+        let Table { thresholds, codes, .. } = self.table();
+        let linear = min(max(linear, DARK), 1.0);
+        let code = codes[range(linear)];
+        code + u8::from(thresholds[usize::from(code)] <= linear)
     }
 
     /// The linear value of a code.
@@ -112,6 +136,20 @@ mod tests {
             assert_eq!(transfer.encode(-1.0), 0);
             assert_eq!(transfer.encode(f32::INFINITY), 255);
             assert_eq!(Transfer::from_name(transfer.name()), Some(transfer));
+        }
+    }
+
+    #[test]
+    fn codes_change_at_their_thresholds_and_nowhere_else() {
+        for transfer in Transfer::ALL {
+            let Table { thresholds, .. } = transfer.table();
+            let beside = |x: f32| [x.next_down(), x, x.next_up()];
+            let ranges =
+                (0..RANGES as u32).map(|k| f32::from_bits(DARK.to_bits() + (k << RANGE_BITS)));
+            for linear in thresholds[..255].iter().copied().chain(ranges).flat_map(beside) {
+                let code = thresholds.iter().filter(|&&threshold| threshold <= linear).count();
+                assert_eq!(usize::from(transfer.encode(linear)), code, "{linear}");
+            }
         }
     }
 
