@@ -131,13 +131,6 @@ fn standard_output_that_takes_nothing() {
     assert!(folder.path().join("a.png").exists());
 }
 
-/// A thousand threads where there is no room for their stacks.
-#[test]
-fn threads_that_cannot_be_started() {
-    let line = format!("ulimit -v 500000; $P {RENDER} --threads 1000 --memory-limit 1TB -o a.png");
-    fails(&line, 70, "cannot start the threads: ", &[]);
-}
-
 /// A folder in which what C functions do is replaced by `source`.
 struct Replaced(TempDir);
 
@@ -177,6 +170,26 @@ fn threads_that_cannot_be_pinned() {
     assert!(run("--pin auto -o b.png").status.success() && replaced.has("b.png"));
 }
 
+/// The operating system starts two threads, and no more.
+#[test]
+fn threads_that_cannot_be_started() {
+    let replaced = Replaced::by(
+        "#define _GNU_SOURCE\n#include <dlfcn.h>\n#include <errno.h>\n#include <pthread.h>\n\
+         int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x)\n\
+         { static int started; if (started++ == 2) return EAGAIN;\n\
+         int (*next)() = (int (*)())dlsym(RTLD_NEXT, \"pthread_create\"); return next(t, a, f, x); }\n",
+    );
+    let refused = replaced.render("--threads 3 -o a.png");
+    assert_eq!(refused.status.code(), Some(70), "{}", stderr(&refused));
+    let says = "ptfast: internal fault: cannot start the threads: ";
+    assert!(stderr(&refused).starts_with(says) && stderr(&refused).lines().count() == 1);
+    assert!(!replaced.has("a.png"));
+    let long = "render --scene cornell --spp 10000 --quiet --threads 2 --time-limit 1ms -o a.png";
+    let stopped = shell(replaced.0.path(), &format!("LD_PRELOAD=$PWD/a.so $P {long}"));
+    assert_eq!(stopped.status.code(), Some(75), "{}", stderr(&stopped));
+    assert!(replaced.has("a.partial.film") && replaced.has("a.partial.png"));
+}
+
 /// The clock fails all threads but the first, and so does what std makes of it: a panic.
 #[test]
 fn a_panic_in_a_worker_is_an_internal_fault() {
@@ -198,6 +211,10 @@ fn a_panic_in_a_worker_is_an_internal_fault() {
         assert!(panicked.stdout.is_empty());
         let left = ["a.png", "a.partial.png", "a.partial.film"].map(|file| replaced.has(file));
         assert_eq!(left, [false; 3]);
+        let kept =
+            replaced.render(&format!("--engine {engine} -o a.png --checkpoint {engine}.film"));
+        assert_eq!(kept.status.code(), Some(70), "{}", stderr(&kept));
+        assert!(replaced.has(&format!("{engine}.film")) && !replaced.has("a.png"));
     }
 }
 

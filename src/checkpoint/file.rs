@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
 use crate::limits::{Limits, check_image, check_sampling};
-use crate::output::write_atomically;
+use crate::output::Pending;
 
 /// The first line.
 const MAGIC: &[u8] = b"ptfast film\n";
@@ -44,6 +44,14 @@ impl Checkpoint {
     /// # Errors
     /// Where `path` cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.pending(path)?.replace(path)
+    }
+
+    /// Writes it as a file that is to be in the folder of `path`.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub(crate) fn pending(&self, path: &Path) -> Result<Pending> {
         let Rendering { film, closed, open, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
@@ -56,7 +64,7 @@ impl Checkpoint {
             open: open.clone(),
             seconds: *seconds,
         };
-        write_atomically(path, |file| {
+        Pending::new(path, |file| {
             let hashing = Hashing { inner: file, hasher: blake3::Hasher::new() };
             // Hashes are made of many bytes at once.
             let mut file = BufWriter::with_capacity(1 << 16, hashing);

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -17,7 +17,7 @@ use crate::engine::{Observer, Progress, Renderer, Stop};
 use crate::error::{Error, Result};
 use crate::image::{Metadata, Transfer};
 use crate::interrupt;
-use crate::output::same_file;
+use crate::output::{Pending, same_file};
 
 /// How long workers may take to finish what they are at, once a render is to be stopped.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -96,18 +96,16 @@ pub(super) fn render(
     loop {
         let watch = Watch::new(keeping, progress, gap);
         let advance = AssertUnwindSafe(|| renderer.advance(&mut checkpoint.rendering, &watch));
-        let advanced = catch_unwind(advance).unwrap_or_else(|panic| {
-            progress.finish();
-            if keeping.every.is_some() {
-                // What is told is why the render ends.
-                let _ = place.keep_in_the_end(checkpoint);
-            }
-            resume_unwind(panic)
-        });
-        if advanced.is_err() || checkpoint.is_complete() {
+        let advanced = catch_unwind(advance);
+        let has_failed = !matches!(advanced, Ok(Ok(())));
+        if has_failed || checkpoint.is_complete() {
             progress.finish();
         }
-        advanced?;
+        if has_failed && keeping.every.is_some() {
+            // What is told is why the render ends.
+            let _ = place.keep_in_the_end(checkpoint);
+        }
+        advanced.unwrap_or_else(|panic| resume_unwind(panic))?;
         if checkpoint.is_complete() {
             break;
         }
@@ -141,15 +139,19 @@ fn stopped(
 ) -> Result<Error> {
     let signal = interrupt::signal();
     let so_far = checkpoint.rendering.progress();
-    // Whether that can be is told when it is tried.
-    let _ = place.settle();
     let image = place.image();
+    let draw = || draw(checkpoint, keeping, &image);
     // Both take their time, and there is little.
-    let (kept, shown) = thread::scope(|scope| {
-        let shown = scope.spawn(|| show(checkpoint, keeping, &image));
+    let (kept, drawn) = thread::scope(|scope| {
+        let drawing = thread::Builder::new().spawn_scoped(scope, draw);
         let kept = place.keep_in_the_end(checkpoint);
-        (kept, shown.join().unwrap_or_else(|panic| resume_unwind(panic)))
+        // One after the other, where there are no more threads.
+        let drawn = drawing.map_or_else(|_| Ok(draw()), ScopedJoinHandle::join);
+        (kept, drawn.unwrap_or_else(|panic| resume_unwind(panic)))
     });
+    // The name is of the checkpoint.
+    let image = place.image();
+    let shown = drawn.and_then(|drawn| drawn.map(|drawn| drawn.replace(&image)).transpose());
     let mut told = match kept {
         Ok(()) => {
             progress.kept("stopped", so_far, place.file());
@@ -164,8 +166,8 @@ fn stopped(
         }
     };
     told += &match shown {
-        Ok(false) => String::new(),
-        Ok(true) => format!(", {} shows it", image.display()),
+        Ok(None) => String::new(),
+        Ok(Some(())) => format!(", {} shows it", image.display()),
         Err(error) => format!(", {error}"),
     };
     Ok(Error::Stopped { signal, percent: checkpoint.percent(), kept: told })
@@ -180,13 +182,13 @@ pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place, error: Error) 
     Error::Kept { error: Box::new(error), kept }
 }
 
-/// Writes the image as far as it is, where one is wanted, and tells whether it is.
-fn show(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<bool> {
-    let Some(transfer) = keeping.transfer else { return Ok(false) };
+/// The image as far as it is, where one is wanted, as a file that is to be beside `path`.
+fn draw(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<Option<Pending>> {
+    let Some(transfer) = keeping.transfer else { return Ok(None) };
     let Progress { samples, .. } = checkpoint.rendering.progress();
     let image = checkpoint.rendering.image()?;
     let metadata = Metadata::of_program().with("ptfast:partial", samples);
-    image.write(path, transfer, &metadata).map(|()| true)
+    image.pending(path, transfer, &metadata).map(Some)
 }
 
 /// Watches a render, and stops it where something is to be done.

@@ -7,18 +7,20 @@ use crate::error::Result;
 use crate::limits::{Limit, Limits};
 use crate::scene::Scene;
 
+const HEADING: &str = "Limits";
+
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Limits")]
+// Not `next_help_heading`: what comes after these in other commands would have it, too.
 pub(super) struct LimitArgs {
     /// Allow more (or less) than usual: scene-bytes, nesting, primitives, mesh-bytes, texture-bytes or pixels;
     /// N may be such as 2GiB
-    #[arg(long = "limit", value_name = "NAME=N", value_parser = limit)]
+    #[arg(help_heading = HEADING, long = "limit", value_name = "NAME=N", value_parser = limit)]
     limits: Vec<(Limit, u64)>,
     /// Refuse what would take more memory, by estimate, such as 4GiB [default: what the machine and the process have]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
+    #[arg(help_heading = HEADING, long, value_name = "SIZE", value_parser = size)]
     memory_limit: Option<u64>,
     /// Let a scene read textures and meshes from outside its folder
-    #[arg(long)]
+    #[arg(help_heading = HEADING, long)]
     outside_files: bool,
 }
 

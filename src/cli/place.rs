@@ -33,12 +33,16 @@ impl Names {
         self.0.with_file_name(name)
     }
 
-    /// The first film that is not there yet, and neither is its image.
-    fn free_film(&self) -> PathBuf {
+    /// The films that are not there yet, and neither are their images.
+    fn free_films(&self) -> impl Iterator<Item = PathBuf> {
         let is_free = |path: PathBuf| fs::symlink_metadata(path).is_err();
-        let are_free = |number: &u32| is_free(self.film(*number)) && is_free(self.image(*number));
-        let number = (1..).find(are_free).expect("no folder is so full");
-        self.film(number)
+        let are_free =
+            move |&number: &u32| is_free(self.film(number)) && is_free(self.image(number));
+        (1..).filter(are_free).map(|number| self.film(number))
+    }
+
+    fn free_film(&self) -> PathBuf {
+        self.free_films().next().expect("no folder is so full")
     }
 
     fn film(&self, number: u32) -> PathBuf {
@@ -81,20 +85,13 @@ impl Place {
         &self.file
     }
 
-    /// Refuses to replace what is not of this render, or has more of it than the samples that are `done`: it would
-    /// be lost.
+    /// How many samples there are of this render already.
     ///
     /// # Errors
-    /// [`Error::Usage`] that says what to do.
-    pub(super) fn check(
-        &self,
-        identity: &Identity,
-        share: &Share,
-        done: u64,
-        limits: &Limits,
-    ) -> Result<()> {
+    /// [`Error::Usage`] where there is something else, which would be lost: it says what to do.
+    pub(super) fn done(&self, identity: &Identity, share: &Share, limits: &Limits) -> Result<u64> {
         if fs::metadata(&self.file).is_err_and(|error| error.kind() == ErrorKind::NotFound) {
-            return Ok(());
+            return Ok(0);
         }
         let file = self.file.display();
         let refused = |what: &dyn std::fmt::Display| {
@@ -104,39 +101,34 @@ impl Place {
         if !there.is_of(identity, share.shard, &share.samples) {
             return Err(refused(&format_args!("{file} is of another render")));
         }
-        if there.rendering.film.samples_done() <= done {
-            return Ok(());
-        }
-        let percent = there.percent();
-        Err(Error::Usage(format!(
+        Ok(there.rendering.film.samples_done())
+    }
+
+    /// That there is so much of this render, and less would take its place.
+    pub(super) fn has_more(&self, percent: u64) -> Error {
+        let file = self.file.display();
+        Error::Usage(format!(
             "{file} has {percent}% of this render: go on with --resume {file}, or remove it"
-        )))
+        ))
     }
 
-    /// Finds another name, where another program has taken this one meanwhile.
-    ///
-    /// # Errors
-    /// Where the user named the file.
-    pub(super) fn settle(&mut self) -> Result<()> {
-        let there = changed(&self.file);
-        if there.is_some() && there != self.last {
-            if self.is_given {
-                let error = io::Error::other("another program has changed it");
-                return Err(Error::io(&self.file, "write")(error));
-            }
-            self.file = self.names.free_film();
-            self.last = None;
-        }
-        Ok(())
-    }
-
-    /// Writes `checkpoint`.
+    /// Writes `checkpoint`: under another name, where another program has taken that which was free.
     ///
     /// # Errors
     /// Where it cannot be written, or another program writes the file that the user named.
     pub(super) fn keep(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        self.settle()?;
-        checkpoint.write(&self.file)?;
+        let pending = checkpoint.pending(&self.file)?;
+        let failed = |error| Error::io(&self.file, "write")(error);
+        // Not before: that took its time.
+        let there = changed(&self.file);
+        let is_own = there.is_some() && there == self.last;
+        if is_own || self.is_given && there.is_none() {
+            pending.replace(&self.file)?;
+        } else if self.is_given {
+            return Err(failed(io::Error::other("another program has changed it")));
+        } else {
+            self.file = pending.name(self.names.free_films()).map_err(failed)?;
+        }
         self.last = changed(&self.file);
         Ok(())
     }
@@ -147,9 +139,10 @@ impl Place {
     /// Where it cannot be written by any name.
     pub(super) fn keep_in_the_end(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         let Err(error) = self.keep(checkpoint) else { return Ok(()) };
-        let other = self.names.free_film();
-        checkpoint.write(&other).map_err(|_| error)?;
-        self.file = other;
+        self.file = self.names.free_film();
+        let pending = checkpoint.pending(&self.file);
+        let named = pending.ok().and_then(|file| file.name(self.names.free_films()).ok());
+        self.file = named.ok_or(error)?;
         Ok(())
     }
 
@@ -215,8 +208,6 @@ mod tests {
             fs::write(&file, "another's").unwrap();
             let kept = place.keep(&checkpoint);
             assert_eq!(fs::read_to_string(&file).unwrap(), "another's");
-            let image = if given { "a.partial.png" } else { "a.partial.2.png" };
-            assert_eq!(place.image(), at(image));
             match given {
                 true => assert!(kept.unwrap_err().to_string().contains("another program")),
                 false => assert_eq!((kept.unwrap(), place.file()), ((), &*at("a.partial.2.film"))),

@@ -165,24 +165,41 @@ impl ProgressReport {
         if !matches!(self.display, Display::Json { .. }) {
             return;
         }
-        let eta = match self.samples - progress.samples {
+        let Progress { samples, rays } = progress;
+        let eta = match self.samples - samples {
             0 => Some(0.0),
             _ => Some(self.eta(progress)).filter(|eta| eta.is_finite()),
         };
         let mut line = json!({
             "schema": 1,
             "event": event,
-            "done": progress.samples,
+            "done": samples,
             "total": self.samples,
             "eta_s": eta,
-            "rays": progress.rays,
+            "rays": rays,
         });
         if let Some((name, value)) = more {
             line[name] = Value::from(value);
         }
-        // There is nowhere to say that standard error is closed.
-        let _ = writeln!(stderr(), "{line}");
+        tell_programs(&line);
     }
+}
+
+/// Tells programs that a render of so many samples was done before: nobody knows by how many rays.
+pub(super) fn tell_complete(samples: u64) {
+    tell_programs(&json!({
+        "schema": 1,
+        "event": "done",
+        "done": samples,
+        "total": samples,
+        "eta_s": 0.0,
+        "rays": null,
+    }));
+}
+
+fn tell_programs(line: &Value) {
+    // There is nowhere to say that standard error is closed.
+    let _ = writeln!(stderr(), "{line}");
 }
 
 impl Observer for ProgressReport {

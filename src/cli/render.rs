@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::args::{RenderArgs, SampleArgs, Switch};
 use super::keep::Keeping;
 use super::place::Place;
-use super::progress::{ProgressReport, Telling};
+use super::progress::{self, ProgressReport, Telling};
 use super::record::{self, Run, StepSeconds};
 use super::share::Share;
 use super::summary::summarize;
@@ -17,6 +17,7 @@ use crate::checkpoint::{Checkpoint, Identity};
 use crate::engine::{Engine, MOST_EVENTS, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::input;
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::limits::Limits;
@@ -44,9 +45,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         && output.is_complete(&identity, &share, args.gamma, scene.limits())?
         && beside
     {
-        return say(format_args!("{} is complete", output.path().display()));
+        say(format_args!("{} is complete", output.path().display()))?;
+        if args.telling() == Telling::Json {
+            progress::tell_complete(share.film(&identity)?.samples_to_do());
+        }
+        return Ok(());
     }
     let keeping = args.keep.keeping(output.transfer(args.gamma), start);
+    if let Some(file) = &args.keep.resume {
+        // Before it is told that it cannot be replaced.
+        input::length(file)?;
+    }
     let mut place = args.keep.place(output.path());
     check_files(args, &output, &keeping, &place)?;
 
@@ -134,6 +143,9 @@ fn begin(
     limits: &Limits,
 ) -> Result<Rendering> {
     let resumed = args.keep.resume.as_ref();
+    let is_new = resumed.is_none_or(|file| !same_file(file, place.file()));
+    // One film at a time is in memory.
+    let there = if is_new { place.done(identity, share, limits)? } else { 0 };
     let rendering = match resumed {
         None => share.film(identity).map(Rendering::new)?,
         Some(file) => {
@@ -141,10 +153,11 @@ fn begin(
             there.resume(&file.display().to_string(), identity, share.shard, samples)?
         }
     };
-    if resumed.is_none_or(|file| !same_file(file, place.file())) {
-        place.check(identity, share, rendering.film.samples_done(), limits)?;
+    let film = &rendering.film;
+    match there > film.samples_done() {
+        true => Err(place.has_more(there * 100 / film.samples_to_do())),
+        false => Ok(rendering),
     }
-    Ok(rendering)
 }
 
 fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {

@@ -14,6 +14,7 @@ pub use write::{Format, Metadata};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::output::Pending;
 
 /// A linear RGB image of 32-bit floats, row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +79,17 @@ impl Image {
     /// # Errors
     /// Where no writer knows the extension or the file cannot be written.
     pub fn write(&self, path: &Path, transfer: Transfer, metadata: &Metadata) -> Result<()> {
-        write::write(self, path, transfer, metadata)
+        self.pending(path, transfer, metadata)?.replace(path)
+    }
+
+    /// As [`write`](Self::write), as a file that is to be in the folder of `path`.
+    pub(crate) fn pending(
+        &self,
+        path: &Path,
+        transfer: Transfer,
+        metadata: &Metadata,
+    ) -> Result<Pending> {
+        write::pending(self, path, transfer, metadata)
     }
 
     /// Width in pixels.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{Image, Transfer, row_bytes};
 use crate::error::{Error, Result};
-use crate::output::write_atomically;
+use crate::output::Pending;
 
 /// Text that goes into a file's header: the same for equal renders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -77,14 +77,14 @@ impl Format {
     }
 }
 
-pub(super) fn write(
+pub(super) fn pending(
     image: &Image,
     path: &Path,
     transfer: Transfer,
     metadata: &Metadata,
-) -> Result<()> {
+) -> Result<Pending> {
     let format = Format::of_path(path)?;
-    write_atomically(path, |file| match format {
+    Pending::new(path, |file| match format {
         Format::Png => write_png(image, file, transfer, metadata),
         Format::Exr => write_exr(image, file, metadata),
         Format::Hdr => write_hdr(image, file),

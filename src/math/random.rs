@@ -70,7 +70,7 @@ pub(crate) const MULTIPLIER_2: u32 = 0x735A_2D97;
 /// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
 /// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
 #[inline]
-pub(super) fn mix32(mut x: u32) -> u32 {
+pub fn mix32(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(MULTIPLIER_1);
     x = (x ^ (x >> 15)).wrapping_mul(MULTIPLIER_2);
     x ^ (x >> 15)

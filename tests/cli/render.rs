@@ -112,6 +112,8 @@ fn progress_is_quiet_when_asked() {
     let output = ptfast(folder.path(), &[&SMALL[..], &["20", "--quiet"]].concat());
     assert_eq!(stderr(&output), "");
     let help = succeeds(folder.path(), &["render", "--help"]);
+    let limits = &help[help.find("\nLimits:").unwrap()..];
+    assert_eq!(limits.matches("\n      --").count(), 3, "only what is a limit: {limits}");
     for flag in ["--scene", "--width", "--spp", "--sampling", "--roulette", "--gamma", "--json"] {
         assert!(help.contains(flag), "{flag}");
     }

@@ -8,8 +8,9 @@ use ptfast::engine::{Observer, Progress, Rendering, Stop};
 use ptfast::limits::Limits;
 use ptfast::math::random::Stream;
 use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use serde_json::Value;
 
-use super::common::ptfast;
+use super::common::{ptfast, stderr};
 use super::{hash, refusal, with};
 
 /// Stops a render when it was asked so many times whether it is to go on.
@@ -289,6 +290,10 @@ fn complete_files_are_skipped() {
         assert!(!skips(&record) && skips(&record), "there is no record");
         fs::remove_file(here.join("record.json")).unwrap();
     }
+    let words = with(&SMALL[..7], &["-o", "a.png", "--skip-complete", "--progress", "json"]);
+    ptfast(here, &words);
+    let skipped: Value = serde_json::from_str(&stderr(&ptfast(here, &words))).unwrap();
+    assert_eq!((&skipped["event"], &skipped["done"]), (&"done".into(), &skipped["total"]));
     let curve = with(&SMALL, &["a.png", "--skip-complete", "--spp", "4", "--gamma", "2"]);
     let output = ptfast(here, &curve);
     assert!(!String::from_utf8(output.stdout).unwrap().contains("is complete"), "another curve");

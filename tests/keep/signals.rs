@@ -5,6 +5,8 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use ptfast::checkpoint::Checkpoint;
+use ptfast::limits::Limits;
 use serde_json::Value;
 
 use super::{hash, with};
@@ -115,6 +117,30 @@ fn a_second_interrupt_leaves_at_once() {
     assert_eq!(ended, Some(130), "{said}");
     assert!(!said.contains("interrupted by"), "{said}");
     assert_eq!(fs::read_dir(here).unwrap().count(), 0, "nothing is kept, and nothing half-written");
+}
+
+/// Two that would be kept by the same names, as scripts and schedulers stop them.
+#[test]
+fn renders_stopped_together_are_kept_apart() {
+    for _ in 0..4 {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        let seeds = ["1", "2"];
+        let start = |seed| Started::new(here, &with(&LONG, &["--threads", "1", "--seed", seed]));
+        let mut renders = seeds.map(start);
+        let _ = renders.each_mut().map(|render| render.wait_for("start"));
+        let ids = renders.each_ref().map(|render| render.child.id().to_string());
+        assert!(Command::new("kill").arg("-TERM").args(&ids).status().unwrap().success());
+        let files = renders.each_mut().map(|render| render.wait_for("stopped")["file"].clone());
+        let ended = renders.map(|render| render.end().0);
+        assert_eq!(ended, [Some(143); 2]);
+        for (seed, file) in seeds.into_iter().zip(files) {
+            let film = here.join(file.as_str().unwrap());
+            let kept = Checkpoint::read(&film, &Limits::default()).unwrap();
+            assert_eq!(kept.identity.seed.to_string(), seed, "{}", film.display());
+        }
+        assert_eq!(fs::read_dir(here).unwrap().count(), 4, "two films and two images");
+    }
 }
 
 /// An interrupt after another signal is the first of its kind.

@@ -1,11 +1,12 @@
 //! Files that appear whole or not at all.
 
+mod temporary;
+
 use std::fs;
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, TempPath};
-
+use self::temporary::Temporary;
 use crate::error::{Error, Result};
 
 /// Links that are followed from one to the next.
@@ -21,19 +22,53 @@ pub fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
 ) -> Result<()> {
-    let failed = |source| Error::io(path, "write")(source);
-    let target = resolve(path).map_err(failed)?;
-    let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
-    if let Ok(replaced) = fs::metadata(&target) {
-        // A file that is private stays so.
-        let _ = temporary.file().set_permissions(replaced.permissions());
+    Pending::new(path, fill)?.replace(path)
+}
+
+/// A file that is on the disk, and has no name yet: it is gone with the process.
+#[must_use]
+pub(crate) struct Pending(Temporary);
+
+impl Pending {
+    /// Calls `fill` with a file that is to be in the folder of `path`, or where the link `path` leads to.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub(crate) fn new(
+        path: &Path,
+        fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+    ) -> Result<Self> {
+        let failed = |source| Error::io(path, "write")(source);
+        let target = resolve(path).map_err(failed)?;
+        let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
+        if let Ok(replaced) = fs::metadata(&target) {
+            // A file that is private stays so.
+            let _ = temporary.file().set_permissions(replaced.permissions());
+        }
+        let mut writer = BufWriter::new(temporary.file());
+        fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
+        drop(writer);
+        // Some file systems report a full disk only now.
+        temporary.file().sync_all().map_err(failed)?;
+        Ok(Self(temporary))
     }
-    let mut writer = BufWriter::new(temporary.file());
-    fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
-    drop(writer);
-    // Some file systems report a full disk only now.
-    temporary.file().sync_all().map_err(failed)?;
-    temporary.persist(&target).map_err(failed)
+
+    /// Puts it in the place of `path`, or of the file where that leads to.
+    ///
+    /// # Errors
+    /// Where that cannot be.
+    pub(crate) fn replace(self, path: &Path) -> Result<()> {
+        let failed = Error::io(path, "write");
+        resolve(path).and_then(|target| self.0.persist(&target)).map_err(failed)
+    }
+
+    /// Gives it the first of `names`, all in its folder, that nobody has taken, and tells which that is.
+    ///
+    /// # Errors
+    /// Where it cannot have one.
+    pub(crate) fn name(self, names: impl Iterator<Item = PathBuf>) -> io::Result<PathBuf> {
+        self.0.persist_new(names)
+    }
 }
 
 /// Finds out whether [`write_atomically`] could begin to write `path`, so that a long render
@@ -72,102 +107,6 @@ fn folder_of(file: &Path) -> &Path {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     }
-}
-
-/// A file that is not yet there.
-enum Temporary {
-    /// Without a name, where the file system has such: it is gone with the process.
-    Unnamed(fs::File, PathBuf),
-    Named(NamedTempFile),
-}
-
-impl Temporary {
-    fn in_folder(folder: &Path) -> io::Result<Self> {
-        // The crate's errors speak of the temporary file's name, which says nothing.
-        fs::metadata(folder)?;
-        match unnamed(folder) {
-            Some(file) => Ok(Self::Unnamed(file, folder.to_owned())),
-            None => {
-                let named = builder().tempfile_in(folder).map(Self::Named);
-                named.map_err(|error| io::Error::from(error.kind()))
-            }
-        }
-    }
-
-    fn file(&self) -> &fs::File {
-        match self {
-            Self::Unnamed(file, _) => file,
-            Self::Named(file) => file.as_file(),
-        }
-    }
-
-    /// Puts it in the place of `target`, in the same folder.
-    fn persist(self, target: &Path) -> io::Result<()> {
-        let path = match self {
-            Self::Named(file) => file.into_temp_path(),
-            Self::Unnamed(file, folder) => {
-                match builder().make_in(&folder, |path| link(&file, path)) {
-                    Ok(named) => named.into_temp_path(),
-                    // Not every process may do that.
-                    Err(_) => copy(&file, &folder)?,
-                }
-            }
-        };
-        path.persist(target).map_err(|error| error.error)?;
-        // So that the name outlives a crash of the machine, too; not all file systems can.
-        let _ = fs::File::open(folder_of(target)).and_then(|folder| folder.sync_all());
-        Ok(())
-    }
-}
-
-/// A file in `folder` with the content of `file`.
-fn copy(mut file: &fs::File, folder: &Path) -> io::Result<TempPath> {
-    let mut named = builder().tempfile_in(folder)?;
-    file.rewind()?;
-    io::copy(&mut file, named.as_file_mut())?;
-    named.as_file().set_permissions(file.metadata()?.permissions())?;
-    named.as_file().sync_all()?;
-    Ok(named.into_temp_path())
-}
-
-fn builder() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ptfast-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // As any new file: 0666 less the umask, not the 0600 of private temporaries.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
-}
-
-/// An empty file in `folder` that has no name yet.
-#[cfg(target_os = "linux")]
-fn unnamed(folder: &Path) -> Option<fs::File> {
-    use rustix::fs::{Mode, OFlags};
-    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
-    let file = rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666)).ok()?;
-    Some(file.into())
-}
-
-#[cfg(not(target_os = "linux"))]
-fn unnamed(_: &Path) -> Option<fs::File> {
-    None
-}
-
-/// Gives `file` the name `path`.
-#[cfg(target_os = "linux")]
-fn link(file: &fs::File, path: &Path) -> io::Result<()> {
-    use rustix::fs::{AtFlags, CWD};
-    use std::os::fd::AsRawFd;
-    let open = format!("/proc/self/fd/{}", file.as_raw_fd());
-    Ok(rustix::fs::linkat(CWD, open, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn link(_: &fs::File, _: &Path) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// The file that `path` stands for, there or not: links are followed, folders and devices refused, and what stands
@@ -244,32 +183,5 @@ mod tests {
             assert!(refused.contains(says), "{refused}");
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
-    }
-
-    #[test]
-    fn files_are_copied_where_they_cannot_be_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let temporary = Temporary::in_folder(folder.path()).unwrap();
-        temporary.file().write_all(b"content").unwrap();
-        let path = folder.path().join("a.pfm");
-        copy(temporary.file(), folder.path()).unwrap().persist(&path).unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"content");
-    }
-
-    #[test]
-    fn files_with_and_without_a_name_take_the_place() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pfm");
-        let named = || Ok(Temporary::Named(builder().tempfile_in(folder.path())?));
-        let usual = || Temporary::in_folder(folder.path());
-        let makers: [(&str, &dyn Fn() -> io::Result<Temporary>); 3] =
-            [("one", &usual), ("two", &named), ("three", &usual)];
-        for (text, make) in makers {
-            let temporary = make().unwrap();
-            temporary.file().write_all(text.as_bytes()).unwrap();
-            temporary.persist(&path).unwrap();
-            assert_eq!(fs::read_to_string(&path).unwrap(), text);
-            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        }
     }
 }
