@@ -62,5 +62,7 @@ mod tests {
                 assert_eq!(all.concat().len(), tiles.len());
             }
         }
+        let last = Shard { index: 0, count: u32::MAX };
+        assert!(last.has(1 << 16, 0, 0) && !last.has(1 << 16, (1 << 16) - 1, (1 << 16) - 1));
     }
 }
