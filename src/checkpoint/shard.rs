@@ -20,11 +20,14 @@ pub struct Shard {
 impl Shard {
     /// Whether pixel `(x, y)` of an image of this width is in it.
     pub fn has(&self, width: u32, x: u32, y: u32) -> bool {
-        let [columns, column, row] = [width.div_ceil(TILE), x / TILE, y / TILE];
-        let tile = row * columns + column;
-        let turned = tile + mix32(tile / self.count) % self.count;
-        turned % self.count == self.index
+        let tile = y / TILE * width.div_ceil(TILE) + x / TILE;
+        index_of(tile, self.count) == self.index
     }
+}
+
+/// Which of `count` shards a tile is in.
+fn index_of(tile: u32, count: u32) -> u32 {
+    (tile + mix32(tile / count) % count) % count
 }
 
 #[cfg(test)]
@@ -42,14 +45,12 @@ mod tests {
             let tiles: Vec<[u32; 2]> =
                 (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
             for count in 1..=columns * rows + 1 {
-                let shards = (0..count).map(|index| Shard { index, count });
-                let has = |shard: &Shard| {
-                    let of = |&&[x, y]: &&[u32; 2]| shard.has(width, x * TILE, (y + 1) * TILE - 1);
-                    tiles.iter().filter(of).copied().collect::<Vec<_>>()
-                };
-                let all: Vec<_> = shards.map(|shard| has(&shard)).collect();
+                let mut shards = vec![Vec::new(); count as usize];
+                for (tile, place) in (0..).zip(&tiles) {
+                    shards[index_of(tile, count) as usize].push(*place);
+                }
                 let each = tiles.len() / count as usize;
-                for shard in &all {
+                for shard in &shards {
                     assert!((each..=each + 1).contains(&shard.len()), "{width} {height} {count}");
                     for (side, length) in [columns, rows].into_iter().enumerate() {
                         let of = |tile: &[u32; 2]| tile[side];
@@ -58,8 +59,12 @@ mod tests {
                         assert!(distinct >= least, "{width} {height} {count}: {shard:?}");
                     }
                 }
-                assert_eq!(all.concat().iter().collect::<HashSet<_>>().len(), tiles.len());
-                assert_eq!(all.concat().len(), tiles.len());
+            }
+            for (x, y) in [(0, 0), (width - 1, height / 2), (width / 2, height - 1)] {
+                let has = |index: &u32| Shard { index: *index, count: 7 }.has(width, x, y);
+                let tile = tiles.iter().position(|tile| *tile == [x / TILE, y / TILE]);
+                let index = index_of(u32::try_from(tile.expect("inside")).expect("few"), 7);
+                assert_eq!((0..7).filter(has).collect::<Vec<_>>(), [index]);
             }
         }
         let last = Shard { index: 0, count: u32::MAX };
