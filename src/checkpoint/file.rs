@@ -24,6 +24,10 @@ const SCHEMA: u32 = 1;
 const MOST_HEADER: u64 = 1 << 16;
 /// A file of so many bytes is hashed in a second, whatever its header says.
 const SOON_HASHED: u64 = 1 << 30;
+/// Longer than any render, and few enough for sums of many.
+const MOST_SECONDS: f64 = 1e12;
+/// More than any render has of anything, and few enough for sums of many.
+const MOST_COUNT: u64 = 1 << 53;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -167,6 +171,13 @@ fn header(line: &[u8]) -> Result<Header, String> {
     }
     if header.shard.is_some_and(|Shard { index, count }| index >= count) {
         return Err("the shard is none of so many".to_owned());
+    }
+    let Header { closed, open, seconds, .. } = &header;
+    if !(0.0..=MOST_SECONDS).contains(seconds) {
+        return Err("the seconds are none".to_owned());
+    }
+    if closed.counts().chain(open.counts()).any(|count| count > MOST_COUNT) {
+        return Err("the counts are none".to_owned());
     }
     let [first, end] = header.samples;
     if !(first.is_multiple_of(CHUNK) && first < end && end <= spp) {

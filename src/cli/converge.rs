@@ -1,7 +1,7 @@
 //! `ptfast converge`.
 
 use std::io::{IsTerminal, Write, stderr};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -78,7 +78,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
     let written = [("the record", &args.json), ("the plot", &args.plot)];
     let written: Vec<_> =
         written.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))).collect();
-    files::check(&[("the scene", Path::new(&args.scene))], &written)?;
+    files::check(&files::of_scene(&args.scene, &scene), &written)?;
 
     let bar = (!args.quiet && stderr().is_terminal()).then(|| {
         let style = "{prefix} {wide_bar} {percent:>3}%  {eta}";

@@ -2,8 +2,6 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
@@ -12,15 +10,14 @@ use jiff::SignedDuration;
 
 use super::place::Place;
 use super::progress::ProgressReport;
+use super::watch::Watch;
 use crate::checkpoint::Checkpoint;
-use crate::engine::{Observer, Progress, Renderer, Stop};
+use crate::engine::{Progress, Renderer};
 use crate::error::{Error, Result};
 use crate::image::{Metadata, Transfer};
 use crate::interrupt;
 use crate::output::{Pending, same_file};
 
-/// How long workers may take to finish what they are at, once a render is to be stopped.
-const PATIENCE: Duration = Duration::from_millis(500);
 /// So many times as long as a checkpoint took the render goes on before the next, whatever is asked for.
 const LEAST_GAP: u32 = 4;
 
@@ -30,11 +27,11 @@ const INTERVAL: Duration = Duration::from_secs(60);
 #[derive(Debug, Args)]
 pub(super) struct KeepArgs {
     /// Keep what is rendered so far in this .film file, now and then, on SIGUSR1 and when stopped [default: that of
-    /// --resume, or one beside the image, when stopped]
+    /// --resume; without, one beside the image, only when stopped]
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Time between checkpoints, such as 90s or 1h30m [default: 60s]
-    #[arg(long, value_name = "TIME", requires = "checkpoint", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     checkpoint_every: Option<Duration>,
     /// Stop after this time, such as 90s or 1h30m, with a checkpoint and exit code 75; something is rendered in any
     /// case
@@ -53,27 +50,44 @@ fn duration(text: &str) -> Result<Duration, String> {
 /// When a render is kept.
 pub(super) struct Keeping {
     /// The time between checkpoints; none where there is one only when it is stopped.
-    every: Option<Duration>,
+    pub(super) every: Option<Duration>,
     /// How long it may take from `start` on.
-    time_limit: Option<Duration>,
+    pub(super) time_limit: Option<Duration>,
     /// When the program began.
-    start: Instant,
+    pub(super) start: Instant,
     /// How the image is shown as far as it is, when it is stopped; none for those who want no image.
     pub(super) transfer: Option<Transfer>,
 }
 
 impl KeepArgs {
-    /// When a render that began at `start` is kept, of which there is an image where `transfer` says how.
-    pub(super) fn keeping(&self, transfer: Option<Transfer>, start: Instant) -> Keeping {
-        let every = self.checkpoint.as_ref().map(|_| self.checkpoint_every.unwrap_or(INTERVAL));
-        Keeping { every, time_limit: self.time_limit, start, transfer }
+    /// When a render of `output` that began at `start` is kept, of which there is an image where `transfer` says how.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where there are to be checkpoints in no file.
+    pub(super) fn keeping(
+        &self,
+        output: &Path,
+        transfer: Option<Transfer>,
+        start: Instant,
+    ) -> Result<Keeping> {
+        if self.checkpoint_every.is_some() && self.file(output).is_none() {
+            let message = "--checkpoint-every: --checkpoint must name a file for them";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        let every = self.file(output).map(|_| self.checkpoint_every.unwrap_or(INTERVAL));
+        Ok(Keeping { every, time_limit: self.time_limit, start, transfer })
     }
 
     /// Where a render of `output` is kept.
     pub(super) fn place(&self, output: &Path) -> Place {
+        Place::new(output, self.file(output))
+    }
+
+    /// The file that the user named for checkpoints of `output`.
+    fn file(&self, output: &Path) -> Option<&Path> {
         // A target is whole, or as it was.
         let resumed = self.resume.as_deref().filter(|file| !same_file(file, output));
-        Place::new(output, self.checkpoint.as_deref().or(resumed))
+        self.checkpoint.as_deref().or(resumed)
     }
 }
 
@@ -142,27 +156,35 @@ fn stopped(
     let image = place.image();
     let draw = || draw(checkpoint, keeping, &image);
     // Both take their time, and there is little.
-    let (kept, drawn) = thread::scope(|scope| {
+    let (mut kept, mut drawn) = thread::scope(|scope| {
         let drawing = thread::Builder::new().spawn_scoped(scope, draw);
-        let kept = place.keep_in_the_end(checkpoint);
+        let kept = place.keep(checkpoint);
         // One after the other, where there are no more threads.
         let drawn = drawing.map_or_else(|_| Ok(draw()), ScopedJoinHandle::join);
         (kept, drawn.unwrap_or_else(|panic| resume_unwind(panic)))
     });
+    if kept.is_err() || drawn.is_err() {
+        // One may have taken the room of the other.
+        drop(drawn);
+        kept = kept.or_else(|_| place.keep_in_the_end(checkpoint));
+        // Where nothing is kept, a signal may be from one who wants to see something at least.
+        drawn = if kept.is_ok() || signal.is_some() { draw() } else { Ok(None) };
+    }
     // The name is of the checkpoint.
     let image = place.image();
     let shown = drawn.and_then(|drawn| drawn.map(|drawn| drawn.replace(&image)).transpose());
     let mut told = match kept {
         Ok(()) => {
             progress.kept("stopped", so_far, place.file());
-            format!("go on with --resume {}", place.file().display())
+            go_on(place)
         }
         Err(error) => {
             progress.lost(so_far);
-            if signal.is_none() {
-                return Err(error);
+            match signal {
+                None => return Err(with_earlier(error, place)),
+                Some(_) if place.has_earlier() => format!("{}, as it was; {error}", go_on(place)),
+                Some(_) => format!("nothing is kept, {error}"),
             }
-            format!("nothing is kept, {error}")
         }
     };
     told += &match shown {
@@ -175,11 +197,24 @@ fn stopped(
 
 /// Keeps a render that is complete, whose image could not be written: `error` says why.
 pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place, error: Error) -> Error {
-    if place.keep_in_the_end(checkpoint).is_err() {
-        return error;
+    match place.keep_in_the_end(checkpoint) {
+        Ok(()) => Error::Kept { error: Box::new(error), kept: go_on(place) },
+        Err(_) => with_earlier(error, place),
     }
-    let kept = format!("go on with --resume {}", place.file().display());
-    Error::Kept { error: Box::new(error), kept }
+}
+
+/// `error`, and what there is where nothing more could be kept.
+fn with_earlier(error: Error, place: &Place) -> Error {
+    match place.has_earlier() {
+        true => {
+            Error::Kept { error: Box::new(error), kept: format!("{}, as it was", go_on(place)) }
+        }
+        false => error,
+    }
+}
+
+fn go_on(place: &Place) -> String {
+    format!("go on with --resume {}", place.file().display())
 }
 
 /// The image as far as it is, where one is wanted, as a file that is to be beside `path`.
@@ -189,58 +224,6 @@ fn draw(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<Optio
     let image = checkpoint.rendering.image()?;
     let metadata = Metadata::of_program().with("ptfast:partial", samples);
     image.pending(path, transfer, &metadata).map(Some)
-}
-
-/// Watches a render, and stops it where something is to be done.
-struct Watch<'a> {
-    keeping: &'a Keeping,
-    progress: &'a ProgressReport,
-    /// When it began, and how long it goes on at least before it is kept.
-    start: Instant,
-    gap: Duration,
-    /// Whether something was done since: a limit of time that was over before would end every run at nothing.
-    advanced: AtomicBool,
-    /// When it was first noticed that the render is to end.
-    noticed: OnceLock<Instant>,
-}
-
-impl<'a> Watch<'a> {
-    fn new(keeping: &'a Keeping, progress: &'a ProgressReport, gap: Duration) -> Self {
-        let (start, advanced) = (Instant::now(), AtomicBool::new(false));
-        Self { keeping, progress, start, gap, advanced, noticed: OnceLock::new() }
-    }
-
-    /// Whether the render is to end, and since when that is known.
-    fn ends(&self) -> Option<Instant> {
-        let is_over = |limit: Duration| self.keeping.start.elapsed() >= limit;
-        let ends = interrupt::signal().is_some()
-            || self.keeping.time_limit.is_some_and(is_over)
-                && self.advanced.load(Ordering::Relaxed);
-        ends.then(|| *self.noticed.get_or_init(Instant::now))
-    }
-
-    fn is_to_be_kept(&self) -> bool {
-        let since = self.start.elapsed();
-        let due = self.keeping.every.is_some_and(|every| since >= every);
-        let advanced = self.advanced.load(Ordering::Relaxed);
-        due && since >= self.gap || interrupt::is_requested() && advanced
-    }
-}
-
-impl Observer for Watch<'_> {
-    fn progressed(&self, progress: Progress) {
-        self.advanced.store(true, Ordering::Relaxed);
-        self.progress.progressed(progress);
-    }
-
-    fn stop(&self) -> Stop {
-        match self.ends() {
-            Some(noticed) if noticed.elapsed() > PATIENCE => Stop::Now,
-            Some(_) => Stop::Soon,
-            None if self.is_to_be_kept() => Stop::Soon,
-            None => Stop::No,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -21,12 +21,14 @@ mod rays;
 mod record;
 mod render;
 mod scenes;
+mod scheduler;
 mod share;
 mod stats;
 mod summary;
 mod target;
 mod timeline;
 mod trace;
+mod watch;
 
 use std::env;
 use std::ffi::OsString;

@@ -17,6 +17,8 @@ struct Names(PathBuf);
 
 /// Bytes of a name that are kept, so that there is room for more.
 const MOST_STEM: usize = 200;
+/// Films of one image that are told by their names, at most.
+const MOST_OWN: u32 = 10_000;
 
 impl Names {
     fn name(&self, number: u32, extension: &OsStr) -> PathBuf {
@@ -53,15 +55,17 @@ impl Names {
         self.name(number, self.0.extension().unwrap_or_default())
     }
 
-    /// That of `film`; of one that the user named, the first.
+    /// That of `film`; of one that the user named, the first that is of no film here.
     fn image_of(&self, film: &Path) -> PathBuf {
-        let own = (1..MOST_OWN).find(|&number| same_file(&self.film(number), film));
-        self.image(own.unwrap_or(1))
+        let is_it = |&number: &u32| {
+            let own = self.film(number);
+            own.file_name() == film.file_name() && same_file(&own, film)
+        };
+        let is_free = |&number: &u32| fs::symlink_metadata(self.film(number)).is_err();
+        let number = (1..MOST_OWN).find(is_it).or_else(|| (1..).find(is_free));
+        self.image(number.expect("no folder is so full"))
     }
 }
-
-/// Films of one image that are told by their names, at most.
-const MOST_OWN: u32 = 100;
 
 /// A place for checkpoints that nobody else is to take.
 pub(super) struct Place {
@@ -119,15 +123,13 @@ impl Place {
     pub(super) fn keep(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         let pending = checkpoint.pending(&self.file)?;
         let failed = |error| Error::io(&self.file, "write")(error);
-        // Not before: that took its time.
-        let there = changed(&self.file);
-        let is_own = there.is_some() && there == self.last;
-        if is_own || self.is_given && there.is_none() {
+        let is_there = changed(&self.file).is_some();
+        if self.has_earlier() {
             pending.replace(&self.file)?;
-        } else if self.is_given {
-            return Err(failed(io::Error::other("another program has changed it")));
-        } else {
+        } else if !self.is_given {
             self.file = pending.name(self.names.free_films()).map_err(failed)?;
+        } else if is_there || !pending.create(&self.file)? {
+            return Err(failed(io::Error::other("another program has changed it")));
         }
         self.last = changed(&self.file);
         Ok(())
@@ -139,11 +141,16 @@ impl Place {
     /// Where it cannot be written by any name.
     pub(super) fn keep_in_the_end(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         let Err(error) = self.keep(checkpoint) else { return Ok(()) };
-        self.file = self.names.free_film();
-        let pending = checkpoint.pending(&self.file);
+        let pending = checkpoint.pending(&self.names.free_film());
         let named = pending.ok().and_then(|file| file.name(self.names.free_films()).ok());
         self.file = named.ok_or(error)?;
+        self.last = changed(&self.file);
         Ok(())
+    }
+
+    /// Whether there is a checkpoint as this program left it, or found it.
+    pub(super) fn has_earlier(&self) -> bool {
+        self.last.is_some() && changed(&self.file) == self.last
     }
 
     /// Where the image is shown as far as it is, beside the checkpoint that was written last.
@@ -181,7 +188,9 @@ mod tests {
         assert_eq!(second, (at("a.partial.2.film"), at("a.partial.2.png")));
         fs::write(at("a.partial.2.png"), "").unwrap();
         assert_eq!(place(None, "a.png").0, at("a.partial.3.film"), "the image is there");
-        assert_eq!(place(Some("b.film"), "a.png"), (at("b.film"), at("a.partial.png")));
+        let other = place(Some("b.film"), "a.png");
+        assert_eq!(other, (at("b.film"), at("a.partial.2.png")), "the first is of a.partial.film");
+        assert_eq!(place(Some("b.film"), "c.png").1, at("c.partial.png"));
         let long = place(None, &format!("{}.png", "é".repeat(125)));
         assert_eq!(long.0, at(&format!("{}.partial.film", "é".repeat(50))));
     }

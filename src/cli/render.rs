@@ -1,7 +1,6 @@
 //! `ptfast render`.
 
 use std::io::Write;
-use std::path::Path;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
@@ -51,13 +50,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         }
         return Ok(());
     }
-    let keeping = args.keep.keeping(output.transfer(args.gamma), start);
+    let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
     if let Some(file) = &args.keep.resume {
         // Before it is told that it cannot be replaced.
         input::length(file)?;
     }
     let mut place = args.keep.place(output.path());
-    check_files(args, &output, &keeping, &place)?;
+    check_files(args, &scene, &output, &keeping, &place)?;
 
     let rendering = begin(args, &place, &identity, &share, scene.limits())?;
     let mut checkpoint =
@@ -124,14 +123,25 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 }
 
 /// Refuses files that cannot be written, and files that are the same.
-fn check_files(args: &RenderArgs, output: &Target, keeping: &Keeping, place: &Place) -> Result<()> {
-    let mut written = vec![("the image", output.path())];
+fn check_files(
+    args: &RenderArgs,
+    scene: &Scene,
+    output: &Target,
+    keeping: &Keeping,
+    place: &Place,
+) -> Result<()> {
+    let mut read = files::of_scene(&args.sample.scene, scene);
+    read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
+    let mut beside = Vec::new();
     let more = [("the record", &args.json), ("the trace", &args.trace)];
-    written.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    written.push(("the checkpoint", place.file()));
+    beside.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
     let partial = place.image();
-    written.extend(keeping.transfer.map(|_| ("the partial image", partial.as_path())));
-    files::check(&[("the scene", Path::new(&args.sample.scene))], &written)
+    beside.extend(keeping.transfer.map(|_| ("the partial image", partial.as_path())));
+    let written = [("the image", output.path()), ("the checkpoint", place.file())];
+    files::check(&read, &[&written, &*beside].concat())?;
+    // What is resumed may be replaced by what has more of it.
+    let resumed = args.keep.resume.as_deref().map(|file| ("the checkpoint", file));
+    files::check(resumed.as_slice(), &beside)
 }
 
 /// What there is of the render already.

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use clap::Args;
 
+use super::scheduler;
 use crate::checkpoint::{Identity, Shard};
 use crate::engine::RenderSettings;
 use crate::error::{Error, Result};
@@ -76,51 +77,8 @@ impl ShardChoice {
     fn shard(self) -> Result<Shard> {
         match self {
             Self::Given(shard) => Ok(shard),
-            Self::Auto(count) => from_scheduler(count, |name| env::var(name).ok()),
+            Self::Auto(count) => scheduler::shard(count, |name| env::var(name).ok()),
         }
-    }
-}
-
-/// The shard that the environment's array job or indexed job is at.
-fn from_scheduler(count: Option<u32>, variable: impl Fn(&str) -> Option<String>) -> Result<Shard> {
-    let number = |name: &str| -> Result<Option<u32>> {
-        let parse = |text: String| {
-            let wrong = || Error::Usage(format!("--shard auto: {name} is no number: `{text}`"));
-            text.trim().parse().map_err(|_| wrong())
-        };
-        variable(name).map(parse).transpose()
-    };
-    let index = match number("SLURM_ARRAY_TASK_ID")? {
-        Some(id) => {
-            let least = number("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
-            let step = number("SLURM_ARRAY_TASK_STEP")?.unwrap_or(1).max(1);
-            let steps = id.checked_sub(least).map(|steps| steps / step);
-            Some(steps.ok_or_else(|| {
-                let wrong = "is less than SLURM_ARRAY_TASK_MIN";
-                Error::Usage(format!("--shard auto: SLURM_ARRAY_TASK_ID {id} {wrong} {least}"))
-            })?)
-        }
-        None => number("JOB_COMPLETION_INDEX")?,
-    };
-    let count = match (count, number("SLURM_ARRAY_TASK_COUNT")?) {
-        (Some(given), Some(tasks)) if given != tasks => {
-            let message = format!("--shard auto/{given}: SLURM_ARRAY_TASK_COUNT is {tasks}");
-            return Err(Error::Usage(message));
-        }
-        (given, tasks) => given.or(tasks),
-    };
-    match (index, count) {
-        (Some(index), Some(count)) if index < count => Ok(Shard { index, count }),
-        (Some(index), Some(count)) => {
-            Err(Error::Usage(format!("--shard auto: task {index}, from 0, is none of {count}")))
-        }
-        (Some(_), None) => Err(Error::Usage(
-            "--shard auto: SLURM_ARRAY_TASK_COUNT is not set: tell how many there are with auto/N"
-                .to_owned(),
-        )),
-        (None, _) => Err(Error::Usage(
-            "--shard auto: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX is set".to_owned(),
-        )),
     }
 }
 
@@ -204,43 +162,6 @@ mod tests {
         }
         assert!(samples("16..64").is_ok() && samples("64..64").is_err() && samples("64").is_err());
         assert!(crop("0,0,1,1").is_ok() && crop("1,0,1,1").is_err() && crop("0,0,1").is_err());
-    }
-
-    #[test]
-    fn schedulers_tell_the_shard() {
-        let shard = |count, variables: &[(&str, &str)]| {
-            from_scheduler(count, |name| {
-                variables
-                    .iter()
-                    .find(|(known, _)| *known == name)
-                    .map(|(_, text)| (*text).to_owned())
-            })
-        };
-        let slurm = [
-            ("SLURM_ARRAY_TASK_ID", "7"),
-            ("SLURM_ARRAY_TASK_MIN", "5"),
-            ("SLURM_ARRAY_TASK_COUNT", "4"),
-        ];
-        assert_eq!(shard(None, &slurm).unwrap(), Shard { index: 2, count: 4 });
-        let steps = [("SLURM_ARRAY_TASK_STEP", "2")];
-        assert_eq!(
-            shard(None, &[&slurm[..], &steps].concat()).unwrap(),
-            Shard { index: 1, count: 4 }
-        );
-        assert_eq!(
-            shard(Some(9), &[("JOB_COMPLETION_INDEX", "8")]).unwrap(),
-            Shard { index: 8, count: 9 }
-        );
-        for (count, variables) in [
-            (None, &slurm[..1]),
-            (None, &[]),
-            (Some(2), &slurm[..]),
-            (Some(8), &slurm[..]),
-            (Some(9), &[("SLURM_ARRAY_TASK_ID", "4"), ("SLURM_ARRAY_TASK_MIN", "5")]),
-            (Some(9), &[("JOB_COMPLETION_INDEX", "x")]),
-        ] {
-            assert_eq!(shard(count, variables).unwrap_err().exit_code(), 2, "{variables:?}");
-        }
     }
 
     #[test]

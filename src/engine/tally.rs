@@ -36,6 +36,13 @@ impl Tally {
         }
     }
 
+    /// All numbers in it.
+    pub(crate) fn counts(&self) -> impl Iterator<Item = u64> {
+        let RayCounts { primary, bounce, shadow } = self.rays;
+        let endings = self.endings.each().map(|(_, paths)| paths);
+        [primary, bounce, shadow, self.non_finite.count, self.clamped].into_iter().chain(endings)
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.rays.add(other.rays);
         self.endings.add(&other.endings);

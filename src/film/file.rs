@@ -52,6 +52,10 @@ impl Film {
                     let mut bytes = [0; 4];
                     file.read_exact(&mut bytes)?;
                     *value = f32::from_le_bytes(bytes);
+                    if value.is_nan() {
+                        let message = "a sum of samples is not a number";
+                        return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+                    }
                 }
             }
         }

@@ -137,11 +137,13 @@ impl Limits {
             return Ok(());
         }
         let name = limit.name();
+        // Memory is estimated step by step, and the next may need more.
+        let least = if limit == Limit::Memory { "at least " } else { "" };
         let raise = match value <= limit.most() {
             true => format!(": {} raises it", limit.flag(value)),
             false => String::new(),
         };
-        Err(format!("the limit of {name} is {allowed}, this needs {value}{raise}"))
+        Err(format!("the limit of {name} is {allowed}, this needs {least}{value}{raise}"))
     }
 }
 
@@ -156,7 +158,8 @@ mod tests {
         let message =
             "the limit of mesh-bytes is 100, this needs 101: --limit mesh-bytes=101 raises it";
         assert_eq!(limits.check(Limit::MeshBytes, 101), Err(message.to_owned()));
-        let message = "the limit of memory is 1000, this needs 2000: --memory-limit 2000 raises it";
+        let message =
+            "the limit of memory is 1000, this needs at least 2000: --memory-limit 2000 raises it";
         assert_eq!(limits.check(Limit::Memory, 2000), Err(message.to_owned()));
         let raised = limits.with(Limit::Nesting, 1 << 40);
         assert_eq!(raised.get(Limit::Nesting), 127);

@@ -4,6 +4,7 @@ mod temporary;
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
+use std::iter;
 use std::path::{Path, PathBuf};
 
 use self::temporary::Temporary;
@@ -60,6 +61,18 @@ impl Pending {
     pub(crate) fn replace(self, path: &Path) -> Result<()> {
         let failed = Error::io(path, "write");
         resolve(path).and_then(|target| self.0.persist(&target)).map_err(failed)
+    }
+
+    /// Puts it at `path`, or where the link `path` leads to, where no file is yet: else returns false.
+    ///
+    /// # Errors
+    /// Where it cannot be put there.
+    pub(crate) fn create(self, path: &Path) -> Result<bool> {
+        match resolve(path).and_then(|target| self.name(iter::once(target))) {
+            Ok(_) => Ok(true),
+            Err(taken) if taken.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+            Err(error) => Err(Error::io(path, "write")(error)),
+        }
     }
 
     /// Gives it the first of `names`, all in its folder, that nobody has taken, and tells which that is.
@@ -171,6 +184,10 @@ mod tests {
         write("link", "two").unwrap();
         assert_eq!((text("d/there"), text("more")), ("two".to_owned(), "two".to_owned()));
         assert_eq!(fs::metadata(at("d/there")).unwrap().permissions().mode() & 0o777, 0o600);
+        symlink("d/new", at("new")).unwrap();
+        let pending = || Pending::new(&at("new"), |file| file.write_all(b"first")).unwrap();
+        assert!(pending().create(&at("new")).unwrap() && !pending().create(&at("new")).unwrap());
+        assert_eq!(text("d/new"), "first");
         symlink("round", at("round")).unwrap();
         symlink("/proc/self/fd/1", at("stdout")).unwrap();
         for (name, says) in [
@@ -182,6 +199,6 @@ mod tests {
             let refused = write(name, "three").unwrap_err().to_string();
             assert!(refused.contains(says), "{refused}");
         }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6);
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Seek};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{NamedTempFile, PathPersistError, TempPath};
 
 use super::folder_of;
 
@@ -46,7 +46,12 @@ impl Temporary {
     pub(super) fn persist_new(self, names: impl Iterator<Item = PathBuf>) -> io::Result<PathBuf> {
         let mut path = self.named()?;
         for name in names {
-            match path.persist_noclobber(&name) {
+            let named = path.persist_noclobber(&name).or_else(|failed| match failed.error.kind() {
+                ErrorKind::AlreadyExists => Err(failed),
+                // Not every file system can do that in one step.
+                _ => take(failed.path, &name),
+            });
+            match named {
                 Ok(()) => {
                     sync_folder(&name);
                     return Ok(name);
@@ -70,6 +75,16 @@ impl Temporary {
             }
         }
     }
+}
+
+/// Gives `path` the name, if no file has it: in two steps, the first of which makes an empty file.
+fn take(path: TempPath, name: &Path) -> Result<(), PathPersistError> {
+    if let Err(error) = fs::File::create_new(name) {
+        return Err(PathPersistError { error, path });
+    }
+    path.persist(name).inspect_err(|_| {
+        let _ = fs::remove_file(name);
+    })
 }
 
 /// Has the name of `file` outlive a crash of the machine, where the file system can.
@@ -159,6 +174,28 @@ mod tests {
         let refused = temporary.persist_new((0..3).map(at)).unwrap_err();
         assert_eq!(refused.kind(), ErrorKind::AlreadyExists);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn names_are_taken_in_two_steps() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = folder.path().join("a.film");
+        let path = |text: &str| {
+            let mut named = builder().tempfile_in(folder.path()).unwrap();
+            named.write_all(text.as_bytes()).unwrap();
+            named.into_temp_path()
+        };
+        take(path("one"), &name).unwrap();
+        let taken = take(path("two"), &name).unwrap_err();
+        assert_eq!(taken.error.kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_to_string(&taken.path).unwrap(), "two");
+        drop(taken);
+        let gone = path("three");
+        fs::remove_file(&gone).unwrap();
+        let other = folder.path().join("b.film");
+        assert!(take(gone, &other).is_err() && !other.exists());
+        assert_eq!(fs::read_to_string(&name).unwrap(), "one");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

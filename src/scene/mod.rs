@@ -39,7 +39,8 @@ pub use medium::Medium;
 pub use named::Named;
 pub use texture::{Checker, Texture};
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 use crate::geometry::Geometry;
@@ -58,6 +59,7 @@ pub struct Scene {
     material_of: Vec<u32>,
     lights: Lights,
     media: Vec<Medium>,
+    files: BTreeSet<PathBuf>,
     limits: Limits,
 }
 
@@ -100,6 +102,11 @@ impl Scene {
     /// The built-in name, or the path as given.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The meshes and textures that were read for it.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(PathBuf::as_path)
     }
 
     /// BLAKE3 over all that decides the scene's images, in hexadecimal: the same for every

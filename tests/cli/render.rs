@@ -157,6 +157,46 @@ fn pins_and_files_are_what_was_asked_for() {
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }
 
+/// Plans, textures and checkpoints, too.
+#[test]
+fn files_that_are_read_are_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let render = |scene: &str, more: &str| {
+        let line = format!("render --scene {scene} --width 8 --spp 2 --quiet -o {more}");
+        ptfast(here, &line.split(' ').collect::<Vec<_>>())
+    };
+    assert!(render("cornell", "k.film --json plan.json").status.success());
+    assert!(render("cornell", "albedo.png").status.success());
+    fs::write(here.join("globe.ron"), GLOBE).unwrap();
+    assert!(render("globe.ron", "globe.png").status.success());
+    for (file, scene, more, says) in [
+        ("plan.json", "cornell", "b.png --plan plan.json --json plan.json", "the plan"),
+        (
+            "k.film",
+            "cornell",
+            "b.png --resume k.film --checkpoint n.film --json k.film",
+            "the check",
+        ),
+        ("albedo.png", "globe.ron", "albedo.png", "a part of the scene"),
+    ] {
+        let before = fs::read(here.join(file)).unwrap();
+        let output = render(scene, more);
+        assert_eq!(output.status.code(), Some(2), "{more}");
+        let says = format!("would replace {says}");
+        assert!(stderr(&output).contains(&says), "{more}: {}", stderr(&output));
+        assert!(fs::read(here.join(file)).unwrap() == before);
+    }
+}
+
+const GLOBE: &str = r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+    background: constant(radiance: (1, 1, 1)),
+    textures: { "map": image(file: "albedo.png") },
+    materials: { "land": lambertian(albedo: "map") },
+    primitives: [sphere(center: (0, 0, 0), radius: 1, material: "land")],
+)"#;
+
 /// Clamping is asked for, told, and part of what decides the image.
 #[test]
 fn clamping_is_told() {

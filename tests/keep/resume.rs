@@ -133,6 +133,8 @@ fn what_is_kept_is_not_overwritten() {
     fs::rename(here.join("part.film"), here.join("kept.film")).unwrap();
     let says = refusal(here, &kept("50", &[]), 2);
     assert!(says.contains("% of this render: go on with --resume kept.film, or remove"), "{says}");
+    let nowhere = with(&SMALL, &["c.pfm", "--checkpoint-every", "1s"]);
+    assert!(refusal(here, &nowhere, 2).contains("--checkpoint must name a file"));
     let target = with(&SMALL, &["c.film", "--spp", "40", "--checkpoint", "c.film"]);
     assert!(refusal(here, &target, 2).contains("need two files"));
 }
@@ -218,6 +220,11 @@ fn damaged_checkpoints_are_refused() {
     refused(&[&good[..], b"x"].concat(), "damaged");
     refused(b"something else", "not a checkpoint");
     // With a hash that is right.
+    let hashed = |mut bytes: Vec<u8>| {
+        let hash = blake3::hash(&bytes);
+        bytes.extend(hash.as_bytes());
+        bytes
+    };
     let text = |from: &str, to: &str| {
         let end = good.len() - 32;
         let line = good[12..].iter().position(|&byte| byte == b'\n').unwrap() + 12;
@@ -225,10 +232,12 @@ fn damaged_checkpoints_are_refused() {
         assert!(header.contains(from), "{header}");
         let mut bytes = header.replace(from, to).into_bytes();
         bytes.extend(&good[line..end]);
-        let hash = blake3::hash(&bytes);
-        bytes.extend(hash.as_bytes());
-        bytes
+        hashed(bytes)
     };
+    let sums = &good[..good.len() - 36];
+    refused(&hashed([sums, &f32::NAN.to_le_bytes()].concat()), "a sum of samples is not a number");
+    refused(&text("\"clamped\":0", "\"clamped\":18446744073709551615"), "the counts are none");
+    refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds are none");
     refused(&text("\"schema\":1", "\"schema\":2"), "version 2 of checkpoints is not known");
     refused(&text("\"schema\":1", "\"shemca\":1"), "version null");
     refused(&text("\"roulette\":true", "\"wealth\":true"), "header: unknown field");

@@ -225,6 +225,11 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         assert_eq!(render.end().0, None);
         let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
         assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
+        let again = ["--spp", "12000", "--resume", "kept.film", "--checkpoint-every", "1ms"];
+        let mut render = Started::new(here, &[&LONG[..5], &LONG[7..], &again].concat());
+        assert_eq!(render.wait_for("checkpoint")["file"], "kept.film");
+        render.signal("-KILL");
+        render.end();
         // What is kept is not begun anew.
         fs::remove_file(here.join("kept.film")).unwrap();
         fs::remove_file(here.join("a.pfm")).unwrap();

@@ -4,6 +4,8 @@
 mod materials;
 mod primitives;
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -28,7 +30,7 @@ pub(super) fn resolve(
     places: &Places,
     budget: Budget,
 ) -> Result<Scene> {
-    let resolver = Resolver { name, file, places, budget };
+    let resolver = Resolver { name, file, places, budget, files: RefCell::default() };
     let camera = resolver.camera(&file.camera)?;
     let background = resolver.background()?;
     resolver.render_defaults()?;
@@ -55,6 +57,7 @@ pub(super) fn resolve(
         material_of,
         lights,
         media,
+        files: resolver.files.into_inner(),
         limits: resolver.budget.limits,
     })
 }
@@ -69,6 +72,8 @@ struct Resolver<'a> {
     file: &'a SceneFile,
     places: &'a Places,
     budget: Budget,
+    /// Meshes and textures.
+    files: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl<'a> Resolver<'a> {
@@ -89,7 +94,10 @@ impl<'a> Resolver<'a> {
                 let message = "is outside the folder of the scene: --outside-files allows it";
                 Err(e.error(Error::input(path.display().to_string(), "", message)))
             }
-            _ => Ok(path),
+            _ => {
+                self.files.borrow_mut().insert(path.clone());
+                Ok(path)
+            }
         }
     }
 
