@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
-use super::keep::KeepArgs;
+use super::keep_args::KeepArgs;
 use super::limits::LimitArgs;
 use super::merge::MergeArgs;
 use super::path::PathArgs;

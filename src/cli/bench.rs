@@ -21,9 +21,9 @@ const REGRESSION: u8 = 3;
 
 pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     // Whatever can fail fails before the work is done.
-    let (options, exports) = (bench_options::options(args)?, bench_options::exports(args)?);
+    let ((options, read), exports) = (bench_options::options(args)?, bench_options::exports(args)?);
     let (blocks, threshold) = (bench_options::blocks(args), args.threshold / 100.0);
-    check_files(args, &options, &exports)?;
+    check_files(args, &options, &read, &exports)?;
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     if !args.quiet {
         advise_on_build(Isa::Avx512);
@@ -118,8 +118,13 @@ fn write(args: &BenchArgs, record: &Record) -> Result<()> {
 }
 
 /// No file that is written is one that is read, or written twice.
-fn check_files(args: &BenchArgs, options: &Options, exports: &[(Format, PathBuf)]) -> Result<()> {
-    let scenes = options.scenes.iter().map(|(scene, _)| ("the scene", Path::new(scene)));
+fn check_files(
+    args: &BenchArgs,
+    options: &Options,
+    of_scenes: &[PathBuf],
+    exports: &[(Format, PathBuf)],
+) -> Result<()> {
+    let scenes = of_scenes.iter().map(|file| ("a part of the scene", file.as_path()));
     let named = [
         ("the baseline", &args.baseline),
         ("the program", &args.program),

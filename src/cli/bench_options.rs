@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::bench_args::BenchArgs;
+use super::files;
 use crate::bench::{Format, Options};
 use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
@@ -27,11 +28,11 @@ fn usual(args: &BenchArgs) -> Usual {
     if args.quick { QUICK } else { USUAL }
 }
 
-/// What is to be measured.
+/// What is to be measured, and the files that its scenes were read from.
 ///
 /// # Errors
 /// Where arguments contradict each other, or a scene cannot be read.
-pub(super) fn options(args: &BenchArgs) -> Result<Options> {
+pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
     if args.gate && args.baseline.is_none() && args.against.is_none() {
         return Err(Error::Usage(
             "--gate needs --baseline or --against to compare with".to_owned(),
@@ -45,8 +46,11 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         [] => BUILTIN_NAMES.map(str::to_owned).to_vec(),
         some => without_repeats(some),
     };
+    let mut read = Vec::new();
     let with_size = |name: String| {
-        let defaults = RenderSettings::of(&args.limits.load(&name)?);
+        let scene = args.limits.load(&name)?;
+        read.extend(files::of_scene(&name, &scene).into_iter().map(|(_, file)| file.to_owned()));
+        let defaults = RenderSettings::of(&scene);
         let proportion = f64::from(defaults.width) / f64::from(defaults.height);
         let usual = (f64::from(usual(args).pixels) * proportion).sqrt().round().max(1.0) as u32;
         let settings = defaults.with_size(args.width.or(Some(usual)), None);
@@ -72,7 +76,7 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         some => without_repeats(some).into_iter().map(|threads| threads as usize).collect(),
     };
     let this = || std::env::current_exe().map_err(Error::io(Path::new("ptfast"), "find"));
-    Ok(Options {
+    let options = Options {
         program: args.program.clone().map_or_else(this, Ok)?,
         against: args.against.clone(),
         scenes: scenes.into_iter().map(with_size).collect::<Result<_>>()?,
@@ -81,7 +85,8 @@ pub(super) fn options(args: &BenchArgs) -> Result<Options> {
         spp: args.spp,
         seed: args.seed,
         arguments: args.limits.arguments(),
-    })
+    };
+    Ok((options, read))
 }
 
 fn without_repeats<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
@@ -129,7 +134,7 @@ mod tests {
     #[test]
     fn without_arguments_everything_is_measured() {
         let args = parse(&[]);
-        let options = options(&args).unwrap();
+        let (options, _) = options(&args).unwrap();
         let names: Vec<&str> = options.scenes.iter().map(|(name, _)| &**name).collect();
         assert_eq!(names, ["spheres", "spacetime", "checker", "cornell"]);
         // In the proportions of 1280 x 720 and of 1 x 1.
@@ -160,7 +165,7 @@ mod tests {
             "--threads",
             "3",
         ]);
-        let options = options(&args).unwrap();
+        let (options, _) = options(&args).unwrap();
         assert_eq!(options.scenes, [("cornell".to_owned(), (240, 240))]);
         assert_eq!(
             options.runs(),
@@ -168,7 +173,7 @@ mod tests {
         );
         assert_eq!(blocks(&args), 6);
         let wide = parse(&["--scene", "spheres", "--width", "160", "--blocks", "9"]);
-        let wide_options = self::options(&wide).unwrap();
+        let (wide_options, _) = self::options(&wide).unwrap();
         assert_eq!(wide_options.scenes[0].1, (160, 90));
         assert!(wide_options.arguments.is_empty());
         assert_eq!(blocks(&wide), 9);

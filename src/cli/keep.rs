@@ -1,95 +1,23 @@
 //! Renders that are kept: checkpoints while they go on, and what is left of them when they are stopped.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use clap::Args;
-use jiff::SignedDuration;
-
+use super::keep_args::Keeping;
 use super::place::Place;
 use super::progress::ProgressReport;
 use super::watch::Watch;
 use crate::checkpoint::Checkpoint;
 use crate::engine::{Progress, Renderer};
 use crate::error::{Error, Result};
-use crate::image::{Metadata, Transfer};
+use crate::image::Metadata;
 use crate::interrupt;
-use crate::output::{Pending, same_file};
+use crate::output::Pending;
 
 /// So many times as long as a checkpoint took the render goes on before the next, whatever is asked for.
 const LEAST_GAP: u32 = 4;
-
-/// Time between checkpoints.
-const INTERVAL: Duration = Duration::from_secs(60);
-
-#[derive(Debug, Args)]
-pub(super) struct KeepArgs {
-    /// Keep what is rendered so far in this .film file, now and then, on SIGUSR1 and when stopped [default: that of
-    /// --resume; without, one beside the image, only when stopped]
-    #[arg(long, value_name = "FILE")]
-    checkpoint: Option<PathBuf>,
-    /// Time between checkpoints, such as 90s or 1h30m [default: 60s]
-    #[arg(long, value_name = "TIME", value_parser = duration)]
-    checkpoint_every: Option<Duration>,
-    /// Stop after this time, such as 90s or 1h30m, with a checkpoint and exit code 75; something is rendered in any
-    /// case
-    #[arg(long, value_name = "TIME", value_parser = duration)]
-    time_limit: Option<Duration>,
-    /// Go on from a checkpoint of the same scene and settings; there may be more samples than it was for
-    #[arg(long, value_name = "FILE")]
-    pub(super) resume: Option<PathBuf>,
-}
-
-fn duration(text: &str) -> Result<Duration, String> {
-    let parsed = text.parse::<SignedDuration>().ok().and_then(|time| Duration::try_from(time).ok());
-    parsed.filter(|time| !time.is_zero()).ok_or_else(|| "a time such as 90s or 1h30m".to_owned())
-}
-
-/// When a render is kept.
-pub(super) struct Keeping {
-    /// The time between checkpoints; none where there is one only when it is stopped.
-    pub(super) every: Option<Duration>,
-    /// How long it may take from `start` on.
-    pub(super) time_limit: Option<Duration>,
-    /// When the program began.
-    pub(super) start: Instant,
-    /// How the image is shown as far as it is, when it is stopped; none for those who want no image.
-    pub(super) transfer: Option<Transfer>,
-}
-
-impl KeepArgs {
-    /// When a render of `output` that began at `start` is kept, of which there is an image where `transfer` says how.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] where there are to be checkpoints in no file.
-    pub(super) fn keeping(
-        &self,
-        output: &Path,
-        transfer: Option<Transfer>,
-        start: Instant,
-    ) -> Result<Keeping> {
-        if self.checkpoint_every.is_some() && self.file(output).is_none() {
-            let message = "--checkpoint-every: --checkpoint must name a file for them";
-            return Err(Error::Usage(message.to_owned()));
-        }
-        let every = self.file(output).map(|_| self.checkpoint_every.unwrap_or(INTERVAL));
-        Ok(Keeping { every, time_limit: self.time_limit, start, transfer })
-    }
-
-    /// Where a render of `output` is kept.
-    pub(super) fn place(&self, output: &Path) -> Place {
-        Place::new(output, self.file(output))
-    }
-
-    /// The file that the user named for checkpoints of `output`.
-    fn file(&self, output: &Path) -> Option<&Path> {
-        // A target is whole, or as it was.
-        let resumed = self.resume.as_deref().filter(|file| !same_file(file, output));
-        self.checkpoint.as_deref().or(resumed)
-    }
-}
 
 /// Renders what is left of `checkpoint`, and keeps it as `keeping` says. Returns why the whole could not be kept,
 /// which is no reason not to write the image.
@@ -139,8 +67,7 @@ pub(super) fn render(
         }
     }
     // It may be for more samples another time.
-    let kept = keeping.every.map_or(Ok(()), |_| place.keep(checkpoint));
-    Ok(kept.err())
+    Ok(keeping.in_the_end.then(|| place.keep(checkpoint)).and_then(Result::err))
 }
 
 /// Keeps a render that is stopped, shows it, and tells so. Where it cannot be kept, a limit of time is an error like
@@ -176,14 +103,14 @@ fn stopped(
     let mut told = match kept {
         Ok(()) => {
             progress.kept("stopped", so_far, place.file());
-            go_on(place)
+            go_on(place.file())
         }
         Err(error) => {
             progress.lost(so_far);
-            match signal {
-                None => return Err(with_earlier(error, place)),
-                Some(_) if place.has_earlier() => format!("{}, as it was; {error}", go_on(place)),
-                Some(_) => format!("nothing is kept, {error}"),
+            match (signal, place.earlier()) {
+                (None, _) => return Err(with_earlier(error, place)),
+                (_, Some(file)) => format!("{}, as it was; {error}", go_on(file)),
+                (_, None) => format!("nothing is kept, {error}"),
             }
         }
     };
@@ -198,23 +125,23 @@ fn stopped(
 /// Keeps a render that is complete, whose image could not be written: `error` says why.
 pub(super) fn instead(checkpoint: &Checkpoint, place: &mut Place, error: Error) -> Error {
     match place.keep_in_the_end(checkpoint) {
-        Ok(()) => Error::Kept { error: Box::new(error), kept: go_on(place) },
+        Ok(()) => Error::Kept { error: Box::new(error), kept: go_on(place.file()) },
         Err(_) => with_earlier(error, place),
     }
 }
 
 /// `error`, and what there is where nothing more could be kept.
 fn with_earlier(error: Error, place: &Place) -> Error {
-    match place.has_earlier() {
-        true => {
-            Error::Kept { error: Box::new(error), kept: format!("{}, as it was", go_on(place)) }
+    match place.earlier() {
+        Some(file) => {
+            Error::Kept { error: Box::new(error), kept: format!("{}, as it was", go_on(file)) }
         }
-        false => error,
+        None => error,
     }
 }
 
-fn go_on(place: &Place) -> String {
-    format!("go on with --resume {}", place.file().display())
+fn go_on(file: &Path) -> String {
+    format!("go on with --resume {}", file.display())
 }
 
 /// The image as far as it is, where one is wanted, as a file that is to be beside `path`.
@@ -224,20 +151,4 @@ fn draw(checkpoint: &Checkpoint, keeping: &Keeping, path: &Path) -> Result<Optio
     let image = checkpoint.rendering.image()?;
     let metadata = Metadata::of_program().with("ptfast:partial", samples);
     image.pending(path, transfer, &metadata).map(Some)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_parsed() {
-        let seconds = |text| duration(text).map(|time| time.as_secs_f64());
-        assert_eq!(seconds("90s"), Ok(90.0));
-        assert_eq!(seconds("1h30m"), Ok(5400.0));
-        assert_eq!(seconds("500ms"), Ok(0.5));
-        for wrong in ["", "90", "-5s", "0s", "5 parsecs"] {
-            assert!(duration(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -11,6 +11,7 @@ mod dashboard;
 mod figures;
 mod files;
 mod keep;
+mod keep_args;
 mod limits;
 mod merge;
 mod path;

@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, ErrorKind};
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -75,14 +76,23 @@ pub(super) struct Place {
     names: Names,
     /// When the file was changed last by this program; none while it is not there.
     last: Option<SystemTime>,
+    /// Another file that has more of the render, until it is kept here.
+    resumed: Option<PathBuf>,
 }
 
 impl Place {
-    /// The file that is given, or else one beside `output`.
-    pub(super) fn new(output: &Path, given: Option<&Path>) -> Self {
+    /// The file that is given, or else one beside `output`, for what goes on from `resumed`.
+    pub(super) fn new(output: &Path, given: Option<&Path>, resumed: Option<&Path>) -> Self {
         let names = Names(output.to_owned());
         let file = given.map_or_else(|| names.free_film(), Path::to_owned);
-        Self { last: changed(&file), file, is_given: given.is_some(), names }
+        let resumed = resumed.filter(|resumed| !same_file(resumed, &file)).map(Path::to_owned);
+        Self { last: changed(&file), file, is_given: given.is_some(), names, resumed }
+    }
+
+    /// Leaves the file as it is, which is what is gone on with, and takes one beside the image.
+    pub(super) fn leave(&mut self) {
+        self.resumed = Some(mem::replace(&mut self.file, self.names.free_film()));
+        (self.is_given, self.last) = (false, None);
     }
 
     pub(super) fn file(&self) -> &Path {
@@ -124,14 +134,14 @@ impl Place {
         let pending = checkpoint.pending(&self.file)?;
         let failed = |error| Error::io(&self.file, "write")(error);
         let is_there = changed(&self.file).is_some();
-        if self.has_earlier() {
+        if self.is_as_it_was() {
             pending.replace(&self.file)?;
         } else if !self.is_given {
             self.file = pending.name(self.names.free_films()).map_err(failed)?;
         } else if is_there || !pending.create(&self.file)? {
             return Err(failed(io::Error::other("another program has changed it")));
         }
-        self.last = changed(&self.file);
+        (self.last, self.resumed) = (changed(&self.file), None);
         Ok(())
     }
 
@@ -144,12 +154,17 @@ impl Place {
         let pending = checkpoint.pending(&self.names.free_film());
         let named = pending.ok().and_then(|file| file.name(self.names.free_films()).ok());
         self.file = named.ok_or(error)?;
-        self.last = changed(&self.file);
+        (self.last, self.resumed) = (changed(&self.file), None);
         Ok(())
     }
 
+    /// The file that has the most of the render, where this is not kept.
+    pub(super) fn earlier(&self) -> Option<&Path> {
+        self.resumed.as_deref().or_else(|| self.is_as_it_was().then_some(&self.file))
+    }
+
     /// Whether there is a checkpoint as this program left it, or found it.
-    pub(super) fn has_earlier(&self) -> bool {
+    fn is_as_it_was(&self) -> bool {
         self.last.is_some() && changed(&self.file) == self.last
     }
 
@@ -176,7 +191,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let place = |given: Option<&str>, output: &str| {
-            let place = Place::new(&at(output), given.map(at).as_deref());
+            let place = Place::new(&at(output), given.map(at).as_deref(), None);
             (place.file().to_owned(), place.image())
         };
         assert_eq!(place(None, "a.png"), (at("a.partial.film"), at("a.partial.png")));
@@ -210,7 +225,7 @@ mod tests {
         };
         for given in [true, false] {
             let kept = at("kept.film");
-            let mut place = Place::new(&at("a.png"), given.then_some(&*kept));
+            let mut place = Place::new(&at("a.png"), given.then_some(&*kept), None);
             place.keep(&checkpoint).unwrap();
             place.keep(&checkpoint).unwrap();
             let file = place.file().to_owned();

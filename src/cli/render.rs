@@ -4,7 +4,7 @@ use std::io::Write;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
-use super::keep::Keeping;
+use super::keep_args::Keeping;
 use super::place::Place;
 use super::progress::{self, ProgressReport, Telling};
 use super::record::{self, Run, StepSeconds};
@@ -50,7 +50,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         }
         return Ok(());
     }
-    let keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
+    let mut keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
     if let Some(file) = &args.keep.resume {
         // Before it is told that it cannot be replaced.
         input::length(file)?;
@@ -58,7 +58,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let mut place = args.keep.place(output.path());
     check_files(args, &scene, &output, &keeping, &place)?;
 
-    let rendering = begin(args, &place, &identity, &share, scene.limits())?;
+    let (rendering, is_of_more) = begin(args, &place, &identity, &share, scene.limits())?;
+    if is_of_more {
+        args.keep.spare_resumed(&mut keeping, &mut place)?;
+    }
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let film = &checkpoint.rendering.film;
@@ -144,29 +147,31 @@ fn check_files(
     files::check(resumed.as_slice(), &beside)
 }
 
-/// What there is of the render already.
+/// What there is of the render already, and whether it is for more samples than that was.
 fn begin(
     args: &RenderArgs,
     place: &Place,
     identity: &Identity,
     share: &Share,
     limits: &Limits,
-) -> Result<Rendering> {
+) -> Result<(Rendering, bool)> {
     let resumed = args.keep.resume.as_ref();
     let is_new = resumed.is_none_or(|file| !same_file(file, place.file()));
     // One film at a time is in memory.
     let there = if is_new { place.done(identity, share, limits)? } else { 0 };
-    let rendering = match resumed {
-        None => share.film(identity).map(Rendering::new)?,
+    let (rendering, is_of_more) = match resumed {
+        None => (share.film(identity).map(Rendering::new)?, false),
         Some(file) => {
             let (there, samples) = (Checkpoint::read(file, limits)?, share.samples.clone());
-            there.resume(&file.display().to_string(), identity, share.shard, samples)?
+            let is_of_more = !there.is_of(identity, share.shard, &samples);
+            let name = file.display().to_string();
+            (there.resume(&name, identity, share.shard, samples)?, is_of_more)
         }
     };
     let film = &rendering.film;
     match there > film.samples_done() {
         true => Err(place.has_more(there * 100 / film.samples_to_do())),
-        false => Ok(rendering),
+        false => Ok((rendering, is_of_more)),
     }
 }
 

@@ -6,18 +6,17 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::args::{KernelChoice, TraceArgs};
-use super::{advise_on_build, notice, printable, say};
+use super::{advise_on_build, files, notice, printable, say};
 use crate::accel::{Accelerator, Kernel};
 use crate::error::Result;
 use crate::isa::Isa;
 use crate::machine::Machine;
-use crate::output::{check_writable, write_atomically};
+use crate::output::write_atomically;
 use crate::rayset::{self, Query, RaySet, Replay};
 
 pub(super) fn run(args: &TraceArgs) -> Result<u8> {
-    if let Some(path) = &args.json {
-        check_writable(path)?;
-    }
+    let record = args.json.as_deref().map(|file| ("the record", file));
+    files::check(&[("the ray set", &args.dir.join(rayset::MANIFEST))], record.as_slice())?;
     let sets = rayset::read(&args.dir)?;
     advise_on_build(Isa::Avx512);
     let name = printable(&sets.scene);

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::keep::Keeping;
+use super::keep_args::Keeping;
 use super::progress::ProgressReport;
 use crate::engine::{Observer, Progress, Stop};
 use crate::interrupt;

@@ -48,7 +48,7 @@ impl Temporary {
         for name in names {
             let named = path.persist_noclobber(&name).or_else(|failed| match failed.error.kind() {
                 ErrorKind::AlreadyExists => Err(failed),
-                // Not every file system can do that in one step.
+                // Not every file system can do that.
                 _ => take(failed.path, &name),
             });
             match named {
@@ -77,14 +77,12 @@ impl Temporary {
     }
 }
 
-/// Gives `path` the name, if no file has it: in two steps, the first of which makes an empty file.
+/// Gives `path` the name, if no file has it: in two steps, between which another program might take it.
 fn take(path: TempPath, name: &Path) -> Result<(), PathPersistError> {
-    if let Err(error) = fs::File::create_new(name) {
-        return Err(PathPersistError { error, path });
+    match fs::symlink_metadata(name) {
+        Ok(_) => Err(PathPersistError { error: ErrorKind::AlreadyExists.into(), path }),
+        Err(_) => path.persist(name),
     }
-    path.persist(name).inspect_err(|_| {
-        let _ = fs::remove_file(name);
-    })
 }
 
 /// Has the name of `file` outlive a crash of the machine, where the file system can.

@@ -17,7 +17,7 @@ use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
 
 /// The file that is written last, and so says that the folder is complete.
-const MANIFEST: &str = "manifest.json";
+pub const MANIFEST: &str = "manifest.json";
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Manifest {

@@ -218,6 +218,18 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fails(&["--json", "none/a.json"], 74, &["none/a.json"]);
     fs::write(here.join("a.json"), "{}").unwrap();
     fails(&["--json", "a.json", "--baseline", "./a.json"], 2, &["would replace the baseline"]);
+    let scene = "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+        background: constant(radiance: (1, 1, 1)),
+        materials: { \"grey\": lambertian(albedo: (0.5, 0.5, 0.5)) },
+        primitives: [mesh(file: \"a.obj\", material: \"grey\")])";
+    fs::write(here.join("a.ron"), scene).unwrap();
+    fs::write(here.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for file in ["a.ron", "a.obj"] {
+        fails(&["--scene", "a.ron", "--json", file], 2, &["would replace a part of the scene"]);
+        fs::metadata(here.join(file)).unwrap();
+    }
+    fs::remove_file(here.join("a.ron")).unwrap();
+    fs::remove_file(here.join("a.obj")).unwrap();
     let clash = ["benchmark.json", "export"];
     fails(&["--json", "benchmark.json", "--export", "gha", "."], 2, &clash);
     fails(&["--export", "gha", "out", "--export", "gha", "./out"], 2, &clash);

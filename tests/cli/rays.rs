@@ -54,6 +54,8 @@ fn rays_are_written_as_other_programs_read_them_and_traced_to_the_same_hits() {
             assert_eq!(set.join(format!("{name}.time")).exists(), scene == "spacetime");
         }
 
+        let same = ptfast(here, &["trace", "set", "--json", "set/manifest.json"]);
+        assert!(stderr(&same).contains("would replace the ray set"), "{}", stderr(&same));
         let table = succeeds(here, &["trace", "set", "--reps", "1", "--json", "trace.json"]);
         assert!(table.contains("0 different"), "{table}");
         let record: Value =

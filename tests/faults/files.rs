@@ -31,21 +31,26 @@ fn files_that_cannot_grow() {
 /// What was kept before is what remains, and that is told.
 #[test]
 fn checkpoints_that_cannot_be_replaced() {
-    let render = "$P render --scene cornell --width 64 --spp 100000 -o a.png";
-    let begun = format!("{render} --quiet --checkpoint k.film --time-limit 1ms 2>/dev/null");
+    let render = "$P render --scene cornell --width 64 --threads 2 -o a.png";
+    let begun =
+        format!("{render} --spp 100000 --quiet --checkpoint k.film --time-limit 1ms 2>/dev/null");
     // Less than there is.
     let limit = "ulimit -f $(($(stat -c %s k.film) / 1024))";
     let render = format!("{render} --resume k.film");
-    fails(
-        &format!("{begun}; rm a.partial.png; {limit}; exec {render} --quiet --time-limit 100ms"),
-        74,
-        "; go on with --resume k.film, as it was",
-        &["k.film"],
-    );
-    let until_it_renders = "until grep -q start e; do sleep 0.01; done; kill -TERM $!; wait $!";
+    let same = "--spp 100000";
+    for more in [same, "--spp 100000 --checkpoint n.film", "--spp 200000"] {
+        let stopped = format!("{render} --quiet --time-limit 100ms {more}");
+        fails(
+            &format!("{begun}; rm a.partial.png; {limit}; exec {stopped}"),
+            74,
+            "; go on with --resume k.film, as it was",
+            &["k.film"],
+        );
+    }
+    let until_it_renders = "until grep -qs start e; do sleep 0.01; done; kill -TERM $!; wait $!";
     fails(
         &format!(
-            "{begun}; {limit}; {render} --progress json 2>e & {until_it_renders}; c=$?; \
+            "{begun}; {limit}; {render} {same} --progress json 2>e & {until_it_renders}; c=$?; \
              echo ptfast: $(tail -n 1 e | cut -d'\"' -f10) >&2; rm e; exit $c"
         ),
         143,
@@ -67,12 +72,14 @@ fn with_disk(kib: u32, line: &str) -> Output {
 /// A film that is kept, a newer one and its picture: the newer one comes first.
 #[test]
 fn pictures_do_not_take_the_room_of_checkpoints() {
-    let (first, second) = ("--spp 16 -o d/k.film", "--spp 100000 -o d/a.pfm --resume d/k.film");
-    let render = "$P render --scene cornell --width 300 --quiet";
+    let first = "--spp 16 -o d/k.film";
+    let second = "--spp 100000 -o d/a.pfm --resume d/k.film --checkpoint d/k.film";
+    let render = "$P render --scene cornell --width 300 --threads 2 --quiet";
     // Each film takes 1.4 MB and the picture 1.1.
     let line = format!("{render} {first} >/dev/null && {render} {second} --time-limit 50ms");
     for _ in 0..4 {
         if !with_disk(4, "true").status.success() {
+            println!("no file systems can be mounted here");
             return;
         }
         let stopped = with_disk(3000, &line);

@@ -87,6 +87,7 @@ fn samples_may_grow() {
     for (few, many) in [("16", "48"), ("20", "50"), ("33", "34"), ("7", "100")] {
         let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", many]));
         hash(here, &with(&SMALL, &["a.film", "--spp", few]));
+        let first = fs::read(here.join("a.film")).unwrap();
         let more = ["more.pfm", "--spp", many, "--resume", "a.film"];
         assert_eq!(hash(here, &with(&SMALL, &more)), whole, "{few} to {many}");
         let bytes = |name: &str| fs::read(here.join(name)).unwrap();
@@ -98,7 +99,33 @@ fn samples_may_grow() {
             Checkpoint::read(&here.join(name), &Limits::default()).unwrap().rendering.tally()
         });
         assert_eq!(tallies[0], tallies[1], "{few} to {many}");
+        // It may be a part that is to be merged.
+        assert!(fs::read(here.join("a.film")).unwrap() == first, "{few} to {many}");
     }
+}
+
+/// A film of fewer samples is replaced by one of more where the user names it for both.
+#[test]
+fn what_is_resumed_for_more_samples_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    hash(here, &with(&SMALL, &["a.film", "--spp", "50"]));
+    let first = fs::read(here.join("a.film")).unwrap();
+    let more = |words: &[&'static str]| {
+        let whole = with(&SMALL, &["b.pfm", "--spp", "100", "--resume", "a.film"]);
+        with(&whole, words)
+    };
+    let stopped = ["--time-limit", "1ms"];
+    let says = refusal(here, &more(&stopped), 75);
+    assert!(says.contains("--resume b.partial.film, b.partial.pfm shows it"), "{says}");
+    let says = refusal(here, &more(&["--checkpoint-every", "1s"]), 2);
+    assert!(says.contains("--checkpoint must name a file"), "{says}");
+    // Nothing is to be done, and nothing is written but the image.
+    hash(here, &with(&SMALL, &["c.pfm", "--spp", "50", "--resume", "a.film"]));
+    assert!(fs::read(here.join("a.film")).unwrap() == first);
+    let says = refusal(here, &more(&[&stopped[..], &["--checkpoint", "a.film"]].concat()), 75);
+    assert!(says.contains("--resume a.film, b.partial.2.pfm shows it"), "{says}");
+    assert!(fs::read(here.join("a.film")).unwrap() != first);
 }
 
 /// What is kept is replaced by what has as much of the same render, and by nothing else.

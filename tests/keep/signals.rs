@@ -225,8 +225,8 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         assert_eq!(render.end().0, None);
         let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
         assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
-        let again = ["--spp", "12000", "--resume", "kept.film", "--checkpoint-every", "1ms"];
-        let mut render = Started::new(here, &[&LONG[..5], &LONG[7..], &again].concat());
+        let again = ["--resume", "kept.film", "--checkpoint-every", "1ms"];
+        let mut render = Started::new(here, &with(&LONG, &again));
         assert_eq!(render.wait_for("checkpoint")["file"], "kept.film");
         render.signal("-KILL");
         render.end();
