@@ -76,8 +76,9 @@ pub(super) struct Place {
     names: Names,
     /// When the file was changed last by this program; none while it is not there.
     last: Option<SystemTime>,
-    /// Another file that has more of the render, until it is kept here.
+    /// What is gone on with, if that is another file: it has more until the render is kept here.
     resumed: Option<PathBuf>,
+    is_kept: bool,
 }
 
 impl Place {
@@ -86,7 +87,14 @@ impl Place {
         let names = Names(output.to_owned());
         let file = given.map_or_else(|| names.free_film(), Path::to_owned);
         let resumed = resumed.filter(|resumed| !same_file(resumed, &file)).map(Path::to_owned);
-        Self { last: changed(&file), file, is_given: given.is_some(), names, resumed }
+        Self {
+            last: changed(&file),
+            file,
+            is_given: given.is_some(),
+            names,
+            resumed,
+            is_kept: false,
+        }
     }
 
     /// Leaves the file as it is, which is what is gone on with, and takes one beside the image.
@@ -126,6 +134,10 @@ impl Place {
         ))
     }
 
+    fn kept(&mut self) {
+        (self.last, self.is_kept) = (changed(&self.file), true);
+    }
+
     /// Writes `checkpoint`: under another name, where another program has taken that which was free.
     ///
     /// # Errors
@@ -141,7 +153,7 @@ impl Place {
         } else if is_there || !pending.create(&self.file)? {
             return Err(failed(io::Error::other("another program has changed it")));
         }
-        (self.last, self.resumed) = (changed(&self.file), None);
+        self.kept();
         Ok(())
     }
 
@@ -154,13 +166,15 @@ impl Place {
         let pending = checkpoint.pending(&self.names.free_film());
         let named = pending.ok().and_then(|file| file.name(self.names.free_films()).ok());
         self.file = named.ok_or(error)?;
-        (self.last, self.resumed) = (changed(&self.file), None);
+        self.kept();
         Ok(())
     }
 
     /// The file that has the most of the render, where this is not kept.
     pub(super) fn earlier(&self) -> Option<&Path> {
-        self.resumed.as_deref().or_else(|| self.is_as_it_was().then_some(&self.file))
+        let own = self.is_as_it_was().then_some(&*self.file);
+        let resumed = self.resumed.as_deref();
+        if self.is_kept { own.or(resumed) } else { resumed.or(own) }
     }
 
     /// Whether there is a checkpoint as this program left it, or found it.

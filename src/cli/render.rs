@@ -1,10 +1,10 @@
 //! `ptfast render`.
 
 use std::io::Write;
+use std::path::Path;
 use std::time::Instant;
 
 use super::args::{RenderArgs, SampleArgs, Switch};
-use super::keep_args::Keeping;
 use super::place::Place;
 use super::progress::{self, ProgressReport, Telling};
 use super::record::{self, Run, StepSeconds};
@@ -16,7 +16,6 @@ use crate::checkpoint::{Checkpoint, Identity};
 use crate::engine::{Engine, MOST_EVENTS, RenderSettings, Renderer, Rendering};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::input;
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::limits::Limits;
@@ -51,17 +50,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         return Ok(());
     }
     let mut keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
-    if let Some(file) = &args.keep.resume {
-        // Before it is told that it cannot be replaced.
-        input::length(file)?;
-    }
+    check_files(args, &scene, &output, None, None)?;
     let mut place = args.keep.place(output.path());
-    check_files(args, &scene, &output, &keeping, &place)?;
-
     let (rendering, is_of_more) = begin(args, &place, &identity, &share, scene.limits())?;
     if is_of_more {
         args.keep.spare_resumed(&mut keeping, &mut place)?;
     }
+    let partial = keeping.transfer.map(|_| place.image());
+    check_files(args, &scene, &output, Some(place.file()), partial.as_deref())?;
+
     let mut checkpoint =
         Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
     let film = &checkpoint.rendering.film;
@@ -130,18 +127,21 @@ fn check_files(
     args: &RenderArgs,
     scene: &Scene,
     output: &Target,
-    keeping: &Keeping,
-    place: &Place,
+    checkpoint: Option<&Path>,
+    partial: Option<&Path>,
 ) -> Result<()> {
     let mut read = files::of_scene(&args.sample.scene, scene);
     read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
-    let mut beside = Vec::new();
-    let more = [("the record", &args.json), ("the trace", &args.trace)];
-    beside.extend(more.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))));
-    let partial = place.image();
-    beside.extend(keeping.transfer.map(|_| ("the partial image", partial.as_path())));
-    let written = [("the image", output.path()), ("the checkpoint", place.file())];
-    files::check(&read, &[&written, &*beside].concat())?;
+    let image = [("the image", Some(output.path())), ("the checkpoint", checkpoint)];
+    let beside = [
+        ("the partial image", partial),
+        ("the record", args.json.as_deref()),
+        ("the trace", args.trace.as_deref()),
+    ];
+    let given = |(name, file): (_, Option<_>)| Some((name, file?));
+    let beside: Vec<_> = beside.into_iter().filter_map(given).collect();
+    let image: Vec<_> = image.into_iter().filter_map(given).collect();
+    files::check(&read, &[&*image, &beside].concat())?;
     // What is resumed may be replaced by what has more of it.
     let resumed = args.keep.resume.as_deref().map(|file| ("the checkpoint", file));
     files::check(resumed.as_slice(), &beside)

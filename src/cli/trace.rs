@@ -16,7 +16,9 @@ use crate::rayset::{self, Query, RaySet, Replay};
 
 pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     let record = args.json.as_deref().map(|file| ("the record", file));
-    files::check(&[("the ray set", &args.dir.join(rayset::MANIFEST))], record.as_slice())?;
+    let of_sets = rayset::files(&args.dir);
+    let read: Vec<_> = of_sets.iter().map(|file| ("a part of the ray set", &**file)).collect();
+    files::check(&read, record.as_slice())?;
     let sets = rayset::read(&args.dir)?;
     advise_on_build(Isa::Avx512);
     let name = printable(&sets.scene);

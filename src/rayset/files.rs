@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
 
 /// The file that is written last, and so says that the folder is complete.
-pub const MANIFEST: &str = "manifest.json";
+const MANIFEST: &str = "manifest.json";
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Manifest {
@@ -42,6 +42,21 @@ struct SetEntry {
     rays: usize,
 }
 
+const GEOMETRY: [&str; 3] = ["spheres.f32", "quads.f32", "triangles.f32"];
+/// Of each set.
+const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
+
+/// All files that there may be of ray sets in `folder`.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let fixed = [MANIFEST].into_iter().chain(GEOMETRY).map(|name| folder.join(name));
+    fixed.chain(files_of_sets(folder)).collect()
+}
+
+fn files_of_sets(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let names = KINDS.into_iter().flat_map(|(_, name, _)| EXTENSIONS.map(|end| (name, end)));
+    names.map(move |(name, end)| folder.join(format!("{name}.{end}")))
+}
+
 /// Writes `sets` into `folder`, which is made if it is missing. Files of an older set are
 /// replaced; without `manifest.json`, the last to be written, a folder is no ray set.
 ///
@@ -51,11 +66,7 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
-    for (_, name, _) in KINDS {
-        for extension in ["rays", "range", "time", "hits"] {
-            remove(&folder.join(format!("{name}.{extension}")))?;
-        }
-    }
+    files_of_sets(folder).try_for_each(|file| remove(&file))?;
     let Geometry { spheres, quads, triangles } = &sets.geometry;
     let spheres_f32 = spheres.iter().flat_map(|s| {
         let ([x, y, z], [x1, y1, z1]) = (s.center.to_array(), s.center1.to_array());

@@ -31,7 +31,7 @@ mod record;
 mod replay;
 mod select;
 
-pub use files::{MANIFEST, read, write};
+pub use files::{files, read, write};
 pub use record::record;
 pub use replay::{Replay, replay};
 

@@ -35,7 +35,7 @@ fn checkpoints_that_cannot_be_replaced() {
     let begun =
         format!("{render} --spp 100000 --quiet --checkpoint k.film --time-limit 1ms 2>/dev/null");
     // Less than there is.
-    let limit = "ulimit -f $(($(stat -c %s k.film) / 1024))";
+    let limit = "ulimit -f $(($(stat -c %s k.film) / 1024 - 1))";
     let render = format!("{render} --resume k.film");
     let same = "--spp 100000";
     for more in [same, "--spp 100000 --checkpoint n.film", "--spp 200000"] {
@@ -88,6 +88,22 @@ fn pictures_do_not_take_the_room_of_checkpoints() {
         assert!(stderr(&stopped).contains(says), "{}", stderr(&stopped));
         assert_eq!(stdout(&stopped), "a.partial.pfm\nk.film\n");
     }
+}
+
+/// A film of fewer samples is only read.
+#[test]
+fn films_on_read_only_disks_are_added_to() {
+    if !with_disk(4, "true").status.success() {
+        println!("no file systems can be mounted here");
+        return;
+    }
+    let render = "$P render --scene cornell --width 32 --quiet";
+    let film = format!("{render} --spp 16 -o d/k.film && mount -o remount,ro d");
+    let more = with_disk(200, &format!("{film} && {render} --spp 20 --resume d/k.film -o a.png"));
+    assert_eq!(more.status.code(), Some(0), "{}", stderr(&more));
+    let same = with_disk(200, &format!("{film} && {render} --spp 16 --resume d/k.film -o a.png"));
+    assert_eq!(same.status.code(), Some(74), "{}", stderr(&same));
+    assert!(stderr(&same).contains("d/k.film: cannot write: read-only"), "{}", stderr(&same));
 }
 
 /// A file system of 4 KiB.

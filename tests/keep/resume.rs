@@ -180,8 +180,11 @@ fn partial_files_are_not_overwritten() {
         assert!(says.contains(&kept), "{says}");
     }
     assert_eq!(fs::read_dir(here).unwrap().count(), 4);
-    let resumed = hash(here, &image("2", &["--resume", "a.partial.2.film"]));
+    let second = fs::read(here.join("a.partial.2.film")).unwrap();
+    let seldom = ["--resume", "a.partial.2.film", "--checkpoint-every", "100h"];
+    let resumed = hash(here, &image("2", &seldom));
     assert_eq!(resumed, hash(here, &image("2", &[])));
+    assert!(fs::read(here.join("a.partial.2.film")).unwrap() == second, "not in the end");
     let first = hash(here, &image("1", &["--resume", "a.partial.film"]));
     assert_eq!(first, hash(here, &image("1", &[])));
     assert_eq!(fs::read_dir(here).unwrap().count(), 5);

@@ -215,6 +215,7 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         }
         let event = render.wait_for("checkpoint");
         assert_eq!(event["file"], "kept.film");
+        fs::copy(here.join("kept.film"), here.join("early.film")).unwrap();
         if asks {
             render.signal("-USR1");
         }
@@ -225,9 +226,9 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         assert_eq!(render.end().0, None);
         let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
         assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
-        let again = ["--resume", "kept.film", "--checkpoint-every", "1ms"];
+        let again = ["--resume", "early.film", "--checkpoint-every", "1ms"];
         let mut render = Started::new(here, &with(&LONG, &again));
-        assert_eq!(render.wait_for("checkpoint")["file"], "kept.film");
+        assert_eq!(render.wait_for("checkpoint")["file"], "early.film");
         render.signal("-KILL");
         render.end();
         // What is kept is not begun anew.
