@@ -51,6 +51,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     let mut keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
     check_files(args, &scene, &output, None, None)?;
+    // Where the render is kept depends on what is resumed.
     let mut place = args.keep.place(output.path());
     let (rendering, is_of_more) = begin(args, &place, &identity, &share, scene.limits())?;
     if is_of_more {

@@ -42,13 +42,15 @@ struct SetEntry {
     rays: usize,
 }
 
-const GEOMETRY: [&str; 3] = ["spheres.f32", "quads.f32", "triangles.f32"];
+const SPHERES: &str = "spheres.f32";
+const QUADS: &str = "quads.f32";
+const TRIANGLES: &str = "triangles.f32";
 /// Of each set.
 const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
 
 /// All files that there may be of ray sets in `folder`.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
-    let fixed = [MANIFEST].into_iter().chain(GEOMETRY).map(|name| folder.join(name));
+    let fixed = [MANIFEST, SPHERES, QUADS, TRIANGLES].into_iter().map(|name| folder.join(name));
     fixed.chain(files_of_sets(folder)).collect()
 }
 
@@ -72,11 +74,11 @@ pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
         let ([x, y, z], [x1, y1, z1]) = (s.center.to_array(), s.center1.to_array());
         [x, y, z, s.radius, x1, y1, z1, 0.0]
     });
-    write_floats(&folder.join("spheres.f32"), spheres_f32)?;
+    write_floats(&folder.join(SPHERES), spheres_f32)?;
     let quads_f32 = quads.iter().flat_map(|q| [q.q, q.u, q.v]).flat_map(|v| v.to_array());
-    write_floats(&folder.join("quads.f32"), quads_f32)?;
+    write_floats(&folder.join(QUADS), quads_f32)?;
     let triangles_f32 = triangles.iter().flat_map(|t| t.vertices).flat_map(|v| v.to_array());
-    write_floats(&folder.join("triangles.f32"), triangles_f32)?;
+    write_floats(&folder.join(TRIANGLES), triangles_f32)?;
     let moving = sets.geometry.moves();
     for set in &sets.sets {
         let file = |extension: &str| folder.join(format!("{}.{extension}", set.name));
@@ -199,7 +201,7 @@ fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
         false => Err(bad(file, index, "a coordinate is not finite")),
     };
     let mut geometry = Geometry::default();
-    let file = "spheres.f32";
+    let file = SPHERES;
     for (index, sphere) in read_records::<8>(folder, file, counts.spheres)?.iter().enumerate() {
         finite(file, index, sphere)?;
         let &[x, y, z, radius, x1, y1, z1, _] = sphere;
@@ -211,14 +213,14 @@ fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
     }
     let vectors =
         |values: &[f32; 9]| [0, 3, 6].map(|i| Vec3::new(values[i], values[i + 1], values[i + 2]));
-    let file = "quads.f32";
+    let file = QUADS;
     for (index, quad) in read_records::<9>(folder, file, counts.quads)?.iter().enumerate() {
         finite(file, index, quad)?;
         let [q, u, v] = vectors(quad);
         let quad = Quad::new(q, u, v).ok_or_else(|| bad(file, index, "the quad has no area"))?;
         geometry.quads.push(quad);
     }
-    let file = "triangles.f32";
+    let file = TRIANGLES;
     for (index, triangle) in read_records::<9>(folder, file, counts.triangles)?.iter().enumerate() {
         finite(file, index, triangle)?;
         geometry.triangles.push(Triangle { vertices: vectors(triangle) });

@@ -1,6 +1,6 @@
 //! Textures and materials.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::Resolver;
@@ -13,7 +13,8 @@ use crate::scene::place::MAX_RADIANCE;
 use crate::scene::texture::{Checker, Texture};
 
 impl Resolver<'_> {
-    pub(super) fn textures(&self, folder: &Path) -> Result<Vec<Texture>> {
+    /// The textures, and the files that they were read from.
+    pub(super) fn textures(&self, folder: &Path) -> Result<(Vec<Texture>, BTreeSet<PathBuf>)> {
         // The number of the first texture of each file: none is read twice.
         let mut files: HashMap<PathBuf, usize> = HashMap::new();
         let mut textures: Vec<Texture> = Vec::new();
@@ -56,7 +57,7 @@ impl Resolver<'_> {
                 }
             });
         }
-        Ok(textures)
+        Ok((textures, files.into_keys().collect()))
     }
 
     /// Colours given in place of a texture are appended to `textures`.

@@ -4,8 +4,6 @@
 mod materials;
 mod primitives;
 
-use std::cell::RefCell;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -30,16 +28,16 @@ pub(super) fn resolve(
     places: &Places,
     budget: Budget,
 ) -> Result<Scene> {
-    let resolver = Resolver { name, file, places, budget, files: RefCell::default() };
+    let resolver = Resolver { name, file, places, budget };
     let camera = resolver.camera(&file.camera)?;
     let background = resolver.background()?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
-    let mut textures = resolver.textures(folder)?;
+    let (mut textures, texture_files) = resolver.textures(folder)?;
     let materials = resolver.materials(&mut textures)?;
-    let (geometry, material_of) = resolver.primitives(folder)?;
+    let (geometry, material_of, mesh_files) = resolver.primitives(folder)?;
     let media = resolver.media()?;
     let shines = |&&material: &&u32| matches!(materials[material as usize], Material::Light(_));
     let lights = material_of.iter().filter(shines).count();
@@ -57,7 +55,7 @@ pub(super) fn resolve(
         material_of,
         lights,
         media,
-        files: resolver.files.into_inner(),
+        files: texture_files.into_iter().chain(mesh_files).collect(),
         limits: resolver.budget.limits,
     })
 }
@@ -72,8 +70,6 @@ struct Resolver<'a> {
     file: &'a SceneFile,
     places: &'a Places,
     budget: Budget,
-    /// Meshes and textures.
-    files: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl<'a> Resolver<'a> {
@@ -94,10 +90,7 @@ impl<'a> Resolver<'a> {
                 let message = "is outside the folder of the scene: --outside-files allows it";
                 Err(e.error(Error::input(path.display().to_string(), "", message)))
             }
-            _ => {
-                self.files.borrow_mut().insert(path.clone());
-                Ok(path)
-            }
+            _ => Ok(path),
         }
     }
 

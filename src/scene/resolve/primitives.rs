@@ -1,7 +1,7 @@
 //! Primitives, and which material each has.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -15,8 +15,11 @@ use crate::scene::mesh::{Mesh, Placement};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
 impl Resolver<'_> {
-    /// The primitives, and the material of each in their order.
-    pub(super) fn primitives(&self, folder: &Path) -> Result<(Geometry, Vec<u32>)> {
+    /// The primitives, the material of each in their order, and the files that meshes were read from.
+    pub(super) fn primitives(
+        &self,
+        folder: &Path,
+    ) -> Result<(Geometry, Vec<u32>, BTreeSet<PathBuf>)> {
         let mut geometry = Geometry::default();
         let mut meshes = HashMap::new();
         let mut materials = [const { Vec::new() }; 3];
@@ -34,7 +37,7 @@ impl Resolver<'_> {
                 list.resize(count, material);
             }
         }
-        Ok((geometry, materials.concat()))
+        Ok((geometry, materials.concat(), meshes.into_keys().collect()))
     }
 
     /// Checks one primitive and appends what it stands for; `meshes` are those that were read before.
