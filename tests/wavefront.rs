@@ -247,7 +247,7 @@ fn progress_adds_up() {
         let last = Last(Mutex::default());
         let mut rendering = renderer.begin().unwrap();
         renderer.advance(&mut rendering, &last).unwrap();
-        let rays = rendering.tally().rays;
+        let rays = rendering.tally.rays;
         let Progress { samples, rays: traced } = last.0.into_inner().unwrap();
         assert_eq!((samples, traced), (50 * 40 * 21, rays.total()), "{engine:?}");
     }

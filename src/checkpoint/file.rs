@@ -19,7 +19,7 @@ use crate::output::Pending;
 /// The first line.
 const MAGIC: &[u8] = b"ptfast film\n";
 /// The version of the format.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 /// Bytes of the second line, at most.
 const MOST_HEADER: u64 = 1 << 16;
 /// A file of so many bytes is hashed in a second, whatever its header says.
@@ -37,8 +37,7 @@ struct Header {
     identity: Identity,
     shard: Option<Shard>,
     samples: [u32; 2],
-    closed: Tally,
-    open: Tally,
+    tally: Tally,
     seconds: f64,
 }
 
@@ -56,7 +55,7 @@ impl Checkpoint {
     /// # Errors
     /// As [`write`](Self::write).
     pub(crate) fn pending(&self, path: &Path) -> Result<Pending> {
-        let Rendering { film, closed, open, seconds, .. } = &self.rendering;
+        let Rendering { film, tally, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
             schema: SCHEMA,
@@ -64,8 +63,7 @@ impl Checkpoint {
             identity: self.identity.clone(),
             shard: self.shard,
             samples: [start, end],
-            closed: closed.clone(),
-            open: open.clone(),
+            tally: tally.clone(),
             seconds: *seconds,
         };
         Pending::new(path, |file| {
@@ -108,8 +106,7 @@ impl Checkpoint {
             }
             Err(_) => return Err(damaged()),
         };
-        let Header { scene, identity, shard, samples: [first, end], closed, open, seconds, .. } =
-            header;
+        let Header { scene, identity, shard, samples: [first, end], tally, seconds, .. } = header;
         let area = identity.area();
         limits.check_image(area.pixels(), Film::memory(area, first..end)).map_err(bad)?;
         let before = MAGIC.len() + line.len();
@@ -138,7 +135,7 @@ impl Checkpoint {
         if !film.is_of(has) {
             return Err(bad("damaged: its pixels are not those of its shard".to_owned()));
         }
-        let rendering = Rendering { closed, open, seconds, ..Rendering::new(film) };
+        let rendering = Rendering { tally, seconds, ..Rendering::new(film) };
         Ok(Self { scene, identity, shard, rendering })
     }
 }
@@ -172,11 +169,11 @@ fn header(line: &[u8]) -> Result<Header, String> {
     if header.shard.is_some_and(|Shard { index, count }| index >= count) {
         return Err("the shard is none of so many".to_owned());
     }
-    let Header { closed, open, seconds, .. } = &header;
+    let Header { tally, seconds, .. } = &header;
     if !(0.0..=MOST_SECONDS).contains(seconds) {
         return Err("the seconds are none".to_owned());
     }
-    if closed.counts().chain(open.counts()).any(|count| count > MOST_COUNT) {
+    if tally.counts().any(|count| count > MOST_COUNT) {
         return Err("the counts are none".to_owned());
     }
     let [first, end] = header.samples;

@@ -3,9 +3,9 @@
 //! A file is a line that says what it is, a line of JSON, the film in binary, and a BLAKE3 hash of all that:
 //! ```text
 //! ptfast film
-//! {"schema":1,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"closed":{...},"open":{...},"seconds":1.5}
-//! of each pixel of the crop, row by row: the end of its samples that are done, u32; u32::MAX where it has none
-//! the first of the sums that are kept of these, of each pixel that has one: 3 f32; the second; ...
+//! {"schema":2,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"tally":{...},"seconds":1.5}
+//! for each pixel of the crop, row by row: one past its last finished sample, u32; u32::MAX if the pixel is not in it
+//! the first kept sum of each pixel that has one: 3 f32; the second of each that has two; ...
 //! 32 bytes
 //! ```
 //! All numbers are little-endian. Which sums are kept follows from the samples ([`crate::film`]).
@@ -71,7 +71,7 @@ impl Checkpoint {
         let grows = rendering.film.samples().end == self.identity.spp && samples.end == wanted.spp;
         if grows && self.identity.spp < wanted.spp {
             self.identity.spp = wanted.spp;
-            rendering.grow(samples.end);
+            rendering.film.grow(samples.end);
         }
         if let Some((field, here, wanted)) = self.identity.difference(wanted) {
             let message = format!("is of a render with {field} {here}, not {wanted}");

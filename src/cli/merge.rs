@@ -36,7 +36,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let tally = rendering.tally();
+    let tally = &rendering.tally;
     let image = rendering.image()?;
     let hash = image.hash();
     if let Target::Image(path) = &output {

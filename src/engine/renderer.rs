@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use rayon::{BroadcastContext, ThreadPool};
 
 use super::pool::{self, Pin, Pinned};
-use super::rendering::{Progress, Rendering, Shared, Taken};
+use super::rendering::{Progress, Rendering, Shared, Taken, Task};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
 use super::stats::WaveStats;
@@ -17,7 +17,7 @@ use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, Planning, WavefrontEngine};
 use crate::error::{Error, Result};
-use crate::film::{Film, Schedule, Unit};
+use crate::film::{Film, Schedule};
 use crate::image::Image;
 use crate::scene::Scene;
 
@@ -48,8 +48,8 @@ pub(super) trait UnitEngine: Sync + std::fmt::Debug {
 
 /// What a thread does.
 pub(super) trait UnitWorker {
-    /// The samples of `unit`; `None` where `abandon`, which is asked now and then, says so.
-    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken>;
+    /// Renders `task`; `None` where `abandon`, which is called now and then, returns true.
+    fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken>;
 }
 
 /// A finished render.
@@ -223,17 +223,17 @@ impl<'a> Renderer<'a> {
             let alarm = Alarm(&failed);
             // None for threads that find no work.
             let mut worker = None;
-            while let Some(unit) = next() {
+            while let Some(task) = next() {
                 let worker = worker.get_or_insert_with(|| self.engine.worker(most_paths));
                 let begin = Instant::now();
-                let Some(mut taken) = worker.take(unit, &abandon) else { break };
+                let Some(mut taken) = worker.take(&task, &abandon) else { break };
                 #[cfg(feature = "slowed")]
                 super::slowed::dawdle(begin.elapsed());
                 if self.settings.timeline {
                     taken.laps.push(Lap {
                         start: begin,
                         end: Instant::now(),
-                        work: Work::Unit(unit),
+                        work: Work::Unit(task.unit),
                     });
                 }
                 let progress = lock().add(taken, thread.index())?;
@@ -254,7 +254,7 @@ impl<'a> Renderer<'a> {
     pub fn finish(&self, rendering: &mut Rendering) -> Result<Render> {
         Ok(Render {
             image: rendering.image()?,
-            tally: rendering.tally(),
+            tally: rendering.tally.clone(),
             waves: rendering.waves.clone(),
             seconds: Seconds { render: rendering.seconds, ..self.seconds },
             timeline: mem::take(&mut rendering.timeline),

@@ -2,11 +2,13 @@
 
 use std::time::Instant;
 
+use glam::Vec3;
+
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
 use crate::error::Result;
-use crate::film::{CHUNK, Film, Part, Schedule, Tile, Unit};
+use crate::film::{Film, Part, Plane, Schedule, Tile, Unit};
 use crate::image::Image;
 
 /// Events of a timeline, at most: some hundred megabytes.
@@ -20,10 +22,8 @@ const MOST_EARLY: usize = 1000;
 pub struct Rendering {
     /// The samples so far.
     pub film: Film,
-    /// What was traced for the samples of complete chunks, and what came of it.
-    pub closed: Tally,
-    /// The same of the last chunks where these are not complete: they are taken anew if the samples grow.
-    pub open: Tally,
+    /// What was traced for them, and what came of it.
+    pub tally: Tally,
     /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
     /// the work of its rays, without times.
     pub waves: WaveStats,
@@ -36,30 +36,19 @@ pub struct Rendering {
 impl Rendering {
     /// Nothing but a film.
     pub fn new(film: Film) -> Self {
-        let (closed, open) = Default::default();
-        Self { film, closed, open, waves: WaveStats::default(), seconds: 0.0, timeline: Vec::new() }
+        Self {
+            film,
+            tally: Tally::default(),
+            waves: WaveStats::default(),
+            seconds: 0.0,
+            timeline: Vec::new(),
+        }
     }
 
     /// Counts what was traced for another part of the render, too.
     pub fn add(&mut self, other: &Self) {
-        self.closed.add(&other.closed);
-        self.open.add(&other.open);
+        self.tally.add(&other.tally);
         self.seconds += other.seconds;
-    }
-
-    /// What was traced for all samples, and what came of it.
-    pub fn tally(&self) -> Tally {
-        let mut all = self.closed.clone();
-        all.add(&self.open);
-        all
-    }
-
-    /// From now on there are to be samples up to `end`, not fewer than before.
-    pub fn grow(&mut self, end: u32) {
-        if self.film.samples().end < end {
-            self.film.grow(end);
-            self.open = Tally::default();
-        }
     }
 
     /// The image as far as it is; black where nothing is done.
@@ -73,7 +62,7 @@ impl Rendering {
 
     /// How far it is.
     pub fn progress(&self) -> Progress {
-        Progress { samples: self.film.samples_done(), rays: self.tally().rays.total() }
+        Progress { samples: self.film.samples_done(), rays: self.tally.rays.total() }
     }
 }
 
@@ -84,6 +73,22 @@ pub struct Progress {
     pub samples: u64,
     /// Rays traced.
     pub rays: u64,
+}
+
+/// A unit of work, and what it adds to.
+#[derive(Debug)]
+pub(super) struct Task {
+    pub(super) unit: Unit,
+    /// [`Film::open_sums`].
+    pub(super) open: Plane,
+}
+
+impl Task {
+    /// The sum that the samples of pixel number `pixel` of the unit are added to.
+    #[inline]
+    pub(super) fn open_sum(&self, pixel: u32) -> Vec3 {
+        self.open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum))
+    }
 }
 
 /// What came of a unit of work.
@@ -123,8 +128,10 @@ impl<'a> Shared<'a> {
     }
 
     /// The next unit of work.
-    pub(super) fn next(&mut self) -> Option<Unit> {
-        self.schedule.next(&self.rendering.film)
+    pub(super) fn next(&mut self) -> Option<Task> {
+        let film = &self.rendering.film;
+        let unit = self.schedule.next(film)?;
+        Some(Task { unit, open: film.open_sums(unit) })
     }
 
     /// Adds what came of one, and tells how far the render is.
@@ -133,7 +140,7 @@ impl<'a> Shared<'a> {
     /// Where there is no memory for it.
     pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
         let Taken { part, tally, waves, laps } = taken;
-        let Rendering { film, closed, open, waves: all_waves, timeline, .. } = &mut *self.rendering;
+        let Rendering { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
         all_waves.add(&waves);
         let room = MOST_EVENTS - timeline.len();
         let event = |lap: &Lap| {
@@ -145,8 +152,7 @@ impl<'a> Shared<'a> {
         while let Some(place) = self.early.iter().position(|(part, _)| film.is_next(part.unit)) {
             let (part, tally) = self.early.swap_remove(place);
             film.add(&part)?;
-            let is_closed = part.unit.end.is_multiple_of(CHUNK);
-            if is_closed { &mut *closed } else { &mut *open }.add(&tally);
+            all.add(&tally);
             self.progress.samples += part.unit.paths();
             self.progress.rays += tally.rays.total();
         }

@@ -1,4 +1,4 @@
-//! The film: sums of an image's samples, pixel by pixel, as far as they go.
+//! The film: for each pixel of an image, the sum of the samples rendered so far.
 
 mod file;
 mod merge;
@@ -27,21 +27,23 @@ pub type Plane = Vec<[f32; 3]>;
 pub struct Film {
     area: Tile,
     samples: Range<u32>,
-    /// Of each pixel of `area` the end of its samples that are done; [`ABSENT`] of those that are not on this
-    /// film.
+    /// For each pixel of `area`, one past the last finished sample; [`ABSENT`] for pixels of other
+    /// films.
     done: Vec<u32>,
-    /// Of each pixel the first of the sums that are kept of these, the second, and so on.
+    /// Plane 0 holds the first kept sum of each pixel, plane 1 the second, and so on: the nodes of
+    /// `sum.rs`, then the running sum of a chunk that is not complete.
     sums: Vec<Plane>,
 }
 
 const ABSENT: u32 = u32::MAX;
 
-/// What came of a [`Unit`] of work.
+/// The result of a [`Unit`] of work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The samples.
     pub unit: Unit,
-    /// Of each pixel their sum: they are added in order, to black.
+    /// For each pixel, the sum of its chunk up to `unit.end`: the unit's samples, added in order to
+    /// [`Film::open_sums`].
     pub sums: Plane,
 }
 
@@ -85,13 +87,26 @@ impl Film {
         self.done.iter().copied().min().unwrap_or(0).min(self.samples.end)
     }
 
-    /// Whether all pixels of `tile` lack the sample `sample`, or none does; neither if only some do.
-    fn lacks(&self, tile: Tile, sample: u32) -> Option<bool> {
-        let lacks = self.done[self.row(tile, 0).start] <= sample;
-        self.all(tile, |done| (done <= sample) == lacks).then_some(lacks)
+    /// The first of `samples` that the pixels of `tile` lack, or the end; `None` where it differs
+    /// from pixel to pixel.
+    fn first_lacking(&self, tile: Tile, samples: &Range<u32>) -> Option<u32> {
+        let lacking = |done: u32| done.clamp(samples.start, samples.end);
+        let first = lacking(self.done[self.row(tile, 0).start]);
+        self.all(tile, |done| lacking(done) == first).then_some(first)
     }
 
-    /// Whether the samples before those of `unit` are done, and no more.
+    /// For each pixel of `unit`, the sum of the samples of its chunk before those of the unit; empty
+    /// where there are none.
+    pub fn open_sums(&self, unit: Unit) -> Plane {
+        if unit.first.is_multiple_of(CHUNK) {
+            return Plane::new();
+        }
+        let place = sum::sums(&(self.samples.start..unit.first)) - 1;
+        let rows = (0..unit.tile.height).map(|row| &self.sums[place][self.row(unit.tile, row)]);
+        rows.flatten().copied().collect()
+    }
+
+    /// Whether each pixel of `unit` has exactly the samples before those of the unit.
     pub fn is_next(&self, unit: Unit) -> bool {
         self.all(unit.tile, |done| done == unit.first)
     }
@@ -107,9 +122,9 @@ impl Film {
     /// [`Error::Internal`] where there is no memory for them.
     pub fn add(&mut self, part: &Part) -> Result<()> {
         let Unit { tile, first, end } = part.unit;
-        let kept = sum::sums(&(self.samples.start..first));
-        // A chunk that is not complete stays by itself.
-        let node = (end - first == CHUNK).then_some((0, first / CHUNK));
+        // The sum of an open chunk replaces what there was of it.
+        let kept = sum::sums(&(self.samples.start..first / CHUNK * CHUNK));
+        let node = end.is_multiple_of(CHUNK).then_some((0, first / CHUNK));
         for (row, sums) in (0..).zip(part.sums.chunks_exact(tile.width as usize)) {
             let row = self.row(tile, row);
             self.push(row.clone(), kept, node, sums)?;
@@ -188,16 +203,9 @@ impl Film {
         })
     }
 
-    /// From now on its samples are to end at `end`, not earlier than before. A last chunk that is not complete
-    /// will be taken anew.
+    /// Sets the end of its samples to `end`, unless it is later already.
     pub fn grow(&mut self, end: u32) {
-        if self.samples.end < end {
-            let open = self.samples.end % CHUNK;
-            for done in self.done.iter_mut().filter(|done| **done == self.samples.end) {
-                *done -= open;
-            }
-            self.samples.end = end;
-        }
+        self.samples.end = self.samples.end.max(end);
     }
 
     /// Samples that are done, of all pixels together.

@@ -4,12 +4,12 @@ use super::Film;
 use super::sum::CHUNK;
 use super::tile::{Grid, Tile};
 
-/// Samples of one chunk, of neighbouring pixels: what a worker takes at once.
+/// Samples of one chunk, of neighbouring pixels: what a worker renders at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit {
     /// The pixels.
     pub tile: Tile,
-    /// The first sample of each, the first of a chunk.
+    /// The first sample of each pixel.
     pub first: u32,
     /// The end of its samples.
     pub end: u32,
@@ -27,8 +27,8 @@ impl Unit {
     }
 }
 
-/// The units of a film that are not done: chunk after chunk over all pixels, so that the image is equally
-/// good everywhere whenever the work stops. (More samples of fewer pixels at once are not faster.)
+/// The units that a film still lacks, chunk after chunk over all pixels: whenever the work stops, the
+/// image is equally good everywhere. (More samples of fewer pixels at once are not faster.)
 #[derive(Debug)]
 pub struct Schedule {
     area: Tile,
@@ -79,12 +79,11 @@ impl Schedule {
         loop {
             let tile = self.rest.pop().or_else(|| self.next_tile())?;
             // Earlier chunks that other workers still have count as done.
-            match film.lacks(tile, self.first) {
-                Some(true) => {
-                    return Some(Unit { tile, first: self.first, end: self.chunk_end() });
-                }
-                Some(false) => {}
-                // It was cut into other units before, or is not all on the film.
+            let end = self.chunk_end();
+            match film.first_lacking(tile, &(self.first..end)) {
+                Some(first) if first < end => return Some(Unit { tile, first, end }),
+                Some(_) => {}
+                // An earlier run cut it into other units, or only a part of it is on the film.
                 None => self.rest.extend(tile.halves()),
             }
         }

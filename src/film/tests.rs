@@ -11,10 +11,13 @@ fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
     Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
 }
 
-pub(super) fn rendered(unit: Unit) -> Part {
-    let sum = |pixel| {
+/// The result of `unit`, which is next on `film`.
+pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
+    let open = film.open_sums(unit);
+    let sum = |pixel: u32| {
+        let open = open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum));
         let samples = (unit.first..unit.end).map(|number| sample(unit.tile.pixel(pixel), number));
-        samples.fold(Vec3::ZERO, |sum, sample| sum + sample).to_array()
+        samples.fold(open, |sum, sample| sum + sample).to_array()
     };
     Part { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
 }
@@ -47,10 +50,15 @@ pub(super) fn rendered_film(samples: Range<u32>, keep: impl Fn(u32, u32) -> bool
     let mut film = Film::new(AREA, samples).unwrap();
     film.retain(keep);
     let mut schedule = Schedule::new(&film, 500);
-    while let Some(unit) = schedule.next(&film) {
-        film.add(&rendered(unit)).unwrap();
-    }
+    render(&mut film, &mut schedule);
     film
+}
+
+fn render(film: &mut Film, schedule: &mut Schedule) {
+    while let Some(unit) = schedule.next(film) {
+        assert!(film.is_next(unit), "{unit:?}");
+        film.add(&rendered(film, unit)).unwrap();
+    }
 }
 
 /// However the units are cut, and whenever the work stops.
@@ -67,7 +75,7 @@ fn units_of_all_sizes_give_the_same_means() {
                 for _ in 0..random.bits() % 100 {
                     let Some(unit) = schedule.next(&film) else { break };
                     assert!(film.is_next(unit), "{unit:?}");
-                    film.add(&rendered(unit)).unwrap();
+                    film.add(&rendered(&film, unit)).unwrap();
                 }
             }
             assert_eq!(film.samples_to_do(), AREA.pixels() * u64::from(samples));
@@ -82,16 +90,42 @@ fn units_of_all_sizes_give_the_same_means() {
 fn films_grow() {
     for (from, to) in [(16, 333), (50, 51), (50, 64), (15, 100), (48, 48)] {
         let mut film = rendered_film(0..from, |x, _| x > 5);
-        let rest = film.samples_to_do() / u64::from(from) * u64::from(to - from / CHUNK * CHUNK);
+        let rest = film.samples_to_do() / u64::from(from) * u64::from(to - from);
         film.grow(to);
-        assert_eq!(film.samples_to_do() - film.samples_done(), if to > from { rest } else { 0 });
+        assert_eq!(film.samples_to_do() - film.samples_done(), rest);
         let mut schedule = Schedule::new(&film, 300);
-        while let Some(unit) = schedule.next(&film) {
-            film.add(&rendered(unit)).unwrap();
-        }
+        render(&mut film, &mut schedule);
         let want = rendered_film(0..to, |x, _| x > 5).means().unwrap();
         assert_eq!(film.means().unwrap(), want, "{from} to {to}");
     }
+}
+
+/// A film that grows sample by sample, and is stopped in the middle of passes, has the same sums.
+#[test]
+fn chunks_are_continued() {
+    let mut random = Stream::new(4);
+    let mut passes = 0;
+    for round in 0..20 {
+        let mut film = Film::new(AREA, 0..1).unwrap();
+        let mut end = 1;
+        while end < 70 {
+            let mut schedule = Schedule::new(&film, 1 + (random.bits() % 300) as u32);
+            for _ in 0..random.bits() % 30 {
+                let Some(unit) = schedule.next(&film) else { break };
+                film.add(&rendered(&film, unit)).unwrap();
+            }
+            if random.bits().is_multiple_of(4) {
+                render(&mut film, &mut schedule);
+                assert_eq!(film.means().unwrap(), want(end), "round {round}, {end} samples");
+                passes += 1;
+            }
+            if random.bits().is_multiple_of(2) {
+                end += 1 + (random.bits() % 7) as u32;
+                film.grow(end);
+            }
+        }
+    }
+    assert!(passes > 50, "{passes} passes");
 }
 
 #[test]
@@ -99,8 +133,8 @@ fn means_are_those_of_what_is_done() {
     let area = Tile { width: 4, height: 1, ..AREA };
     let mut film = Film::new(area, 0..20).unwrap();
     let [one, two] = [1, 2].map(|width| Tile { width, ..area });
-    film.add(&rendered(Unit { tile: two, first: 0, end: 16 })).unwrap();
-    film.add(&rendered(Unit { tile: one, first: 16, end: 20 })).unwrap();
+    film.add(&rendered(&film, Unit { tile: two, first: 0, end: 16 })).unwrap();
+    film.add(&rendered(&film, Unit { tile: one, first: 16, end: 20 })).unwrap();
     assert_eq!(film.samples_done(), 20 + 16);
     assert!(!film.is_next(Unit { tile: two, first: 16, end: 20 }));
     let want = [mean(area.pixel(0), 20), mean(area.pixel(1), 16), [0.0; 3], [0.0; 3]];

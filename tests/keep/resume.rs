@@ -96,7 +96,7 @@ fn samples_may_grow() {
         hash(here, &with(&SMALL, &["whole.film", "--spp", many]));
         hash(here, &with(&SMALL, &["more.film", "--spp", many, "--resume", "a.film"]));
         let tallies = ["more.film", "whole.film"].map(|name| {
-            Checkpoint::read(&here.join(name), &Limits::default()).unwrap().rendering.tally()
+            Checkpoint::read(&here.join(name), &Limits::default()).unwrap().rendering.tally
         });
         assert_eq!(tallies[0], tallies[1], "{few} to {many}");
         // It may be a part that is to be merged.
@@ -268,8 +268,8 @@ fn damaged_checkpoints_are_refused() {
     refused(&hashed([sums, &f32::NAN.to_le_bytes()].concat()), "a sum of samples is not a number");
     refused(&text("\"clamped\":0", "\"clamped\":18446744073709551615"), "the counts are none");
     refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds are none");
-    refused(&text("\"schema\":1", "\"schema\":2"), "version 2 of checkpoints is not known");
-    refused(&text("\"schema\":1", "\"shemca\":1"), "version null");
+    refused(&text("\"schema\":2", "\"schema\":1"), "version 1 of checkpoints is not known");
+    refused(&text("\"schema\":2", "\"shemca\":1"), "version null");
     refused(&text("\"roulette\":true", "\"wealth\":true"), "header: unknown field");
     refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
     refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");

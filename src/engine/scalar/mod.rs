@@ -6,16 +6,14 @@ pub(super) mod light;
 pub(super) mod medium;
 mod path;
 
-use glam::Vec3;
-
 use super::dimension::{Dimension, Randoms};
 use super::renderer::{UnitEngine, UnitWorker};
-use super::rendering::Taken;
+use super::rendering::{Taken, Task};
 use super::settings::RenderSettings;
 use super::stats::WaveStats;
 use super::tally::Tally;
 use crate::accel::Bvh2;
-use crate::film::{Part, Plane, Unit};
+use crate::film::{Part, Plane};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
 use crate::scene::{CameraFrame, CameraSample, Scene};
@@ -66,31 +64,32 @@ impl UnitEngine for ScalarEngine<'_> {
 }
 
 impl UnitWorker for &ScalarEngine<'_> {
-    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+    fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         if self.settings.count {
             let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
-            let (taken, counting) = self.trace(unit, tree, abandon)?;
+            let (taken, counting) = self.trace(task, tree, abandon)?;
             Some(Taken { waves: counting.stats, ..taken })
         } else {
-            self.trace(unit, self.tree(), abandon).map(|(taken, _)| taken)
+            self.trace(task, self.tree(), abandon).map(|(taken, _)| taken)
         }
     }
 }
 
 impl ScalarEngine<'_> {
-    /// Traces the samples of `unit` with what finds the hits, and gives that back.
+    /// Traces the samples of `task`; returns `intersect` as well.
     fn trace<I: Intersect>(
         &self,
-        unit: Unit,
+        task: &Task,
         intersect: I,
         abandon: &dyn Fn() -> bool,
     ) -> Option<(Taken, I)> {
+        let unit = task.unit;
         let mut tally = Tally::default();
         let mut sums = Plane::with_capacity(unit.tile.pixels() as usize);
         let mut tracer = PathTracer::new(self.scene, intersect, &self.settings);
         for pixel in 0..unit.tile.pixels() as u32 {
             let (x, y) = unit.tile.pixel(pixel);
-            let mut sum = Vec3::ZERO;
+            let mut sum = task.open_sum(pixel);
             for sample in unit.first..unit.end {
                 let (ray, key) = self.camera_ray(x, y, sample);
                 let radiance = tracer.radiance(ray, key);

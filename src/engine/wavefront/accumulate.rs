@@ -1,42 +1,45 @@
 //! Accumulate: samples become sums of pixels, in the order that every engine keeps.
 
-use glam::Vec3;
-
 use super::paths::Paths;
+use crate::engine::rendering::Task;
 use crate::engine::settings::RenderSettings;
 use crate::engine::tally::Tally;
-use crate::film::{Part, Unit};
+use crate::film::Part;
 
-/// Adds the samples of `paths`, which are those of `unit`, pixel by pixel.
+/// Adds the samples of `paths`, which are those of `task`, pixel by pixel.
 #[inline(never)]
 pub(super) fn accumulate(
     paths: &Paths,
-    unit: Unit,
+    task: &Task,
     settings: &RenderSettings,
     tally: &mut Tally,
 ) -> Part {
+    let unit = task.unit;
     let samples = unit.samples() as usize;
     let mut sum = |pixel: u32| {
+        let open = task.open_sum(pixel);
         let first = pixel as usize * samples;
         let radiances = paths.radiances(first..first + samples);
         // Nearly always.
         if settings.clamp == f32::INFINITY && radiances.clone().all(|radiance| radiance.is_finite())
         {
-            return radiances.fold(Vec3::ZERO, |sum, radiance| sum + radiance).to_array();
+            return radiances.fold(open, |sum, radiance| sum + radiance).to_array();
         }
         let (x, y) = unit.tile.pixel(pixel);
         let counted = (unit.first..)
             .zip(radiances)
             .map(|(sample, radiance)| tally.counted(radiance, settings.clamp, (x, y, sample)));
-        counted.fold(Vec3::ZERO, |sum, radiance| sum + radiance).to_array()
+        counted.fold(open, |sum, radiance| sum + radiance).to_array()
     };
     Part { unit, sums: (0..unit.tile.pixels() as u32).map(&mut sum).collect() }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
-    use crate::film::Tile;
+    use crate::film::{Tile, Unit};
     use crate::math::random::Stream;
     use crate::simd::{Int, Vec3x};
 
@@ -61,7 +64,7 @@ mod tests {
             paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
         }
         let mut tally = Tally::default();
-        let part = accumulate(&paths, unit, &settings, &mut tally);
+        let part = accumulate(&paths, &Task { unit, open: Vec::new() }, &settings, &mut tally);
         assert_eq!(part.unit, unit);
         for (got, samples) in part.sums.iter().zip(samples.chunks(15)) {
             let finite = samples.iter().filter(|sample| sample.is_finite());

@@ -23,12 +23,11 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use super::renderer::{UnitEngine, UnitWorker};
-use super::rendering::Taken;
+use super::rendering::{Taken, Task};
 use super::settings::RenderSettings;
 use super::stats::{Stage, StageWork, Stopwatch};
 use super::tally::{Endings, Tally};
 use crate::accel::{Accelerator, HitBatch};
-use crate::film::Unit;
 use crate::geometry::lanes::Surfaces;
 use crate::scene::{CameraFrame, Scene};
 use accumulate::accumulate;
@@ -172,14 +171,15 @@ impl<'a> Worker<'a> {
         Self { prepared, plan, wave: Wave::new(prepared, paths as usize), watch }
     }
 
-    /// Takes the paths of `unit` from the camera to the film, unless they are to be abandoned.
+    /// Takes the paths of `task` from the camera to the film; `None` where `abandon` returns true.
     ///
     /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
-    fn trace(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+    fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { prepared, plan, wave, watch } = self;
         let Prepared { scene, settings, camera, accelerator, materials, lights, surfaces, cells } =
             prepared;
         let Wave { paths, rays, hits, queues, shadows, next } = wave;
+        let unit = task.unit;
         let mut tally = Tally::default();
         watch.start();
 
@@ -227,7 +227,7 @@ impl<'a> Worker<'a> {
             watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
 
-        let part = accumulate(paths, unit, settings, &mut tally);
+        let part = accumulate(paths, task, settings, &mut tally);
         watch.lap(Stage::Accumulate, 1, StageWork::of(unit.paths() as usize));
         let (waves, laps) = watch.take();
         for segment in &waves.segments {
@@ -238,7 +238,7 @@ impl<'a> Worker<'a> {
 }
 
 impl UnitWorker for Worker<'_> {
-    fn take(&mut self, unit: Unit, abandon: &dyn Fn() -> bool) -> Option<Taken> {
-        self.trace(unit, abandon)
+    fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+        self.trace(task, abandon)
     }
 }

@@ -8,6 +8,7 @@ use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behi
 use super::plan::{Plan, Planning, SegmentPlan};
 use super::{Prepared, Worker};
 use crate::accel::Kernel;
+use crate::engine::rendering::Task;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
 use crate::film::{CHUNK, Grid, Tile, Unit};
@@ -106,7 +107,7 @@ fn try_all<'a>(
             worker.plan = plan;
             let units = units(&prepared.settings, plan, number, paths);
             units
-                .filter_map(|unit| worker.trace(unit, &|| false))
+                .filter_map(|unit| worker.trace(&Task { unit, open: Vec::new() }, &|| false))
                 .map(|taken| taken.waves)
                 .collect()
         })
