@@ -26,7 +26,7 @@ fn slab(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("slab");
     let (geometry, sets) = sets("spheres");
     let rays = &sets.iter().find(|set| set.name == "bounce").expect("paths bounce").rays;
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let range = 0..rays.len().min(2048);
     group.throughput(Throughput::Elements(range.len() as u64));
     group.bench_function("packet", |bencher| {
@@ -78,7 +78,7 @@ fn primitive(criterion: &mut Criterion) {
         rays.push(&ray, 0.0, f32::INFINITY);
     }
     for (name, geometry) in primitives() {
-        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        let accelerator = Accelerator::new(geometry.clone());
         accelerator.prepare(Kernel::Flat);
         let brute_force = |rays: &RayBatch| -> HitBatch {
             let mut hits = HitBatch::default();
@@ -110,7 +110,7 @@ fn traversal(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("traversal");
     for scene in SCENES {
         let (geometry, sets) = sets(scene);
-        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        let accelerator = Accelerator::new(geometry.clone());
         for set in &sets {
             let may_win = |kernel: &Kernel| accelerator.may_win(*kernel);
             for kernel in Kernel::ALL.into_iter().filter(|k| may_win(k) || *k == Kernel::Scalar) {

@@ -222,6 +222,61 @@ fn plans_out_of_range_are_refused() {
     assert!(refused(Plan { segments: Vec::new(), ..plan }));
 }
 
+/// Passes of any size continue each other: the same bits and counts as one pass, and a picture after
+/// the first sample.
+#[test]
+fn passes_of_any_size_give_the_same_bits() {
+    struct Nobody;
+    impl Observer for Nobody {
+        fn progressed(&self, _: Progress) {}
+    }
+    let scene = Scene::load("tests/data/everything.ron").unwrap();
+    let base = RenderSettings { width: 40, height: 30, spp: 37, ..RenderSettings::of(&scene) };
+    for engine in Engine::ALL {
+        let whole = render(&scene, &base, engine);
+        let settings = RenderSettings { engine, wave_size: 700, ..base.clone() };
+        let renderer = Renderer::new(&scene, settings).unwrap();
+        let mut rendering = renderer.begin().unwrap();
+        for pass in [1, 1, 2, 4, 8, 5, 16] {
+            let end = rendering.film.samples_done() as u32 / (40 * 30) + pass;
+            renderer.advance_to(&mut rendering, end, &Nobody).unwrap();
+            let so_far = RenderSettings { spp: end, engine, ..base.clone() };
+            let image = rendering.image().unwrap();
+            assert_eq!(image.hash(), render(&scene, &so_far, engine).image.hash(), "{end} samples");
+        }
+        assert_eq!(renderer.finish(&mut rendering).unwrap().tally, whole.tally, "{engine:?}");
+    }
+}
+
+/// A renderer goes from view to view on the same trees; what it renders is what a new one does.
+#[test]
+fn views_share_a_prepared_scene() {
+    fn send_and_sync<T: Send + Sync + 'static>(_: &T) {}
+    let scene = Scene::load("mesh:20480").unwrap();
+    let base = RenderSettings { width: 40, height: 30, spp: 4, ..RenderSettings::of(&scene) };
+    let mut renderer = Renderer::new(&scene, base.clone()).unwrap();
+    send_and_sync(&renderer);
+    let other = Scene::load("cornell").unwrap().camera().clone();
+    for engine in Engine::ALL {
+        let views = [
+            RenderSettings { camera: other.clone(), ..base.clone() },
+            RenderSettings { width: 31, height: 17, seed: 3, ..base.clone() },
+            RenderSettings { spp: 20, depth: 3, ..base.clone() },
+            base.clone(),
+        ];
+        for view in views {
+            let view = RenderSettings { engine, ..view };
+            renderer.set(view.clone()).unwrap();
+            let new = Renderer::new(&scene, view.clone()).unwrap().render().unwrap();
+            assert_eq!(renderer.render().unwrap().image.hash(), new.image.hash());
+            let shared = Renderer::new(renderer.prepared(), view).unwrap().render().unwrap();
+            assert_eq!(shared.image.hash(), new.image.hash());
+        }
+    }
+    assert!(renderer.set(RenderSettings { width: 0, ..base }).is_err());
+    assert_eq!(renderer.settings().width, 40);
+}
+
 /// Progress is told of every path and ray once.
 #[test]
 fn progress_adds_up() {

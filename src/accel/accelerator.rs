@@ -1,7 +1,7 @@
 //! A scene's geometry laid out for every kernel.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::batch::{HitBatch, RayBatch};
@@ -21,22 +21,27 @@ use super::wide::WideTree;
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
-/// The layouts of a scene's geometry, each made when it is first needed.
+/// The acceleration structures of a scene's geometry, each made when it is first needed.
 #[derive(Debug)]
-pub struct Accelerator<'a> {
-    pub(super) geometry: &'a Geometry,
-    shutter: (f32, f32),
-    /// Box around all primitives.
-    all: Bounds,
-    /// The tree over all but the primitives that span the scene.
-    tree: BinaryTree,
-    /// The primitives that span the scene, which every ray would meet the boxes of.
-    pub(super) spanning: (Blocks, Vec<BlockRef>),
-    pub(super) extent: Extent,
+pub struct Accelerator {
+    pub(super) geometry: Arc<Geometry>,
+    base: Lazy<Base>,
     scalar: Lazy<Bvh2>,
     wide: Lazy<WideTree>,
     pair: Lazy<PairTree>,
     flat: Lazy<Flat>,
+}
+
+/// What the layouts of all vector kernels are made from.
+#[derive(Debug)]
+pub(super) struct Base {
+    /// Box around all primitives.
+    all: Bounds,
+    /// The tree over all but the primitives that span the scene.
+    tree: BinaryTree,
+    /// The primitives that span the scene, whose boxes every ray would enter.
+    pub(super) spanning: (Blocks, Vec<BlockRef>),
+    pub(super) extent: Extent,
 }
 
 /// What a layout took.
@@ -44,8 +49,7 @@ pub struct Accelerator<'a> {
 pub struct Layout {
     /// Size in memory.
     pub bytes: usize,
-    /// Time that making it took, that of the tree which all but [`Kernel::Scalar`] and
-    /// [`Kernel::Flat`] share not included.
+    /// Time to make it, without the tree that all but [`Kernel::Scalar`] and [`Kernel::Flat`] share.
     pub seconds: f64,
 }
 
@@ -76,24 +80,26 @@ impl<T> Lazy<T> {
 /// A primitive spans the scene where its box has this share of the surface of the scene's.
 const SPANNING_SHARE: f32 = 0.25;
 
-impl<'a> Accelerator<'a> {
-    /// Builds the tree that the layouts are made from. Its boxes hold every primitive over all
-    /// times of `shutter`.
-    pub fn new(geometry: &'a Geometry, shutter: (f32, f32)) -> Self {
-        let boxes = geometry.boxes(shutter);
+impl Base {
+    fn new(geometry: &Geometry) -> Self {
+        let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
         let (spanning, others) = spanning(&boxes, all.half_area());
         let tree = BinaryTree::new(&boxes, &others);
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let mut blocks = Blocks::default();
         let references = blocks.push_all(geometry, &spanning);
+        let extent = Extent::new(geometry, all, bounds);
+        Self { all, tree, spanning: (blocks, references), extent }
+    }
+}
+
+impl Accelerator {
+    /// Boxes of its trees hold every primitive over all times.
+    pub fn new(geometry: impl Into<Arc<Geometry>>) -> Self {
         Self {
-            geometry,
-            shutter,
-            tree,
-            spanning: (blocks, references),
-            extent: Extent::new(geometry, all, bounds),
-            all,
+            geometry: geometry.into(),
+            base: Lazy::default(),
             scalar: Lazy::default(),
             wide: Lazy::default(),
             pair: Lazy::default(),
@@ -101,9 +107,13 @@ impl<'a> Accelerator<'a> {
         }
     }
 
+    pub(super) fn base(&self) -> &Base {
+        self.base.get(|| Base::new(&self.geometry))
+    }
+
     /// Makes the layout that `kernel` needs, if it is not there yet.
     pub fn prepare(&self, kernel: Kernel) -> Layout {
-        let spanning = self.spanning.0.bytes();
+        let spanning = self.base().spanning.0.bytes();
         let (bytes, seconds) = match kernel {
             Kernel::Packet | Kernel::Octant => {
                 (self.pair().bytes() + spanning, self.pair.seconds())
@@ -115,30 +125,35 @@ impl<'a> Accelerator<'a> {
         Layout { bytes, seconds }
     }
 
-    /// A box around the primitives, but for those that span the scene unless they all do.
+    /// A box around the primitives, without those that span the scene unless all do.
     pub(crate) fn bounds(&self) -> Bounds {
-        self.tree.nodes.first().map_or(self.all, |root| root.bounds)
+        let base = self.base();
+        base.tree.nodes.first().map_or(base.all, |root| root.bounds)
     }
 
-    /// Size of what layouts are made from, which is kept.
+    /// Size of the tree that layouts are made from, which is kept.
     pub fn tree_bytes(&self) -> usize {
-        self.tree.bytes()
+        self.base().tree.bytes()
     }
 
-    fn scalar(&self) -> &Bvh2 {
-        self.scalar.get(|| Bvh2::new(self.geometry, self.shutter))
+    /// The tree of the scalar engine.
+    pub fn scalar(&self) -> &Bvh2 {
+        self.scalar.get(|| Bvh2::new(&self.geometry))
     }
 
     pub(super) fn pair(&self) -> &PairTree {
-        self.pair.get(|| PairTree::new(self.geometry, &self.tree, &self.extent))
+        let base = self.base();
+        self.pair.get(|| PairTree::new(&self.geometry, &base.tree, &base.extent))
     }
 
     fn flat(&self) -> &Flat {
-        self.flat.get(|| Flat::new(self.geometry, self.all))
+        let all = self.base().all;
+        self.flat.get(|| Flat::new(&self.geometry, all))
     }
 
     fn wide(&self) -> &WideTree {
-        self.wide.get(|| WideTree::new(self.geometry, &self.tree))
+        let tree = &self.base().tree;
+        self.wide.get(|| WideTree::new(&self.geometry, tree))
     }
 
     /// The closest hit of each ray of `range`; ties go to the lowest index. `hits` of rays
@@ -193,8 +208,8 @@ impl<'a> Accelerator<'a> {
     ) {
         assert!(range.end <= rays.len() && range.end <= hits.len(), "{range:?} of {}", rays.len());
         let ends = (range.start, range.end);
-        let (blocks, spanning) = (&self.spanning.0, &*self.spanning.1);
-        let job = Job { rays, ends, extent: &self.extent, blocks, spanning };
+        let Base { spanning: (blocks, spanning), extent, .. } = self.base();
+        let job = Job { rays, ends, extent, blocks, spanning };
         let packets = pair_traversal::trace::<ANY, C>;
         let wild = match kernel {
             Kernel::Packet => packets(self.pair(), Order::Given, &job, hits, count),
@@ -217,7 +232,7 @@ impl<'a> Accelerator<'a> {
         hits: &mut HitBatch,
         count: &mut impl Count,
     ) {
-        let (tree, geometry) = (self.scalar(), self.geometry);
+        let (tree, geometry) = (self.scalar(), &*self.geometry);
         let (ray, t_min, t_max) = rays.get(index);
         if ANY {
             if tree.count_occluded(geometry, &ray, t_min, t_max, count) {

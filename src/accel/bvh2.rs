@@ -56,9 +56,9 @@ fn depth(nodes: &[Node]) -> usize {
 const USUAL_DEPTH: usize = 64;
 
 impl Bvh2 {
-    /// A tree whose boxes hold every primitive over all times of `shutter`.
-    pub fn new(geometry: &Geometry, shutter: (f32, f32)) -> Self {
-        let boxes = geometry.boxes(shutter);
+    /// A tree whose boxes hold every primitive over all times.
+    pub fn new(geometry: &Geometry) -> Self {
+        let boxes = geometry.boxes();
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
         Self::of(geometry, &BinaryTree::new(&boxes, &each))
     }

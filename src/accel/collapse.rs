@@ -159,7 +159,7 @@ mod tests {
         for (spheres, quads) in [(1, 0), (2, 0), (0, 40), (500, 100), (3, 3)] {
             let geometry = mixture(spheres, quads);
             let all: Vec<u32> = (0..geometry.len() as u32).collect();
-            let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds(0.0, 1.0)).collect();
+            let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds()).collect();
             let tree = BinaryTree::new(&boxes, &all);
             let collapse = Collapse::new(&geometry, &tree);
             let kind_of = |leaf: u32| {

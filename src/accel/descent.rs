@@ -109,7 +109,7 @@ mod tests {
         let mut point = |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
         let spheres = (0..LANES.pow(3)).map(|_| Sphere::still(point(1.0), 0.1)).collect();
         let geometry = Geometry { spheres, ..Geometry::default() };
-        let boxes = geometry.boxes((0.0, 1.0));
+        let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |all, bounds| all.union(*bounds));
         let primitives: Vec<u32> = (0..geometry.len() as u32).collect();
         let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives));

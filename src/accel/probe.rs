@@ -8,7 +8,7 @@ use super::job::Job;
 use super::pair_traversal;
 use super::slab::SlabRay;
 
-impl Accelerator<'_> {
+impl Accelerator {
     /// Boxes that are tested against each ray.
     #[doc(hidden)]
     pub fn boxes(&self) -> usize {
@@ -18,8 +18,9 @@ impl Accelerator<'_> {
     /// How often the rays of `range` enter a box of the packets' tree, by packets.
     #[doc(hidden)]
     pub fn boxes_entered(&self, rays: &RayBatch, range: Range<usize>) -> u64 {
-        let (ends, blocks) = ((range.start, range.end), &self.spanning.0);
-        let job = Job { rays, ends, extent: &self.extent, blocks, spanning: &[] };
+        let (ends, base) = ((range.start, range.end), self.base());
+        let (extent, blocks) = (&base.extent, &base.spanning.0);
+        let job = Job { rays, ends, extent, blocks, spanning: &[] };
         pair_traversal::enter_all(self.pair(), &job, &mut HitBatch::misses(rays.len()))
     }
 
@@ -55,7 +56,7 @@ mod tests {
             let ray = Ray { origin: vector(12.0), direction: vector(1.0), time: 0.0 };
             rays.push(&ray, 0.0, f32::INFINITY);
         }
-        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        let accelerator = Accelerator::new(geometry);
         let lanes = accelerator.boxes_entered(&rays, 0..rays.len());
         let scalar = accelerator.boxes_entered_by_scalar(&rays, 0..rays.len());
         // They differ in their slack, by some millionths of the scene's size.

@@ -18,7 +18,7 @@ const MOST_IN_PACKET_TREE: usize = 1 << 14;
 /// Above this, some tree was faster than none on every set; with 256 spheres none is, on bounces.
 const MOST_WITHOUT_TREE: usize = 512;
 
-impl Accelerator<'_> {
+impl Accelerator {
     /// The kernel that is fastest on runs of rays from all over `rays`, found by trying.
     pub fn choose(&self, any: bool, rays: &RayBatch) -> Kernel {
         if rays.is_empty() {

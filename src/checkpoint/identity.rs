@@ -44,7 +44,7 @@ impl Identity {
         let Tile { x, y, width, height } = crop;
         Self {
             bits: BITS,
-            scene_hash: scene.hash(),
+            scene_hash: scene.hash_with(&settings.camera),
             width: settings.width,
             height: settings.height,
             crop: [x, y, x + width, y + height],

@@ -28,7 +28,7 @@ const LEAST_GAP: u32 = 4;
 /// # Panics
 /// As a worker did; what there is goes to the checkpoint that the user asked for.
 pub(super) fn render(
-    renderer: &Renderer<'_>,
+    renderer: &Renderer,
     checkpoint: &mut Checkpoint,
     keeping: &Keeping,
     place: &mut Place,

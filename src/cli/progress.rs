@@ -42,7 +42,7 @@ impl Telling {
 }
 
 /// Renders the image and shows how far it is.
-pub(super) fn render(renderer: &Renderer<'_>, title: &str, telling: Telling) -> Result<Render> {
+pub(super) fn render(renderer: &Renderer, title: &str, telling: Telling) -> Result<Render> {
     let mut rendering = renderer.begin()?;
     let progress = ProgressReport::new(renderer, title, &rendering, telling);
     let advanced = renderer.advance(&mut rendering, &progress);
@@ -74,7 +74,7 @@ struct Told {
 
 impl ProgressReport {
     pub(super) fn new(
-        renderer: &Renderer<'_>,
+        renderer: &Renderer,
         title: &str,
         rendering: &Rendering,
         telling: Telling,

@@ -21,7 +21,7 @@ pub(super) struct StepSeconds {
 pub(super) struct Run<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
-    pub(super) renderer: &'a Renderer<'a>,
+    pub(super) renderer: &'a Renderer,
     pub(super) render: &'a Render,
     /// None for a part of an image.
     pub(super) hash: Option<&'a str>,

@@ -27,7 +27,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
     let start = Instant::now();
-    let accelerator = Accelerator::new(&sets.geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(sets.geometry.clone());
     let tree = start.elapsed().as_secs_f64();
     let (mut rows, mut different, mut built) = (Vec::new(), 0, Vec::new());
     for set in &sets.sets {
@@ -73,7 +73,7 @@ fn pin_to_one_core() {
 /// The kernels that are asked for: by default all that may be fastest, and the reference.
 fn kernels(
     choice: Option<KernelChoice>,
-    accelerator: &Accelerator<'_>,
+    accelerator: &Accelerator,
     set: &RaySet,
 ) -> Result<Vec<Kernel>> {
     Ok(match choice {
@@ -91,7 +91,7 @@ fn kernels(
 }
 
 fn say_build(
-    accelerator: &Accelerator<'_>,
+    accelerator: &Accelerator,
     kernel: Kernel,
     tree: f64,
     primitives: usize,

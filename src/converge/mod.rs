@@ -79,11 +79,13 @@ pub(crate) fn measure(
     let in_round: u64 = counts.iter().map(|&spp| u64::from(spp)).sum();
     let all = 2 * u64::from(options.reference)
         + in_round * u64::from(options.rounds) * options.ways.len() as u64;
+    let mut renderer = Renderer::new(scene, options.settings.clone())?;
     let mut done = 0;
     let mut render = |way: Way, spp: u32, seed: u64| {
         let Way { sampling, sampler } = way;
         let settings = RenderSettings { sampling, sampler, spp, seed, ..options.settings.clone() };
-        let render = Renderer::new(scene, settings)?.render()?;
+        renderer.set(settings)?;
+        let render = renderer.render()?;
         done += u64::from(spp);
         progress(done, all);
         Ok(render)

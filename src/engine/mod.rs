@@ -4,6 +4,7 @@ mod contract;
 mod dimension;
 mod memory;
 mod pool;
+mod prepared;
 #[cfg(test)]
 mod proof;
 mod recording;
@@ -20,6 +21,7 @@ mod wavefront;
 
 pub use contract::BITS;
 pub use pool::{Pin, Pinned};
+pub use prepared::PreparedScene;
 pub use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
 pub use renderer::{Observer, Render, Renderer, Seconds, Stop};
 pub use rendering::{MOST_EVENTS, Progress, Rendering};

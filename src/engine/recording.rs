@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use super::scalar::{Intersect, PathTracer, ScalarEngine, Tree};
+use super::prepared::{PreparedScene, View};
+use super::scalar::{Intersect, ScalarEngine, Tree};
 use super::settings::RenderSettings;
 use crate::error::Result;
 use crate::geometry::{Hit, Ray};
-use crate::scene::Scene;
 
 /// What a ray is traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,25 +47,20 @@ pub struct TracedPath {
 
 /// Traces paths with the reference engine and tells their rays.
 #[derive(Debug)]
-pub struct PathRecorder<'a> {
-    scene: &'a Scene,
-    settings: RenderSettings,
-    engine: ScalarEngine<'a>,
-}
+pub struct PathRecorder(ScalarEngine);
 
-impl<'a> PathRecorder<'a> {
+impl PathRecorder {
     /// # Errors
     /// Where a setting is out of its range.
-    pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
+    pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
-        Ok(Self { scene, engine: ScalarEngine::new(scene, &settings), settings })
+        Ok(Self(ScalarEngine::new(View::new(scene.into(), settings))))
     }
 
     /// Sample `sample` of pixel `(x, y)`.
     pub fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
-        let recording = Recording { tree: self.engine.tree(), rays: Vec::new() };
-        let mut tracer = PathTracer::new(self.scene, recording, &self.settings);
-        let (ray, key) = self.engine.camera_ray(x, y, sample);
+        let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
+        let (ray, key) = self.0.camera_ray(x, y, sample);
         let radiance = tracer.radiance(ray, key);
         TracedPath { rays: tracer.intersect.rays, radiance }
     }

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use rayon::{BroadcastContext, ThreadPool};
 
-use super::pool::{self, Pin, Pinned};
+use super::pool::{self, Pinned};
+use super::prepared::{PreparedScene, View};
 use super::rendering::{Progress, Rendering, Shared, Taken, Task};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
@@ -16,24 +17,23 @@ use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap, Work};
 use super::wavefront::{Plan, Planning, WavefrontEngine};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::film::{Film, Schedule};
 use crate::image::Image;
-use crate::scene::Scene;
 
-/// A scene with its acceleration structure and threads, ready to be rendered.
+/// A prepared scene, the settings of a render, and threads.
 #[derive(Debug)]
-pub struct Renderer<'a> {
-    scene: &'a Scene,
+pub struct Renderer {
+    prepared: PreparedScene,
     settings: RenderSettings,
-    engine: Box<dyn UnitEngine + 'a>,
+    engine: Box<dyn UnitEngine>,
     pool: ThreadPool,
     pinned: Pinned,
     seconds: Seconds,
 }
 
 /// What an engine does: its workers take units of work.
-pub(super) trait UnitEngine: Sync + std::fmt::Debug {
+pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
     /// What a thread works with, for units of at most so many paths.
     fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_>;
 
@@ -80,6 +80,32 @@ pub struct Seconds {
     pub render: f64,
 }
 
+fn check(prepared: &PreparedScene, settings: &RenderSettings) -> Result<()> {
+    settings.check()?;
+    settings.check_memory(prepared.scene(), 0)
+}
+
+fn engine(
+    prepared: &PreparedScene,
+    settings: &RenderSettings,
+    paths: u64,
+    pool: &ThreadPool,
+) -> Box<dyn UnitEngine> {
+    let view = View::new(prepared.clone(), settings.clone());
+    match settings.engine {
+        Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool)),
+        Engine::Scalar => Box::new(ScalarEngine::new(view)),
+    }
+}
+
+impl Seconds {
+    /// What it took since `start` to make `engine`.
+    fn of_build(engine: &dyn UnitEngine, start: Instant) -> Self {
+        let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
+        Self { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 }
+    }
+}
+
 /// Is told how far a render is, and may stop it.
 pub trait Observer: Sync {
     /// `progress` is the state now; reports of several threads may arrive out of order.
@@ -117,40 +143,62 @@ impl Drop for Alarm<'_> {
     }
 }
 
-impl<'a> Renderer<'a> {
-    /// Checks the settings, starts the threads, builds the acceleration structure and finds the
-    /// plan.
+impl Renderer {
+    /// Checks the settings, starts the threads, builds what the prepared scene lacks, and finds the plan.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) where a setting is out of its range or memory would not suffice,
-    /// [`Error::Internal`](crate::Error::Internal) where the threads cannot be started, or not be pinned as asked
-    /// for.
-    pub fn new(scene: &'a Scene, settings: RenderSettings) -> Result<Self> {
+    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
+    /// suffice, [`Error::Internal`](crate::Error::Internal) if the threads cannot be started, or not be
+    /// pinned with [`Pin::On`].
+    pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         let paths = settings.paths();
         Self::for_paths(scene, settings, paths)
     }
 
-    /// As [`new`](Self::new), for a render of which but so many paths are left: the less there is to do, the less is
-    /// tried before it.
+    /// [`new`](Self::new) for a render of which only `paths` paths are left to do: the fewer there are,
+    /// the fewer plans are tried.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn for_paths(scene: &'a Scene, settings: RenderSettings, paths: u64) -> Result<Self> {
-        settings.check()?;
-        settings.check_memory(scene, 0)?;
+    pub fn for_paths(
+        scene: impl Into<PreparedScene>,
+        settings: RenderSettings,
+        paths: u64,
+    ) -> Result<Self> {
+        let prepared = scene.into();
+        check(&prepared, &settings)?;
         let start = Instant::now();
         let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
-        if (settings.pin, pinned) == (Pin::On, Pinned::Failed) {
-            let message = "threads cannot be pinned to cores here: pin auto goes on without";
-            return Err(Error::Internal(message.to_owned()));
-        }
-        let engine: Box<dyn UnitEngine + 'a> = match settings.engine {
-            Engine::Wavefront => Box::new(WavefrontEngine::new(scene, &settings, paths, &pool)),
-            Engine::Scalar => Box::new(ScalarEngine::new(scene, &settings)),
-        };
-        let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
-        let seconds = Seconds { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 };
-        Ok(Self { scene, settings, engine, pool, pinned, seconds })
+        let engine = engine(&prepared, &settings, paths, &pool);
+        let seconds = Seconds::of_build(&*engine, start);
+        Ok(Self { prepared, settings, engine, pool, pinned, seconds })
+    }
+
+    /// Changes the camera and the settings; trees, tables and threads are kept. Threads and pinning
+    /// stay as they are. After an error nothing has changed.
+    ///
+    /// # Errors
+    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
+    /// suffice.
+    pub fn set(&mut self, settings: RenderSettings) -> Result<()> {
+        let RenderSettings { threads, pin, .. } = self.settings;
+        let settings = RenderSettings { threads, pin, ..settings };
+        check(&self.prepared, &settings)?;
+        let start = Instant::now();
+        self.engine = engine(&self.prepared, &settings, settings.paths(), &self.pool);
+        self.seconds = Seconds::of_build(&*self.engine, start);
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The prepared scene.
+    pub fn prepared(&self) -> &PreparedScene {
+        &self.prepared
+    }
+
+    /// The camera and the settings.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
     }
 
     /// How the wavefront engine works; `None` for others.
@@ -190,7 +238,7 @@ impl<'a> Renderer<'a> {
     /// [`Error::Internal`](crate::Error::Internal) where there is none.
     pub fn begin(&self) -> Result<Rendering> {
         let (image, samples) = (self.settings.image(), 0..self.settings.spp);
-        self.settings.check_memory(self.scene, Film::memory(image, samples.clone()))?;
+        self.settings.check_memory(self.prepared.scene(), Film::memory(image, samples.clone()))?;
         Film::new(image, samples).map(Rendering::new)
     }
 
@@ -199,8 +247,23 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where memory runs out.
     pub fn advance(&self, rendering: &mut Rendering, observer: &dyn Observer) -> Result<()> {
+        let end = rendering.film.samples().end;
+        self.advance_to(rendering, end, observer)
+    }
+
+    /// Renders what `rendering` lacks of its first `end` samples a pixel, or until `observer` stops it.
+    /// Passes of any size give the same image.
+    ///
+    /// # Errors
+    /// [`Error::Internal`](crate::Error::Internal) where memory runs out.
+    pub fn advance_to(
+        &self,
+        rendering: &mut Rendering,
+        end: u32,
+        observer: &dyn Observer,
+    ) -> Result<()> {
         let start = Instant::now();
-        let schedule = Schedule::new(&rendering.film, self.engine.unit_paths());
+        let schedule = Schedule::new(&rendering.film, end, self.engine.unit_paths());
         let most_paths = schedule.most_paths();
         let shared = Mutex::new(Shared::new(rendering, schedule));
         let lock = || shared.lock().expect("no thread panics while it holds the film");

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::limits::{self, Limit, Limits};
-use crate::scene::{Sampling, Scene};
+use crate::scene::{Camera, Sampling, Scene};
 
 use super::pool::Pin;
 use super::wavefront::Plan;
@@ -57,6 +57,8 @@ impl Sampler {
 /// Settings of a render. Only the first group decides the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
+    /// The camera.
+    pub camera: Camera,
     /// Image width in pixels, 1 to [`limits::MAX_SIDE`].
     pub width: u32,
     /// Image height in pixels, 1 to [`limits::MAX_SIDE`].
@@ -98,10 +100,11 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// The settings that `scene` asks for, seed 1, all threads.
+    /// The camera and settings that `scene` asks for, seed 1, all threads.
     pub fn of(scene: &Scene) -> Self {
         let defaults = scene.defaults();
         Self {
+            camera: scene.camera().clone(),
             width: defaults.width,
             height: defaults.height,
             spp: defaults.spp,

@@ -72,7 +72,7 @@ mod tests {
     fn films_come_back() {
         let mut partly = Film::new(AREA, 16..333).unwrap();
         partly.retain(|x, y| x * y % 3 > 0);
-        let mut schedule = Schedule::new(&partly, 100);
+        let mut schedule = Schedule::new(&partly, 333, 100);
         for _ in 0..50 {
             let unit = schedule.next(&partly).unwrap();
             partly.add(&rendered(&partly, unit)).unwrap();

@@ -45,14 +45,16 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// For what is left of `film`, in units of at most `paths` paths, where a pixel's are not more.
-    pub fn new(film: &Film, paths: u32) -> Self {
+    /// For what `film` lacks of the samples before `end`, in units of at most `paths` paths or of one
+    /// pixel.
+    pub fn new(film: &Film, end: u32, paths: u32) -> Self {
         let (area, samples) = (film.area(), film.samples());
-        let all = area.pixels() * samples.len() as u64;
+        let end = end.min(samples.end);
+        let all = area.pixels() * u64::from(end.saturating_sub(samples.start));
         let mut schedule = Self {
             area,
             paths: all.min(paths.into()),
-            end: samples.end,
+            end,
             first: 0,
             tiles: Grid::default(),
             rest: Vec::new(),
@@ -99,7 +101,7 @@ impl Schedule {
 
     /// Most paths that a unit has.
     pub fn most_paths(&self) -> u64 {
-        self.paths.max(u64::from(self.end - self.first).min(u64::from(CHUNK)))
+        self.paths.max(u64::from(self.end.saturating_sub(self.first)).min(u64::from(CHUNK)))
     }
 }
 
@@ -115,7 +117,7 @@ mod tests {
             [(1, 0..20), (100, 16..80), (1000, 0..4), (5000, 32..50), (1 << 20, 0..1)]
         {
             let film = Film::new(area, samples.clone()).unwrap();
-            let mut schedule = Schedule::new(&film, paths);
+            let mut schedule = Schedule::new(&film, samples.end, paths);
             let most = schedule.most_paths();
             assert!(most <= u64::from(paths.max(CHUNK)));
             let mut taken = vec![samples.start; area.pixels() as usize];

@@ -49,7 +49,7 @@ pub(super) fn want(samples: u32) -> Plane {
 pub(super) fn rendered_film(samples: Range<u32>, keep: impl Fn(u32, u32) -> bool) -> Film {
     let mut film = Film::new(AREA, samples).unwrap();
     film.retain(keep);
-    let mut schedule = Schedule::new(&film, 500);
+    let mut schedule = Schedule::new(&film, film.samples().end, 500);
     render(&mut film, &mut schedule);
     film
 }
@@ -71,7 +71,7 @@ fn units_of_all_sizes_give_the_same_means() {
             let mut film = Film::new(AREA, 0..samples).unwrap();
             while film.samples_done() < film.samples_to_do() {
                 let paths = 1 + (random.bits() % 5000) as u32;
-                let mut schedule = Schedule::new(&film, paths);
+                let mut schedule = Schedule::new(&film, samples, paths);
                 for _ in 0..random.bits() % 100 {
                     let Some(unit) = schedule.next(&film) else { break };
                     assert!(film.is_next(unit), "{unit:?}");
@@ -79,7 +79,7 @@ fn units_of_all_sizes_give_the_same_means() {
                 }
             }
             assert_eq!(film.samples_to_do(), AREA.pixels() * u64::from(samples));
-            assert!(Schedule::new(&film, 100).next(&film).is_none());
+            assert!(Schedule::new(&film, samples, 100).next(&film).is_none());
             assert_eq!(film.means().unwrap(), want, "{samples} samples, round {round}");
         }
     }
@@ -93,7 +93,7 @@ fn films_grow() {
         let rest = film.samples_to_do() / u64::from(from) * u64::from(to - from);
         film.grow(to);
         assert_eq!(film.samples_to_do() - film.samples_done(), rest);
-        let mut schedule = Schedule::new(&film, 300);
+        let mut schedule = Schedule::new(&film, to, 300);
         render(&mut film, &mut schedule);
         let want = rendered_film(0..to, |x, _| x > 5).means().unwrap();
         assert_eq!(film.means().unwrap(), want, "{from} to {to}");
@@ -109,7 +109,7 @@ fn chunks_are_continued() {
         let mut film = Film::new(AREA, 0..1).unwrap();
         let mut end = 1;
         while end < 70 {
-            let mut schedule = Schedule::new(&film, 1 + (random.bits() % 300) as u32);
+            let mut schedule = Schedule::new(&film, end, 1 + (random.bits() % 300) as u32);
             for _ in 0..random.bits() % 30 {
                 let Some(unit) = schedule.next(&film) else { break };
                 film.add(&rendered(&film, unit)).unwrap();

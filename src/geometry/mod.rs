@@ -95,9 +95,9 @@ impl Geometry {
         }
     }
 
-    /// A box around each primitive over all times of `[open, close]`.
-    pub fn boxes(&self, (open, close): (f32, f32)) -> Vec<Bounds> {
-        (0..self.len() as u32).map(|primitive| self.get(primitive).bounds(open, close)).collect()
+    /// A box around each primitive over all times.
+    pub fn boxes(&self) -> Vec<Bounds> {
+        (0..self.len() as u32).map(|primitive| self.get(primitive).bounds()).collect()
     }
 
     /// Whether anything moves: the moment of a ray matters.
@@ -160,10 +160,10 @@ impl Primitive<'_> {
         }
     }
 
-    /// A box around the primitive over all times of `[open, close]`.
-    pub fn bounds(self, open: f32, close: f32) -> Bounds {
+    /// A box around the primitive over all times, `[0, 1]`.
+    pub fn bounds(self) -> Bounds {
         match self {
-            Self::Sphere(sphere) => sphere.bounds(open, close),
+            Self::Sphere(sphere) => sphere.bounds(),
             Self::Quad(quad) => quad.bounds(),
             Self::Triangle(triangle) => triangle.bounds(),
         }

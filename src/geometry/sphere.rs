@@ -78,9 +78,9 @@ impl Sphere {
         }
     }
 
-    pub(super) fn bounds(&self, open: f32, close: f32) -> Bounds {
+    pub(super) fn bounds(&self) -> Bounds {
         // The centre's components are monotonic in time, rounding included.
-        let centers = Bounds::of([self.center_at(open), self.center_at(close)]);
+        let centers = Bounds::of([self.center_at(0.0), self.center_at(1.0)]);
         Bounds { min: centers.min - self.radius, max: centers.max + self.radius }.widened(1)
     }
 }
@@ -126,7 +126,7 @@ mod tests {
         let late = Ray { time: 0.5, ..ray(Vec3::ZERO, Vec3::Z) };
         assert_eq!(hit(&s, &late), Some(5.0));
         assert_eq!(
-            s.bounds(0.0, 1.0),
+            s.bounds(),
             Bounds::of([Vec3::new(-1.0, -1.0, 4.0), Vec3::new(1.0, 1.0, 8.0)]).widened(1)
         );
     }

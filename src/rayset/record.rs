@@ -7,6 +7,7 @@ use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
 use crate::error::Result;
+use crate::geometry::Geometry;
 use crate::scene::Scene;
 
 /// Paths that are traced together, segment by segment.
@@ -54,14 +55,14 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
         scene: scene.name().to_owned(),
         seed: settings.seed,
         image: [settings.width, settings.height],
-        geometry: scene.geometry().clone(),
+        geometry: Geometry::clone(scene.geometry()),
         sets: sets.into_iter().map(|(_, set)| set).filter(|set| !set.rays.is_empty()).collect(),
     })
 }
 
 /// Calls `visit` with the rays of each kind in the order of the sets.
 fn for_each_ray(
-    recorder: &PathRecorder<'_>,
+    recorder: &PathRecorder,
     settings: &RenderSettings,
     mut visit: impl FnMut(RayKind, &TracedRay),
 ) {

@@ -24,7 +24,7 @@ const BATCH: usize = 16_384;
 
 /// Traces `set` through each of `kernels`, `repetitions` (1 or more) times in turn.
 pub fn replay(
-    accelerator: &Accelerator<'_>,
+    accelerator: &Accelerator,
     set: &RaySet,
     kernels: &[Kernel],
     repetitions: u32,

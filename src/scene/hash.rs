@@ -3,26 +3,26 @@
 use glam::Vec3;
 
 use super::texture::Texture;
-use super::{Background, Fresnel, Material, Medium, Scene};
+use super::{Background, Camera, Fresnel, Material, Medium, Scene};
 use crate::geometry::{Primitive, Volume};
 
 /// BLAKE3 over camera, background and, primitive by primitive, shape and looks.
-pub(super) fn hash(scene: &Scene) -> String {
+pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     let mut hasher = Hasher(blake3::Hasher::new());
-    hasher.text(&format!("{:?}", scene.camera));
-    match scene.background {
+    hasher.text(&format!("{camera:?}"));
+    match *scene.background() {
         Background::Constant(radiance) => hasher.vectors(0, &[radiance]),
         Background::Gradient { bottom, top } => hasher.vectors(1, &[bottom, top]),
     }
-    for primitive in 0..scene.geometry.len() as u32 {
-        match scene.geometry.get(primitive) {
+    for primitive in 0..scene.geometry().len() as u32 {
+        match scene.geometry().get(primitive) {
             Primitive::Sphere(s) => {
                 hasher.vectors(2, &[s.center, s.motion(), Vec3::splat(s.radius)])
             }
             Primitive::Quad(q) => hasher.vectors(3, &[q.q, q.u, q.v]),
             Primitive::Triangle(t) => hasher.vectors(4, &t.vertices),
         }
-        let texture = |index: u32| &scene.textures[index as usize];
+        let texture = |index: u32| &scene.textures()[index as usize];
         match scene.material(primitive) {
             Material::Diffuse { albedo } => hasher.texture(5, 0.0, texture(*albedo)),
             Material::Lambertian { albedo } => hasher.texture(6, 0.0, texture(*albedo)),
@@ -44,7 +44,7 @@ pub(super) fn hash(scene: &Scene) -> String {
             }
         }
     }
-    for Medium { volume, density, albedo } in &scene.media {
+    for Medium { volume, density, albedo } in scene.media() {
         match *volume {
             Volume::Sphere { center, radius } => {
                 hasher.vectors(14, &[center, Vec3::new(radius, *density, 0.0), *albedo]);

@@ -41,21 +41,27 @@ pub use texture::{Checker, Texture};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::limits::Limits;
 
-/// A scene that can be rendered: names are indices, every number is in its range.
+/// A scene that can be rendered: names are resolved to indices, and every number is in its range.
+///
+/// Scenes do not change, and clones share their data.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scene {
+pub struct Scene(Arc<SceneData>);
+
+#[derive(Debug, PartialEq)]
+struct SceneData {
     name: String,
     camera: Camera,
     background: Background,
     defaults: RenderDefaults,
     textures: Vec<Texture>,
     materials: Vec<Material>,
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
     material_of: Vec<u32>,
     lights: Lights,
     media: Vec<Medium>,
@@ -101,85 +107,90 @@ impl Scene {
 
     /// The built-in name, or the path as given.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.0.name
     }
 
     /// The meshes and textures that were read for it.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(PathBuf::as_path)
+        self.0.files.iter().map(PathBuf::as_path)
     }
 
     /// BLAKE3 over all that decides the scene's images, in hexadecimal: the same for every
     /// form and every naming that says the same.
     pub fn hash(&self) -> String {
-        hash::hash(self)
+        self.hash_with(self.camera())
+    }
+
+    /// [`Scene::hash`] with another camera.
+    pub fn hash_with(&self, camera: &Camera) -> String {
+        hash::hash(self, camera)
     }
 
     /// The camera.
     pub fn camera(&self) -> &Camera {
-        &self.camera
+        &self.0.camera
     }
 
     /// What rays that leave the scene see.
     pub fn background(&self) -> &Background {
-        &self.background
+        &self.0.background
     }
 
     /// Image size and sampling where the caller has no other wish.
     pub fn defaults(&self) -> &RenderDefaults {
-        &self.defaults
+        &self.0.defaults
     }
 
     /// All primitives.
-    pub fn geometry(&self) -> &Geometry {
-        &self.geometry
+    pub fn geometry(&self) -> &Arc<Geometry> {
+        &self.0.geometry
     }
 
     /// All materials.
     pub fn materials(&self) -> &[Material] {
-        &self.materials
+        &self.0.materials
     }
 
     /// All textures.
     pub fn textures(&self) -> &[Texture] {
-        &self.textures
+        &self.0.textures
     }
 
     /// The material of a primitive.
     #[inline]
     pub fn material(&self, primitive: u32) -> &Material {
-        &self.materials[self.material_index(primitive) as usize]
+        &self.0.materials[self.material_index(primitive) as usize]
     }
 
     /// The place of a primitive's material in [`Scene::materials`].
     #[inline]
     pub fn material_index(&self, primitive: u32) -> u32 {
-        self.material_of[primitive as usize]
+        self.0.material_of[primitive as usize]
     }
 
     /// [`Self::material_index`] of all primitives.
     pub(crate) fn material_indices(&self) -> &[u32] {
-        &self.material_of
+        &self.0.material_of
     }
 
     /// The lights.
     pub fn lights(&self) -> &Lights {
-        &self.lights
+        &self.0.lights
     }
 
     /// What it was loaded within.
     pub fn limits(&self) -> &Limits {
-        &self.limits
+        &self.0.limits
     }
 
     /// The media, none of which overlaps another.
     pub fn media(&self) -> &[Medium] {
-        &self.media
+        &self.0.media
     }
 
     /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.
     pub fn default_sampling(&self) -> Sampling {
-        let by_lights = if self.lights.is_empty() { Sampling::Bsdf } else { Sampling::Mis };
-        self.defaults.sampling.unwrap_or(by_lights)
+        let by_lights = if self.0.lights.is_empty() { Sampling::Bsdf } else { Sampling::Mis };
+        self.0.defaults.sampling.unwrap_or(by_lights)
     }
 }

@@ -47,7 +47,7 @@ pub(crate) fn check_kernels(
     mut make: impl FnMut(usize) -> (Ray, f32) + Send,
     oracle: impl Fn(&Ray, f32, f32) -> Option<Hit> + Sync,
 ) {
-    let accelerator = Accelerator::new(geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let rounds = (0..rays)
         .step_by(ROUND)
         .map(|first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>());

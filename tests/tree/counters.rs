@@ -26,7 +26,7 @@ fn flat_tests_everything() {
     let mut geometry = soup(42, 50, 1.0, Vec3::ZERO);
     // They are tested an axis at a time.
     geometry.triangles.clear();
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     for rays in [1, 7, 16, 33, 1000] {
         let batch = batch(&geometry, rays);
         let mut hits = HitBatch::misses(rays);
@@ -50,7 +50,7 @@ fn flat_tests_everything() {
 fn triangles_are_tested_for_each_axis() {
     let vertices = [Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::Y + Vec3::Z];
     let geometry = Geometry { triangles: vec![Triangle { vertices }], ..Geometry::default() };
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let count = |ways: usize, rays: usize| {
         let mut batch = RayBatch::default();
         for i in 0..rays {
@@ -76,7 +76,7 @@ fn work_adds_up() {
     let rays = 500;
     for primitives in [1, 50, 3000] {
         let geometry = soup(43, primitives, 1.0, Vec3::ZERO);
-        let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+        let accelerator = Accelerator::new(geometry.clone());
         let batch = batch(&geometry, rays);
         for (kernel, any) in [
             (Kernel::Single, false),
@@ -108,7 +108,7 @@ fn a_node_and_a_leaf() {
     let quad = Quad::new(Vec3::splat(10.0), Vec3::X, Vec3::Y).unwrap();
     let spheres = vec![Sphere::still(Vec3::ZERO, 0.5)];
     let geometry = Geometry { spheres, quads: vec![quad], ..Geometry::default() };
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let mut batch = RayBatch::default();
     for i in 0..64 {
         let origin = Vec3::new(0.001 * i as f32, 0.0, -5.0);
@@ -143,7 +143,7 @@ fn a_node_and_a_leaf() {
 #[test]
 fn wide_beams_are_no_beams() {
     let scene = ptfast::Scene::load("mesh:61440").unwrap();
-    let accelerator = Accelerator::new(scene.geometry(), (0.0, 1.0));
+    let accelerator = Accelerator::new(scene.geometry().clone());
     let mut random = Stream::new(44);
     let mut batch = RayBatch::default();
     for _ in 0..640 {

@@ -60,7 +60,7 @@ fn triangles_smaller_than_rounding() {
             Triangle { vertices: [(); 3].map(|()| middle + vector(&mut random, size)) }
         });
         let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
-        let tree = Bvh2::new(&geometry, (0.0, 0.0));
+        let tree = Bvh2::new(&geometry);
         let mut make = |i: usize| {
             let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
             let [a, b, c] = geometry.triangles[i % 200].vertices;
@@ -126,7 +126,7 @@ fn generated_scenes() {
         ("mesh:61440", 4.0, Vec3::new(700.0, -30.0, 9000.0)),
     ] {
         let scene = ptfast::Scene::load(name).unwrap();
-        let mut geometry = scene.geometry().clone();
+        let mut geometry = Geometry::clone(scene.geometry());
         for vertex in geometry.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices) {
             *vertex += shift;
         }
@@ -138,9 +138,9 @@ fn generated_scenes() {
         }
         let geometry = &geometry;
         // Trees of more than 2^20 bytes are traced in ways of their own: here are half as many more.
-        let layout = Accelerator::new(geometry, (0.0, 1.0)).prepare(Kernel::Single);
+        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single);
         assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
-        let tree = Bvh2::new(geometry, (0.0, 1.0));
+        let tree = Bvh2::new(geometry);
         let mut random = Stream::new(17);
         for i in 0..RAYS / 100 {
             let (ray, t_max) = adversarial(&mut random, i, geometry, scale, shift);
@@ -179,7 +179,7 @@ fn no_ray_escapes_a_closed_mesh() {
 }
 
 fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
-    let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let mut random = Stream::new(31);
     let (mut origin, mut target) = (middle, middle);
     for _ in (0..RAYS).step_by(ROUND) {

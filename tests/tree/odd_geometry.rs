@@ -12,7 +12,7 @@ use crate::rays::vector;
 fn reference_on_odd_geometry() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
     let empty = Geometry::default();
-    let tree = Bvh2::new(&empty, (0.0, 0.0));
+    let tree = Bvh2::new(&empty);
     assert_eq!(tree.closest(&empty, &ray, 0.0, f32::INFINITY), None);
     assert!(!tree.occluded(&empty, &ray, 0.0, f32::INFINITY));
 
@@ -24,7 +24,7 @@ fn reference_on_odd_geometry() {
         quads: Vec::new(),
         triangles: vec![line, point],
     };
-    let tree = Bvh2::new(&same, (0.0, 0.0));
+    let tree = Bvh2::new(&same);
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
     assert_eq!((hit.primitive, hit.t), (0, 4.0), "of 100 000 equal spheres the first");
 }
@@ -43,7 +43,7 @@ fn regular_and_deep_geometry() {
     });
     for (spheres, first) in [(row, 0), (grid.collect::<Vec<_>>(), 0), (powers.collect(), 0)] {
         let geometry = Geometry { spheres, ..Geometry::default() };
-        let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
+        let accelerator = Accelerator::new(geometry.clone());
         let ray = Ray { origin: Vec3::X * -10.0, direction: Vec3::X, time: 0.0 };
         let mut batch = RayBatch::default();
         batch.push(&ray, 0.0, f32::INFINITY);
@@ -75,7 +75,7 @@ fn kernels_on_odd_geometry() {
             Geometry { quads: vec![quad; count], ..Geometry::default() },
             Geometry { triangles: vec![Triangle { vertices }; count], ..Geometry::default() },
         ] {
-            let accelerator = Accelerator::new(&geometry, (0.0, 0.0));
+            let accelerator = Accelerator::new(geometry.clone());
             for kernel in Kernel::ALL {
                 let (mut closest, mut any) = (HitBatch::misses(3), HitBatch::misses(3));
                 accelerator.closest(kernel, &batch, 0..3, &mut closest);

@@ -12,7 +12,7 @@ use crate::rays::{Bundles, adversarial, soup, vector};
 #[test]
 fn rays_that_are_no_rays_end_quickly_as_misses() {
     let geometry = soup(7, 300, 1.0, Vec3::ZERO);
-    let tree = Bvh2::new(&geometry, (0.0, 1.0));
+    let tree = Bvh2::new(&geometry);
     let mut batch = RayBatch::default();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         batch.push(&Ray { origin: Vec3::ONE, direction: Vec3::NEG_ONE, time: bad }, 0.0, 9.0);
@@ -31,7 +31,7 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
     assert_eq!(tree.closest(&geometry, &still, 0.0, f32::INFINITY), None);
     assert_eq!(geometry.closest_by_brute_force(&still, 0.0, f32::INFINITY), None);
     batch.push(&still, 0.0, f32::INFINITY);
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     for (kernel, any) in
         Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, false), (kernel, true)])
     {
@@ -49,7 +49,7 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
 #[test]
 fn only_hits_in_the_range_are_written() {
     let geometry = soup(8, 100, 1.0, Vec3::ZERO);
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     let mut random = Stream::new(3);
     let mut batch = RayBatch::default();
     for i in 0..100 {
@@ -145,7 +145,7 @@ fn wild_rays_hit_what_they_should() {
     let mut huge = geometry.clone();
     huge.spheres.push(Sphere::still(Vec3::X * 1e12, 1e12));
     for (geometry, wild) in [(&geometry, 4), (&huge, 5), (&soup(9, 20, 1e12, Vec3::ZERO), 5)] {
-        let accelerator = Accelerator::new(geometry, (0.0, 1.0));
+        let accelerator = Accelerator::new(geometry.clone());
         for kernel in Kernel::ALL {
             let mut hits = HitBatch::misses(batch.len());
             let counters = accelerator.count(kernel, false, &batch, 0..batch.len(), &mut hits);
@@ -170,7 +170,7 @@ fn intervals_are_open() {
             want.push(closest(&ray, t_min, t_max));
         }
     }
-    let accelerator = Accelerator::new(&geometry, (0.0, 1.0));
+    let accelerator = Accelerator::new(geometry.clone());
     for kernel in Kernel::ALL {
         let (mut hits, mut any) = (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
         accelerator.closest(kernel, &batch, 0..batch.len(), &mut hits);

@@ -110,7 +110,7 @@ fn pick(random: &mut Stream, n: usize) -> usize {
 
 /// A primitive's box.
 fn random_box(random: &mut Stream, geometry: &Geometry) -> Bounds {
-    geometry.get(pick(random, geometry.len()) as u32).bounds(0.0, 1.0)
+    geometry.get(pick(random, geometry.len()) as u32).bounds()
 }
 
 /// Ray number `i`: aimed at what is hard to hit, from where it is hard, or in a hard direction.

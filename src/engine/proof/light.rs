@@ -37,7 +37,7 @@ const FROM: [Vec3; 6] = [
 
 /// A cone that holds the light as seen from `from`.
 fn cone(scene: &Scene, light: &Light, from: Vec3) -> Cone {
-    let bounds = scene.geometry().get(light.primitive).bounds(0.0, 1.0);
+    let bounds = scene.geometry().get(light.primitive).bounds();
     let (middle, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
     let (distance, radius) = (f64::from(length(middle - from)), f64::from(length(half)));
     // A little more, for rims that are rounded.

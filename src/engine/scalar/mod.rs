@@ -7,52 +7,48 @@ pub(super) mod medium;
 mod path;
 
 use super::dimension::{Dimension, Randoms};
+use super::prepared::View;
 use super::renderer::{UnitEngine, UnitWorker};
 use super::rendering::{Taken, Task};
-use super::settings::RenderSettings;
 use super::stats::WaveStats;
 use super::tally::Tally;
-use crate::accel::Bvh2;
+use crate::accel::Kernel;
 use crate::film::{Part, Plane};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
-use crate::scene::{CameraFrame, CameraSample, Scene};
+use crate::scene::CameraSample;
 use intersect::CountingTree;
 pub(super) use intersect::{Intersect, Tree};
 pub(super) use path::PathTracer;
 
-/// A scene on a binary tree, rendered sample by sample.
+/// A view on a binary tree, rendered sample by sample.
 #[derive(Debug)]
-pub(super) struct ScalarEngine<'a> {
-    scene: &'a Scene,
-    settings: RenderSettings,
-    camera: CameraFrame,
-    tree: Bvh2,
-}
+pub(super) struct ScalarEngine(View);
 
-impl<'a> ScalarEngine<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
-        Self {
-            scene,
-            settings: settings.clone(),
-            camera: scene.camera().frame(settings.width, settings.height),
-            tree: Bvh2::new(scene.geometry(), scene.camera().shutter()),
-        }
+impl ScalarEngine {
+    pub(super) fn new(view: View) -> Self {
+        view.prepared.accelerator().prepare(Kernel::Scalar);
+        Self(view)
     }
 
     pub(super) fn tree(&self) -> Tree<'_> {
-        Tree { tree: &self.tree, geometry: self.scene.geometry() }
+        Tree { tree: self.0.prepared.accelerator().scalar(), geometry: self.0.scene().geometry() }
     }
 
     /// The first ray of sample `sample` of pixel `(x, y)`, and the path's random numbers.
     pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
-        let sampler = self.settings.sampler;
-        let key = sampler.path(PixelKey::new(self.settings.seed, x, y), sample);
-        (self.camera.ray(x, y, camera_sample(&Randoms::new(sampler, key, 0))), key)
+        let View { settings, camera, .. } = &self.0;
+        let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
+        (camera.ray(x, y, camera_sample(&Randoms::new(settings.sampler, key, 0))), key)
+    }
+
+    /// A tracer of paths through the scene.
+    pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
+        PathTracer::new(self.0.scene(), intersect, &self.0.settings)
     }
 }
 
-impl UnitEngine for ScalarEngine<'_> {
+impl UnitEngine for ScalarEngine {
     fn worker(&self, _: u64) -> Box<dyn UnitWorker + '_> {
         // It has no state between units.
         Box::new(self)
@@ -63,9 +59,9 @@ impl UnitEngine for ScalarEngine<'_> {
     }
 }
 
-impl UnitWorker for &ScalarEngine<'_> {
+impl UnitWorker for &ScalarEngine {
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
-        if self.settings.count {
+        if self.0.settings.count {
             let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
             let (taken, counting) = self.trace(task, tree, abandon)?;
             Some(Taken { waves: counting.stats, ..taken })
@@ -75,7 +71,7 @@ impl UnitWorker for &ScalarEngine<'_> {
     }
 }
 
-impl ScalarEngine<'_> {
+impl ScalarEngine {
     /// Traces the samples of `task`; returns `intersect` as well.
     fn trace<I: Intersect>(
         &self,
@@ -86,14 +82,14 @@ impl ScalarEngine<'_> {
         let unit = task.unit;
         let mut tally = Tally::default();
         let mut sums = Plane::with_capacity(unit.tile.pixels() as usize);
-        let mut tracer = PathTracer::new(self.scene, intersect, &self.settings);
+        let (mut tracer, clamp) = (self.tracer(intersect), self.0.settings.clamp);
         for pixel in 0..unit.tile.pixels() as u32 {
             let (x, y) = unit.tile.pixel(pixel);
             let mut sum = task.open_sum(pixel);
             for sample in unit.first..unit.end {
                 let (ray, key) = self.camera_ray(x, y, sample);
                 let radiance = tracer.radiance(ray, key);
-                sum += tally.counted(radiance, self.settings.clamp, (x, y, sample));
+                sum += tally.counted(radiance, clamp, (x, y, sample));
             }
             sums.push(sum.to_array());
             if abandon() {

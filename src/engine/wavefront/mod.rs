@@ -16,102 +16,62 @@ mod plan;
 mod rays;
 mod shade;
 mod sort;
+pub(super) mod tables;
 mod trial;
 
 use std::time::Instant;
 
 use rayon::ThreadPool;
 
+use super::prepared::View;
 use super::renderer::{UnitEngine, UnitWorker};
 use super::rendering::{Taken, Task};
-use super::settings::RenderSettings;
 use super::stats::{Stage, StageWork, Stopwatch};
 use super::tally::{Endings, Tally};
-use crate::accel::{Accelerator, HitBatch};
-use crate::geometry::lanes::Surfaces;
-use crate::scene::{CameraFrame, Scene};
+use crate::accel::HitBatch;
 use accumulate::accumulate;
-use cells::Cells;
 use collide::collide;
 use connect::{Shadows, connect};
 use extend::extend;
 use generate::generate;
-use light::LightTable;
-use materials::Materials;
 use order::{Next, order};
 use paths::Paths;
 pub use plan::{Plan, Planning, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
 use sort::{Queue, sort};
+use tables::Tables;
 
-/// A scene that is ready to be rendered, and how.
+/// A view, and the plan by which it is rendered.
 #[derive(Debug)]
-pub(super) struct WavefrontEngine<'a> {
-    prepared: Prepared<'a>,
+pub(super) struct WavefrontEngine {
+    view: View,
     plan: Plan,
     planning: Planning,
     plan_seconds: f64,
 }
 
-/// A scene as vectors read it.
-#[derive(Debug)]
-struct Prepared<'a> {
-    scene: &'a Scene,
-    settings: RenderSettings,
-    camera: CameraFrame,
-    accelerator: Accelerator<'a>,
-    materials: Materials,
-    lights: LightTable,
-    surfaces: Surfaces<'a>,
-    cells: Cells,
-}
-
-impl<'a> Prepared<'a> {
-    fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
-        let accelerator = Accelerator::new(scene.geometry(), scene.camera().shutter());
-        Self {
-            scene,
-            settings: settings.clone(),
-            camera: scene.camera().frame(settings.width, settings.height),
-            materials: Materials::new(scene),
-            lights: LightTable::new(scene.lights()),
-            surfaces: Surfaces::new(scene.geometry()),
-            cells: Cells::new(&accelerator.bounds()),
-            accelerator,
-        }
-    }
-}
-
-impl<'a> WavefrontEngine<'a> {
-    /// For a render of so many paths.
-    pub(super) fn new(
-        scene: &'a Scene,
-        settings: &RenderSettings,
-        paths: u64,
-        pool: &ThreadPool,
-    ) -> Self {
-        // A plan is found without counting, which takes time.
-        let uncounted = RenderSettings { count: false, ..settings.clone() };
-        let mut prepared = Prepared::new(scene, &uncounted);
+impl WavefrontEngine {
+    /// For a render of `paths` paths.
+    pub(super) fn new(view: View, paths: u64, pool: &ThreadPool) -> Self {
+        view.prepared.tables();
         let start = Instant::now();
-        let (plan, planning) = match &settings.plan {
+        let (plan, planning) = match &view.settings.plan {
             Some(plan) => (plan.clone(), Planning::Given),
-            None => trial::find_plan(&prepared, paths, pool),
+            None => trial::find_plan(&view, paths, pool),
         };
         let plan_seconds = start.elapsed().as_secs_f64();
-        prepared.settings.count = settings.count;
         for segment in &plan.segments {
-            prepared.accelerator.prepare(segment.closest);
-            prepared.accelerator.prepare(segment.occluded);
+            view.prepared.accelerator().prepare(segment.closest);
+            view.prepared.accelerator().prepare(segment.occluded);
         }
-        Self { prepared, plan, planning, plan_seconds }
+        Self { view, plan, planning, plan_seconds }
     }
 }
 
-impl UnitEngine for WavefrontEngine<'_> {
+impl UnitEngine for WavefrontEngine {
     fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_> {
-        Box::new(Worker::new(&self.prepared, &self.plan, paths))
+        Box::new(Worker::new(&self.view, &self.plan, paths))
     }
 
     fn unit_paths(&self) -> u32 {
@@ -141,14 +101,14 @@ struct Wave {
 
 impl Wave {
     /// Room for `capacity` paths.
-    fn new(prepared: &Prepared<'_>, capacity: usize) -> Self {
-        let shadows = if prepared.settings.samples_lights(prepared.scene) { capacity } else { 0 };
+    fn new(view: &View, capacity: usize) -> Self {
+        let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
         let queue = |_: &_| Queue::with_capacity(capacity);
         Self {
             paths: Paths::new(capacity),
             rays: Rays::with_capacity(capacity),
             hits: HitBatch::default(),
-            queues: prepared.materials.bins.iter().map(queue).collect(),
+            queues: view.prepared.tables().materials.bins.iter().map(queue).collect(),
             shadows: Shadows::with_capacity(shadows),
             next: Next::with_capacity(capacity),
         }
@@ -158,7 +118,7 @@ impl Wave {
 /// A thread's wave, and what comes of it.
 #[derive(Debug)]
 struct Worker<'a> {
-    prepared: &'a Prepared<'a>,
+    view: &'a View,
     plan: &'a Plan,
     wave: Wave,
     watch: Stopwatch,
@@ -166,18 +126,19 @@ struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     /// For units of at most so many `paths`.
-    fn new(prepared: &'a Prepared<'a>, plan: &'a Plan, paths: u64) -> Self {
-        let watch = Stopwatch::new(prepared.settings.timeline);
-        Self { prepared, plan, wave: Wave::new(prepared, paths as usize), watch }
+    fn new(view: &'a View, plan: &'a Plan, paths: u64) -> Self {
+        let watch = Stopwatch::new(view.settings.timeline);
+        Self { view, plan, wave: Wave::new(view, paths as usize), watch }
     }
 
     /// Takes the paths of `task` from the camera to the film; `None` where `abandon` returns true.
     ///
     /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
     fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
-        let Self { prepared, plan, wave, watch } = self;
-        let Prepared { scene, settings, camera, accelerator, materials, lights, surfaces, cells } =
-            prepared;
+        let Self { view, plan, wave, watch } = self;
+        let View { prepared, settings, camera } = view;
+        let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
+        let Tables { materials, lights, surfaces, cells } = prepared.tables();
         let Wave { paths, rays, hits, queues, shadows, next } = wave;
         let unit = task.unit;
         let mut tally = Tally::default();

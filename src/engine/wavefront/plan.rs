@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Prepared;
 use crate::accel::Kernel;
+use crate::engine::prepared::View;
 use crate::limits;
 
 /// How the wavefront engine works: in large renders found by measuring. Given back, it repeats a run
@@ -74,9 +74,9 @@ impl Plan {
     }
 
     /// What is mostly best for so many primitives, paths and threads.
-    pub(super) fn usual(prepared: &Prepared<'_>, paths: u64, threads: usize) -> Self {
+    pub(super) fn usual(view: &View, paths: u64, threads: usize) -> Self {
         let share = (paths / (LEAST_WAVES * threads as u64)).max(1);
-        let primitives = prepared.scene.geometry().len();
+        let primitives = view.scene().geometry().len();
         let [first, later] = match primitives {
             0..20 => [Kernel::Flat, Kernel::Flat],
             20..0x4000 => [Kernel::Beam, Kernel::Packet],
@@ -84,7 +84,7 @@ impl Plan {
         };
         let ordered = later == Kernel::Packet;
         Self {
-            wave_size: match prepared.settings.wave_size {
+            wave_size: match view.settings.wave_size {
                 0 => share.min(USUAL_WAVE.into()) as u32,
                 size => size,
             },

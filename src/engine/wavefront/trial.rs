@@ -4,10 +4,11 @@ use std::sync::Mutex;
 
 use rayon::ThreadPool;
 
+use super::Worker;
 use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
 use super::plan::{Plan, Planning, SegmentPlan};
-use super::{Prepared, Worker};
 use crate::accel::Kernel;
+use crate::engine::prepared::View;
 use crate::engine::rendering::Task;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
@@ -34,16 +35,14 @@ const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
 /// The fastest plan on waves from all over the image; in renders of few `paths` the usual one. And whether it was
 /// measured.
-pub(super) fn find_plan(
-    prepared: &Prepared<'_>,
-    paths: u64,
-    pool: &ThreadPool,
-) -> (Plan, Planning) {
-    let settings = &prepared.settings;
-    let usual = Plan::usual(prepared, paths, pool.current_num_threads());
+pub(super) fn find_plan(view: &View, paths: u64, pool: &ThreadPool) -> (Plan, Planning) {
+    // Counting takes time.
+    let settings = RenderSettings { count: false, ..view.settings.clone() };
+    let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
+    let usual = Plan::usual(view, paths, pool.current_num_threads());
 
-    let ways = each_way(prepared, &usual);
-    let tried = try_all(prepared, paths, pool, &ways, WAYS_EFFORT);
+    let ways = each_way(view, &usual);
+    let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);
     let ways_tried = !tried.is_empty();
     let planned = 1..=settings.depth.min(PLANNED);
     let segment = |number| fastest_segment(&tried, number, usual.segment(number));
@@ -53,7 +52,7 @@ pub(super) fn find_plan(
     };
 
     let sizes = each_size(settings, &plan);
-    let tried = try_all(prepared, paths, pool, &sizes, SIZES_EFFORT);
+    let tried = try_all(view, paths, pool, &sizes, SIZES_EFFORT);
     let planning =
         if ways_tried || !tried.is_empty() { Planning::Measured } else { Planning::Usual };
     (fastest(&tried).map_or(plan, |size| size.plan.clone()), planning)
@@ -66,8 +65,8 @@ fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
 }
 
 /// All ways that might be fastest, each for all segments.
-fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
-    let kernels = Kernel::ALL.into_iter().filter(|&k| prepared.accelerator.may_win(k));
+fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
+    let kernels = Kernel::ALL.into_iter().filter(|&k| view.prepared.accelerator().may_win(k));
     let ways = kernels.flat_map(|kernel| {
         [false, true].map(|ordered| SegmentPlan { ordered, closest: kernel, occluded: kernel })
     });
@@ -77,7 +76,7 @@ fn each_way(prepared: &Prepared<'_>, usual: &Plan) -> Vec<Plan> {
 /// Takes paths from the same places by each of `plans`, round after round. Those that fall behind are
 /// left out; none is left in a render that is too small for a trial.
 fn try_all<'a>(
-    prepared: &Prepared<'_>,
+    view: &View,
     all_paths: u64,
     pool: &ThreadPool,
     plans: &'a [Plan],
@@ -91,8 +90,8 @@ fn try_all<'a>(
         return Vec::new();
     };
     for segment in plans.iter().flat_map(|plan| &plan.segments) {
-        prepared.accelerator.prepare(segment.closest);
-        prepared.accelerator.prepare(segment.occluded);
+        view.prepared.accelerator().prepare(segment.closest);
+        view.prepared.accelerator().prepare(segment.occluded);
     }
     let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
     // A pixel may have more than a wave.
@@ -103,9 +102,9 @@ fn try_all<'a>(
         pool.broadcast(|thread| {
             let number = round * threads + thread.index() as u64;
             let mut worker = workers[thread.index()].lock().expect("no thread panicked");
-            let worker = worker.get_or_insert_with(|| Worker::new(prepared, largest, room));
+            let worker = worker.get_or_insert_with(|| Worker::new(view, largest, room));
             worker.plan = plan;
-            let units = units(&prepared.settings, plan, number, paths);
+            let units = units(&view.settings, plan, number, paths);
             units
                 .filter_map(|unit| worker.trace(&Task { unit, open: Vec::new() }, &|| false))
                 .map(|taken| taken.waves)
@@ -227,9 +226,9 @@ mod tests {
         let (pool, _) = pool::start(1, Pin::Off).unwrap();
         let tried = |spp| {
             let settings = render(spp);
-            let prepared = Prepared::new(&scene, &settings);
+            let view = View::new((&scene).into(), settings.clone());
             let sizes = each_size(&settings, &plan());
-            let tried = |paths| try_all(&prepared, paths, &pool, &sizes, SIZES_EFFORT).len();
+            let tried = |paths| try_all(&view, paths, &pool, &sizes, SIZES_EFFORT).len();
             [tried(settings.paths()), tried(settings.paths() / 2)]
         };
         assert_eq!(tried(100), [0, 0]);

@@ -1,5 +1,7 @@
 //! The points that rays hit, over lanes: of any primitives of one shape, one a lane.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use crate::geometry::{Geometry, Primitive, Quad, Ray};
@@ -54,8 +56,8 @@ impl Shape {
 
 /// Geometry in words, from which the surfaces of any primitives are gathered.
 #[derive(Debug)]
-pub(crate) struct Surfaces<'a> {
-    geometry: &'a Geometry,
+pub(crate) struct Surfaces {
+    geometry: Arc<Geometry>,
     /// Centre at time 0, radius.
     spheres: Vec<Words>,
     /// Where any sphere moves.
@@ -64,8 +66,8 @@ pub(crate) struct Surfaces<'a> {
     quads: Vec<[Words; 5]>,
 }
 
-impl<'a> Surfaces<'a> {
-    pub(crate) fn new(geometry: &'a Geometry) -> Self {
+impl Surfaces {
+    pub(crate) fn new(geometry: &Arc<Geometry>) -> Self {
         let parallelogram = |q: &Quad| {
             let ([dual_u, dual_v], [x, y, z]) = (q.duals(), q.normal.to_array());
             [quad(q.q, q.offset()), quad(q.u, x), quad(q.v, y), quad(dual_u, z), quad(dual_v, 0.0)]
@@ -73,7 +75,7 @@ impl<'a> Surfaces<'a> {
         let spheres = &geometry.spheres;
         let moving = if geometry.moves() { &spheres[..] } else { &[] };
         Self {
-            geometry,
+            geometry: Arc::clone(geometry),
             // That is where a still sphere is at any time, a zero's sign included.
             spheres: spheres.iter().map(|s| quad(s.center_at(0.0), s.radius)).collect(),
             motions: moving.iter().map(|s| quad(s.motion(), 0.0)).collect(),
@@ -165,6 +167,7 @@ mod tests {
             geometry.quads.extend(Quad::new(vector(5.0), vector(3.0), vector(3.0)));
             geometry.triangles.push(Triangle { vertices: [vector(5.0), vector(5.0), vector(5.0)] });
         }
+        let geometry = Arc::new(geometry);
         let surfaces = Surfaces::new(&geometry);
         let mut counts = [0; 4];
         // Hits wait until they fill lanes.

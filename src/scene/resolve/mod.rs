@@ -5,10 +5,10 @@ mod materials;
 mod primitives;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::Scene;
 use super::budget::Budget;
 use super::camera::Camera;
 use super::description::{BackgroundFile, CameraFile, SceneFile};
@@ -16,6 +16,7 @@ use super::light::Lights;
 use super::material::{Background, Material};
 use super::medium::Medium;
 use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
+use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
 
@@ -44,20 +45,20 @@ pub(super) fn resolve(
     let room = resolver.budget.hold(LIGHT * lights as u64);
     room.map_err(|message| Error::input(name, "", message))?;
     let lights = Lights::new(&geometry, &materials, &material_of);
-    Ok(Scene {
+    Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
         camera,
         background,
         defaults: file.render.clone(),
         textures,
         materials,
-        geometry,
+        geometry: Arc::new(geometry),
         material_of,
         lights,
         media,
         files: texture_files.into_iter().chain(mesh_files).collect(),
         limits: resolver.budget.limits,
-    })
+    })))
 }
 
 /// Bytes of memory for each texture and material besides their text: 60 were measured.

@@ -39,7 +39,7 @@ pub(super) struct Shading<'a> {
     pub(super) settings: &'a RenderSettings,
     pub(super) materials: &'a Materials,
     pub(super) lights: &'a LightTable,
-    pub(super) surfaces: &'a Surfaces<'a>,
+    pub(super) surfaces: &'a Surfaces,
     pub(super) cells: &'a Cells,
     /// The segment that has been traced, from 1.
     pub(super) segment: u32,
