@@ -1,5 +1,7 @@
 //! Lists in structure-of-arrays form, filled at the end and read by vectors.
 
+use std::ops::Range;
+
 use crate::simd::{Int, LANES, places};
 
 /// Rows of `N` words, column by column.
@@ -31,15 +33,22 @@ impl<const N: usize> Columns<N> {
     /// Adds the rows of the lanes whose bits are set.
     #[inline(always)]
     pub(super) fn append(&mut self, rows: &[Int; N], bits: u32) {
+        self.set(self.len, rows, bits);
+        self.len += bits.count_ones() as usize;
+    }
+
+    /// Sets row `first` and the following to those of the lanes whose bits are set; what comes behind
+    /// them, up to a whole vector, is overwritten.
+    #[inline(always)]
+    pub(super) fn set(&mut self, first: usize, rows: &[Int; N], bits: u32) {
         let places = places(bits);
         let mut words = &mut self.words[..];
         for row in rows {
             // Split, not indexed: fewer checks of bounds.
             let (column, rest) = words.split_at_mut(self.stride);
-            row.shuffled(places).store(&mut column[self.len..]);
+            row.shuffled(places).store(&mut column[first..]);
             words = rest;
         }
-        self.len += bits.count_ones() as usize;
     }
 
     /// One number of all rows.
@@ -57,13 +66,15 @@ impl<const N: usize> Columns<N> {
         rows
     }
 
-    /// Repeats the last row until the rows fill vectors.
-    pub(super) fn pad(&mut self) {
-        let Some(last) = self.len.checked_sub(1) else { return };
-        let full = self.len.next_multiple_of(LANES);
+    /// Repeats the last of `rows`, if there is one, up to a multiple of [`LANES`].
+    pub(super) fn pad(&mut self, rows: Range<usize>) {
+        if rows.is_empty() {
+            return;
+        }
+        let full = rows.end.next_multiple_of(LANES);
         for column in self.words.chunks_exact_mut(self.stride) {
-            let value = column[last];
-            column[self.len..full].fill(value);
+            let value = column[rows.end - 1];
+            column[rows.end..full].fill(value);
         }
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn connect(
     let Shadows { rays, light } = shadows;
     let counters = trace(accelerator, kernel, true, rays, hits, count);
     // Whole vectors: the last ray stands in for those that are missing.
-    light.pad();
+    light.pad(0..light.len());
     let last = hits.primitive[rays.len() - 1];
     hits.primitive[rays.len()..].fill(last);
     for first in (0..rays.len()).step_by(LANES) {

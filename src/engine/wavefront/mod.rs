@@ -39,7 +39,7 @@ use paths::Paths;
 pub use plan::{Plan, Planning, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
-use sort::{Queue, sort};
+use sort::{Queues, sort};
 use tables::Tables;
 
 /// A view, and the plan by which it is rendered.
@@ -93,7 +93,7 @@ struct Wave {
     /// What they hit.
     hits: HitBatch,
     /// Paths by what they have hit.
-    queues: Vec<Queue>,
+    queues: Queues,
     shadows: Shadows,
     /// Paths that go on.
     next: Next,
@@ -103,12 +103,12 @@ impl Wave {
     /// Room for `capacity` paths.
     fn new(view: &View, capacity: usize) -> Self {
         let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
-        let queue = |_: &_| Queue::with_capacity(capacity);
+        let keys = view.prepared.tables().materials.bins.len();
         Self {
             paths: Paths::new(capacity),
             rays: Rays::with_capacity(capacity),
             hits: HitBatch::default(),
-            queues: view.prepared.tables().materials.bins.iter().map(queue).collect(),
+            queues: Queues::new(keys, capacity),
             shadows: Shadows::with_capacity(shadows),
             next: Next::with_capacity(capacity),
         }

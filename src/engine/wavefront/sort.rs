@@ -1,4 +1,4 @@
-//! Sort: paths go to the queue of what they have hit.
+//! Sort: a counting sort of the paths by what shades them.
 
 use super::columns::Columns;
 use super::materials::Materials;
@@ -6,24 +6,112 @@ use super::rays::Rays;
 use crate::accel::HitBatch;
 use crate::simd::{Float, Int, LANES, first_bits};
 
-/// Paths that are shaded together: path, distance, primitive.
-pub(super) type Queue = Columns<3>;
+/// The paths of a wave in the order of their keys. Its size depends on the number of keys only by a few
+/// vectors each.
+#[derive(Debug)]
+pub(super) struct Queues {
+    /// Path, distance, primitive.
+    rows: Columns<3>,
+    /// The key of each ray, in the order of the rays.
+    keys: Vec<u8>,
+    /// For each key, the first of its rows, a multiple of [`LANES`], and their number.
+    places: Vec<(u32, u32)>,
+}
 
-/// Puts the paths of `rays`, which have hit `hits`, into the queues of [`Materials::bins`].
-#[inline(never)]
-pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: &mut [Queue]) {
-    queues.iter_mut().for_each(Queue::clear);
-    for first in (0..rays.len()).step_by(LANES) {
-        let present = first_bits(rays.len() - first);
-        let t = Float::load(&hits.t[first..]).to_bits();
-        let primitive = Int::load(&hits.primitive[first..]);
-        let row = [rays.paths(first), t, primitive];
-        let bins = Int::new(primitive.to_array().map(|p| u32::from(materials.bin(p))));
-        for (bin, queue) in queues.iter_mut().enumerate() {
-            let bits = bins.eq(Int::splat(bin as u32)).bits() & present;
-            // No branch on whether there is any: no CPU could foretell it.
-            queue.append(&row, bits);
+/// The paths of one key.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Queue<'a> {
+    rows: &'a Columns<3>,
+    first: usize,
+    len: usize,
+}
+
+impl Queues {
+    /// Room for `capacity` paths of `keys` keys.
+    pub(super) fn new(keys: usize, capacity: usize) -> Self {
+        Self {
+            rows: Columns::with_capacity(capacity + keys * 2 * LANES),
+            keys: vec![0; capacity.next_multiple_of(LANES)],
+            places: vec![(0, 0); keys],
         }
     }
-    queues.iter_mut().for_each(Queue::pad);
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = Queue<'_>> {
+        let queue = |&(first, len): &(u32, u32)| Queue {
+            rows: &self.rows,
+            first: first as usize,
+            len: len as usize,
+        };
+        self.places.iter().map(queue)
+    }
+}
+
+impl Queue<'_> {
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Rows `first..`, one a lane; the last is repeated until they fill a vector.
+    #[inline(always)]
+    pub(super) fn rows(&self, first: usize) -> [Int; 3] {
+        self.rows.rows(self.first + first)
+    }
+}
+
+/// Puts the paths of `rays`, which have hit `hits`, into the queues of their keys.
+#[inline(never)]
+pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: &mut Queues) {
+    let Queues { rows, keys, places } = queues;
+    count(&hits.primitive[..rays.len()], materials, keys, places);
+    begin(places);
+    for first in (0..rays.len()).step_by(LANES) {
+        let t = Float::load(&hits.t[first..]).to_bits();
+        let row = [rays.paths(first), t, Int::load(&hits.primitive[first..])];
+        let these: &[u8; LANES] = keys[first..].first_chunk().expect("a whole vector");
+        let lanes = Int::new(these.map(u32::from));
+        // Neighbours mostly have few keys between them.
+        let mut rest = first_bits(LANES.min(rays.len() - first));
+        while rest != 0 {
+            let key = these[rest.trailing_zeros() as usize % LANES];
+            let bits = lanes.eq(Int::splat(key.into())).bits() & rest;
+            let (first, len) = &mut places[usize::from(key)];
+            rows.set((*first + *len) as usize, &row, bits);
+            *len += bits.count_ones();
+            rest &= !bits;
+        }
+    }
+    for &(first, len) in &*places {
+        rows.pad(first as usize..(first + len) as usize);
+    }
+}
+
+/// Finds the key of each ray, and how many rays each key has.
+fn count(primitives: &[u32], materials: &Materials, keys: &mut [u8], places: &mut [(u32, u32)]) {
+    // Neighbours often have the same key: with one table each count would wait for the last.
+    let mut counts = [[0; 256]; 4];
+    let (quads, rest) = primitives.as_chunks::<4>();
+    for (these, keys) in quads.iter().zip(keys.as_chunks_mut::<4>().0) {
+        for (lane, counts) in counts.iter_mut().enumerate() {
+            keys[lane] = materials.bin(these[lane]);
+            counts[usize::from(keys[lane])] += 1;
+        }
+    }
+    for (&primitive, key) in rest.iter().zip(&mut keys[4 * quads.len()..]) {
+        *key = materials.bin(primitive);
+        counts[0][usize::from(*key)] += 1;
+    }
+    for (key, (_, len)) in places.iter_mut().enumerate() {
+        *len = counts.iter().map(|counts| counts[key]).sum();
+    }
+}
+
+/// Sets where the rows of each key begin; none of them is there yet.
+fn begin(places: &mut [(u32, u32)]) {
+    let mut end = 0;
+    for (first, len) in places {
+        // Whole vectors are written: a queue's last may reach beyond it by almost as much.
+        *first = (end + LANES as u32 - 1).next_multiple_of(LANES as u32);
+        end = *first + *len;
+        *len = 0;
+    }
 }

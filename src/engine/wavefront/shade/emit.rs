@@ -11,7 +11,7 @@ use crate::simd::{Float, LANES, Vec3x};
 
 impl Shading<'_> {
     /// Paths that leave the scene.
-    pub(super) fn background(&self, queue: &Queue, shaded: &mut Shaded<'_>) {
+    pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
             let seen = match *self.scene.background() {
@@ -31,7 +31,7 @@ impl Shading<'_> {
     }
 
     /// Paths that hit lights.
-    pub(super) fn light(&self, shape: Shape, queue: &Queue, shaded: &mut Shaded<'_>) {
+    pub(super) fn light(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(Some(shape), queue, first, shaded.paths);
             let (emission, one_sided) = self.solid(&vertex.primitive);

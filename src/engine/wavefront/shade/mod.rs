@@ -18,7 +18,7 @@ use super::light::LightTable;
 use super::materials::{Bin, Kind, Materials};
 use super::order::Next;
 use super::paths::Paths;
-use super::sort::Queue;
+use super::sort::Queues;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
@@ -59,11 +59,11 @@ pub(super) struct Shaded<'a> {
 impl Shading<'_> {
     /// Shades the queues of all bins. Returns how many paths it took, and in how many lanes.
     #[inline(never)]
-    pub(super) fn shade(&self, queues: &[Queue], shaded: &mut Shaded<'_>) -> StageWork {
+    pub(super) fn shade(&self, queues: &Queues, shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
         shaded.shadows.clear();
         let (mut paths, mut lanes) = (0, 0);
-        for (&bin, queue) in self.materials.bins.iter().zip(queues) {
+        for (&bin, queue) in self.materials.bins.iter().zip(queues.iter()) {
             match bin {
                 Bin::Background => self.background(queue, shaded),
                 Bin::Surface(shape, Kind::Light) => self.light(shape, queue, shaded),

@@ -62,7 +62,7 @@ impl Shading<'_> {
         &self,
         pattern: Pattern,
         shape: Shape,
-        queue: &Queue,
+        queue: Queue<'_>,
         shaded: &mut Shaded<'_>,
     ) {
         match pattern {
@@ -78,7 +78,7 @@ impl Shading<'_> {
     pub(super) fn scatter(
         &self,
         shape: Option<Shape>,
-        queue: &Queue,
+        queue: Queue<'_>,
         shaded: &mut Shaded<'_>,
         material: &impl Material,
     ) {

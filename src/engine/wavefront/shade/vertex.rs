@@ -34,7 +34,7 @@ impl Shading<'_> {
     pub(super) fn vertex(
         &self,
         shape: Option<Shape>,
-        queue: &Queue,
+        queue: Queue<'_>,
         first: usize,
         paths: &Paths,
     ) -> Vertex {
