@@ -61,14 +61,16 @@ pub mod machine;
 pub mod math;
 pub mod output;
 pub mod rayset;
+mod sampler;
 pub mod scene;
 mod simd;
 mod statistics;
 
-pub use engine::{Engine, Render, RenderSettings, Renderer, Sampler};
+pub use engine::{Engine, PreparedScene, Render, RenderSettings, Renderer};
 pub use error::{Error, Result};
 pub use image::{Image, Metadata, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
+pub use sampler::Sampler;
 pub use scene::{Sampling, Scene};
 
 /// Reads the record of a bench, for fuzzing.

@@ -134,6 +134,18 @@ pub(crate) struct RayVector {
 }
 
 impl RayVector {
+    /// Rays of which all that is ahead counts.
+    #[inline(always)]
+    pub(crate) fn unbounded(ray: Ray<Float>) -> Self {
+        let Ray { origin, direction, time } = ray;
+        Self { origin, direction, time, t_min: Float::ZERO, t_max: Float::INFINITY }
+    }
+
+    #[inline(always)]
+    pub(crate) fn ray(&self) -> Ray<Float> {
+        Ray { origin: self.origin, direction: self.direction, time: self.time }
+    }
+
     #[inline(always)]
     pub(super) fn numbers(&self) -> [Float; 9] {
         let (o, d) = (&self.origin, &self.direction);
@@ -158,7 +170,7 @@ pub struct HitBatch {
 
 impl HitBatch {
     /// The primitive of a ray that hits none.
-    pub const MISS: u32 = u32::MAX;
+    pub const MISS: u32 = Hit::MISS;
 
     /// So many misses.
     pub fn misses(count: usize) -> Self {

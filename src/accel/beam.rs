@@ -12,7 +12,7 @@
 //!    whose own box the beam meets are tested.
 
 use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks, Kind};
+use super::blocks::{BlockRef, Blocks};
 use super::counters::Count;
 use super::frames::{Frame, Frames};
 use super::job::Job;
@@ -22,6 +22,7 @@ use super::rays::Rays;
 use super::single::{Above, trace_each};
 use super::slab::near_and_far;
 use super::wide::WideTree;
+use crate::geometry::Shape;
 use crate::simd::{Float, LANES, Mask, axes};
 
 /// The intervals of a packet, each in every lane.
@@ -60,7 +61,7 @@ impl<const V: usize> Beam<V> {
             *scale = rays.scale(longest);
             beam.t_min = rays.only(rays.t_min() * *scale, Float::INFINITY).min(beam.t_min);
         }
-        beam.t_min = beam.t_min.least();
+        beam.t_min = beam.t_min.least_lane();
         let none = Float::splat(f32::NEG_INFINITY);
         for axis in 0..3 {
             let sign = Float::splat(if octants.negative[axis] { -1.0 } else { 1.0 });
@@ -74,7 +75,8 @@ impl<const V: usize> Beam<V> {
                 near = rays.only(ahead, none).max(near);
                 far = rays.only(back, Float::INFINITY).min(far);
             }
-            let (low, high, near, far) = (low.least(), high.most(), near.most(), far.least());
+            let (low, high, near, far) =
+                (low.least_lane(), high.largest_lane(), near.largest_lane(), far.least_lane());
             beam.slopes[axis] = [low * sign, high * sign];
             beam.near_offsets[axis] = [near * low, near * high];
             beam.far_offsets[axis] = [far * low, far * high];
@@ -131,13 +133,13 @@ impl<const V: usize> Beam<V> {
         count: &mut impl Count,
     ) -> u32 {
         let (low, high) = match block.kind() {
-            Kind::Sphere => {
+            Shape::Sphere => {
                 let block = &blocks.spheres[block.place()];
                 let radius = Float::new(block.radius);
                 let center = |axis: usize| Float::new(block.center[axis]);
                 (axes(|axis| center(axis) - radius), axes(|axis| center(axis) + radius))
             }
-            Kind::Triangle => {
+            Shape::Triangle => {
                 let block = &blocks.triangles[block.place()];
                 let vertex = |i: usize, axis: usize| Float::new(block.vertices[i][axis]);
                 (
@@ -145,7 +147,7 @@ impl<const V: usize> Beam<V> {
                     axes(|axis| vertex(0, axis).max(vertex(1, axis)).max(vertex(2, axis))),
                 )
             }
-            Kind::MovingSphere | Kind::Quad => return block.valid(),
+            Shape::MovingSphere | Shape::Quad => return block.valid(),
         };
         let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
         let (_, entered) =

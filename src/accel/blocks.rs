@@ -6,28 +6,8 @@ use glam::Vec3;
 
 use super::huge_pages::settle;
 use crate::geometry::lanes::{QuadLanes, SpecialQuad};
-use crate::geometry::{Geometry, Primitive};
+use crate::geometry::{Geometry, Shape};
 use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
-
-/// The kinds that have a test of their own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Sphere,
-    MovingSphere,
-    Quad,
-    Triangle,
-}
-
-impl Kind {
-    pub(super) fn of(primitive: Primitive<'_>) -> Self {
-        match primitive {
-            Primitive::Sphere(sphere) if sphere.center != sphere.center1 => Self::MovingSphere,
-            Primitive::Sphere(_) => Self::Sphere,
-            Primitive::Quad(_) => Self::Quad,
-            Primitive::Triangle(_) => Self::Triangle,
-        }
-    }
-}
 
 /// A block: its kind, the number of its primitives, and its place among the blocks of that
 /// kind.
@@ -42,7 +22,7 @@ impl BlockRef {
     const KIND_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
 
-    fn new(kind: Kind, count: usize, place: usize) -> Self {
+    fn new(kind: Shape, count: usize, place: usize) -> Self {
         assert!(place < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
         Self(Self::LEAF | (kind as u32) << Self::KIND_SHIFT | count | place as u32)
@@ -59,13 +39,8 @@ impl BlockRef {
     }
 
     #[inline(always)]
-    pub(super) fn kind(self) -> Kind {
-        match self.0 >> Self::KIND_SHIFT & 3 {
-            0 => Kind::Sphere,
-            1 => Kind::MovingSphere,
-            2 => Kind::Quad,
-            _ => Kind::Triangle,
-        }
+    pub(super) fn kind(self) -> Shape {
+        Shape::ALL[(self.0 >> Self::KIND_SHIFT & 3) as usize]
     }
 
     #[inline(always)]
@@ -125,7 +100,7 @@ impl QuadBlock {
     /// A quad in each lane.
     #[inline(always)]
     pub(super) fn lanes(&self) -> QuadLanes {
-        self.with(Vec3x::new)
+        self.with(Vec3x::of_lanes)
     }
 
     /// One quad in every lane.
@@ -149,7 +124,7 @@ impl MovingSphereBlock {
     /// Centres at `time`, of the sphere in each lane.
     #[inline(always)]
     pub(super) fn centers(&self, time: Float) -> Vec3x {
-        Vec3x::new(&self.still.center) + Vec3x::new(&self.motion) * time
+        Vec3x::of_lanes(&self.still.center) + Vec3x::of_lanes(&self.motion) * time
     }
 }
 
@@ -172,10 +147,10 @@ impl Blocks {
         primitives.sort_unstable();
         let mut primitive = [u32::MAX; LANES];
         primitive[..primitives.len()].copy_from_slice(primitives);
-        let kind = Kind::of(geometry.get(primitives[0]));
+        let kind = Shape::of(geometry.get(primitives[0]));
         let spheres = || primitives.iter().map(|&p| &geometry.spheres[p as usize]);
         let place = match kind {
-            Kind::Sphere => {
+            Shape::Sphere => {
                 self.spheres.push(SphereBlock {
                     // 0 + −0 is 0, as where a motion of 0 is added.
                     center: transpose(spheres().map(|s| s.center + Vec3::ZERO)),
@@ -184,7 +159,7 @@ impl Blocks {
                 });
                 self.spheres.len() - 1
             }
-            Kind::MovingSphere => {
+            Shape::MovingSphere => {
                 self.moving_spheres.push(MovingSphereBlock {
                     still: SphereBlock {
                         center: transpose(spheres().map(|s| s.center)),
@@ -195,7 +170,7 @@ impl Blocks {
                 });
                 self.moving_spheres.len() - 1
             }
-            Kind::Quad => {
+            Shape::Quad => {
                 let first = geometry.spheres.len();
                 let quads = || primitives.iter().map(|&p| &geometry.quads[p as usize - first]);
                 self.quads.push(QuadBlock {
@@ -210,7 +185,7 @@ impl Blocks {
                 self.special.push(special);
                 self.quads.len() - 1
             }
-            Kind::Triangle => {
+            Shape::Triangle => {
                 let first = geometry.spheres.len() + geometry.quads.len();
                 let vertex = |i: usize| {
                     let of = |&p: &u32| geometry.triangles[p as usize - first].vertices[i];
@@ -227,9 +202,9 @@ impl Blocks {
     /// Adds blocks of `primitives` in any number and mixture.
     pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
         let mut primitives = primitives.to_vec();
-        primitives.sort_by_key(|&p| (Kind::of(geometry.get(p)) as u32, p));
+        primitives.sort_by_key(|&p| (Shape::of(geometry.get(p)) as u32, p));
         primitives
-            .chunk_by_mut(|&a, &b| Kind::of(geometry.get(a)) == Kind::of(geometry.get(b)))
+            .chunk_by_mut(|&a, &b| Shape::of(geometry.get(a)) == Shape::of(geometry.get(b)))
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()
@@ -248,10 +223,10 @@ impl Blocks {
     #[inline(always)]
     pub(super) fn prefetch(&self, block: BlockRef) {
         match block.kind() {
-            Kind::Sphere => prefetch(&self.spheres[block.place()]),
-            Kind::MovingSphere => prefetch(&self.moving_spheres[block.place()]),
-            Kind::Quad => prefetch(&self.quads[block.place()]),
-            Kind::Triangle => prefetch(&self.triangles[block.place()]),
+            Shape::Sphere => prefetch(&self.spheres[block.place()]),
+            Shape::MovingSphere => prefetch(&self.moving_spheres[block.place()]),
+            Shape::Quad => prefetch(&self.quads[block.place()]),
+            Shape::Triangle => prefetch(&self.triangles[block.place()]),
         }
     }
 

@@ -5,8 +5,7 @@
 //! section 3), with leaves of one kind and up to a block.
 
 use super::binary::{Below, BinaryTree};
-use super::blocks::Kind;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Shape};
 use crate::math::min;
 use crate::simd::LANES;
 
@@ -26,7 +25,7 @@ struct Subtree {
     costs: [f32; SHARES],
     /// Primitives in it, and their kind if it is but one.
     count: u32,
-    kind: Option<Kind>,
+    kind: Option<Shape>,
     is_leaf: bool,
 }
 
@@ -40,7 +39,7 @@ impl<'a> Collapse<'a> {
                 Below::Primitive(primitive) => Subtree {
                     costs: [area; SHARES],
                     count: 1,
-                    kind: Some(Kind::of(geometry.get(primitive))),
+                    kind: Some(Shape::of(geometry.get(primitive))),
                     is_leaf: true,
                 },
                 Below::Children(first) => collapse.join(first, area),
@@ -136,7 +135,7 @@ impl<'a> Collapse<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Quad, Sphere};
+    use crate::geometry::{Quad, Shape, Sphere};
     use crate::math::random::Stream;
     use glam::Vec3;
 
@@ -163,8 +162,8 @@ mod tests {
             let tree = BinaryTree::new(&boxes, &all);
             let collapse = Collapse::new(&geometry, &tree);
             let kind_of = |leaf: u32| {
-                let mut kinds: Vec<Kind> =
-                    tree.primitives(leaf).iter().map(|&p| Kind::of(geometry.get(p))).collect();
+                let mut kinds: Vec<Shape> =
+                    tree.primitives(leaf).iter().map(|&p| Shape::of(geometry.get(p))).collect();
                 kinds.dedup();
                 assert_eq!(kinds.len(), 1);
                 kinds[0]

@@ -36,8 +36,8 @@ impl Frame {
     #[inline(always)]
     pub(super) fn new(node: u32, entry: Float, entered: Mask) -> Self {
         let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
-        let keys = Int::select(entered, keys, Int::splat(NONE));
-        Self { keys, least: keys.least(), node }
+        let keys = entered.select(keys, Int::splat(NONE));
+        Self { keys, least: keys.least_lane(), node }
     }
 
     /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`,
@@ -51,8 +51,8 @@ impl Frame {
         let child = self.nearest(tree);
         let children = Int::new(tree.nodes[self.node as usize].children);
         let taken = children.eq(Int::splat(child));
-        self.keys = Int::select(taken, Int::splat(NONE), self.keys);
-        self.least = self.keys.least();
+        self.keys = taken.select(Int::splat(NONE), self.keys);
+        self.least = self.keys.least_lane();
         Some(child)
     }
 

@@ -1,9 +1,10 @@
 //! One ray, against the N primitives of a block.
 
 use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks, Kind};
+use super::blocks::{BlockRef, Blocks};
 use super::counters::Count;
 use super::one_ray::OneRay;
+use crate::geometry::Shape;
 use crate::geometry::lanes::{self, HitLanes, QuadTest};
 use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes};
 
@@ -71,19 +72,19 @@ pub(super) fn test(
 ) {
     count.leaf(LANES as u32, block.count());
     match block.kind() {
-        Kind::Sphere => {
+        Shape::Sphere => {
             let block = &blocks.spheres[block.place()];
             let radius = Float::new(block.radius);
-            let hits = lanes::sphere::<true>(&one.ray(), Vec3x::new(&block.center), radius);
+            let hits = lanes::sphere::<true>(&one.ray(), Vec3x::of_lanes(&block.center), radius);
             best.offer_lanes(hits, &block.primitive);
         }
-        Kind::MovingSphere => {
+        Shape::MovingSphere => {
             let block = &blocks.moving_spheres[block.place()];
             let (ray, radius) = (one.ray(), Float::new(block.still.radius));
             let hits = lanes::sphere::<true>(&ray, block.centers(ray.time), radius);
             best.offer_lanes(hits, &block.still.primitive);
         }
-        Kind::Quad => {
+        Shape::Quad => {
             let block = &blocks.quads[block.place()];
             let (ray, quads) = (one.ray(), block.lanes());
             let t = quads.distance(&ray);
@@ -93,7 +94,7 @@ pub(super) fn test(
                 best.offer_lanes(Some(HitLanes { t, hit }), &block.primitive);
             }
         }
-        Kind::Triangle => {
+        Shape::Triangle => {
             let valid = block.valid();
             let block = &blocks.triangles[block.place()];
             let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));

@@ -1,9 +1,10 @@
 //! Packets: vectors of rays against one primitive.
 
 use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks, Kind};
+use super::blocks::{BlockRef, Blocks};
 use super::counters::Count;
 use super::rays::Rays;
+use crate::geometry::Shape;
 use crate::geometry::lanes::{self, HitLanes, QuadTest, RayLanes, SpecialQuad};
 use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, first_bits};
 
@@ -29,7 +30,7 @@ impl<const V: usize> Packet<V> {
             let (t, primitive) =
                 if ANY { (Float::ZERO, Int::splat(0)) } else { (rays.t, rays.primitive) };
             if old.len() >= LANES {
-                Int::select(hit, primitive, Int::load(old)).store(old);
+                hit.select(primitive, Int::load(old)).store(old);
                 hit.select(t, Float::load(old_t)).store(old_t);
             } else {
                 let (t, primitive) = (t.to_array(), primitive.to_array());
@@ -68,14 +69,14 @@ impl<const V: usize> Packet<V> {
         count: &mut impl Count,
     ) {
         // Triangles are counted where they are tested: once for each axis that rays go along.
-        if block.kind() != Kind::Triangle {
+        if block.kind() != Shape::Triangle {
             for rays in &self.vectors {
                 let looking = rays.looking().count_ones();
                 (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
             }
         }
         match block.kind() {
-            Kind::Sphere => {
+            Shape::Sphere => {
                 let block = &blocks.spheres[block.place()];
                 let padded = lanes::padded_radius2(Float::new(block.radius)).to_array();
                 for lane in Bits(lanes) {
@@ -85,7 +86,7 @@ impl<const V: usize> Packet<V> {
                     self.test_sphere::<ANY, LEAVE>(|_| center, radius, padded, primitive);
                 }
             }
-            Kind::MovingSphere => {
+            Shape::MovingSphere => {
                 let block = &blocks.moving_spheres[block.place()];
                 let padded = lanes::padded_radius2(Float::new(block.still.radius)).to_array();
                 for lane in Bits(lanes) {
@@ -98,7 +99,7 @@ impl<const V: usize> Packet<V> {
                     self.test_sphere::<ANY, LEAVE>(center, radius, padded, primitive);
                 }
             }
-            Kind::Quad => {
+            Shape::Quad => {
                 let (block, special) =
                     (&blocks.quads[block.place()], &blocks.special[block.place()]);
                 for lane in Bits(lanes) {
@@ -118,7 +119,7 @@ impl<const V: usize> Packet<V> {
                     }
                 }
             }
-            Kind::Triangle => {
+            Shape::Triangle => {
                 let block = &blocks.triangles[block.place()];
                 for lane in Bits(lanes) {
                     let primitive = block.primitive[lane];
@@ -203,6 +204,6 @@ impl<const V: usize> Packet<V> {
         for (rays, scale) in self.vectors.iter().zip(scales) {
             farthest = (rays.t * *scale).max(farthest);
         }
-        farthest.most()
+        farthest.largest_lane()
     }
 }

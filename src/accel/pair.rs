@@ -1,10 +1,10 @@
 //! Pair nodes for packets: both children's boxes in one cache line.
 
 use super::binary::{Below, BinaryTree};
-use super::blocks::{BlockRef, Blocks, Kind};
+use super::blocks::{BlockRef, Blocks};
 use super::setup::Extent;
 use super::slab::{Planes, planes};
-use crate::geometry::{Bounds, Geometry};
+use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::LANES;
 
 /// A node: the boxes of its two children, in one of two forms, and what they are.
@@ -46,7 +46,7 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 impl PairTree {
     /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
-        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| Kind::of(geometry.get(primitive)));
+        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| Shape::of(geometry.get(primitive)));
         let mut layout = Self {
             nodes: Vec::new(),
             middles: Vec::new(),

@@ -143,7 +143,7 @@ impl Rays {
             self.primitive = Int::new(best);
         }
         self.t = closer.select(t, self.t);
-        self.primitive = Int::select(closer, Int::splat(primitive), self.primitive);
+        self.primitive = closer.select(Int::splat(primitive), self.primitive);
     }
 }
 

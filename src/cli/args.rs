@@ -15,9 +15,10 @@ use super::path::PathArgs;
 use super::progress::Telling;
 use super::share::ShareArgs;
 use crate::accel::Kernel;
-use crate::engine::{Engine, Pin, Sampler};
+use crate::engine::{Engine, Pin};
 use crate::image::Transfer;
 use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS, MAX_WAVE};
+use crate::sampler::Sampler;
 use crate::scene::Sampling;
 
 /// A CPU path tracer: same seed, same bits.

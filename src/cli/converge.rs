@@ -11,11 +11,12 @@ use super::args::named;
 use super::limits::LimitArgs;
 use super::{files, notice, say};
 use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
-use crate::engine::{RenderSettings, Sampler};
+use crate::engine::RenderSettings;
 use crate::error::{Error, Result};
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::machine::Machine;
 use crate::output::write_atomically;
+use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 
 #[derive(Debug, Args)]
@@ -113,8 +114,7 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
     let or = |given: &[Sampling], all: &[Sampling]| {
         if given.is_empty() { all.to_vec() } else { given.to_vec() }
     };
-    let has: &[Sampling] =
-        if scene.lights().is_empty() { &[Sampling::Bsdf] } else { &Sampling::ALL };
+    let has: &[Sampling] = if scene.lights() == 0 { &[Sampling::Bsdf] } else { &Sampling::ALL };
     let samplings = or(&args.samplings, has);
     let samplers = if args.samplers.is_empty() { &Sampler::ALL } else { &*args.samplers };
     let mut ways: Vec<Way> = Vec::new();

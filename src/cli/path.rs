@@ -8,7 +8,7 @@ use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay
 use crate::error::{Error, Result};
 use crate::geometry::Primitive;
 use crate::limits::MAX_SPP;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 
 #[derive(Debug, Args)]
 pub(super) struct PathArgs {
@@ -87,15 +87,7 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
                 Primitive::Quad(_) => "quad",
                 Primitive::Triangle(_) => "triangle",
             };
-            let material = match scene.material(hit.primitive) {
-                Material::Diffuse { .. } => "diffuse",
-                Material::Lambertian { .. } => "lambertian",
-                Material::Metal { .. } => "metal",
-                Material::Dielectric { .. } => "dielectric",
-                Material::RoughDielectric { .. } => "rough_dielectric",
-                Material::Conductor { .. } => "conductor",
-                Material::Light(_) => "light",
-            };
+            let material = scene.material(hit.primitive).name();
             format!("hits primitive {}, a {shape} of {material}, at {}", hit.primitive, hit.t)
         }
     };

@@ -36,6 +36,6 @@ fn summary(scene: &Scene) -> String {
         geometry.quads.len(),
         geometry.triangles.len(),
         scene.materials().len(),
-        scene.lights().all().len(),
+        scene.lights(),
     )
 }

@@ -9,9 +9,10 @@ mod slope;
 
 use serde::Serialize;
 
-use crate::engine::{Render, RenderSettings, Renderer, Sampler};
+use crate::engine::{Render, RenderSettings, Renderer};
 use crate::error::Result;
 use crate::image::Image;
+use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 use crate::statistics::{middle, sorted};
 pub(crate) use plot::plot;

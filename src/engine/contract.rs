@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::max_element;
+use crate::math::{Real, max_element};
 
 /// The version of the arithmetic: another one where any image has other bits than before.
 pub const BITS: u32 = 1;
@@ -18,16 +18,13 @@ pub(super) const ROULETTE_MAX: f32 = 0.95;
 /// program (but for grazing rays and silhouettes), and surfaces that are flush with it.
 pub(super) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
-/// Rectangles are sampled by solid angle above this: below it the sum of the corners' angles has lost
-/// too many digits.
-pub(super) const MIN_SOLID_ANGLE: f32 = 1e-3;
-/// And above this sine of the angle under which the farthest corner is seen above the rectangle's
-/// plane: below it the map from angles to places has lost too many digits.
-pub(super) const MIN_SINE: f32 = 2.5e-3;
-
-/// Least fuzz of metal whose density is known: below it, rounding has the better part of the distance from
-/// the mirror direction. No light sample would find so narrow a blur.
-pub(super) const LEAST_BLUR: f32 = 1e-4;
+/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too
+/// (Veach 1997, section 9.2.4, exponent 2), written so that no square overflows.
+#[inline(always)]
+pub(super) fn power_heuristic<R: Real>(of: R, other: R) -> R {
+    let ratio = other / of;
+    R::ONE / (R::ONE + ratio * ratio)
+}
 
 /// What of a sample's radiance is added to its pixel: none where it is not finite; no component above
 /// `clamp`, to which the whole is scaled down. Tells whether it was.

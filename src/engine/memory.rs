@@ -6,7 +6,7 @@ use super::settings::RenderSettings;
 use super::timeline::Event;
 use crate::error::{Error, Result};
 use crate::limits::Limit;
-use crate::scene::{Scene, Texture};
+use crate::scene::Scene;
 
 /// The program itself.
 const PROGRAM: u64 = 16 << 20;
@@ -26,17 +26,13 @@ impl RenderSettings {
     /// # Errors
     /// [`Error::Usage`].
     pub(crate) fn check_memory(&self, scene: &Scene, film: u64) -> Result<()> {
-        let texels = scene.textures().iter().map(|texture| match texture {
-            Texture::Image(image) => image.pixels().len() as u64,
-            _ => 0,
-        });
         let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
         let paths = PATHS.max(given.into()) * pool::threads(self.threads) as u64;
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
             + PRIMITIVE * scene.geometry().len() as u64
-            + LIGHT * scene.lights().all().len() as u64
-            + 12 * texels.sum::<u64>()
+            + LIGHT * u64::from(scene.lights())
+            + 12 * scene.texels()
             + PATH * paths
             + events as u64
             + film;

@@ -1,7 +1,6 @@
 //! Engines turn a scene into an image. Every engine returns the same bits.
 
 mod contract;
-mod dimension;
 mod memory;
 mod pool;
 mod prepared;
@@ -25,7 +24,7 @@ pub use prepared::PreparedScene;
 pub use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
 pub use renderer::{Observer, Render, Renderer, Seconds, Stop};
 pub use rendering::{MOST_EVENTS, Progress, Rendering};
-pub use settings::{Engine, RenderSettings, Sampler};
+pub use settings::{Engine, RenderSettings};
 pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};
 pub use timeline::{Event, Work};

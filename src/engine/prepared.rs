@@ -3,9 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use super::settings::RenderSettings;
-use super::wavefront::tables::Tables;
 use crate::accel::Accelerator;
-use crate::scene::{CameraFrame, Scene};
+use crate::scene::{CameraFrame, Scene, SceneTables};
 
 /// A scene with the trees and tables that engines render it by.
 ///
@@ -18,7 +17,7 @@ pub struct PreparedScene(Arc<Inner>);
 struct Inner {
     scene: Scene,
     accelerator: Accelerator,
-    tables: OnceLock<Tables>,
+    tables: OnceLock<SceneTables>,
 }
 
 impl PreparedScene {
@@ -37,9 +36,8 @@ impl PreparedScene {
         &self.0.accelerator
     }
 
-    /// The tables of the wavefront engine.
-    pub(super) fn tables(&self) -> &Tables {
-        self.0.tables.get_or_init(|| Tables::new(&self.0.scene, &self.0.accelerator))
+    pub(super) fn tables(&self) -> &SceneTables {
+        self.0.tables.get_or_init(|| SceneTables::new(&self.0.scene))
     }
 }
 

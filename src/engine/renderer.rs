@@ -149,7 +149,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
     /// suffice, [`Error::Internal`](crate::Error::Internal) if the threads cannot be started, or not be
-    /// pinned with [`Pin::On`].
+    /// pinned with [`Pin::On`](super::Pin::On).
     pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         let paths = settings.paths();
         Self::for_paths(scene, settings, paths)

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::limits::{self, Limit, Limits};
+use crate::sampler::Sampler;
 use crate::scene::{Camera, Sampling, Scene};
 
 use super::pool::Pin;
@@ -27,29 +28,6 @@ impl Engine {
         match self {
             Self::Wavefront => "wavefront",
             Self::Scalar => "scalar",
-        }
-    }
-}
-
-/// Where the random numbers of paths are from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sampler {
-    /// A hash: numbers that have nothing in common.
-    Independent,
-    /// Owen-scrambled Sobol' points: the samples of a pixel fill each pair of dimensions evenly.
-    #[default]
-    Sobol,
-}
-
-impl Sampler {
-    /// All samplers.
-    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
-
-    /// The name on the command line and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Independent => "independent",
-            Self::Sobol => "sobol",
         }
     }
 }
@@ -170,6 +148,6 @@ impl RenderSettings {
 
     /// Whether light is looked for by sampling lights.
     pub(super) fn samples_lights(&self, scene: &Scene) -> bool {
-        self.sampling != Sampling::Bsdf && !scene.lights().is_empty()
+        self.sampling != Sampling::Bsdf && scene.lights() > 0
     }
 }

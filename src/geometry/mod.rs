@@ -8,7 +8,9 @@ mod bounds;
 pub(crate) mod lanes;
 mod quad;
 mod ray;
+mod shape;
 mod sphere;
+mod surfaces;
 mod triangle;
 mod volume;
 
@@ -16,33 +18,36 @@ pub use bounds::Bounds;
 pub use quad::Quad;
 pub(crate) use ray::shear_axes;
 pub use ray::{Hit, PreparedRay, Ray};
+pub(crate) use shape::Shape;
 pub use sphere::Sphere;
+pub(crate) use sphere::distance as sphere_distance;
+pub(crate) use surfaces::Surfaces;
 pub use triangle::Triangle;
 pub use volume::Volume;
 
 use glam::Vec3;
 
-use crate::math::max;
+use crate::math::{Real, max};
 
-/// A point of a surface, as found by a ray.
+/// A point of a surface, as found by a ray, or one a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface {
+pub struct Surface<R: Real = f32> {
     /// The point, moved onto the primitive where that is more exact than `o + t d`.
-    pub point: Vec3,
+    pub point: R::Vec3,
     /// Unit geometric normal on the primitive's front: outward of a sphere, `u × v` of a
     /// quad, counter-clockwise of a triangle.
-    pub normal: Vec3,
+    pub normal: R::Vec3,
     /// How far along the normal a ray must start to be surely off the surface.
-    pub offset: f32,
+    pub offset: R,
 }
 
-impl Surface {
+impl<R: Real> Surface<R> {
     /// Origin of a ray that leaves on the side of `side`, ±`normal`.
     ///
     /// The distance bounds the rounding errors of the point and of the primitive's own
     /// test (Pharr et al., section 6.8), so that no ray meets the surface that it leaves.
-    #[inline]
-    pub fn spawn(&self, side: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn spawn(&self, side: R::Vec3) -> R::Vec3 {
         self.point + side * self.offset
     }
 }
@@ -137,26 +142,6 @@ impl Primitive<'_> {
             Self::Sphere(sphere) => sphere.intersect(ray, t_min, t_max),
             Self::Quad(quad) => quad.intersect(ray, t_min, t_max),
             Self::Triangle(triangle) => triangle.intersect(ray, t_min, t_max),
-        }
-    }
-
-    /// The point at distance `t`, which `intersect` returned for `ray`.
-    #[inline]
-    pub fn surface(self, ray: &Ray, t: f32) -> Surface {
-        match self {
-            Self::Sphere(sphere) => sphere.surface(ray, t),
-            Self::Quad(quad) => quad.surface(ray, t),
-            Self::Triangle(triangle) => triangle.surface(ray),
-        }
-    }
-
-    /// Texture coordinates of that point, both in `[0, 1]` up to rounding.
-    #[inline]
-    pub fn uv(self, ray: &Ray, surface: &Surface, t: f32) -> (f32, f32) {
-        match self {
-            Self::Sphere(_) => sphere::uv(surface.normal),
-            Self::Quad(quad) => quad.uv(ray, t),
-            Self::Triangle(triangle) => triangle.uv(ray),
         }
     }
 

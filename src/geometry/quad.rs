@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Bounds, PreparedRay, Ray, Surface};
-use crate::math::{UNIT_ROUNDOFF, dot, length};
+use crate::math::{Real, Row, UNIT_ROUNDOFF, Vector, dot, length, row};
 
 /// A two-sided parallelogram, with what its test needs precomputed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +61,9 @@ impl Quad {
         -dot(self.normal, ray.origin - self.q) / dot(self.normal, ray.direction)
     }
 
+    /// (a, b) of the plane's point at distance `t`.
     #[inline]
-    pub(super) fn uv(&self, ray: &Ray, t: f32) -> (f32, f32) {
+    fn coordinates(&self, ray: &Ray, t: f32) -> (f32, f32) {
         let p = (ray.origin - self.q) + ray.direction * t;
         (dot(p, self.dual_u), dot(p, self.dual_v))
     }
@@ -74,18 +75,8 @@ impl Quad {
         if !(t > t_min && t < t_max) {
             return None;
         }
-        let (a, b) = self.uv(&prepared.ray, t);
+        let (a, b) = self.coordinates(&prepared.ray, t);
         ((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b)).then_some(t)
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Surface {
-        let (a, b) = self.uv(ray, t);
-        Surface {
-            point: self.q + (self.u * a + self.v * b),
-            normal: self.normal,
-            offset: self.offset,
-        }
     }
 
     pub(super) fn bounds(&self) -> Bounds {
@@ -103,11 +94,6 @@ impl Quad {
         [self.dual_u, self.dual_v]
     }
 
-    /// Spawn offset of every point of the quad.
-    pub(crate) fn offset(&self) -> f32 {
-        self.offset
-    }
-
     /// Area.
     pub fn area(&self) -> f32 {
         self.area
@@ -117,6 +103,40 @@ impl Quad {
     pub fn is_rectangle(&self) -> bool {
         dot(self.u, self.v).abs() <= 16.0 * UNIT_ROUNDOFF * length(self.u) * length(self.v)
     }
+}
+
+/// Corner, offset; edges and dual edges, of which the first three have the normal's components.
+pub(super) fn rows(quad: &Quad) -> [Row; 5] {
+    let Quad { q, u, v, normal: Vec3 { x, y, z }, dual_u, dual_v, offset, .. } = *quad;
+    [row(q, offset), row(u, x), row(v, y), row(dual_u, z), row(dual_v, 0.0)]
+}
+
+/// (a, b) of the points at distance `t`.
+#[inline(always)]
+pub(super) fn uv<R: Real>(table: &[[Row; 5]], index: R::Index, ray: &Ray<R>, t: R) -> (R, R) {
+    let (q, _) = R::gather(table, index, |rows| &rows[0]);
+    let (dual_u, _) = R::gather(table, index, |rows| &rows[3]);
+    let (dual_v, _) = R::gather(table, index, |rows| &rows[4]);
+    let p = (ray.origin - q) + ray.direction * t;
+    (dot(p, dual_u), dot(p, dual_v))
+}
+
+/// The points at distance `t`.
+#[inline(always)]
+pub(super) fn surface<R: Real>(
+    table: &[[Row; 5]],
+    index: R::Index,
+    ray: &Ray<R>,
+    t: R,
+) -> Surface<R> {
+    let (q, offset) = R::gather(table, index, |rows| &rows[0]);
+    let (u, x) = R::gather(table, index, |rows| &rows[1]);
+    let (v, y) = R::gather(table, index, |rows| &rows[2]);
+    let (dual_u, z) = R::gather(table, index, |rows| &rows[3]);
+    let (dual_v, _) = R::gather(table, index, |rows| &rows[4]);
+    let p = (ray.origin - q) + ray.direction * t;
+    let (a, b) = (dot(p, dual_u), dot(p, dual_v));
+    Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
 }
 
 #[cfg(test)]
@@ -145,7 +165,7 @@ mod tests {
         assert_eq!(hit(&quad, &ray(Vec3::new(1.0, 0.5, 3.0), Vec3::NEG_Z)), Some(2.0));
         assert_eq!(hit(&quad, &ray(Vec3::ZERO, Vec3::X)), None, "parallel");
         assert_eq!(hit(&quad, &ray(Vec3::Z, Vec3::X)), None, "within the plane");
-        assert_eq!(quad.uv(&at(1.0, 0.25), 1.0), (0.5, 0.25));
+        assert_eq!(quad.coordinates(&at(1.0, 0.25), 1.0), (0.5, 0.25));
         assert_eq!(quad.area(), 2.0);
         assert!(quad.is_rectangle());
         assert!(!Quad::new(Vec3::ZERO, Vec3::X, Vec3::ONE).unwrap().is_rectangle());
@@ -179,7 +199,7 @@ mod tests {
                 let start = target + out * 1000.0 * random.uniform();
                 let first = ray(start, normalize(target - start));
                 let Some(t) = hit(&quad, &first) else { continue };
-                let surface = quad.surface(&first, t);
+                let surface = surface::<f32>(&[rows(&quad)], 0, &first, t);
                 let u = random.uniform();
                 for side in [surface.normal, -surface.normal] {
                     let out = uniform_hemisphere(side, 1.0 - u * u * u, random.uniform()).0;

@@ -2,17 +2,17 @@
 
 use glam::Vec3;
 
-use crate::math::dot;
+use crate::math::{Real, dot};
 
-/// A ray `origin + t direction` at one moment of the shutter.
+/// A ray `origin + t direction` at one moment of the shutter, or one a lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct Ray<R: Real = f32> {
     /// Where it starts.
-    pub origin: Vec3,
+    pub origin: R::Vec3,
     /// Where it goes; of any length, distances are in its units.
-    pub direction: Vec3,
+    pub direction: R::Vec3,
     /// When, as the parameter of a moving sphere.
-    pub time: f32,
+    pub time: R,
 }
 
 impl Ray {
@@ -30,6 +30,11 @@ pub struct Hit {
     pub t: f32,
     /// Index of the primitive: spheres, then quads, then triangles.
     pub primitive: u32,
+}
+
+impl Hit {
+    /// The index that stands for no primitive.
+    pub const MISS: u32 = u32::MAX;
 }
 
 /// A ray with the values that the primitive tests share.

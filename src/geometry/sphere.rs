@@ -5,7 +5,9 @@ use std::f32::consts::PI;
 
 use super::{Bounds, PreparedRay, Ray, Surface};
 use crate::math::trig::{acos, atan2};
-use crate::math::{UNIT_ROUNDOFF, clamp, dot, max, max_element, normalize};
+use crate::math::{
+    Mask, Real, Row, UNIT_ROUNDOFF, Vector, clamp, dot, max, max_element, normalize, row,
+};
 
 /// A sphere whose centre moves linearly from `center` at time 0 to `center1` at time 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,21 +65,6 @@ impl Sphere {
         (t > t_min && t < t_max).then_some(t)
     }
 
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> Surface {
-        let center = self.center_at(ray.time);
-        let normal = normalize(ray.origin + ray.direction * t - center);
-        // With u the unit roundoff: the point is off by 4u r along the normal and u|p| of
-        // rounding, its ray's origin by u|p| again, and the sign of f·f − r² is sure from
-        // 4u r on.
-        let extent = max(max_element(center.abs()), self.radius);
-        Surface {
-            point: center + normal * self.radius,
-            normal,
-            offset: UNIT_ROUNDOFF * (10.0 * self.radius + 6.0 * extent),
-        }
-    }
-
     pub(super) fn bounds(&self) -> Bounds {
         // The centre's components are monotonic in time, rounding included.
         let centers = Bounds::of([self.center_at(0.0), self.center_at(1.0)]);
@@ -85,10 +72,51 @@ impl Sphere {
     }
 }
 
+/// Centre at time 0, radius; motion.
+pub(super) fn rows(sphere: &Sphere) -> [Row; 2] {
+    // Where a still sphere is at any time, a zero's sign included.
+    [row(sphere.center_at(0.0), sphere.radius), row(sphere.motion(), 0.0)]
+}
+
+/// The point at distance `t` of spheres that are at `center` at the ray's time.
+#[inline(always)]
+pub(super) fn surface<R: Real>(center: R::Vec3, radius: R, ray: &Ray<R>, t: R) -> Surface<R> {
+    let normal = normalize(ray.origin + ray.direction * t - center);
+    // With u the unit roundoff: the point is off by 4u r along the normal and u|p| of
+    // rounding, its ray's origin by u|p| again, and the sign of f·f − r² is sure from
+    // 4u r on.
+    let extent = max(max_element(center.abs()), radius);
+    Surface {
+        point: center + normal * radius,
+        normal,
+        offset: (radius * 10.0 + extent * 6.0) * UNIT_ROUNDOFF,
+    }
+}
+
+/// [`Sphere::intersect`] above 0 for spheres that are at `center`, over lanes too: the distance, and
+/// whether there is one.
+#[inline(always)]
+pub(crate) fn distance<R: Real>(ray: &Ray<R>, center: R::Vec3, radius: R) -> (R, R::Mask) {
+    let length2 = dot(ray.direction, ray.direction);
+    let inv_length2 = R::ONE / length2;
+    let f = ray.origin - center;
+    let b = -dot(f, ray.direction);
+    let l = f + ray.direction * (b * inv_length2);
+    let discriminant = radius * radius - dot(l, l);
+    let q = b + (length2 * discriminant).sqrt().copysign(b);
+    let c = dot(f, f) - radius * radius;
+    let by_sum = q * inv_length2;
+    let by_product = clamp(c / q, -by_sum.abs(), by_sum.abs());
+    let ahead = b.gt(R::ZERO);
+    let (near, far) = (ahead.select(by_product, by_sum), ahead.select(by_sum, by_product));
+    let t = near.gt(R::ZERO).select(near, far);
+    (t, discriminant.ge(R::ZERO) & t.gt(R::ZERO) & t.lt(R::INFINITY))
+}
+
 /// Longitude and colatitude from the lower pole, both over their full range.
-#[inline]
-pub(super) fn uv(normal: Vec3) -> (f32, f32) {
-    ((atan2(-normal.z, normal.x) + PI) * (1.0 / (2.0 * PI)), acos(-normal.y) * (1.0 / PI))
+#[inline(always)]
+pub(super) fn uv<R: Real>(normal: R::Vec3) -> (R, R) {
+    ((atan2(-normal[2], normal[0]) + PI) * (1.0 / (2.0 * PI)), acos(-normal[1]) * (1.0 / PI))
 }
 
 #[cfg(test)]
@@ -148,7 +176,7 @@ mod tests {
                 let to = center + uniform_sphere(random.uniform(), random.uniform()) * radius;
                 let first = ray(far, normalize(to - far));
                 let Some(t) = hit(&sphere, &first) else { continue };
-                let surface = sphere.surface(&first, t);
+                let surface = surface(center, radius, &first, t);
                 // Squared: many grazing directions.
                 let u = random.uniform();
                 let (out, _) =
@@ -193,9 +221,9 @@ mod tests {
 
     #[test]
     fn uv_covers_the_map() {
-        assert_eq!(uv(Vec3::NEG_Y).1, 0.0);
-        assert_eq!(uv(Vec3::Y).1, 1.0);
-        assert!((uv(Vec3::X).0 - 0.5).abs() < 1e-6);
-        assert!((uv(Vec3::NEG_Z).0 - 0.75).abs() < 1e-6);
+        assert_eq!(uv::<f32>(Vec3::NEG_Y).1, 0.0);
+        assert_eq!(uv::<f32>(Vec3::Y).1, 1.0);
+        assert!((uv::<f32>(Vec3::X).0 - 0.5).abs() < 1e-6);
+        assert!((uv::<f32>(Vec3::NEG_Z).0 - 0.75).abs() < 1e-6);
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Ray;
-use crate::math::{dot, max, min};
+use crate::math::{Real, Vector, dot, max, min};
 
 /// A closed volume, without a surface that could be hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,24 +28,26 @@ pub enum Volume {
 
 impl Volume {
     /// The part of `ray`, whose direction is of unit length, that is inside, from distance 0 on. Empty
-    /// where the first distance is not below the second.
-    #[inline]
-    pub fn interval(&self, ray: &Ray) -> (f32, f32) {
+    /// if the first distance is not below the second.
+    #[inline(always)]
+    pub(crate) fn interval<R: Real>(&self, ray: &Ray<R>) -> (R, R) {
+        let vector = |v: Vec3| <R::Vec3 as Vector>::splat(v);
         let (near, far) = match *self {
             Self::Sphere { center, radius } => {
-                let f = ray.origin - center;
+                let (f, radius) = (ray.origin - vector(center), R::splat(radius));
                 let b = -dot(f, ray.direction);
                 let l = f + ray.direction * b;
                 // Without cancellation, as for the primitive.
-                let half = max(0.0, radius * radius - dot(l, l)).sqrt();
+                let half = max(R::ZERO, radius * radius - dot(l, l)).sqrt();
                 (b - half, b + half)
             }
             Self::Box { center, axes, half } => {
-                let f = ray.origin - center;
-                let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
-                for axis in 0..3 {
-                    let (o, d) = (dot(axes[axis], f), dot(axes[axis], ray.direction));
-                    let (a, b) = ((-half[axis] - o) / d, (half[axis] - o) / d);
+                let f = ray.origin - vector(center);
+                let (mut near, mut far) = (-R::INFINITY, R::INFINITY);
+                for (axis, half) in axes.into_iter().zip(half.to_array()) {
+                    let (axis, half) = (vector(axis), R::splat(half));
+                    let (o, d) = (dot(axis, f), dot(axis, ray.direction));
+                    let (a, b) = ((-half - o) / d, (half - o) / d);
                     // A ray within the plane of a face is inside or not as NaN has it: the same for
                     // all engines.
                     near = max(min(a, b), near);
@@ -54,7 +56,7 @@ impl Volume {
                 (near, far)
             }
         };
-        (max(near, 0.0), far)
+        (max(near, R::ZERO), far)
     }
 
     /// Whether the two have more than their surfaces in common, and what rounding makes of these.

@@ -1,54 +1,56 @@
 //! How much smooth surfaces reflect (Pharr et al., *Physically Based Rendering*, 4th ed., 9.3).
 
-use glam::Vec3;
-
 use super::max;
+use super::real::{Mask, Real};
+use super::vector::Vector;
 
 /// Reflectance of glass at the cosine of the angle of incidence (Schlick 1994).
-#[inline]
-pub fn schlick(cos: f32, ior: f32) -> f32 {
-    let r = (1.0 - ior) / (1.0 + ior);
+#[inline(always)]
+pub fn schlick<R: Real>(cos: R, ior: R) -> R {
+    let r = (R::ONE - ior) / (R::ONE + ior);
     let r0 = r * r;
-    let x = 1.0 - cos;
+    let x = R::ONE - cos;
     let x2 = x * x;
-    r0 + (1.0 - r0) * (x2 * x2 * x)
+    r0 + (R::ONE - r0) * (x2 * x2 * x)
 }
 
 /// Reflectance of a dielectric, for light without polarisation. `eta` is the index of refraction
 /// beyond the surface over that before it, `cos` in `[0, 1]` that of the angle of incidence.
-#[inline]
-pub fn dielectric(cos: f32, eta: f32) -> f32 {
-    let sin2 = (1.0 - cos * cos) / (eta * eta);
-    let refracted = max(0.0, 1.0 - sin2).sqrt();
+#[inline(always)]
+pub fn dielectric<R: Real>(cos: R, eta: R) -> R {
+    let sin2 = (R::ONE - cos * cos) / (eta * eta);
+    let refracted = max(R::ZERO, R::ONE - sin2).sqrt();
     let parallel = (eta * cos - refracted) / (eta * cos + refracted);
     let across = (cos - eta * refracted) / (cos + eta * refracted);
     // Total reflection, where both are 1 but for 0/0.
-    if sin2 > 1.0 { 1.0 } else { 0.5 * (parallel * parallel + across * across) }
+    sin2.gt(R::ONE).select(R::ONE, (parallel * parallel + across * across) * 0.5)
 }
 
 /// Reflectance of a conductor of index `eta` + i `k`, a channel each, seen from air.
-#[inline]
-pub fn conductor(cos: f32, eta: Vec3, k: Vec3) -> Vec3 {
-    Vec3::new(channel(cos, eta.x, k.x), channel(cos, eta.y, k.y), channel(cos, eta.z, k.z))
+#[inline(always)]
+pub fn conductor<V: Vector>(cos: V::Real, eta: V, k: V) -> V {
+    V::new(channel(cos, eta[0], k[0]), channel(cos, eta[1], k[1]), channel(cos, eta[2], k[2]))
 }
 
-#[inline]
-fn channel(cos: f32, eta: f32, k: f32) -> f32 {
+#[inline(always)]
+fn channel<R: Real>(cos: R, eta: R, k: R) -> R {
     let cos2 = cos * cos;
-    let sin2 = 1.0 - cos2;
+    let sin2 = R::ONE - cos2;
     let (n2, k2) = (eta * eta, k * k);
     let difference = n2 - k2 - sin2;
-    let modulus = (difference * difference + 4.0 * n2 * k2).sqrt();
-    let real = max(0.0, 0.5 * (modulus + difference)).sqrt();
-    let cross = 2.0 * real * cos;
+    let modulus = (difference * difference + n2 * 4.0 * k2).sqrt();
+    let real = max(R::ZERO, (modulus + difference) * 0.5).sqrt();
+    let cross = real * 2.0 * cos;
     let across = ((modulus + cos2) - cross) / ((modulus + cos2) + cross);
     let (sum, part) = (cos2 * modulus + sin2 * sin2, cross * sin2);
     let parallel = across * ((sum - part) / (sum + part));
-    0.5 * (across + parallel)
+    (across + parallel) * 0.5
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     /// Against the equations with complex numbers, in f64.

@@ -4,58 +4,60 @@
 //!
 //! Directions are in the frame of the surface, z along its normal, and point away from it.
 
-use glam::Vec3;
 use std::f32::consts::PI;
 
+use super::real::Real;
 use super::trig::sin_cos_turns;
+use super::vector::Vector;
 use super::{max, normalize};
 
-/// Microfacets of roughness α, in (0, 1]. With 0 what samples gives the normal itself.
+/// Microfacets of roughness α, in (0, 1]. With α = 0 every sample is the normal itself.
 #[derive(Clone, Copy, Debug)]
-pub struct Ggx {
+pub struct Ggx<R = f32> {
     /// α.
-    pub alpha: f32,
+    pub alpha: R,
 }
 
-impl Ggx {
+impl<R: Real> Ggx<R> {
     /// Density of the normal `m` over projected area, D.
-    #[inline]
-    pub fn density(self, m: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn density(self, m: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
         // 1 + (α² − 1) z² without its cancellation.
-        let d = (m.x * m.x + m.y * m.y) + a2 * (m.z * m.z);
-        a2 / (PI * d * d)
+        let d = (m[0] * m[0] + m[1] * m[1]) + a2 * (m[2] * m[2]);
+        a2 / (R::splat(PI) * d * d)
     }
 
     /// Length of `w` where the microfacets are stretched to those of a sphere. Smith's Λ is
     /// (length/|z| − 1)/2.
-    #[inline]
-    pub fn length(self, w: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn length(self, w: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
-        (a2 * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt()
+        (a2 * (w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]).sqrt()
     }
 
     /// Share of the hemisphere's lower cap, as seen from `wo`, that can reflect upwards (Eto and
     /// Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). The whole is 1.
-    #[inline]
-    pub fn bound(self, wo: Vec3) -> f32 {
+    #[inline(always)]
+    pub fn bound(self, wo: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
-        let s = 1.0 + (wo.x * wo.x + wo.y * wo.y).sqrt();
+        let s = R::ONE + (wo[0] * wo[0] + wo[1] * wo[1]).sqrt();
         let s2 = s * s;
-        (1.0 - a2) * s2 / (s2 + a2 * (wo.z * wo.z))
+        (R::ONE - a2) * s2 / (s2 + a2 * (wo[2] * wo[2]))
     }
 
     /// A normal that is visible from `wo`, of density D(m) max(0, wo·m) 2/(`share` z + length): in
     /// the stretched sphere uniform in a cap (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals
     /// with Spherical Caps").
-    #[inline]
-    pub fn sample(self, wo: Vec3, share: f32, u: f32, v: f32) -> Vec3 {
-        let stretched = Vec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z) / self.length(wo);
-        let lowest = share * stretched.z;
-        let z = (1.0 - u) * (1.0 + lowest) - lowest;
-        let radius = max(0.0, 1.0 - z * z).sqrt();
+    #[inline(always)]
+    pub fn sample(self, wo: R::Vec3, share: R, u: R, v: R) -> R::Vec3 {
+        let stretched =
+            R::Vec3::new(self.alpha * wo[0], self.alpha * wo[1], wo[2]) / self.length(wo);
+        let lowest = share * stretched[2];
+        let z = (R::ONE - u) * (R::ONE + lowest) - lowest;
+        let radius = max(R::ZERO, R::ONE - z * z).sqrt();
         let (sin, cos) = sin_cos_turns(v);
-        let half = stretched + Vec3::new(radius * cos, radius * sin, z);
-        normalize(Vec3::new(self.alpha * half.x, self.alpha * half.y, half.z))
+        let half = stretched + R::Vec3::new(radius * cos, radius * sin, z);
+        normalize(R::Vec3::new(self.alpha * half[0], self.alpha * half[1], half[2]))
     }
 }

@@ -9,31 +9,44 @@ pub mod microfacet;
 pub mod powers;
 pub mod precise;
 pub mod random;
+pub mod real;
 pub mod sobol;
 pub mod trig;
 pub mod vector;
 pub mod warp;
 
+pub use real::{Mask, Real, Row, Select, Word, row};
 pub use vector::{
-    Frame, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis, reflect,
+    Frame, Vector, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis,
+    reflect,
 };
 
 /// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.
-#[inline]
-pub fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+#[inline(always)]
+pub fn min<R: Real>(a: R, b: R) -> R {
+    a.least(b)
 }
 
 /// `if a > b { a } else { b }`: what `maxps` computes, NaN in either gives `b`.
-#[inline]
-pub fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+#[inline(always)]
+pub fn max<R: Real>(a: R, b: R) -> R {
+    a.most(b)
 }
 
 /// `x` limited to `[lo, hi]`; NaN gives `lo`.
-#[inline]
-pub fn clamp(x: f32, lo: f32, hi: f32) -> f32 {
+#[inline(always)]
+pub fn clamp<R: Real>(x: R, lo: R, hi: R) -> R {
     min(max(x, lo), hi)
+}
+
+/// `a[0] + x (a[1] + x (a[2] + …))`.
+#[inline(always)]
+fn polynomial<R: Real, const N: usize>(x: R, a: [f32; N]) -> R {
+    let mut sum = R::splat(a[N - 1]);
+    for coefficient in a.iter().rev().skip(1) {
+        sum = x * sum + *coefficient;
+    }
+    sum
 }
 
 /// Unit roundoff of f32, 2^-24: the relative error of one rounded operation.

@@ -2,60 +2,57 @@
 //!
 //! As in [`super::trig`], each function states its error against f64, and a test holds it.
 
-/// What a third of a float's bits is added to, to begin a cube root.
-pub(crate) const CBRT_START: u32 = 0x2A51_0000;
+use super::polynomial;
+use super::real::{Mask, Real, Word};
 
 /// Bits of √½, where the logarithm changes to the next power of two, and of 1.
-pub(crate) const SQRT_HALF: u32 = 0x3F35_04F3;
-pub(crate) const ONE: u32 = 0x3F80_0000;
+const SQRT_HALF: u32 = 0x3F35_04F3;
+const ONE: u32 = 0x3F80_0000;
 /// ln 2 as a sum, whose first part has bits to spare for a product with an exponent.
-pub(crate) const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
-/// 2/(2k + 1): the series of ln((1 + s)/(1 − s)) in s².
-pub(crate) const LN: [f32; 5] = [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0];
-/// 1/k!
-pub(crate) const EXP: [f32; 7] =
-    [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0];
-/// Where e^x is no longer told from 0.
-pub(crate) const EXP_LEAST: f32 = -87.0;
+const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
 
 /// Cube root of `x` in `[0, 1]`, a multiple of 2^-24, within 2.3e-7 relative.
-#[inline]
-pub fn cbrt(x: f32) -> f32 {
+#[inline(always)]
+pub fn cbrt<R: Real>(x: R) -> R {
     // The bits of a float are about its logarithm, of which a third is taken: 3.3% off. Each of
     // Halley's steps cubes the error.
-    let start = f32::from_bits((x.to_bits() >> 16) * 0x5556 + CBRT_START);
-    let step = |y: f32| {
+    let third = (x.to_bits() >> 16).wrapping_mul(R::Word::splat(0x5556));
+    let mut y = R::from_bits(third.wrapping_add(R::Word::splat(0x2A51_0000)));
+    for _ in 0..2 {
         let cube = y * y * y;
-        y * ((cube + x + x) / (cube + cube + x))
-    };
-    if x > 0.0 { step(step(start)) } else { 0.0 }
+        y = y * ((cube + x + x) / (cube + cube + x));
+    }
+    x.gt(R::ZERO).select(y, R::ZERO)
 }
 
 /// Natural logarithm of `x` in `[2^-24, 1]`, within 2.1e-7 relative.
-#[inline]
-pub fn ln(x: f32) -> f32 {
+#[inline(always)]
+pub fn ln<R: Real>(x: R) -> R {
     // x = m 2^e with m in [√½, √2).
-    let bits = x.to_bits();
-    let biased = bits.wrapping_sub(SQRT_HALF).wrapping_add(ONE) >> 23;
-    let m = f32::from_bits(bits.wrapping_add(ONE).wrapping_sub(biased << 23));
-    let e = biased as f32 - 127.0;
-    let s = (m - 1.0) / (m + 1.0);
+    let (bits, one) = (x.to_bits(), R::Word::splat(ONE));
+    let biased = bits.wrapping_sub(R::Word::splat(SQRT_HALF)).wrapping_add(one) >> 23;
+    let m = R::from_bits(bits.wrapping_add(one).wrapping_sub(biased << 23));
+    let e = R::from_word(biased) - 127.0;
+    let s = (m - R::ONE) / (m + R::ONE);
     let t = s * s;
-    let small = s * (LN[0] + t * (LN[1] + t * (LN[2] + t * (LN[3] + t * LN[4]))));
+    // 2/(2k + 1): the series of ln((1 + s)/(1 − s)) in s².
+    let small = s * polynomial(t, [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0]);
     e * LN_2.0 + (small + e * LN_2.1)
 }
 
 /// e^x for `x` in `[-87, 0]`, within 2.6e-7 relative; 0 below.
-#[inline]
-pub fn exp(x: f32) -> f32 {
+#[inline(always)]
+pub fn exp<R: Real>(x: R) -> R {
     // x = n ln 2 + r; 1.5·2^23 rounds to an integer, which is in its last bits.
-    let shifted = x * std::f32::consts::LOG2_E + 12_582_912.0;
-    let n = shifted - 12_582_912.0;
+    const MAGIC: f32 = 12_582_912.0;
+    let shifted = x * std::f32::consts::LOG2_E + MAGIC;
+    let n = shifted - MAGIC;
     let r = (x - n * LN_2.0) - n * LN_2.1;
-    let [a, b, c, d, e, f, g] = EXP;
-    let small = a + r * (b + r * (c + r * (d + r * (e + r * (f + r * g)))));
-    let scale = f32::from_bits((shifted.to_bits() << 23).wrapping_add(ONE));
-    if x < EXP_LEAST { 0.0 } else { small * scale }
+    // 1/k!
+    let series = [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0];
+    let small = polynomial(r, series);
+    let scale = R::from_bits((shifted.to_bits() << 23).wrapping_add(R::Word::splat(ONE)));
+    x.lt(R::splat(-87.0)).select(R::ZERO, small * scale)
 }
 
 #[cfg(test)]

@@ -1,18 +1,20 @@
 //! Counter-based random numbers: a hash of what is sampled, never a stream whose
 //! values depend on the order of execution.
 
-/// Key of all random numbers of one sample of one pixel.
+use super::real::{Real, Word};
+
+/// Key of all random numbers of one sample of one pixel, or of one a lane.
 ///
 /// Two words, so that different paths share all their numbers with probability 2^-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathKey {
-    pub(super) pixel_word: u32,
-    pub(super) sample_word: u32,
+pub struct PathKey<W = u32> {
+    pub(crate) pixel_word: W,
+    pub(crate) sample_word: W,
 }
 
 /// Key of a pixel, from which the keys of its samples are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelKey(u32, u32);
+pub struct PixelKey<W = u32>(pub(crate) W, pub(crate) W);
 
 impl PixelKey {
     /// `x` and `y` are in the full image, so crops and tiles agree.
@@ -21,58 +23,54 @@ impl PixelKey {
         let word = mix64(seed ^ mix64(u64::from(y) << 32 | u64::from(x)));
         Self(word as u32, (word >> 32) as u32)
     }
+}
 
-    /// The key itself.
-    #[inline]
-    pub(crate) fn words(self) -> (u32, u32) {
-        (self.0, self.1)
-    }
-
+impl<W: Word> PixelKey<W> {
     /// Key of sample number `sample` of this pixel.
-    #[inline]
-    pub fn sample(self, sample: u32) -> PathKey {
+    #[inline(always)]
+    pub fn sample(self, sample: W) -> PathKey<W> {
         PathKey {
-            pixel_word: mix32(self.0.wrapping_add(sample.wrapping_mul(GOLDEN))),
+            pixel_word: mix32(self.0.wrapping_add(sample.wrapping_mul(W::splat(GOLDEN)))),
             sample_word: mix32(self.1 ^ sample),
         }
     }
 }
 
-impl PathKey {
+impl<W: Word> PathKey<W> {
     /// 32 random bits for dimension `dimension` of this path.
-    #[inline]
-    pub fn bits(self, dimension: u32) -> u32 {
+    #[inline(always)]
+    pub fn bits(self, dimension: u32) -> W {
         // `mix32` with the second key word entering between its two rounds.
-        let mut x = self.pixel_word.wrapping_add(dimension.wrapping_mul(GOLDEN));
-        x = (x ^ (x >> 16)).wrapping_mul(MULTIPLIER_1) ^ self.sample_word;
-        x = (x ^ (x >> 15)).wrapping_mul(MULTIPLIER_2);
+        let x = self.pixel_word.wrapping_add(W::splat(dimension.wrapping_mul(GOLDEN)));
+        let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1)) ^ self.sample_word;
+        let x = (x ^ (x >> 15)).wrapping_mul(W::splat(MULTIPLIER_2));
         x ^ (x >> 15)
     }
 
     /// Uniform number in `[0, 1)`, a multiple of 2^-24.
-    #[inline]
-    pub fn uniform(self, dimension: u32) -> f32 {
+    #[inline(always)]
+    pub fn uniform<R: Real<Word = W>>(self, dimension: u32) -> R {
         unit_interval(self.bits(dimension))
     }
 }
 
 /// The upper 24 bits as a number in `[0, 1)`.
-#[inline]
-pub fn unit_interval(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+#[inline(always)]
+pub fn unit_interval<R: Real>(bits: R::Word) -> R {
+    R::from_word(bits >> 8) * (1.0 / 16_777_216.0)
 }
 
 /// 2^32 divided by the golden ratio: consecutive multiples spread evenly.
-pub(crate) const GOLDEN: u32 = 0x9E37_79B9;
-pub(crate) const MULTIPLIER_1: u32 = 0x21F0_AAAD;
-pub(crate) const MULTIPLIER_2: u32 = 0x735A_2D97;
+pub(super) const GOLDEN: u32 = 0x9E37_79B9;
+const MULTIPLIER_1: u32 = 0x21F0_AAAD;
+const MULTIPLIER_2: u32 = 0x735A_2D97;
 
 /// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
 /// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
-#[inline]
-pub fn mix32(mut x: u32) -> u32 {
-    x = (x ^ (x >> 16)).wrapping_mul(MULTIPLIER_1);
-    x = (x ^ (x >> 15)).wrapping_mul(MULTIPLIER_2);
+#[inline(always)]
+pub fn mix32<W: Word>(x: W) -> W {
+    let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1));
+    let x = (x ^ (x >> 15)).wrapping_mul(W::splat(MULTIPLIER_2));
     x ^ (x >> 15)
 }
 

@@ -15,64 +15,68 @@
 //! 4. The hash of trees is the later one of Vegdahl 2021, "Building a Better LK Hash".
 
 use super::random::{GOLDEN, PathKey, PixelKey, mix32, unit_interval};
+use super::real::{Real, Word};
 
 /// The bits that no sample's number has once it is reversed: numbers are below 2^24.
-pub(crate) const SPARE: u32 = 0xFF;
+const SPARE: u32 = 0xFF;
 
-impl PixelKey {
+impl<W: Word> PixelKey<W> {
     /// Key of sample number `sample`, below 2^24, for Sobol' points.
-    #[inline]
-    pub fn sobol_sample(self, sample: u32) -> PathKey {
-        let (pixel_word, other) = self.words();
-        PathKey { pixel_word, sample_word: sample.reverse_bits() | other & SPARE }
+    #[inline(always)]
+    pub fn sobol_sample(self, sample: W) -> PathKey<W> {
+        let Self(pixel_word, other) = self;
+        PathKey { pixel_word, sample_word: sample.reverse_bits() | other & W::splat(SPARE) }
     }
 }
 
-impl PathKey {
+impl<W: Word> PathKey<W> {
     /// This path's point of the sequence for `dimension` and the next, in `[0, 1)`, multiples of
     /// 2^-24. The first coordinate alone serves a single dimension.
-    #[inline]
-    pub fn sobol(self, dimension: u32) -> (f32, f32) {
+    #[inline(always)]
+    pub fn sobol<R: Real<Word = W>>(self, dimension: u32) -> (R, R) {
         let (x, y) = self.sobol_bits(dimension);
         (unit_interval(x), unit_interval(y))
     }
 
     /// The point in units of 2^-32.
-    #[inline]
-    pub(crate) fn sobol_bits(self, dimension: u32) -> (u32, u32) {
-        let seed =
-            |use_of: u32| {
-                mix32(self.pixel_word.wrapping_add(
-                    dimension.wrapping_mul(3).wrapping_add(use_of).wrapping_mul(GOLDEN),
-                ))
-            };
-        let index = scrambled(self.sample_word, seed(0)).reverse_bits();
-        (scrambled(index, seed(1)).reverse_bits(), scrambled(pascal(index), seed(2)).reverse_bits())
+    #[inline(always)]
+    pub(crate) fn sobol_bits(self, dimension: u32) -> (W, W) {
+        let index = scrambled(self.sample_word, self.seed(dimension, 0)).reverse_bits();
+        (
+            scrambled(index, self.seed(dimension, 1)).reverse_bits(),
+            scrambled(pascal(index), self.seed(dimension, 2)).reverse_bits(),
+        )
+    }
+
+    #[inline(always)]
+    fn seed(self, dimension: u32, use_of: u32) -> W {
+        let offset = dimension.wrapping_mul(3).wrapping_add(use_of).wrapping_mul(GOLDEN);
+        mix32(self.pixel_word.wrapping_add(W::splat(offset)))
     }
 }
 
-/// Multipliers of [`scrambled`].
-pub(crate) const SCRAMBLE: [u32; 3] = [0x3D20_ADEA, 0x0552_6C56, 0x53A2_2864];
-
 /// Scrambles a tree of halves whose first branch is the lowest bit: each bit is flipped or not by a
 /// hash of those below.
-#[inline]
-fn scrambled(mut x: u32, seed: u32) -> u32 {
-    x ^= x.wrapping_mul(SCRAMBLE[0]);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(SCRAMBLE[1]);
-    x ^ x.wrapping_mul(SCRAMBLE[2])
+#[inline(always)]
+fn scrambled<W: Word>(x: W, seed: W) -> W {
+    let x = x ^ x.wrapping_mul(W::splat(0x3D20_ADEA));
+    let x = x.wrapping_add(seed);
+    let x = x.wrapping_mul((seed >> 16) | W::splat(1));
+    let x = x ^ x.wrapping_mul(W::splat(0x0552_6C56));
+    x ^ x.wrapping_mul(W::splat(0x53A2_2864))
 }
 
 /// Steps of [`pascal`]: how far down, and where to.
-pub(crate) const PASCAL: [(u32, u32); 5] =
+const PASCAL: [(u32, u32); 5] =
     [(16, 0x0000_FFFF), (8, 0x00FF_00FF), (4, 0x0F0F_0F0F), (2, 0x3333_3333), (1, 0x5555_5555)];
 
 /// Bit i is the sum over j of (j choose i) times bit j of `x`, modulo 2.
-#[inline]
-fn pascal(x: u32) -> u32 {
-    PASCAL.iter().fold(x, |x, &(down, places)| x ^ (x >> down) & places)
+#[inline(always)]
+fn pascal<W: Word>(mut x: W) -> W {
+    for (down, places) in PASCAL {
+        x = x ^ (x >> down) & W::splat(places);
+    }
+    x
 }
 
 #[cfg(test)]

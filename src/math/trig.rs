@@ -6,85 +6,81 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+use super::real::{Mask, Real, Word};
+use super::{min, polynomial};
+
 /// Coefficients of sin 2πr, of r to r^9, and of cos 2πr, of r² to r^8, for |r| ≤ 1/8.
-pub(crate) const SIN: [f32; 5] = [6.283_185_5, -41.341_7, 81.605_2, -76.697_87, 41.472_83];
-pub(crate) const COS: [f32; 4] = [-19.739_208, 64.939_316, -85.442_85, 59.220_17];
+const SIN: [f32; 5] = [6.283_185_5, -41.341_7, 81.605_2, -76.697_87, 41.472_83];
+const COS: [f32; 4] = [-19.739_208, 64.939_316, -85.442_85, 59.220_17];
 
 /// Coefficients of atan r, of r³ to r^11, for |r| ≤ tan π/8.
-pub(crate) const ATAN: [f32; 5] =
-    [-0.333_333_3, 0.199_995_4, -0.142_639_56, 0.107_437_31, -0.064_519_28];
-pub(crate) const TAN_PI_8: f32 = 0.414_213_57;
+const ATAN: [f32; 5] = [-0.333_333_3, 0.199_995_4, -0.142_639_56, 0.107_437_31, -0.064_519_28];
+const TAN_PI_8: f32 = 0.414_213_57;
+
+/// Coefficients of asin r, of r³ to r^13, for |r| ≤ 1/2.
+const ASIN: [f32; 6] =
+    [0.166_666_66, 0.075_000_94, 0.044_599_403, 0.031_100_662, 0.017_149_238, 0.033_690_847];
 
 /// `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`, within 1.1e-7.
 ///
 /// The argument is reduced in turns, where the reduction is exact.
-#[inline]
-pub fn sin_cos_turns(u: f32) -> (f32, f32) {
-    let quadrant = nearest(4.0 * u);
-    let r = u - 0.25 * quadrant; // exact, in [-1/8, 1/8]
+#[inline(always)]
+pub fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
+    // 1.5 · 2²³: the sum is rounded to an integer, ties to even, which is in its last bits.
+    const MAGIC: f32 = 12_582_912.0;
+    let shifted = u * 4.0 + MAGIC;
+    let quadrant = shifted - MAGIC;
+    let r = u - quadrant * 0.25; // exact, in [-1/8, 1/8]
     let s = r * r;
-    let sin = r * (SIN[0] + s * (SIN[1] + s * (SIN[2] + s * (SIN[3] + s * SIN[4]))));
-    let cos = 1.0 + s * (COS[0] + s * (COS[1] + s * (COS[2] + s * COS[3])));
-    match quadrant as i32 & 3 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
+    let sin = r * polynomial(s, SIN);
+    let cos = s * polynomial(s, COS) + 1.0;
+    // Quadrants 1 and 3 swap them; sines are negative in 2 and 3, cosines in 1 and 2.
+    let (bits, one) = (shifted.to_bits(), R::Word::splat(1));
+    let swapped = (bits & one).eq(one);
+    let (odd, upper) = (bits << 31, (bits >> 1) << 31);
+    let with_sign = |value: R, sign: R::Word| R::from_bits(value.to_bits() ^ sign);
+    (with_sign(swapped.select(cos, sin), upper), with_sign(swapped.select(sin, cos), upper ^ odd))
 }
 
 /// `(sin x, cos x)` for `x` in radians, `[-4π, 4π]`, within 1.1e-7 + |x|·1.2e-7.
-#[inline]
-pub fn sin_cos(x: f32) -> (f32, f32) {
+#[inline(always)]
+pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     sin_cos_turns(x * (1.0 / (2.0 * PI)))
 }
 
 /// `asin x` for `x` in `[-1, 1]`, within 3.6e-7 relative; arguments outside are clamped.
-#[inline]
-pub fn asin(x: f32) -> f32 {
-    let a = super::min(x.abs(), 1.0);
+#[inline(always)]
+pub fn asin<R: Real>(x: R) -> R {
+    let a = min(x.abs(), R::ONE);
     // Beyond 1/2: asin a = π/2 − 2 asin √((1 − a)/2).
-    let steep = a > 0.5;
-    let s = if steep { 0.5 * (1.0 - a) } else { a * a };
-    let r = if steep { s.sqrt() } else { a };
-    let small = r + r
-        * s
-        * (0.166_666_66
-            + s * (0.075_000_94
-                + s * (0.044_599_403
-                    + s * (0.031_100_662 + s * (0.017_149_238 + s * 0.033_690_847)))));
-    (if steep { FRAC_PI_2 - 2.0 * small } else { small }).copysign(x)
+    let steep = a.gt(R::splat(0.5));
+    let s = steep.select((R::ONE - a) * 0.5, a * a);
+    let r = steep.select(s.sqrt(), a);
+    let small = r + r * s * polynomial(s, ASIN);
+    steep.select(R::splat(FRAC_PI_2) - small * 2.0, small).copysign(x)
 }
 
 /// `acos x` for `x` in `[-1, 1]`, within 4e-7; arguments outside are clamped.
-#[inline]
-pub fn acos(x: f32) -> f32 {
-    FRAC_PI_2 - asin(x)
+#[inline(always)]
+pub fn acos<R: Real>(x: R) -> R {
+    R::splat(FRAC_PI_2) - asin(x)
 }
 
 /// Angle of the point (x, y) in `[-π, π]`, within 4e-7; 0 for the origin.
-#[inline]
-pub fn atan2(y: f32, x: f32) -> f32 {
+#[inline(always)]
+pub fn atan2<R: Real>(y: R, x: R) -> R {
     let (ax, ay) = (x.abs(), y.abs());
-    let (lo, hi) = if ax < ay { (ax, ay) } else { (ay, ax) };
-    let t = if hi > 0.0 { lo / hi } else { 0.0 };
+    let upright = ax.lt(ay);
+    let (lo, hi) = (upright.select(ax, ay), upright.select(ay, ax));
+    let t = hi.gt(R::ZERO).select(lo / hi, R::ZERO);
     // Beyond tan π/8: atan t = π/4 + atan (t − 1)/(t + 1).
-    let steep = t > TAN_PI_8;
-    let r = if steep { (t - 1.0) / (t + 1.0) } else { t };
+    let steep = t.gt(R::splat(TAN_PI_8));
+    let r = steep.select((t - R::ONE) / (t + R::ONE), t);
     let s = r * r;
-    let [a, b, c, d, e] = ATAN;
-    let small = r + r * s * (a + s * (b + s * (c + s * (d + s * e))));
-    let octant = if steep { FRAC_PI_4 + small } else { small };
-    let quadrant = if ax < ay { FRAC_PI_2 - octant } else { octant };
-    (if x < 0.0 { PI - quadrant } else { quadrant }).copysign(y)
-}
-
-/// Nearest integer for |x| < 2^22, ties to even: what `roundps` and the addition of
-/// 1.5·2^23 both compute.
-#[inline]
-fn nearest(x: f32) -> f32 {
-    const MAGIC: f32 = 12_582_912.0;
-    (x + MAGIC) - MAGIC
+    let small = r + r * s * polynomial(s, ATAN);
+    let octant = steep.select(small + FRAC_PI_4, small);
+    let quadrant = upright.select(R::splat(FRAC_PI_2) - octant, octant);
+    x.lt(R::ZERO).select(R::splat(PI) - quadrant, quadrant).copysign(y)
 }
 
 #[cfg(test)]

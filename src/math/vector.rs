@@ -1,95 +1,154 @@
-//! Vector operations on [`glam::Vec3`], in contract order.
+//! Vectors in space, in contract order.
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 use glam::Vec3;
 
+use super::real::{Mask, Real, Select};
+
+/// A [`glam::Vec3`], or one a lane. Products of two vectors are component by component.
+pub trait Vector:
+    Copy
+    + Debug
+    + Select<<Self::Real as Real>::Mask>
+    + Index<usize, Output = Self::Real>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<Self::Real, Output = Self>
+    + Div<Self::Real, Output = Self>
+{
+    /// The type of its components.
+    type Real: Real<Vec3 = Self>;
+
+    /// The vector with these components.
+    fn new(x: Self::Real, y: Self::Real, z: Self::Real) -> Self;
+
+    /// `v` in every lane.
+    #[inline(always)]
+    fn splat(v: Vec3) -> Self {
+        Self::new(Self::Real::splat(v.x), Self::Real::splat(v.y), Self::Real::splat(v.z))
+    }
+
+    /// `value` in every component.
+    #[inline(always)]
+    fn gray(value: Self::Real) -> Self {
+        Self::new(value, value, value)
+    }
+
+    /// 0 in every component.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::gray(Self::Real::ZERO)
+    }
+
+    /// The magnitude of each component.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::new(self[0].abs(), self[1].abs(), self[2].abs())
+    }
+}
+
+impl Vector for Vec3 {
+    type Real = f32;
+
+    #[inline(always)]
+    fn new(x: f32, y: f32, z: f32) -> Self {
+        Vec3::new(x, y, z)
+    }
+}
+
 /// `a·b`, summed in the order x, y, z.
-#[inline]
-pub fn dot(a: Vec3, b: Vec3) -> f32 {
-    a.x * b.x + a.y * b.y + a.z * b.z
+#[inline(always)]
+pub fn dot<V: Vector>(a: V, b: V) -> V::Real {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `a × b`.
-#[inline]
-pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+#[inline(always)]
+pub fn cross<V: Vector>(a: V, b: V) -> V {
+    V::new(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 }
 
 /// Euclidean length of `a`.
-#[inline]
-pub fn length(a: Vec3) -> f32 {
+#[inline(always)]
+pub fn length<V: Vector>(a: V) -> V::Real {
     dot(a, a).sqrt()
 }
 
 /// `a` scaled to unit length: one true square root, one true division, three products.
 /// NaN where the length is 0.
-#[inline]
-pub fn normalize(a: Vec3) -> Vec3 {
-    a * (1.0 / length(a))
+#[inline(always)]
+pub fn normalize<V: Vector>(a: V) -> V {
+    a * (V::Real::ONE / length(a))
 }
 
 /// Largest component of `a`.
-#[inline]
-pub fn max_element(a: Vec3) -> f32 {
-    super::max(super::max(a.x, a.y), a.z)
+#[inline(always)]
+pub fn max_element<V: Vector>(a: V) -> V::Real {
+    a[0].most(a[1]).most(a[2])
 }
 
 /// `n` turned to the side that a ray of direction `d` comes from, and whether `n`
 /// pointed there already.
-#[inline]
-pub fn face_forward(n: Vec3, d: Vec3) -> (Vec3, bool) {
-    let front = dot(d, n) < 0.0;
-    (if front { n } else { -n }, front)
+#[inline(always)]
+pub fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
+    let front = dot(d, n).lt(V::Real::ZERO);
+    (front.select(n, -n), front)
 }
 
 /// Two unit vectors that make a right-handed frame with the unit vector `n`, without
 /// branches (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-#[inline]
-pub fn orthonormal_basis(n: Vec3) -> (Vec3, Vec3) {
-    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
+#[inline(always)]
+pub fn orthonormal_basis<V: Vector>(n: V) -> (V, V) {
+    let one = V::Real::ONE;
+    let sign = n[2].ge(V::Real::ZERO).select(one, -one);
+    let a = -one / (sign + n[2]);
+    let b = n[0] * n[1] * a;
     (
-        Vec3::new(1.0 + sign * (n.x * n.x * a), sign * b, -(sign * n.x)),
-        Vec3::new(b, sign + n.y * n.y * a, -n.y),
+        V::new(one + sign * (n[0] * n[0] * a), sign * b, -(sign * n[0])),
+        V::new(b, sign + n[1] * n[1] * a, -n[1]),
     )
 }
 
 /// `direction` mirrored at a surface with normal `normal`.
-#[inline]
-pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
-    direction - normal * (2.0 * dot(direction, normal))
+#[inline(always)]
+pub fn reflect<V: Vector>(direction: V, normal: V) -> V {
+    direction - normal * (dot(direction, normal) * 2.0)
 }
 
 /// A right-handed orthonormal frame about a normal, which is its z.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame([Vec3; 3]);
+pub struct Frame<V = Vec3>([V; 3]);
 
-impl Frame {
+impl<V: Vector> Frame<V> {
     /// That of the unit vector `normal`.
-    #[inline]
-    pub fn new(normal: Vec3) -> Self {
+    #[inline(always)]
+    pub fn new(normal: V) -> Self {
         let (s, t) = orthonormal_basis(normal);
         Self([s, t, normal])
     }
 
     /// Its z.
-    #[inline]
-    pub fn normal(&self) -> Vec3 {
+    #[inline(always)]
+    pub fn normal(&self) -> V {
         self.0[2]
     }
 
     /// `v`, given in the frame, in the world.
-    #[inline]
-    pub fn world(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn world(&self, v: V) -> V {
         let [s, t, n] = self.0;
-        s * v.x + t * v.y + n * v.z
+        s * v[0] + t * v[1] + n * v[2]
     }
 
     /// `v`, given in the world, in the frame.
-    #[inline]
-    pub fn local(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn local(&self, v: V) -> V {
         let [s, t, n] = self.0;
-        Vec3::new(dot(s, v), dot(t, v), dot(n, v))
+        V::new(dot(s, v), dot(t, v), dot(n, v))
     }
 }
 

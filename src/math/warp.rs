@@ -1,72 +1,75 @@
-//! Maps from the unit square to the domains that a path tracer samples
+//! Maps from the unit square to domains that a path tracer samples
 //! (Pharr et al., *Physically Based Rendering*, 4th ed., section A.5).
 
-use glam::Vec3;
 use std::f32::consts::PI;
 
-use super::Frame;
 use super::powers::cbrt;
+use super::real::Real;
 use super::trig::sin_cos_turns;
+use super::vector::Vector;
+use super::{Frame, max};
 
 /// Uniform point of the unit disk.
-#[inline]
-pub fn uniform_disk(u: f32, v: f32) -> (f32, f32) {
+#[inline(always)]
+pub fn uniform_disk<R: Real>(u: R, v: R) -> (R, R) {
     let radius = u.sqrt();
     let (sin, cos) = sin_cos_turns(v);
     (radius * cos, radius * sin)
 }
 
 /// Uniform unit vector; pdf 1/4π.
-#[inline]
-pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
-    let z = 1.0 - 2.0 * u;
-    let radius = super::max(0.0, 1.0 - z * z).sqrt();
+#[inline(always)]
+pub fn uniform_sphere<R: Real>(u: R, v: R) -> R::Vec3 {
+    let z = R::ONE - u * 2.0;
+    let radius = max(R::ZERO, R::ONE - z * z).sqrt();
     let (sin, cos) = sin_cos_turns(v);
-    Vec3::new(radius * cos, radius * sin, z)
+    R::Vec3::new(radius * cos, radius * sin, z)
 }
 
 /// Uniform point of the unit ball: a uniform direction, and the share `w` of the ball that is no
 /// farther.
-#[inline]
-pub fn uniform_ball(u: f32, v: f32, w: f32) -> Vec3 {
+#[inline(always)]
+pub fn uniform_ball<R: Real>(u: R, v: R, w: R) -> R::Vec3 {
     uniform_sphere(u, v) * cbrt(w)
 }
 
 /// Unit vector about `n` with pdf cos θ/π, and cos θ (never 0).
-#[inline]
-pub fn cosine_hemisphere(n: Vec3, u: f32, v: f32) -> (Vec3, f32) {
+#[inline(always)]
+pub fn cosine_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
     let (x, y) = uniform_disk(u, v);
-    let z = (1.0 - u).sqrt();
-    (Frame::new(n).world(Vec3::new(x, y, z)), z)
+    let z = (R::ONE - u).sqrt();
+    (Frame::new(n).world(R::Vec3::new(x, y, z)), z)
 }
 
 /// Unit vector about `n` with pdf 1/2π, and cos θ (never 0).
-#[inline]
-pub fn uniform_hemisphere(n: Vec3, u: f32, v: f32) -> (Vec3, f32) {
-    let radius = (u * (2.0 - u)).sqrt();
+#[inline(always)]
+pub fn uniform_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
+    let radius = (u * (R::splat(2.0) - u)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
-    let z = 1.0 - u;
-    (Frame::new(n).world(Vec3::new(radius * cos, radius * sin, z)), z)
+    let z = R::ONE - u;
+    (Frame::new(n).world(R::Vec3::new(radius * cos, radius * sin, z)), z)
 }
 
 /// Uniform unit vector of the cone about `axis` whose half angle has
 /// `one_minus_cos` = 1 − cos θ; pdf [`uniform_cone_pdf`]. Precise for narrow cones.
-#[inline]
-pub fn uniform_cone(axis: Vec3, one_minus_cos: f32, u: f32, v: f32) -> Vec3 {
+#[inline(always)]
+pub fn uniform_cone<R: Real>(axis: R::Vec3, one_minus_cos: R, u: R, v: R) -> R::Vec3 {
     let x = u * one_minus_cos;
-    let radius = super::max(0.0, x * (2.0 - x)).sqrt();
+    let radius = max(R::ZERO, x * (R::splat(2.0) - x)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
-    Frame::new(axis).world(Vec3::new(radius * cos, radius * sin, 1.0 - x))
+    Frame::new(axis).world(R::Vec3::new(radius * cos, radius * sin, R::ONE - x))
 }
 
 /// Density of [`uniform_cone`] per unit solid angle.
-#[inline]
-pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
-    1.0 / (2.0 * PI * one_minus_cos)
+#[inline(always)]
+pub fn uniform_cone_pdf<R: Real>(one_minus_cos: R) -> R {
+    R::ONE / (one_minus_cos * (2.0 * PI))
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::math::random::Stream;
     use crate::math::{dot, length};

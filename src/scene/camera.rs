@@ -3,9 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Ray;
-use crate::math::normalize;
 use crate::math::precise::tan_degrees;
 use crate::math::warp::uniform_disk;
+use crate::math::{Real, Vector, normalize};
+use crate::sampler::{Dimension, Randoms};
 
 /// A camera whose frame is orthonormal, in f64 as read.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,17 +25,6 @@ pub struct Camera {
     pub(super) shutter: (f32, f32),
 }
 
-/// Random numbers of one camera ray, each in `[0, 1)`.
-#[derive(Clone, Copy, Debug)]
-pub struct CameraSample {
-    /// Position in the pixel's square.
-    pub pixel: (f32, f32),
-    /// Position on the lens.
-    pub lens: (f32, f32),
-    /// Moment of the shutter.
-    pub time: f32,
-}
-
 /// A camera with an image size: makes rays. Rounded once from f64.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraFrame {
@@ -45,8 +35,8 @@ pub struct CameraFrame {
     pub(crate) pixel_steps: (Vec3, Vec3),
     /// The lens's semi-axes; `None` for a pinhole.
     pub(crate) lens: Option<(Vec3, Vec3)>,
-    pub(crate) shutter_open: f32,
-    pub(crate) shutter_duration: f32,
+    shutter_open: f32,
+    shutter_duration: f32,
 }
 
 impl Camera {
@@ -73,6 +63,14 @@ impl Camera {
         }
     }
 
+    /// All that decides its rays.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let Self { look_from, frame: [right, up, back], shutter: (open, close), .. } = *self;
+        let vectors = [look_from, right, up, back].into_iter().flat_map(|v| v.to_array());
+        let rest = [self.vfov, self.defocus_angle, self.focus_distance, open.into(), close.into()];
+        vectors.chain(rest)
+    }
+
     /// Times at which the shutter opens and closes.
     pub fn shutter(&self) -> (f32, f32) {
         self.shutter
@@ -80,25 +78,38 @@ impl Camera {
 }
 
 impl CameraFrame {
-    /// The ray through pixel `(x, y)` that `sample` chooses; its direction is of unit length.
-    #[inline]
-    pub fn ray(&self, x: u32, y: u32, sample: CameraSample) -> Ray {
-        let (right, down) = self.pixel_steps;
-        let target =
-            self.corner + right * (x as f32 + sample.pixel.0) + down * (y as f32 + sample.pixel.1);
+    /// The ray through pixel `(x, y)` that `randoms` choose; its direction is of unit length.
+    #[inline(always)]
+    pub(crate) fn ray<R: Real>(&self, x: R, y: R, randoms: &Randoms<R>) -> Ray<R> {
+        let (dx, dy) = randoms.two(Dimension::PIXEL);
         let lens = match self.lens {
-            None => Vec3::ZERO,
+            None => R::Vec3::zero(),
             Some((u, v)) => {
-                let (a, b) = uniform_disk(sample.lens.0, sample.lens.1);
-                u * a + v * b
+                let (a, b) = randoms.two(Dimension::LENS);
+                let (a, b) = uniform_disk(a, b);
+                vector::<R>(u) * a + vector::<R>(v) * b
             }
         };
+        self.ray_through(x + dx, y + dy, lens, randoms.one(Dimension::TIME))
+    }
+
+    /// The ray through the point `(x, y)` of the image, in pixels, and through the lens `lens` from its
+    /// centre, at moment `time` of the shutter, in [0, 1].
+    #[inline(always)]
+    fn ray_through<R: Real>(&self, x: R, y: R, lens: R::Vec3, time: R) -> Ray<R> {
+        let (right, down) = self.pixel_steps;
+        let target = vector::<R>(self.corner) + vector::<R>(right) * x + vector::<R>(down) * y;
         Ray {
-            origin: self.origin + lens,
+            origin: vector::<R>(self.origin) + lens,
             direction: normalize(target - lens),
-            time: self.shutter_open + self.shutter_duration * sample.time,
+            time: time * self.shutter_duration + R::splat(self.shutter_open),
         }
     }
+}
+
+#[inline(always)]
+fn vector<R: Real>(v: Vec3) -> R::Vec3 {
+    <R::Vec3 as Vector>::splat(v)
 }
 
 #[cfg(test)]
@@ -116,19 +127,15 @@ mod tests {
         }
     }
 
-    fn sample(pixel: (f32, f32), lens: (f32, f32), time: f32) -> CameraSample {
-        CameraSample { pixel, lens, time }
-    }
-
     #[test]
     fn corners_of_the_image_are_at_the_angle_of_view() {
         let frame = camera().frame(200, 100);
-        let upper_left = frame.ray(0, 0, sample((0.0, 0.0), (0.0, 0.0), 0.0));
+        let upper_left: Ray = frame.ray_through(0.0, 0.0, Vec3::ZERO, 0.0);
         assert!(
             (upper_left.direction - normalize(Vec3::new(-2.0, 1.0, -1.0))).length_squared() < 1e-12
         );
         assert_eq!(upper_left.time, 0.25);
-        let middle = frame.ray(100, 50, sample((0.0, 0.0), (0.5, 0.5), 0.5));
+        let middle: Ray = frame.ray_through(100.0, 50.0, Vec3::ZERO, 0.5);
         assert!((middle.direction - Vec3::NEG_Z).length_squared() < 1e-12);
         assert_eq!((middle.origin, middle.time), (Vec3::Z * 5.0, 0.5));
     }
@@ -138,10 +145,11 @@ mod tests {
         let frame = Camera { defocus_angle: 20.0, ..camera() }.frame(64, 64);
         let mut origins = Vec::new();
         for i in 0..16u8 {
-            let lens = (f32::from(i) / 16.0, f32::from(i * 7 % 16) / 16.0);
-            let ray = frame.ray(10, 20, sample((0.5, 0.5), lens, 0.0));
+            let (a, b) = uniform_disk(f32::from(i) / 16.0, f32::from(i * 7 % 16) / 16.0);
+            let (u, v) = frame.lens.unwrap();
+            let ray: Ray = frame.ray_through(10.5, 20.5, u * a + v * b, 0.0);
             let focus = ray.origin + ray.direction * ((3.0 - ray.origin.z) / ray.direction.z);
-            let pinhole = camera().frame(64, 64).ray(10, 20, sample((0.5, 0.5), (0.0, 0.0), 0.0));
+            let pinhole: Ray = camera().frame(64, 64).ray_through(10.5, 20.5, Vec3::ZERO, 0.0);
             let want = pinhole.origin + pinhole.direction * (-2.0 / pinhole.direction.z);
             assert!((focus - want).length_squared() < 1e-10, "{focus} {want}");
             origins.push(ray.origin);

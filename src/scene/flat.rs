@@ -18,12 +18,12 @@
 
 use std::str::SplitWhitespace;
 
-use super::description::{
-    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, PrimitiveFile, SceneFile, Sides,
-    TextureFile,
-};
+use super::background::Background;
+use super::description::{CameraFile, PrimitiveFile, SceneFile};
+use super::material::{Dielectric, Fresnel, Lambertian, Light, Material, Metal, Sides};
 use super::named::Named;
 use super::place::Places;
+use super::texture::{Checker, Color, Texture};
 use crate::error::{Error, Result, suggestion};
 
 const RECORDS: [&str; 6] = ["size", "camera", "background", "mat", "sphere", "quad"];
@@ -32,7 +32,7 @@ const MATERIALS: [&str; 5] = ["lambert", "metal", "dielectric", "emissive", "che
 /// Reads the flat form; the places are the lines of materials and primitives.
 pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
     let mut camera = None;
-    let mut background = BackgroundFile::default();
+    let mut background = Background::default();
     let mut render = super::RenderDefaults::default();
     let mut textures = Named::default();
     let mut materials = Named::default();
@@ -63,7 +63,7 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
             }
             "background" => {
                 w.only_once(record, &mut places.background)?;
-                background = BackgroundFile::Constant { radiance: w.vector()? };
+                background = Background::Constant { radiance: w.vector()? };
             }
             "mat" => {
                 let name = format!("m{}", materials.0.len());
@@ -170,35 +170,24 @@ impl Words<'_> {
     }
 
     /// A material and, for the checker, its texture, which gets the same name.
-    fn material(&mut self, name: &str) -> Result<(MaterialFile, Option<TextureFile>)> {
+    fn material(&mut self, name: &str) -> Result<(Material, Option<Texture>)> {
         let kind = self.word("a kind of material")?.to_owned();
-        Ok((
-            match kind.as_str() {
-                "lambert" => MaterialFile::Lambertian { albedo: Albedo::Color(self.vector()?) },
-                "metal" => MaterialFile::Metal {
-                    albedo: Albedo::Color(self.vector()?),
-                    fuzz: self.number()?,
-                },
-                "dielectric" => {
-                    MaterialFile::Dielectric { ior: self.number()?, fresnel: Fresnel::Schlick }
-                }
-                "emissive" => MaterialFile::Light { radiance: self.vector()?, sides: Sides::Both },
-                "checker" => {
-                    let texture = TextureFile::Checker {
-                        odd: self.vector()?,
-                        even: self.vector()?,
-                        scale: self.number()?,
-                    };
-                    let albedo = Albedo::Texture(name.to_owned());
-                    return Ok((MaterialFile::Lambertian { albedo }, Some(texture)));
-                }
-                other => {
-                    let message =
-                        format!("unknown material `{other}`{}", suggestion(other, MATERIALS));
-                    return Err(self.error(message));
-                }
-            },
-            None,
-        ))
+        let mut texture = None;
+        let material = match kind.as_str() {
+            "lambert" => Lambertian { albedo: self.vector()?.into() }.into(),
+            "metal" => Metal { albedo: self.vector()?.into(), fuzz: self.number()? }.into(),
+            "dielectric" => Dielectric { ior: self.number()?, fresnel: Fresnel::Schlick }.into(),
+            "emissive" => Light { radiance: self.vector()?, sides: Sides::Both }.into(),
+            "checker" => {
+                let (odd, even, scale) = (self.vector()?, self.vector()?, self.number()?);
+                texture = Some(Checker { odd, even, scale }.into());
+                Lambertian { albedo: Color::Named(name.to_owned()) }.into()
+            }
+            other => {
+                let message = format!("unknown material `{other}`{}", suggestion(other, MATERIALS));
+                return Err(self.error(message));
+            }
+        };
+        Ok((material, texture))
     }
 }

@@ -9,10 +9,9 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::description::{
-    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, PrimitiveFile, RenderDefaults,
-    SceneFile,
-};
+use super::background::Background;
+use super::description::{CameraFile, PrimitiveFile, RenderDefaults, SceneFile};
+use super::material::{Dielectric, Fresnel, Lambertian, Material, Metal};
 use super::named::Named;
 use crate::error::{Error, Result};
 use crate::limits::MAX_GENERATED;
@@ -65,7 +64,7 @@ impl Generated {
 fn scene(
     look_from: [f32; 3],
     vfov: f32,
-    materials: Named<MaterialFile>,
+    materials: Named<Material>,
     primitives: Vec<PrimitiveFile>,
 ) -> SceneFile {
     SceneFile {
@@ -78,7 +77,7 @@ fn scene(
             focus_distance: 10.0,
             shutter: (0.0, 0.0),
         },
-        background: BackgroundFile::Constant { radiance: [0.70, 0.80, 1.00] },
+        background: Background::Constant { radiance: [0.70, 0.80, 1.00] },
         render: RenderDefaults::default(),
         textures: Named::default(),
         materials,
@@ -94,14 +93,14 @@ fn cloud(count: u32) -> SceneFile {
     let radius = 100.0 * cbrt(f64::from(count as f32 / 1e6)) as f32;
     let materials = (0..64).map(|index| {
         let color = [(); 3].map(|()| 0.2 + 0.7 * random.uniform());
-        let albedo = Albedo::Color(color);
+        let albedo = color.into();
         let kind = random.uniform();
-        let material = if kind < 0.80 {
-            MaterialFile::Lambertian { albedo }
+        let material: Material = if kind < 0.80 {
+            Lambertian { albedo }.into()
         } else if kind < 0.95 {
-            MaterialFile::Metal { albedo, fuzz: 0.3 * random.uniform() }
+            Metal { albedo, fuzz: 0.3 * random.uniform() }.into()
         } else {
-            MaterialFile::Dielectric { ior: 1.5, fresnel: Fresnel::Schlick }
+            Dielectric { ior: 1.5, fresnel: Fresnel::Schlick }.into()
         };
         (format!("m{index}"), material)
     });
@@ -143,7 +142,7 @@ fn mesh(count: u32) -> SceneFile {
     let corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)];
     vertices.extend(corners.map(|(x, z)| [x, floor, z]));
     indices.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
-    let gray = MaterialFile::Lambertian { albedo: Albedo::Color([0.7; 3]) };
+    let gray = Lambertian { albedo: [0.7; 3].into() }.into();
     let material = "gray".to_owned();
     let materials = Named(vec![(material.clone(), gray)]);
     let primitives = vec![PrimitiveFile::Triangles { vertices, indices, material }];
@@ -220,8 +219,8 @@ mod tests {
         // Of scenes whose arrays were equal, byte by byte, to those of the peer's program built
         // without fused multiply-add.
         for (name, hash) in [
-            ("cloud:1000", "5bdc1298665ef480e21fb993ecdc77eb6e228c273d657a1a794009200cf34fea"),
-            ("mesh:41000", "84b3df7009efb2f6a1d663749ad7cf9dbdff0ceb0bfd5fc94f25aae04816b95e"),
+            ("cloud:1000", "c70d161d9b1f43f3774e2df8e2cee04cf4cc84e6642b85a87e0b8c8619fffbac"),
+            ("mesh:41000", "525cbb066341204e301dfcfee9d45fc1f09cdb2e002a90f3d5198f121fb29f8c"),
         ] {
             assert_eq!(crate::Scene::load(name).unwrap().hash(), hash, "{name}");
         }

@@ -1,58 +1,47 @@
-//! The identity of a scene: a hash over what it is, not how its file says it.
+//! The identity of a scene: a hash over what it is, not over how its file says it.
 
 use glam::Vec3;
+use serde_json::{Value, json};
 
-use super::texture::Texture;
-use super::{Background, Camera, Fresnel, Material, Medium, Scene};
+use super::{Camera, Medium, Scene};
 use crate::geometry::{Primitive, Volume};
 
-/// BLAKE3 over camera, background and, primitive by primitive, shape and looks.
+/// BLAKE3 over camera, background, primitives with their materials, and media, in a canonical form:
+/// JSON of what the parameters are once names are looked up, and the bytes of coordinates.
 pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     let mut hasher = Hasher(blake3::Hasher::new());
-    hasher.text(&format!("{camera:?}"));
-    match *scene.background() {
-        Background::Constant(radiance) => hasher.vectors(0, &[radiance]),
-        Background::Gradient { bottom, top } => hasher.vectors(1, &[bottom, top]),
+    hasher.text("camera");
+    for number in camera.numbers() {
+        // −0 and 0 are the same number.
+        hasher.0.update(&(number + 0.0).to_le_bytes());
     }
+    hasher.value(json!(scene.background()));
+    let materials: Vec<_> = scene
+        .materials()
+        .iter()
+        .map(|material| blake3::hash(&canonical(json!(material))))
+        .collect();
     for primitive in 0..scene.geometry().len() as u32 {
         match scene.geometry().get(primitive) {
             Primitive::Sphere(s) => {
-                hasher.vectors(2, &[s.center, s.motion(), Vec3::splat(s.radius)])
+                hasher.shape("sphere", &[s.center, s.motion(), Vec3::splat(s.radius)]);
             }
-            Primitive::Quad(q) => hasher.vectors(3, &[q.q, q.u, q.v]),
-            Primitive::Triangle(t) => hasher.vectors(4, &t.vertices),
+            Primitive::Quad(q) => hasher.shape("quad", &[q.q, q.u, q.v]),
+            Primitive::Triangle(t) => hasher.shape("triangle", &t.vertices),
         }
-        let texture = |index: u32| &scene.textures()[index as usize];
-        match scene.material(primitive) {
-            Material::Diffuse { albedo } => hasher.texture(5, 0.0, texture(*albedo)),
-            Material::Lambertian { albedo } => hasher.texture(6, 0.0, texture(*albedo)),
-            Material::Metal { albedo, fuzz } => hasher.texture(7, *fuzz, texture(*albedo)),
-            Material::Dielectric { ior, fresnel: Fresnel::Schlick } => {
-                hasher.vectors(8, &[Vec3::splat(*ior)]);
-            }
-            Material::Dielectric { ior, fresnel: Fresnel::Exact } => {
-                hasher.vectors(11, &[Vec3::splat(*ior)]);
-            }
-            Material::RoughDielectric { ior, alpha } => {
-                hasher.vectors(12, &[Vec3::new(*ior, *alpha, 0.0)]);
-            }
-            Material::Conductor { eta, k, alpha } => {
-                hasher.vectors(13, &[*eta, *k, Vec3::splat(*alpha)]);
-            }
-            Material::Light(light) => {
-                hasher.vectors(9 + light.sides as u8, &[light.radiance]);
-            }
-        }
+        let material = scene.material_map().get(primitive);
+        hasher.0.update(materials[material as usize].as_bytes());
     }
     for Medium { volume, density, albedo } in scene.media() {
         match *volume {
             Volume::Sphere { center, radius } => {
-                hasher.vectors(14, &[center, Vec3::new(radius, *density, 0.0), *albedo]);
+                hasher.shape("ball", &[center, Vec3::splat(radius)])
             }
             Volume::Box { center, axes: [x, y, z], half } => {
-                hasher.vectors(15, &[center, x, y, z, half, Vec3::splat(*density), *albedo]);
+                hasher.shape("box", &[center, x, y, z, half]);
             }
         }
+        hasher.shape("medium", &[Vec3::splat(*density), *albedo]);
     }
     hasher.0.finalize().to_hex().to_string()
 }
@@ -60,30 +49,34 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
 struct Hasher(blake3::Hasher);
 
 impl Hasher {
-    /// Vectors behind a byte that says what they are.
-    fn vectors(&mut self, what: u8, vectors: &[Vec3]) {
-        self.0.update(&[what]);
+    fn text(&mut self, text: &str) {
+        self.0.update(&(text.len() as u64).to_le_bytes());
+        self.0.update(text.as_bytes());
+    }
+
+    fn value(&mut self, value: Value) {
+        self.0.update(&canonical(value));
+    }
+
+    fn shape(&mut self, name: &str, vectors: &[Vec3]) {
+        self.text(name);
         for value in vectors.iter().flat_map(Vec3::to_array) {
-            // −0 and 0 are the same number.
             self.0.update(&(value + 0.0).to_le_bytes());
         }
     }
+}
 
-    fn texture(&mut self, what: u8, fuzz: f32, texture: &Texture) {
-        match texture {
-            Texture::Solid(color) => self.vectors(what, &[Vec3::splat(fuzz), *color]),
-            Texture::Checker(checker) => self.vectors(
-                what + 16,
-                &[Vec3::splat(fuzz), checker.odd, checker.even, Vec3::splat(checker.frequency)],
-            ),
-            Texture::Image(image) => {
-                self.vectors(what + 32, &[Vec3::splat(fuzz)]);
-                self.text(&image.hash());
-            }
+/// JSON in which keys are sorted and −0 is 0.
+fn canonical(value: Value) -> Vec<u8> {
+    fn without_signs(value: &mut Value) {
+        match value {
+            Value::Number(number) if number.as_f64() == Some(0.0) => *value = json!(0),
+            Value::Array(values) => values.iter_mut().for_each(without_signs),
+            Value::Object(fields) => fields.values_mut().for_each(without_signs),
+            _ => {}
         }
     }
-
-    fn text(&mut self, text: &str) {
-        self.0.update(text.as_bytes());
-    }
+    let mut value = value;
+    without_signs(&mut value);
+    value.to_string().into_bytes()
 }

@@ -1,6 +1,6 @@
 //! Scenes: from a name or file to checked, index-based data.
 
-mod alias;
+mod background;
 mod boxes;
 mod budget;
 mod builtin;
@@ -9,9 +9,11 @@ mod description;
 mod flat;
 mod generate;
 mod hash;
+mod interaction;
 mod light;
 mod load;
-mod material;
+mod looks;
+pub mod material;
 mod medium;
 mod mesh;
 mod named;
@@ -21,27 +23,34 @@ mod parse;
 mod place;
 mod ply;
 mod resolve;
-mod texture;
+mod tables;
+pub mod texture;
 
-pub use alias::AliasTable;
-pub(crate) use alias::Cell;
+pub use background::Background;
 pub use builtin::BUILTIN_NAMES;
-pub use camera::{Camera, CameraFrame, CameraSample};
-pub use description::{
-    Albedo, BackgroundFile, CameraFile, MaterialFile, MediumFile, PrimitiveFile, RenderDefaults,
-    Sampling, SceneFile, TextureFile,
-};
+pub use camera::{Camera, CameraFrame};
+pub use description::{CameraFile, PrimitiveFile, RenderDefaults, Sampling, SceneFile};
 pub use generate::Generated;
-pub use light::{Light, LightShape, Lights, QuadLight, TriangleLight};
+#[cfg(test)]
+pub(crate) use interaction::Interaction;
+pub(crate) use light::LightSample;
 pub use load::{Form, Parsed, Source};
-pub use material::{Background, Emission, Fresnel, Material, Sides};
-pub use medium::Medium;
+pub(crate) use looks::{Key, Looks};
+pub use material::Material;
+#[cfg(test)]
+pub(crate) use material::MaterialTables;
+#[cfg(test)]
+pub(crate) use medium::Isotropic;
+pub use medium::{Medium, MediumFile};
 pub use named::Named;
-pub use texture::{Checker, Texture};
+pub(crate) use tables::SceneTables;
+pub use texture::{Color, Texture};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use looks::MaterialMap;
 
 use crate::error::Result;
 use crate::geometry::Geometry;
@@ -59,11 +68,10 @@ struct SceneData {
     camera: Camera,
     background: Background,
     defaults: RenderDefaults,
-    textures: Vec<Texture>,
     materials: Vec<Material>,
     geometry: Arc<Geometry>,
-    material_of: Vec<u32>,
-    lights: Lights,
+    material_map: MaterialMap,
+    lights: u32,
     media: Vec<Medium>,
     files: BTreeSet<PathBuf>,
     limits: Limits,
@@ -151,31 +159,26 @@ impl Scene {
         &self.0.materials
     }
 
-    /// All textures.
-    pub fn textures(&self) -> &[Texture] {
-        &self.0.textures
-    }
-
     /// The material of a primitive.
-    #[inline]
     pub fn material(&self, primitive: u32) -> &Material {
-        &self.0.materials[self.material_index(primitive) as usize]
+        &self.0.materials[self.0.material_map.get(primitive) as usize]
     }
 
-    /// The place of a primitive's material in [`Scene::materials`].
-    #[inline]
-    pub fn material_index(&self, primitive: u32) -> u32 {
-        self.0.material_of[primitive as usize]
+    fn material_map(&self) -> &MaterialMap {
+        &self.0.material_map
     }
 
-    /// [`Self::material_index`] of all primitives.
-    pub(crate) fn material_indices(&self) -> &[u32] {
-        &self.0.material_of
+    /// How many pixels its textures have.
+    pub fn texels(&self) -> u64 {
+        let mut images: Vec<_> = self.materials().iter().flat_map(Material::images).collect();
+        images.sort_unstable_by_key(Arc::as_ptr);
+        images.dedup_by_key(|image| Arc::as_ptr(image));
+        images.into_iter().map(|image| image.pixels().len() as u64).sum()
     }
 
-    /// The lights.
-    pub fn lights(&self) -> &Lights {
-        &self.0.lights
+    /// How many primitives emit light.
+    pub fn lights(&self) -> u32 {
+        self.0.lights
     }
 
     /// What it was loaded within.
@@ -190,7 +193,7 @@ impl Scene {
 
     /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.
     pub fn default_sampling(&self) -> Sampling {
-        let by_lights = if self.0.lights.is_empty() { Sampling::Bsdf } else { Sampling::Mis };
+        let by_lights = if self.0.lights == 0 { Sampling::Bsdf } else { Sampling::Mis };
         self.0.defaults.sampling.unwrap_or(by_lights)
     }
 }

@@ -1,13 +1,11 @@
-//! serde helpers: maps that keep their order and refuse double names, and albedos.
+//! Maps that keep their order and refuse double names.
 
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::description::Albedo;
 
 /// A map from names, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,46 +64,5 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
         }
 
         deserializer.deserialize_map(NamedVisitor(PhantomData))
-    }
-}
-
-impl Serialize for Albedo {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Color(color) => color.serialize(serializer),
-            Self::Texture(name) => name.serialize(serializer),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Albedo {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct AlbedoVisitor;
-
-        impl<'de> Visitor<'de> for AlbedoVisitor {
-            type Value = Albedo;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a colour of three numbers or the name of a texture in quotes")
-            }
-
-            fn visit_str<E: Error>(self, name: &str) -> Result<Albedo, E> {
-                Ok(Albedo::Texture(name.to_owned()))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Albedo, A::Error> {
-                let mut color = [0.0; 3];
-                for (i, channel) in color.iter_mut().enumerate() {
-                    *channel =
-                        seq.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
-                }
-                match seq.next_element::<f32>()? {
-                    None => Ok(Albedo::Color(color)),
-                    Some(_) => Err(A::Error::invalid_length(4, &self)),
-                }
-            }
-        }
-
-        deserializer.deserialize_any(AlbedoVisitor)
     }
 }

@@ -7,11 +7,16 @@ use super::nesting;
 use crate::error::{Error, Result, suggestion};
 use crate::limits::{Limit, Limits};
 
+/// `light(radiance: …)` is the struct of a light, without another pair of brackets.
+fn options() -> ron::Options {
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
+}
+
 /// Reads the RON form.
 pub(super) fn from_ron(file: &str, text: &str, limits: &Limits) -> Result<SceneFile> {
     check_nesting(file, text, limits)?;
-    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-    options.from_str(text).map_err(|error| {
+    options().from_str(text).map_err(|error| {
         let place = format!("{}:{}", error.span.start.line, error.span.start.col);
         Error::input(file, place, ron_message(&error.code))
     })
@@ -83,8 +88,7 @@ fn one_line(message: &str) -> String {
 /// The scene as RON text that [`from_ron`] reads back to the same bits.
 pub(super) fn to_ron(scene: &SceneFile) -> String {
     let config = ron::ser::PrettyConfig::new().depth_limit(2).compact_arrays(false);
-    let mut text = ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
+    let mut text = options()
         .to_string_pretty(scene, config)
         .expect("a scene has no value that RON cannot say");
     text.push('\n');

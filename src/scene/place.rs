@@ -62,7 +62,7 @@ impl Places {
 }
 
 /// One element of a file while its values are checked.
-pub(super) struct Element<'a> {
+pub(crate) struct Element<'a> {
     pub(super) file: &'a str,
     pub(super) place: String,
     pub(super) kind: &'a str,

@@ -1,68 +1,78 @@
-//! Places in a table, a lane each, whose bounds are checked together.
+//! Places in a table, one a lane, whose bounds are checked together.
 //!
-//! Measured (AVX-512, cycles of whole renders): spheres and cornell with light samples 0.96 of what a
-//! check a lane costs, of which 0.98 is `pick`'s: loops become a quarter shorter.
+//! Measured (AVX-512, cycles of whole renders): spheres and cornell with light samples take 0.96 of what
+//! a check a lane costs, of which 0.98 is `pick`'s: loops become a quarter shorter.
 #![allow(unsafe_code)]
 
-use super::{Float, Int, LANES, Lanes, Quad, Vec3x, first_bits, gather_quads, quads_of};
+use super::{Float, Int, LANES, Lanes, Vec3x, first_bits, gather_rows, rows_of, splat_row};
+use crate::math::Row;
 
 /// Places in a table of at least `end` entries, one a lane, all below `end`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Indices {
     lanes: Lanes<u32>,
     end: usize,
+    /// Whether all lanes are known to be the same.
+    same: bool,
 }
 
 impl Indices {
     /// # Panics
-    /// Where a lane is not below `end`.
+    /// If a lane is not below `end`.
     #[inline(always)]
     pub(crate) fn new(lanes: Int, end: usize) -> Self {
         let last = end.checked_sub(1).expect("a table with entries");
         let last = Int::splat(u32::try_from(last).unwrap_or(u32::MAX));
         assert!(lanes.le(last).bits() == first_bits(LANES), "an index is not below {end}");
-        Self { lanes: lanes.to_array(), end }
+        Self { lanes: lanes.to_array(), end, same: false }
+    }
+
+    /// As [`Indices::new`], for lanes that are mostly all the same: then an entry is read once.
+    #[inline(always)]
+    pub(crate) fn of_few(lanes: Int, end: usize) -> Self {
+        let indices = Self::new(lanes, end);
+        let same = (!lanes.eq(Int::splat(indices.lanes[0]))).bits() == 0;
+        Self { same, ..indices }
     }
 
     pub(crate) fn lanes(&self) -> &Lanes<u32> {
         &self.lanes
     }
 
-    /// The quads of these entries of `table`.
+    /// The rows of these entries of `table`.
     ///
     /// # Panics
-    /// Where it is shorter than `end`.
+    /// If it is shorter than `end`.
     #[inline(always)]
-    pub(crate) fn gather<T>(&self, table: &[T], quad: impl Fn(&T) -> &Quad) -> (Vec3x, Float) {
+    pub(crate) fn gather<T>(&self, table: &[T], row: impl Fn(&T) -> &Row) -> (Vec3x, Float) {
         assert!(self.end <= table.len());
         // SAFETY: all indices are below `end`, and that is not above `table.len()`.
-        gather_quads(&self.lanes, |index| quad(unsafe { table.get_unchecked(index as usize) }))
+        let row = |index: u32| row(unsafe { table.get_unchecked(index as usize) });
+        if self.same { splat_row(row(self.lanes[0])) } else { gather_rows(&self.lanes, row) }
     }
 
-    /// Sets the quads of these entries of `table`. Where an entry is in several lanes, these must
-    /// say the same.
+    /// Sets the rows of these entries of `table`. Lanes with the same entry must have the same row.
     ///
     /// # Panics
-    /// Where it is shorter than `end`.
+    /// If it is shorter than `end`.
     #[inline(always)]
     pub(crate) fn scatter<T>(
         &self,
         table: &mut [T],
-        quad: impl Fn(&mut T) -> &mut Quad,
+        row: impl Fn(&mut T) -> &mut Row,
         columns: (Vec3x, Float),
     ) {
         assert!(self.end <= table.len());
-        let quads = quads_of(columns);
-        for (words, &index) in quads.into_iter().zip(&self.lanes) {
+        for (words, &index) in rows_of(columns).into_iter().zip(&self.lanes) {
             // SAFETY: all indices are below `end`, and that is not above `table.len()`.
-            *quad(unsafe { table.get_unchecked_mut(index as usize) }) = words;
+            *row(unsafe { table.get_unchecked_mut(index as usize) }) = words;
         }
     }
 
     /// These entries of `table`.
     ///
     /// # Panics
-    /// Where it is shorter than `end`.
+    /// If it is shorter than `end`.
     #[inline(always)]
     pub(crate) fn pick(&self, table: &[u32]) -> Lanes<u32> {
         assert!(self.end <= table.len());
@@ -81,27 +91,34 @@ mod tests {
 
     use super::*;
     use crate::math::random::Stream;
-    use crate::simd::quad;
+    use crate::math::row;
     use glam::Vec3;
 
     #[test]
     fn entries_are_read_and_written() {
         let mut random = Stream::new(7);
-        let mut table: Vec<[Quad; 2]> =
-            (0..40).map(|i| [[i; 4], quad(Vec3::splat(i as f32), -1.0)]).collect();
+        let mut table: Vec<[Row; 2]> =
+            (0..40).map(|i| [[i; 4], row(Vec3::splat(i as f32), -1.0)]).collect();
         let words: Vec<u32> = (0..40).map(|i| i * i).collect();
         for _ in 0..100 {
             let lanes: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 40) as u32);
             let indices = Indices::new(Int::new(lanes), table.len());
             assert_eq!(indices.pick(&words), lanes.map(|i| i * i));
-            let (vector, number) = indices.gather(&table, |quads| &quads[1]);
+            let few = Indices::of_few(Int::splat(lanes[0]), table.len());
+            assert_eq!(
+                few.gather(&table, |rows| &rows[1]).0[0].to_array(),
+                [lanes[0] as f32; LANES]
+            );
+            let (vector, number) = indices.gather(&table, |rows| &rows[1]);
+            let few = Indices::of_few(Int::new(lanes), table.len());
+            assert_eq!(few.gather(&table, |rows| &rows[1]).0[0].to_array(), vector[0].to_array());
             assert_eq!(vector[2].to_array(), lanes.map(|i| i as f32));
             let changed = (vector, number + Float::splat(1.0));
-            indices.scatter(&mut table, |quads| &mut quads[0], changed);
-            for (i, quads) in (0..).zip(&mut table) {
-                let written = quad(Vec3::splat(i as f32), 0.0);
-                assert_eq!(quads[0], if lanes.contains(&i) { written } else { [i; 4] });
-                quads[0] = [i; 4];
+            indices.scatter(&mut table, |rows| &mut rows[0], changed);
+            for (i, rows) in (0..).zip(&mut table) {
+                let written = row(Vec3::splat(i as f32), 0.0);
+                assert_eq!(rows[0], if lanes.contains(&i) { written } else { [i; 4] });
+                rows[0] = [i; 4];
             }
         }
     }
@@ -120,11 +137,11 @@ mod tests {
             assert!(catch_unwind(|| Indices::new(Int::splat(beyond), 40)).is_err());
         }
         let longer = Indices::new(Int::splat(3), 41);
-        let quads = [[0; 4]; 40];
+        let rows = [[0; 4]; 40];
         assert!(catch_unwind(|| longer.pick(&[0; 40])).is_err());
-        assert!(catch_unwind(|| longer.gather(&quads, |quad| quad)).is_err());
+        assert!(catch_unwind(|| longer.gather(&rows, |row| row)).is_err());
         let zero = (Vec3x::ZERO, Float::ZERO);
-        let scatter = || longer.scatter(&mut quads.clone(), |quad| quad, zero);
+        let scatter = || longer.scatter(&mut rows.clone(), |row| row, zero);
         assert!(catch_unwind(scatter).is_err());
     }
 }

@@ -1,8 +1,9 @@
 //! Vectors of u32.
 
-use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
+use crate::math::{Select, Word};
 
 /// One u32 a lane.
 #[derive(Clone, Copy, Debug)]
@@ -74,16 +75,9 @@ impl Int {
         self.0.to_array()
     }
 
-    /// `yes` where `mask`, else `no`.
-    #[inline(always)]
-    pub(crate) fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        // Selecting integers goes byte by byte with AVX-512.
-        mask.select(Float::from_bits(yes), Float::from_bits(no)).to_bits()
-    }
-
     /// The least lane.
     #[inline(always)]
-    pub(crate) fn least(self) -> u32 {
+    pub(crate) fn least_lane(self) -> u32 {
         let (mut least, mut apart) = (self.0, LANES / 2);
         while apart > 0 {
             let other = UintRegister::new(std::array::from_fn(|i| (i ^ apart) as u32));
@@ -91,29 +85,6 @@ impl Int {
             apart /= 2;
         }
         least.to_array()[0]
-    }
-
-    /// Each lane divided by 2^`bits`, below 32.
-    #[inline(always)]
-    pub(crate) fn shifted_down(self, bits: u32) -> Self {
-        Self(self.0 >> bits)
-    }
-
-    /// Each lane times 2^`bits`, below 32, modulo 2^32.
-    #[inline(always)]
-    pub(crate) fn shifted_up(self, bits: u32) -> Self {
-        Self(self.0 << bits)
-    }
-
-    /// Each lane's bits in the other order.
-    #[inline(always)]
-    pub(crate) fn reversed(self) -> Self {
-        // Two or three instructions where the CPU has tables of bytes; `wide` has none.
-        let mut lanes = self.to_array();
-        for lane in &mut lanes {
-            *lane = lane.reverse_bits();
-        }
-        Self::new(lanes)
     }
 
     /// The nearest floats of lanes below 2^31.
@@ -124,6 +95,73 @@ impl Int {
         return Float(Register::from_i32x16(signed));
         #[cfg(not(target_feature = "avx512f"))]
         return Float(Register::from_i32x8(signed));
+    }
+}
+
+impl Word for Int {
+    type Mask = Mask;
+
+    #[inline(always)]
+    fn splat(value: u32) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn wrapping_add(self, other: Self) -> Self {
+        self + other
+    }
+
+    #[inline(always)]
+    fn wrapping_sub(self, other: Self) -> Self {
+        self - other
+    }
+
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        self * other
+    }
+
+    #[inline(always)]
+    fn reverse_bits(self) -> Self {
+        // Two or three instructions where the CPU has tables of bytes; `wide` has none.
+        Self::new(self.to_array().map(u32::reverse_bits))
+    }
+
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask {
+        self.eq(other)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask {
+        self.le(other)
+    }
+}
+
+impl Select<Mask> for Int {
+    #[inline(always)]
+    fn select(mask: Mask, yes: Self, no: Self) -> Self {
+        // Selecting integers goes byte by byte with AVX-512.
+        Float::select(mask, Float::from_bits(yes), Float::from_bits(no)).to_bits()
+    }
+}
+
+/// Shifts are by less than 32.
+impl Shl<u32> for Int {
+    type Output = Self;
+
+    #[inline(always)]
+    fn shl(self, bits: u32) -> Self {
+        Self(self.0 << bits)
+    }
+}
+
+impl Shr<u32> for Int {
+    type Output = Self;
+
+    #[inline(always)]
+    fn shr(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
     }
 }
 

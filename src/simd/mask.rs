@@ -1,8 +1,9 @@
 //! Which lanes.
 
-use std::ops::{BitAnd, BitOr, Not};
+use std::ops::{BitAnd, BitOr, BitXor, Not};
 
-use super::{Float, LANES, Register, UintRegister};
+use super::{LANES, Register, UintRegister};
+use crate::math;
 
 /// One truth value a lane.
 #[derive(Clone, Copy, Debug)]
@@ -11,11 +12,7 @@ pub(crate) struct Mask(pub(super) Register);
 impl Mask {
     pub(crate) const NONE: Self = Self(Register::ZERO);
 
-    /// Every lane.
-    #[inline(always)]
-    pub(crate) fn all() -> Self {
-        Self::from_bits(u32::MAX)
-    }
+    pub(crate) const ALL: Self = Self(Register::new([f32::from_bits(u32::MAX); LANES]));
 
     /// The lanes whose bit is set.
     #[inline(always)]
@@ -41,11 +38,30 @@ impl Mask {
     pub(crate) fn bits(self) -> u32 {
         self.0.to_bitmask()
     }
+}
 
+impl Mask {
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub(crate) fn select(self, yes: Float, no: Float) -> Float {
-        Float(self.0.select(yes.0, no.0))
+    pub(crate) fn select<T: math::Select<Self>>(self, yes: T, no: T) -> T {
+        T::select(self, yes, no)
+    }
+}
+
+impl math::Mask for Mask {
+    const NONE: Self = Self::NONE;
+    const ALL: Self = Self::ALL;
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.any()
+    }
+}
+
+impl math::Select<Mask> for Mask {
+    #[inline(always)]
+    fn select(mask: Mask, yes: Self, no: Self) -> Self {
+        Self(mask.0.select(yes.0, no.0))
     }
 }
 
@@ -64,6 +80,15 @@ impl BitOr for Mask {
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+}
+
+impl BitXor for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitxor(self, other: Self) -> Self {
+        Self(self.0 ^ other.0)
     }
 }
 

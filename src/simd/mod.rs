@@ -11,19 +11,12 @@
 
 mod compress;
 mod float;
-pub(crate) mod fresnel;
 mod indices;
 mod int;
 mod mask;
-pub(crate) mod microfacet;
-pub(crate) mod powers;
 mod prefetch;
-mod quads;
-pub(crate) mod random;
-mod sobol;
-pub(crate) mod trig;
+mod rows;
 mod vec3x;
-pub(crate) mod warp;
 
 pub(crate) use compress::places;
 pub(crate) use float::Float;
@@ -31,8 +24,8 @@ pub(crate) use indices::Indices;
 pub(crate) use int::Int;
 pub(crate) use mask::{Bits, Mask, first_bits};
 pub(crate) use prefetch::prefetch;
-pub(crate) use quads::{Quad, gather_quads, quad, quads_of, splat_quad};
-pub(crate) use vec3x::{FrameLanes, Vec3x, axes};
+pub(crate) use rows::{gather_rows, rows_of, splat_row};
+pub(crate) use vec3x::{Vec3x, axes};
 
 #[cfg(not(target_feature = "avx512f"))]
 use wide::{f32x8 as Register, u32x8 as UintRegister};
@@ -48,8 +41,8 @@ pub(crate) type Lanes<T = f32> = [T; LANES];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math;
     use crate::math::random::Stream;
+    use crate::math::{self, Vector, Word};
 
     /// Numbers of every kind: any bits at all, or one of the special ones.
     fn numbers(random: &mut Stream) -> Lanes {
@@ -161,23 +154,23 @@ mod tests {
                 same((u * y)[axis], |i| (at(i).0 * b[i])[axis]);
                 let splat = Vec3x::splat_lane(&[a, b, c], 1);
                 same(splat[axis], |_| [a, b, c][axis][1]);
-                same(Vec3x::new(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
+                same(Vec3x::of_lanes(&[a, b, c])[axis], |i| [a, b, c][axis][i]);
             }
             same(u.dot(v), |i| math::dot(at(i).0, at(i).1));
-            let (turned, front) = u.face_forward(v);
+            let (turned, front) = math::face_forward(u, v);
             for axis in 0..3 {
                 same((u * v)[axis], |i| (at(i).0 * at(i).1)[axis]);
                 same((-u)[axis], |i| -at(i).0[axis]);
-                same(u.cross(v)[axis], |i| math::cross(at(i).0, at(i).1)[axis]);
-                same(u.reflect(v)[axis], |i| math::reflect(at(i).0, at(i).1)[axis]);
-                same(u.normalize()[axis], |i| math::normalize(at(i).0)[axis]);
+                same(math::cross(u, v)[axis], |i| math::cross(at(i).0, at(i).1)[axis]);
+                same(math::reflect(u, v)[axis], |i| math::reflect(at(i).0, at(i).1)[axis]);
+                same(math::normalize(u)[axis], |i| math::normalize(at(i).0)[axis]);
                 same(turned[axis], |i| math::face_forward(at(i).0, at(i).1).0[axis]);
-                same(Vec3x::splat(at(0).0)[axis], |_| at(0).0[axis]);
-                same(Vec3x::select(front, u, v)[axis], |i| {
+                same(<Vec3x as Vector>::splat(at(0).0)[axis], |_| at(0).0[axis]);
+                same(front.select(u, v)[axis], |i| {
                     if front.bits() >> i & 1 == 1 { at(i).0[axis] } else { at(i).1[axis] }
                 });
             }
-            same(u.max_element(), |i| math::max_element(at(i).0));
+            same(math::max_element(u), |i| math::max_element(at(i).0));
             let fronts: u32 =
                 (0..LANES).map(|i| u32::from(math::face_forward(at(i).0, at(i).1).1) << i).sum();
             assert_eq!(front.bits(), fronts);
@@ -191,8 +184,8 @@ mod tests {
             let a: Lanes = std::array::from_fn(|_| random.between(-1.0, 1.0));
             let least = a.into_iter().fold(f32::INFINITY, math::min);
             let most = a.into_iter().fold(f32::NEG_INFINITY, math::max);
-            same(Float::new(a).least(), |_| least);
-            same(Float::new(a).most(), |_| most);
+            same(Float::new(a).least_lane(), |_| least);
+            same(Float::new(a).largest_lane(), |_| most);
             let (p, q): (Lanes<u32>, Lanes<u32>) = (
                 std::array::from_fn(|_| random.bits() as u32 % 3),
                 std::array::from_fn(|_| random.bits() as u32 % 3),
@@ -203,7 +196,7 @@ mod tests {
             let (v, w, by) = (Int::new(x), Int::new(y), y[0] % 32);
             type Scalar<'a> = &'a dyn Fn(usize) -> u32;
             let operations: [(Int, Scalar); 12] = [
-                (v.reversed(), &|i| x[i].reverse_bits()),
+                (Word::reverse_bits(v), &|i| x[i].reverse_bits()),
                 (v - w, &|i| x[i].wrapping_sub(y[i])),
                 (v + w, &|i| x[i].wrapping_add(y[i])),
                 (v * w, &|i| x[i].wrapping_mul(y[i])),
@@ -211,8 +204,8 @@ mod tests {
                 (v | w, &|i| x[i] | y[i]),
                 (v ^ w, &|i| x[i] ^ y[i]),
                 (v.max(w), &|i| x[i].max(y[i])),
-                (v.shifted_down(by), &|i| x[i] >> by),
-                (v.shifted_up(by), &|i| x[i] << by),
+                (v >> by, &|i| x[i] >> by),
+                (v << by, &|i| x[i] << by),
                 (Float::from_bits(v).to_bits(), &|i| x[i]),
                 (Int::splat(x[1]), &|_| x[1]),
             ];
@@ -221,14 +214,14 @@ mod tests {
                     assert_eq!(value, scalar(i));
                 }
             }
-            same(v.shifted_down(1).to_float(), |i| (x[i] >> 1) as f32);
+            same((v >> 1).to_float(), |i| (x[i] >> 1) as f32);
             let mut memory = [7; LANES + 1];
             Int::load(&x).store(&mut memory);
             assert_eq!((&memory[..LANES], memory[LANES]), (&x[..], 7), "no lane beyond is written");
             let turned = v.shuffled(Int::new(y.map(|place| place % LANES as u32)));
             assert_eq!(turned.to_array(), y.map(|place| x[place as usize % LANES]));
-            assert_eq!(Some(Int::new(p).least()), p.into_iter().min());
-            let chosen = Int::select(equal, Int::splat(9), Int::new(q)).to_array();
+            assert_eq!(Some(Int::new(p).least_lane()), p.into_iter().min());
+            let chosen = equal.select(Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {
                 assert_eq!(v.le(w).bits() >> i & 1 == 1, x[i] <= y[i]);
                 assert_eq!(Int::new(p).le(Int::new(q)).bits() >> i & 1 == 1, p[i] <= q[i]);

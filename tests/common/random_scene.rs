@@ -3,9 +3,13 @@
 use ptfast::Sampling;
 use ptfast::math::min;
 use ptfast::math::random::Stream;
+use ptfast::scene::material::{
+    Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
+    Sides,
+};
+use ptfast::scene::texture::{Checker, Color, Image, Solid, Texture};
 use ptfast::scene::{
-    Albedo, BackgroundFile, CameraFile, Fresnel, MaterialFile, MediumFile, Named, PrimitiveFile,
-    RenderDefaults, SceneFile, Sides, TextureFile,
+    Background, CameraFile, MediumFile, Named, PrimitiveFile, RenderDefaults, SceneFile,
 };
 
 /// The scene number `seed`; some are tiny, some are huge.
@@ -73,7 +77,7 @@ impl Maker {
 
     fn scene(mut self) -> SceneFile {
         let textures = (0..self.below(4)).map(|i| (format!("t{i}"), self.texture())).collect();
-        let textures: Named<TextureFile> = Named(textures);
+        let textures: Named<Texture> = Named(textures);
         let materials: Vec<_> = (0..1 + self.below(8))
             .map(|i| (format!("m{i}"), self.material(textures.0.len() as u64)))
             .collect();
@@ -128,62 +132,60 @@ impl Maker {
         }
     }
 
-    fn background(&mut self) -> BackgroundFile {
+    fn background(&mut self) -> Background {
         match self.below(3) {
-            0 => BackgroundFile::Constant { radiance: [0.0; 3] },
-            1 => BackgroundFile::Constant { radiance: self.vector(0.0, 2.0) },
-            _ => BackgroundFile::Gradient {
-                bottom: self.vector(0.0, 1.0),
-                top: self.vector(0.0, 1.0),
-            },
+            0 => Background::Constant { radiance: [0.0; 3] },
+            1 => Background::Constant { radiance: self.vector(0.0, 2.0) },
+            _ => Background::Gradient { bottom: self.vector(0.0, 1.0), top: self.vector(0.0, 1.0) },
         }
     }
 
-    fn texture(&mut self) -> TextureFile {
+    fn texture(&mut self) -> Texture {
         match self.below(3) {
-            0 => TextureFile::Solid { color: self.vector(0.0, 1.0) },
-            1 => TextureFile::Checker {
-                odd: self.vector(0.0, 1.0),
-                even: self.vector(0.0, 1.0),
-                scale: self.0.between(0.5, 20.0),
-            },
-            _ => TextureFile::Image { file: "tests/data/picture.png".to_owned() },
+            0 => Solid { color: self.vector(0.0, 1.0) }.into(),
+            1 => {
+                let (odd, even) = (self.vector(0.0, 1.0), self.vector(0.0, 1.0));
+                Checker { odd, even, scale: self.0.between(0.5, 20.0) }.into()
+            }
+            _ => Image::from_file("tests/data/picture.png").into(),
         }
     }
 
-    fn albedo(&mut self, textures: u64) -> Albedo {
+    fn albedo(&mut self, textures: u64) -> Color {
         match self.below(2 + textures) {
-            0 if self.one_in(4) => Albedo::Color([0.0; 3]),
-            0 | 1 => Albedo::Color(self.vector(0.0, 1.0)),
-            i => Albedo::Texture(format!("t{}", i - 2)),
+            0 if self.one_in(4) => [0.0; 3].into(),
+            0 | 1 => self.vector(0.0, 1.0).into(),
+            i => Color::Named(format!("t{}", i - 2)),
         }
     }
 
-    fn material(&mut self, textures: u64) -> MaterialFile {
+    fn material(&mut self, textures: u64) -> Material {
         match self.below(8) {
-            0 => MaterialFile::Diffuse { albedo: self.albedo(textures) },
-            1 | 2 => MaterialFile::Lambertian { albedo: self.albedo(textures) },
-            3 => MaterialFile::Metal {
-                albedo: self.albedo(textures),
-                fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() },
-            },
-            4 => MaterialFile::Dielectric {
-                ior: self.0.between(1.0, 2.5),
-                fresnel: if self.one_in(2) { Fresnel::Schlick } else { Fresnel::Exact },
-            },
-            5 => MaterialFile::RoughDielectric {
-                ior: self.0.between(1.02, 2.5),
-                alpha: self.0.between(0.001, 1.0),
-            },
-            6 => MaterialFile::Conductor {
-                eta: self.vector(0.0, 2.0),
-                k: self.vector(0.1, 5.0),
-                alpha: if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) },
-            },
-            _ => MaterialFile::Light {
-                radiance: if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) },
-                sides: if self.one_in(2) { Sides::Both } else { Sides::Front },
-            },
+            0 => Diffuse { albedo: self.albedo(textures) }.into(),
+            1 | 2 => Lambertian { albedo: self.albedo(textures) }.into(),
+            3 => {
+                let albedo = self.albedo(textures);
+                Metal { albedo, fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() } }.into()
+            }
+            4 => {
+                let ior = self.0.between(1.0, 2.5);
+                let fresnel = if self.one_in(2) { Fresnel::Schlick } else { Fresnel::Exact };
+                Dielectric { ior, fresnel }.into()
+            }
+            5 => {
+                let (ior, alpha) = (self.0.between(1.02, 2.5), self.0.between(0.001, 1.0));
+                RoughDielectric { ior, alpha }.into()
+            }
+            6 => {
+                let (eta, k) = (self.vector(0.0, 2.0), self.vector(0.1, 5.0));
+                let alpha = if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) };
+                Conductor { eta, k, alpha }.into()
+            }
+            _ => {
+                let radiance = if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) };
+                let sides = if self.one_in(2) { Sides::Both } else { Sides::Front };
+                Light { radiance, sides }.into()
+            }
         }
     }
 

@@ -3,34 +3,101 @@
 use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
-use crate::engine::scalar::bsdf::{Arrival, Bsdf};
+use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Frame, dot, normalize, reflect};
-use crate::scene::Material;
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::material::{
+    Bsdf, Conductor, Diffuse, Lambertian, Material, MaterialModel, MaterialVisitor, Metal,
+    RoughDielectric, Scatter,
+};
+use crate::scene::{Interaction, Isotropic, MaterialTables, Scene, SceneTables};
+
+/// How a surface scatters the light of a path.
+struct Scattering {
+    sample: Sample,
+    evaluate: Evaluate,
+}
+
+type Sample = Box<dyn Fn(&Randoms) -> Scatter<f32>>;
+type Evaluate = Box<dyn Fn(Vec3) -> (Vec3, f32)>;
+
+impl Scattering {
+    fn new<B: Bsdf<f32> + 'static>(bsdf: B) -> Self {
+        let bsdf = std::rc::Rc::new(bsdf);
+        let same = std::rc::Rc::clone(&bsdf);
+        Self {
+            sample: Box::new(move |randoms| bsdf.sample(randoms)),
+            evaluate: Box::new(move |direction| same.evaluate(direction)),
+        }
+    }
+
+    fn sample(&self, randoms: &Randoms) -> Option<Scatter<f32>> {
+        Some((self.sample)(randoms)).filter(|scatter| scatter.scattered)
+    }
+
+    fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
+        (self.evaluate)(direction)
+    }
+}
+
+/// How `material` scatters light at a point where a path arrives along `direction`, and where `normal`
+/// is on its side.
+fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -> Scattering {
+    struct Visitor<'a>(Interaction<'a, f32>);
+
+    impl MaterialVisitor for Visitor<'_> {
+        type Output = Scattering;
+
+        fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> Scattering {
+            Scattering::new(M::bsdf::<f32>(table, 0, &self.0))
+        }
+    }
+
+    let scene = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40))";
+    let tables = SceneTables::new(&Scene::from_ron(scene).expect("a scene"));
+    let at = Interaction {
+        tables: &tables,
+        ray: Ray { origin: Vec3::ZERO, direction, time: 0.0 },
+        t: 1.0,
+        shape: Shape::Quad,
+        primitive: 0,
+        surface: Surface { point: direction, normal, offset: 0.0 },
+        normal,
+        front,
+    };
+    let mut materials = MaterialTables::default();
+    materials.push(material, &mut Default::default());
+    materials.visit(material.kind(), Visitor(at))
+}
 
 /// What a path arrives at, and how.
 struct Case {
     name: String,
-    bsdf: Bsdf,
+    bsdf: Scattering,
     /// About which cells are finer.
     middle: Vec3,
 }
 
+const ALBEDO: [f32; 3] = [0.9, 0.6, 0.3];
+
+fn conductor(alpha: f32) -> Material {
+    Conductor { eta: [0.2, 0.9, 1.4], k: [3.9, 2.4, 1.6], alpha }.into()
+}
+
 fn cases() -> Vec<Case> {
-    let (eta, k) = (Vec3::new(0.2, 0.9, 1.4), Vec3::new(3.9, 2.4, 1.6));
-    let conductor = |alpha| (format!("conductor {alpha}"), Material::Conductor { eta, k, alpha });
-    let metal = |fuzz| (format!("metal {fuzz}"), Material::Metal { albedo: 0, fuzz });
+    let metal = |fuzz| (format!("metal {fuzz}"), Metal { albedo: ALBEDO.into(), fuzz }.into());
     let frosted = |ior, alpha| {
-        (format!("rough_dielectric {ior} {alpha}"), Material::RoughDielectric { ior, alpha })
+        (format!("rough_dielectric {ior} {alpha}"), RoughDielectric { ior, alpha }.into())
     };
-    let materials = [
-        ("diffuse".to_owned(), Material::Diffuse { albedo: 0 }),
-        ("lambertian".to_owned(), Material::Lambertian { albedo: 0 }),
+    let materials: [(String, Material); 12] = [
+        ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
+        ("lambertian".to_owned(), Lambertian { albedo: ALBEDO.into() }.into()),
         metal(0.1),
         metal(0.5),
         metal(1.0),
-        conductor(0.1),
-        conductor(0.4),
-        conductor(1.0),
+        ("conductor 0.1".to_owned(), conductor(0.1)),
+        ("conductor 0.4".to_owned(), conductor(0.4)),
+        ("conductor 1".to_owned(), conductor(1.0)),
         frosted(1.5, 0.15),
         frosted(1.5, 0.5),
         frosted(1.5, 1.0),
@@ -42,21 +109,20 @@ fn cases() -> Vec<Case> {
         for cos in [0.99f32, 0.6, 0.15] {
             let sin = (1.0 - cos * cos).sqrt();
             let direction = -Frame::new(normal).world(Vec3::new(0.6 * sin, 0.8 * sin, cos));
-            let glass = matches!(material, Material::RoughDielectric { .. });
+            let glass = matches!(material, Material::RoughDielectric(_));
             for front in [true, false] {
                 if !front && !glass {
                     continue;
                 }
-                let arrival = Arrival { direction, normal, front };
-                let bsdf = Bsdf::new(&material, arrival, |_| Vec3::new(0.9, 0.6, 0.3));
+                let bsdf = scattering(&material, direction, normal, front);
                 let side = if front { "" } else { " inside" };
                 let name = format!("{name} {cos}{side}");
                 cases.push(Case { name, bsdf, middle: reflect(direction, normal) });
             }
         }
     }
-    let albedo = Vec3::new(0.9, 0.6, 0.3);
-    cases.push(Case { name: "phase".to_owned(), bsdf: Bsdf::phase(albedo), middle: Vec3::Y });
+    let phase = Scattering::new(Isotropic { albedo: Vec3::from(ALBEDO) });
+    cases.push(Case { name: "phase".to_owned(), bsdf: phase, middle: Vec3::Y });
     cases
 }
 
@@ -117,26 +183,22 @@ fn weights_are_what_is_scattered() {
 fn scattering_is_reciprocal() {
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));
     let frame = Frame::new(normal);
-    let (eta, k) = (Vec3::new(0.2, 0.9, 1.4), Vec3::new(3.9, 2.4, 1.6));
     for alpha in [0.1, 0.4, 1.0] {
-        for material in
-            [Material::Conductor { eta, k, alpha }, Material::RoughDielectric { ior: 1.5, alpha }]
-        {
+        for material in [conductor(alpha), RoughDielectric { ior: 1.5, alpha }.into()] {
             let f = |from: Vec3, to: Vec3, front: bool| {
                 let normal = if front { normal } else { -normal };
-                let arrival = Arrival { direction: -from, normal, front };
-                let bsdf = Bsdf::new(&material, arrival, |_| Vec3::ONE);
+                let bsdf = scattering(&material, -from, normal, front);
                 bsdf.evaluate(to).0.y / dot(to, normal).abs()
             };
             for i in 0..200 {
-                let (u, v) = randoms(i, 0).two(crate::engine::dimension::Dimension::SCATTER);
-                let (s, t) = randoms(i, 1).two(crate::engine::dimension::Dimension::SCATTER);
+                let (u, v) = randoms(i, 0).two(Dimension::SCATTER);
+                let (s, t) = randoms(i, 1).two(Dimension::SCATTER);
                 let upwards =
                     |u, v| frame.world(crate::math::warp::cosine_hemisphere(Vec3::Z, u, v).0);
                 let (a, b) = (upwards(u, v), upwards(s, t));
                 let (there, back) = (f(a, b, true), f(b, a, true));
                 assert!((there - back).abs() < 1e-3 * (there + back) + 1e-6, "{there} {back}");
-                if matches!(material, Material::RoughDielectric { .. }) {
+                if matches!(material, Material::RoughDielectric(_)) {
                     // Without the scaling of radiance f from below is η² times that from above.
                     let (down, up) = (f(a, -b, true), f(-b, a, false));
                     assert!((down - up * 2.25).abs() < 2e-3 * (down + up) + 1e-5, "{down} {up}");

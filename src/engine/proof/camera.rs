@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use super::{SAMPLES, Table, randoms, seed};
-use crate::engine::dimension::{Dimension, Randoms};
-use crate::engine::settings::Sampler;
+use crate::geometry::Ray;
 use crate::math::random::PixelKey;
 use crate::math::{cross, dot};
-use crate::scene::{CameraSample, Scene};
+use crate::sampler::{Dimension, Randoms, Sampler};
+use crate::scene::Scene;
 
 /// A cell of the unit square of 16 × 16.
 fn square(u: f32, v: f32) -> usize {
@@ -25,22 +25,13 @@ fn rays_fill_pixel_lens_and_shutter() {
     let forward = crate::math::normalize(cross(lens_v, lens_u));
     let (mut pixel, mut lens, mut time) = (vec![0; 256], vec![0; 256], vec![0; 256]);
     for index in 0..SAMPLES {
-        let randoms = randoms(5, index);
-        let (x, y) = (7, 11);
-        let ray = frame.ray(
-            x,
-            y,
-            CameraSample {
-                pixel: randoms.two(Dimension::PIXEL),
-                lens: randoms.two(Dimension::LENS),
-                time: randoms.one(Dimension::TIME),
-            },
-        );
+        let (x, y) = (7.0, 11.0);
+        let ray: Ray = frame.ray(x, y, &randoms(5, index));
         // Where the ray crosses the plane in focus, in pixels.
         let focus = ray.direction * (4.0 / dot(ray.direction, forward)) + ray.origin - frame.origin;
         let (right, down) = frame.pixel_steps;
         let place = |step: Vec3| dot(focus - frame.corner, step) / dot(step, step);
-        pixel[square(place(right) - x as f32, place(down) - y as f32)] += 1;
+        pixel[square(place(right) - x, place(down) - y)] += 1;
         let on_lens = |axis: Vec3| dot(ray.origin - frame.origin, axis) / dot(axis, axis);
         let (a, b) = (on_lens(lens_u), on_lens(lens_v));
         // Even by area: the square of the radius, and the angle.

@@ -3,17 +3,16 @@
 use glam::Vec3;
 
 use super::{SAMPLES, Table, randoms};
-use crate::engine::scalar::medium::{collide, transmittance};
-use crate::geometry::Ray;
-use crate::scene::Scene;
+use crate::geometry::{Hit, Ray};
+use crate::scene::{Scene, SceneTables};
 
 /// Along x: a ball from 1 to 3, a box from 4 to 6.
-fn scene() -> Scene {
+fn tables() -> SceneTables {
     let text = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40), media: [
         sphere(center: (2, 0, 0), radius: 1, density: 0.6, albedo: (1, 1, 1)),
         box(min: (4, -1, -1), max: (6, 1, 1), density: 0.9, albedo: (0.5, 0.5, 0.5)),
     ])";
-    Scene::from_ron(text).expect("a scene")
+    SceneTables::new(&Scene::from_ron(text).expect("a scene"))
 }
 
 /// The optical depth up to `t` along x.
@@ -23,7 +22,7 @@ fn depth(t: f64) -> f64 {
 
 #[test]
 fn distances_are_exponential() {
-    let (scene, mut table) = (scene(), Table::new("distances of collisions"));
+    let (tables, mut table) = (tables(), Table::new("distances of collisions"));
     for (case, (from, end)) in
         [(0.0f32, f32::INFINITY), (2.2, 5.0), (-3.0, 8.5), (4.5, 99.0)].into_iter().enumerate()
     {
@@ -32,8 +31,11 @@ fn distances_are_exponential() {
         let place = |x: f64| (x * 10.0) as usize;
         let mut counts = vec![0; CELLS + 1];
         for sample in 0..SAMPLES {
-            let hit = collide(scene.media(), &ray, end, &randoms(case, sample));
-            let cell = hit.map_or(CELLS, |(t, _)| place(f64::from(from) + f64::from(t)));
+            let (t, what) = tables.media.collide(&ray, (end, Hit::MISS), &randoms(case, sample));
+            let cell = match what {
+                Hit::MISS => CELLS,
+                _ => place(f64::from(from) + f64::from(t)),
+            };
             counts[cell] += 1;
         }
         let last = f64::from(from) + f64::from(end);
@@ -50,11 +52,11 @@ fn distances_are_exponential() {
 
 #[test]
 fn transmittance_is_that_of_the_depth() {
-    let scene = scene();
+    let tables = tables();
     for from in [-2.0f32, 0.0, 1.5, 3.5, 5.0, 7.0] {
         for end in [0.1f32, 0.9, 2.0, 4.0, 20.0, f32::INFINITY] {
             let ray = Ray { origin: Vec3::new(from, 0.0, 0.0), direction: Vec3::X, time: 0.0 };
-            let got = f64::from(transmittance(scene.media(), &ray, end));
+            let got = f64::from(tables.media.transmittance::<f32>(&ray, end));
             let (begin, far) = (f64::from(from), f64::from(from) + f64::from(end));
             let want = (depth(begin) - depth(far)).exp();
             assert!((got - want).abs() < 1e-6, "{from} {end}: {got} {want}");

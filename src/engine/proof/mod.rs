@@ -1,5 +1,4 @@
-//! Proof that what is sampled has the densities that are told: chi-square tests of samples against
-//! integrals of densities (Pharr et al., *Physically Based Rendering*, 4th ed., chapter 2; Mitsuba's
+//! Chi-square tests: samples follow the density that `pdf` reports, compared with its integrals (Pharr et al., *Physically Based Rendering*, 4th ed., chapter 2; Mitsuba's
 //! chi-square tests).
 //!
 //! `cargo test --lib proof -- --nocapture` prints a table. Another seed is `PTFAST_PROOF_SEED`.
@@ -14,10 +13,9 @@ use glam::Vec3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
-use super::dimension::Randoms;
-use super::settings::Sampler;
 use crate::math::random::PixelKey;
 use crate::math::{Frame, normalize};
+use crate::sampler::{Randoms, Sampler};
 
 /// The chance of a false alarm of a test with all that it compares.
 const ALARM: f64 = 1e-4;
@@ -220,7 +218,7 @@ fn wrong_densities_are_found() {
         table.rows
     };
     let uniform = |index| {
-        let (u, v) = randoms(99, index).two(super::dimension::Dimension::SCATTER);
+        let (u, v) = randoms(99, index).two(crate::sampler::Dimension::SCATTER);
         Some(crate::math::warp::uniform_sphere(u, v))
     };
     let sphere = Cone::all(Vec3::Y);

@@ -1,12 +1,8 @@
 //! The scalar reference engine: one ray, one loop, written from the report and the papers.
 
-pub(super) mod bsdf;
 mod intersect;
-pub(super) mod light;
-pub(super) mod medium;
 mod path;
 
-use super::dimension::{Dimension, Randoms};
 use super::prepared::View;
 use super::renderer::{UnitEngine, UnitWorker};
 use super::rendering::{Taken, Task};
@@ -16,7 +12,7 @@ use crate::accel::Kernel;
 use crate::film::{Part, Plane};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
-use crate::scene::CameraSample;
+use crate::sampler::Randoms;
 use intersect::CountingTree;
 pub(super) use intersect::{Intersect, Tree};
 pub(super) use path::PathTracer;
@@ -28,6 +24,7 @@ pub(super) struct ScalarEngine(View);
 impl ScalarEngine {
     pub(super) fn new(view: View) -> Self {
         view.prepared.accelerator().prepare(Kernel::Scalar);
+        view.prepared.tables();
         Self(view)
     }
 
@@ -39,12 +36,12 @@ impl ScalarEngine {
     pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
         let View { settings, camera, .. } = &self.0;
         let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
-        (camera.ray(x, y, camera_sample(&Randoms::new(settings.sampler, key, 0))), key)
+        (camera.ray(x as f32, y as f32, &Randoms::new(settings.sampler, key, 0)), key)
     }
 
     /// A tracer of paths through the scene.
     pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
-        PathTracer::new(self.0.scene(), intersect, &self.0.settings)
+        PathTracer::new(self.0.scene(), self.0.prepared.tables(), intersect, &self.0.settings)
     }
 }
 
@@ -99,13 +96,5 @@ impl ScalarEngine {
         (tally.rays, tally.endings) = (tracer.rays, tracer.endings);
         let (waves, laps) = (WaveStats::default(), Vec::new());
         Some((Taken { part: Part { unit, sums }, tally, waves, laps }, tracer.intersect))
-    }
-}
-
-fn camera_sample(randoms: &Randoms) -> CameraSample {
-    CameraSample {
-        pixel: randoms.two(Dimension::PIXEL),
-        lens: randoms.two(Dimension::LENS),
-        time: randoms.one(Dimension::TIME),
     }
 }

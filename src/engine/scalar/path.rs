@@ -2,178 +2,238 @@
 
 use glam::Vec3;
 
-use super::bsdf::{Arrival, Bsdf, SPECULAR};
 use super::intersect::Intersect;
-use super::light::{self, LightSample};
-use super::medium;
-use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH};
-use crate::engine::dimension::{Dimension, Randoms};
+use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH, power_heuristic};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
-use crate::geometry::{Ray, Surface};
+use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
-use crate::math::{dot, face_forward, max_element, min};
-use crate::scene::{Material, Sampling, Scene};
+use crate::math::{dot, max_element, min};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::material::{Bsdf, MaterialModel, MaterialVisitor, SPECULAR, Scatter};
+use crate::scene::{Key, Sampling, Scene, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts the rays that this takes.
 pub(in crate::engine) struct PathTracer<'a, I> {
     scene: &'a Scene,
+    tables: &'a SceneTables,
     pub(in crate::engine) intersect: I,
     settings: &'a RenderSettings,
     pub(in crate::engine) rays: RayCounts,
     pub(in crate::engine) endings: Endings,
 }
 
+/// A path on its way.
+struct Path {
+    /// The ray that is traced next.
+    ray: Ray,
+    /// Density with which its direction was chosen.
+    pdf: f32,
+    /// Throughput: what a unit of radiance here adds to the pixel.
+    beta: Vec3,
+    /// What has arrived at the camera.
+    radiance: Vec3,
+    key: PathKey,
+    /// The segment that is traced, from 1.
+    segment: u32,
+}
+
+/// Where a path is scattered.
+struct Vertex<'a> {
+    surface: &'a Surface,
+    /// On the side where the path arrives.
+    normal: Vec3,
+    randoms: &'a Randoms,
+}
+
 impl<'a, I: Intersect> PathTracer<'a, I> {
     pub(in crate::engine) fn new(
         scene: &'a Scene,
+        tables: &'a SceneTables,
         intersect: I,
         settings: &'a RenderSettings,
     ) -> Self {
-        Self { scene, intersect, settings, rays: RayCounts::default(), endings: Endings::default() }
+        let (rays, endings) = Default::default();
+        Self { scene, tables, intersect, settings, rays, endings }
     }
 
     /// One estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
-    pub(in crate::engine) fn radiance(&mut self, mut ray: Ray, key: PathKey) -> Vec3 {
-        let mut radiance = Vec3::ZERO;
-        let mut beta = Vec3::ONE; // throughput: what a unit of radiance here adds to the pixel
-        let mut pdf = SPECULAR; // density with which the segment's direction was chosen
+    pub(in crate::engine) fn radiance(&mut self, ray: Ray, key: PathKey) -> Vec3 {
+        let (beta, radiance) = (Vec3::ONE, Vec3::ZERO);
+        let mut path = Path { ray, pdf: SPECULAR, beta, radiance, key, segment: 1 };
         self.rays.primary += 1;
+        while self.advance(&mut path) {
+            self.rays.bounce += 1;
+            path.segment += 1;
+        }
+        path.radiance
+    }
 
-        for segment in 1..=self.settings.depth {
-            // Extend: the closest surface, or the background, or a collision before these.
-            let hit = self.intersect.closest(&ray, segment);
-            let randoms = Randoms::new(self.settings.sampler, key, segment);
-            let end = hit.map_or(f32::INFINITY, |hit| hit.t);
-            let collision = medium::collide(self.scene.media(), &ray, end, &randoms);
+    /// Traces a segment of `path`; returns whether there is another.
+    fn advance(&mut self, path: &mut Path) -> bool {
+        let ray = path.ray;
+        let randoms = Randoms::new(self.settings.sampler, path.key, path.segment);
 
-            // Shade: emit, or choose the next direction.
-            let (surface, normal, bsdf) = if let Some((t, medium)) = collision {
+        // Extend: the closest surface, or a collision in a medium before it.
+        let hit = self.intersect.closest(&ray, path.segment);
+        let hit = hit.map_or((f32::INFINITY, Hit::MISS), |hit| (hit.t, hit.primitive));
+        let (t, primitive) = self.tables.media.collide(&ray, hit, &randoms);
+
+        // Shade: emit, or choose the next direction.
+        match self.tables.looks.keys()[usize::from(self.tables.looks.key(primitive))] {
+            Key::Background => {
+                path.radiance += path.beta * self.scene.background().radiance(|| ray.direction);
+                self.endings.background += 1;
+                false
+            }
+            Key::Medium => {
                 self.intersect.collided(t);
-                if segment == self.settings.depth {
-                    self.endings.depth += 1;
-                    break;
+                if self.ends_by_depth(path) {
+                    return false;
                 }
-                // Nothing that rays would have to leave.
+                // There is nothing that rays would have to leave.
                 let point = ray.origin + ray.direction * t;
                 let surface = Surface { point, normal: ray.direction, offset: 0.0 };
-                (surface, -ray.direction, Bsdf::phase(medium.albedo))
-            } else {
-                let Some(hit) = hit else {
-                    radiance += beta * self.scene.background().radiance(ray.direction);
-                    self.endings.background += 1;
-                    break;
-                };
-                let primitive = self.scene.geometry().get(hit.primitive);
-                let surface = primitive.surface(&ray, hit.t);
-                let (normal, front) = face_forward(surface.normal, ray.direction);
-                let material = self.scene.material(hit.primitive);
-                if let Material::Light(emission) = material {
-                    let weight = self.emission_weight(hit.primitive, &ray, hit.t, pdf);
-                    radiance += beta * emission.radiance(front) * weight;
-                    self.endings.light += 1;
-                    break;
-                }
-                if segment == self.settings.depth {
-                    self.endings.depth += 1;
-                    break;
-                }
-                let color = |texture: u32| {
-                    let uv = || primitive.uv(&ray, &surface, hit.t);
-                    self.scene.textures()[texture as usize].color(surface.point, uv)
-                };
-                let arrival = Arrival { direction: ray.direction, normal, front };
-                (surface, normal, Bsdf::new(material, arrival, color))
-            };
-            // Connect: one light, one shadow ray, which is the path's next segment.
-            radiance += beta * self.direct(&bsdf, &surface, normal, ray.time, segment, &randoms);
-            let Some(scatter) = bsdf.sample(&randoms) else {
-                self.endings.absorbed += 1;
-                break;
-            };
-            beta *= scatter.weight;
-            pdf = scatter.pdf;
-            let origin = surface.spawn(scatter.side);
-            ray = Ray { origin, direction: scatter.direction, time: ray.time };
-
-            // Paths that can add nothing end; those that can add little mostly do.
-            let mut survival = max_element(beta);
-            if survival <= 0.0 {
-                self.endings.black += 1;
-                break;
+                let (surface, normal) = (&surface, -ray.direction);
+                let vertex = Vertex { surface, normal, randoms: &randoms };
+                self.scatter(&self.tables.media.phase(primitive), &vertex, path)
             }
-            if self.settings.roulette && segment + 1 >= ROULETTE_FROM {
-                survival = min(survival, ROULETTE_MAX);
-                if randoms.one(Dimension::ROULETTE) >= survival {
-                    self.endings.roulette += 1;
-                    break;
-                }
-                beta /= survival;
+            Key::Surface { shape, kind, emits } => {
+                let tracer = self;
+                let shade = Shade { tracer, path, shape, primitive, t, emits, randoms: &randoms };
+                shade.tracer.tables.materials.visit(kind, shade)
             }
-            self.rays.bounce += 1;
-        }
-        radiance
-    }
-
-    /// The share of a light's emission that counts where a path hits it: the rest is found
-    /// by [`Self::direct`].
-    fn emission_weight(&self, primitive: u32, ray: &Ray, t: f32, pdf: f32) -> f32 {
-        let Some(light) = self.scene.lights().of(primitive).filter(|_| pdf != SPECULAR) else {
-            return 1.0;
-        };
-        match self.settings.sampling {
-            Sampling::Bsdf => 1.0,
-            Sampling::Light => 0.0,
-            Sampling::Mis => power_heuristic(pdf, light::pdf(light, ray, t) * light.chance),
         }
     }
 
-    /// Radiance that one light sends directly to `surface` and on along the path, estimated
-    /// with one shadow ray.
-    fn direct(
-        &mut self,
-        bsdf: &Bsdf,
-        surface: &Surface,
-        normal: Vec3,
-        time: f32,
-        segment: u32,
-        randoms: &Randoms,
-    ) -> Vec3 {
-        if !self.settings.samples_lights(self.scene) || bsdf.is_specular() {
-            return Vec3::ZERO;
+    /// Whether the path has had its last segment: nothing it would scatter to is traced.
+    fn ends_by_depth(&mut self, path: &Path) -> bool {
+        let ends = path.segment == self.settings.depth;
+        self.endings.depth += u64::from(ends);
+        ends
+    }
+
+    /// Adds direct light, and chooses the next direction; returns whether the path goes on.
+    fn scatter<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &mut Path) -> bool {
+        // Connect: one light, one shadow ray, which is the path's next segment.
+        if self.settings.samples_lights(self.scene) && !bsdf.specular() {
+            let direct = self.direct(bsdf, vertex, path);
+            path.radiance += direct.map_or(Vec3::ZERO, |light| path.beta * light);
         }
-        let light = self.scene.lights().choose(randoms.bits(Dimension::LIGHT_CHOICE));
-        let from = surface.spawn(normal);
-        let sample = light::sample(light, from, time, randoms.two(Dimension::LIGHT));
-        let Some(LightSample { direction, distance, pdf, front }) = sample else {
-            return Vec3::ZERO;
-        };
-        let emitted = light.emission.radiance(front);
-        let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
-        if !(max_element(f_cos) > 0.0) || emitted == Vec3::ZERO {
-            return Vec3::ZERO;
+        let Scatter { direction, side, weight, pdf, scattered } = bsdf.sample(vertex.randoms);
+        if !scattered {
+            self.endings.absorbed += 1;
+            return false;
+        }
+        path.beta *= weight;
+        path.pdf = pdf;
+        path.ray = Ray { origin: vertex.surface.spawn(side), direction, time: path.ray.time };
+
+        // Paths that can add nothing end; those that can add little mostly do.
+        let mut survival = max_element(path.beta);
+        if survival <= 0.0 {
+            self.endings.black += 1;
+            return false;
+        }
+        if self.settings.roulette && path.segment + 1 >= ROULETTE_FROM {
+            survival = min(survival, ROULETTE_MAX);
+            if vertex.randoms.one(Dimension::ROULETTE) >= survival {
+                self.endings.roulette += 1;
+                return false;
+            }
+            path.beta /= survival;
+        }
+        true
+    }
+
+    /// Radiance that one light sends directly to `vertex` and on along the path, estimated
+    /// with one shadow ray; `None` if it is occluded.
+    fn direct<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &Path) -> Option<Vec3> {
+        let Vertex { surface, normal, randoms } = *vertex;
+        let time = path.ray.time;
+        let light = self.tables.lights.choose(randoms);
+        let sample = light.sample(surface.spawn(normal), time, randoms.two(Dimension::LIGHT));
+        let emitted = light.radiance(sample.front);
+        if !sample.visible || emitted == Vec3::ZERO {
+            return None;
+        }
+        let (f_cos, bsdf_pdf) = bsdf.evaluate(sample.direction);
+        if !(max_element(f_cos) > 0.0) {
+            return None;
         }
         self.rays.shadow += 1;
         // What is seen through the surface is as far from its other side, but for rounding.
-        let side = if dot(direction, normal) > 0.0 { normal } else { -normal };
-        let shadow = Ray { origin: surface.spawn(side), direction, time };
-        if self.intersect.occluded(&shadow, distance * SHADOW_REACH, segment) {
-            return Vec3::ZERO;
+        let side = if dot(sample.direction, normal) > 0.0 { normal } else { -normal };
+        let shadow = Ray { origin: surface.spawn(side), direction: sample.direction, time };
+        if self.intersect.occluded(&shadow, sample.distance * SHADOW_REACH, path.segment) {
+            return None;
         }
-        let pdf = pdf * light.chance;
+        let pdf = sample.pdf * light.chance();
         let weight = match self.settings.sampling {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
         };
-        let crossing = medium::transmittance(self.scene.media(), &shadow, distance);
-        f_cos * emitted * (weight / pdf * crossing)
+        let crossing = self.tables.media.transmittance(&shadow, sample.distance);
+        Some(f_cos * emitted * (weight / pdf * crossing))
+    }
+
+    /// The light that `path` meets at the end of its segment, and the share of it that counts:
+    /// [`Self::direct`] finds the rest.
+    fn emitted(
+        &self,
+        path: &Path,
+        shape: Shape,
+        primitive: u32,
+        t: f32,
+        front: bool,
+    ) -> (Vec3, f32) {
+        let (light, is_light) = self.tables.looks.lights::<f32>(shape, primitive);
+        if !is_light {
+            return (Vec3::ZERO, 1.0);
+        }
+        let light = self.tables.lights.get::<f32>(light);
+        let weight = match self.settings.sampling {
+            _ if path.pdf == SPECULAR => 1.0,
+            Sampling::Bsdf => 1.0,
+            Sampling::Light => 0.0,
+            Sampling::Mis => power_heuristic(path.pdf, light.pdf(&path.ray, t) * light.chance()),
+        };
+        (light.radiance(front), weight)
     }
 }
 
-/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too
-/// (Veach 1997, section 9.2.4, exponent 2), written so that no square overflows.
-#[inline]
-fn power_heuristic(of: f32, other: f32) -> f32 {
-    let ratio = other / of;
-    1.0 / (1.0 + ratio * ratio)
+/// Shades a path at a surface whose material is known at run time only.
+struct Shade<'s, 'a, I> {
+    tracer: &'s mut PathTracer<'a, I>,
+    path: &'s mut Path,
+    shape: Shape,
+    primitive: u32,
+    t: f32,
+    emits: bool,
+    randoms: &'s Randoms,
+}
+
+impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
+    /// Whether the path goes on.
+    type Output = bool;
+
+    fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> bool {
+        let Self { tracer, path, shape, primitive, t, emits, randoms } = self;
+        let tables = tracer.tables;
+        let at = tables.interaction::<f32>(shape, primitive, path.ray, t);
+        if emits {
+            let (light, weight) = tracer.emitted(path, shape, primitive, t, at.front);
+            path.radiance += path.beta * light * weight;
+        }
+        if !M::SCATTERS {
+            tracer.endings.light += 1;
+            return false;
+        }
+        if tracer.ends_by_depth(path) {
+            return false;
+        }
+        let bsdf = M::bsdf::<f32>(table, tables.looks.entries::<f32>(shape, primitive), &at);
+        let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
+        tracer.scatter(&bsdf, &vertex, path)
+    }
 }

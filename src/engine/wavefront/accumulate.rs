@@ -40,6 +40,7 @@ mod tests {
 
     use super::*;
     use crate::film::{Tile, Unit};
+    use crate::math::Vector;
     use crate::math::random::Stream;
     use crate::simd::{Int, Vec3x};
 
@@ -61,7 +62,7 @@ mod tests {
         let mut paths = Paths::new(samples.len());
         for (path, sample) in (0..).zip(&samples) {
             let indices = paths.indices(Int::splat(path));
-            paths.add_radiance(&indices, Vec3x::splat(*sample), u32::MAX);
+            paths.add_radiance(&indices, <Vec3x as Vector>::splat(*sample), u32::MAX);
         }
         let mut tally = Tally::default();
         let part = accumulate(&paths, &Task { unit, open: Vec::new() }, &settings, &mut tally);

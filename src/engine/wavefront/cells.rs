@@ -48,15 +48,15 @@ impl Cells {
             let square = direction[axis] * direction[axis];
             (square * Float::splat(3.0) + magic).to_bits() & Int::splat(3)
         });
-        let down = axes(|axis| direction[axis].to_bits().shifted_down(31));
+        let down = axes(|axis| direction[axis].to_bits() >> 31);
         place[0]
-            | place[1].shifted_up(1)
-            | place[2].shifted_up(2)
-            | part[0].shifted_up(3)
-            | part[2].shifted_up(5)
-            | down[0].shifted_up(13)
-            | down[1].shifted_up(14)
-            | down[2].shifted_up(15)
+            | place[1] << 1
+            | place[2] << 2
+            | part[0] << 3
+            | part[2] << 5
+            | down[0] << 13
+            | down[1] << 14
+            | down[2] << 15
     }
 }
 
@@ -74,6 +74,7 @@ const SPREAD: Int = {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vector;
     use crate::math::random::Stream;
     use crate::simd::Lanes;
 
@@ -82,7 +83,8 @@ mod tests {
     }
 
     fn cell(origin: Vec3, direction: Vec3) -> u32 {
-        cells().of(Vec3x::splat(origin), Vec3x::splat(direction)).to_array()[0]
+        cells().of(<Vec3x as Vector>::splat(origin), <Vec3x as Vector>::splat(direction)).to_array()
+            [0]
     }
 
     /// What tells rays apart, in the bits that are its own.
@@ -117,7 +119,7 @@ mod tests {
                 _ => random.between(-20.0, 20.0),
             };
             let mut lanes = || std::array::from_fn(|_| number());
-            let mut vector = || Vec3x::new(&[lanes(), lanes(), lanes()]);
+            let mut vector = || Vec3x::of_lanes(&[lanes(), lanes(), lanes()]);
             let numbers: Lanes<u32> = cells().of(vector(), vector()).to_array();
             assert!(numbers.iter().all(|&number| number < 1 << Cells::BITS), "{numbers:?}");
         }

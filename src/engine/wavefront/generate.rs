@@ -3,13 +3,13 @@
 use super::paths::{History, Paths, Segment};
 use super::rays::Rays;
 use crate::accel::RayVector;
-use crate::engine::dimension::{Dimension, Randoms};
 use crate::engine::settings::RenderSettings;
 use crate::film::Unit;
+use crate::math::Real;
 use crate::math::random::PixelKey;
+use crate::sampler::Randoms;
 use crate::scene::CameraFrame;
-use crate::simd::random::PathKeys;
-use crate::simd::warp::uniform_disk;
+use crate::scene::material::SPECULAR;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
 /// Makes the paths of `unit`, whose pixels go row by row with their samples.
@@ -26,44 +26,15 @@ pub(super) fn generate(
     rays.begin(count);
     for first in (0..count).step_by(LANES) {
         let sampled = samples.next_lanes();
-        let keys = settings.sampler.paths(sampled.pixel_key, sampled.sample);
+        let keys = settings.sampler.path(sampled.pixel_key, sampled.sample);
         let randoms = Randoms::new(settings.sampler, keys, 0);
-        let made = camera_rays(camera, sampled.x, sampled.y, &randoms);
-        let RayVector { origin, direction, time, .. } = made;
-        let pdf = Float::splat(Segment::SPECULAR);
-        let beta = Vec3x([Float::splat(1.0); 3]);
+        let ray = camera.ray(sampled.x.to_float(), sampled.y.to_float(), &randoms);
         let indices = paths.indices(rays.paths(first));
-        paths.set_segments(&indices, &Segment { origin, time, direction, pdf });
-        let history = History { beta, radiance: Vec3x::ZERO, keys };
+        paths.set_segments(&indices, &Segment { ray, pdf: Float::splat(SPECULAR) });
+        let history = History { beta: Vec3x([Float::ONE; 3]), radiance: Vec3x::ZERO, keys };
         paths.set_beta(&indices, &history);
         paths.set_radiance(&indices, &history);
-        rays.batch.extend(&made, LANES.min(count - first));
-    }
-}
-
-/// [`CameraFrame::ray`] a lane.
-#[inline(always)]
-fn camera_rays(camera: &CameraFrame, x: Int, y: Int, randoms: &Randoms<PathKeys>) -> RayVector {
-    let (dx, dy) = randoms.two(Dimension::PIXEL);
-    let (right, down) = camera.pixel_steps;
-    let target = Vec3x::splat(camera.corner)
-        + Vec3x::splat(right) * (x.to_float() + dx)
-        + Vec3x::splat(down) * (y.to_float() + dy);
-    let lens = match camera.lens {
-        None => Vec3x::ZERO,
-        Some((u, v)) => {
-            let (a, b) = randoms.two(Dimension::LENS);
-            let (a, b) = uniform_disk(a, b);
-            Vec3x::splat(u) * a + Vec3x::splat(v) * b
-        }
-    };
-    let moment = Float::splat(camera.shutter_duration) * randoms.one(Dimension::TIME);
-    RayVector {
-        origin: Vec3x::splat(camera.origin) + lens,
-        direction: (target - lens).normalize(),
-        time: Float::splat(camera.shutter_open) + moment,
-        t_min: Float::ZERO,
-        t_max: Float::INFINITY,
+        rays.batch.extend(&RayVector::unbounded(ray), LANES.min(count - first));
     }
 }
 
@@ -82,8 +53,7 @@ struct SampleLanes {
     x: Int,
     y: Int,
     sample: Int,
-    /// Words of the pixel's key.
-    pixel_key: (Int, Int),
+    pixel_key: PixelKey<Int>,
 }
 
 impl<'a> Samples<'a> {
@@ -95,12 +65,12 @@ impl<'a> Samples<'a> {
     #[inline(always)]
     fn next_lanes(&mut self) -> SampleLanes {
         if self.unit.end - self.sample >= LANES as u32 {
-            let (first, second) = self.key.words();
+            let PixelKey(first, second) = self.key;
             let lanes = SampleLanes {
                 x: Int::splat(self.x),
                 y: Int::splat(self.y),
                 sample: Int::splat(self.sample) + Int::LANE,
-                pixel_key: (Int::splat(first), Int::splat(second)),
+                pixel_key: PixelKey(Int::splat(first), Int::splat(second)),
             };
             self.sample += LANES as u32;
             self.next_pixel_at_end();
@@ -108,7 +78,7 @@ impl<'a> Samples<'a> {
         }
         let mut lanes: [Lanes<u32>; 5] = [[0; LANES]; 5];
         for lane in 0..LANES {
-            let (first, second) = self.key.words();
+            let PixelKey(first, second) = self.key;
             let values = [self.x, self.y, self.sample, first, second];
             for (lanes, value) in lanes.iter_mut().zip(values) {
                 lanes[lane] = value;
@@ -117,7 +87,7 @@ impl<'a> Samples<'a> {
             self.next_pixel_at_end();
         }
         let [x, y, sample, first, second] = lanes.map(Int::new);
-        SampleLanes { x, y, sample, pixel_key: (first, second) }
+        SampleLanes { x, y, sample, pixel_key: PixelKey(first, second) }
     }
 
     fn next_pixel_at_end(&mut self) {

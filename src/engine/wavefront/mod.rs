@@ -8,15 +8,12 @@ mod columns;
 mod connect;
 mod extend;
 mod generate;
-mod light;
-mod materials;
 mod order;
 mod paths;
 mod plan;
 mod rays;
 mod shade;
 mod sort;
-pub(super) mod tables;
 mod trial;
 
 use std::time::Instant;
@@ -30,6 +27,7 @@ use super::stats::{Stage, StageWork, Stopwatch};
 use super::tally::{Endings, Tally};
 use crate::accel::HitBatch;
 use accumulate::accumulate;
+use cells::Cells;
 use collide::collide;
 use connect::{Shadows, connect};
 use extend::extend;
@@ -40,7 +38,6 @@ pub use plan::{Plan, Planning, SegmentPlan};
 use rays::Rays;
 use shade::{Shaded, Shading};
 use sort::{Queues, sort};
-use tables::Tables;
 
 /// A view, and the plan by which it is rendered.
 #[derive(Debug)]
@@ -97,13 +94,14 @@ struct Wave {
     shadows: Shadows,
     /// Paths that go on.
     next: Next,
+    cells: Cells,
 }
 
 impl Wave {
     /// Room for `capacity` paths.
     fn new(view: &View, capacity: usize) -> Self {
         let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
-        let keys = view.prepared.tables().materials.bins.len();
+        let keys = view.prepared.tables().looks.keys().len();
         Self {
             paths: Paths::new(capacity),
             rays: Rays::with_capacity(capacity),
@@ -111,6 +109,7 @@ impl Wave {
             queues: Queues::new(keys, capacity),
             shadows: Shadows::with_capacity(shadows),
             next: Next::with_capacity(capacity),
+            cells: Cells::new(&view.prepared.accelerator().bounds()),
         }
     }
 }
@@ -138,8 +137,8 @@ impl<'a> Worker<'a> {
         let Self { view, plan, wave, watch } = self;
         let View { prepared, settings, camera } = view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
-        let Tables { materials, lights, surfaces, cells } = prepared.tables();
-        let Wave { paths, rays, hits, queues, shadows, next } = wave;
+        let tables = prepared.tables();
+        let Wave { paths, rays, hits, queues, shadows, next, cells } = wave;
         let unit = task.unit;
         let mut tally = Tally::default();
         watch.start();
@@ -153,16 +152,15 @@ impl<'a> Worker<'a> {
             let counters = extend(accelerator, how.closest, rays, hits, settings.count);
             watch.lap(Stage::Extend, segment, StageWork { counters, ..StageWork::of(rays.len()) });
 
-            if !scene.media().is_empty() {
-                let numbers = (settings.sampler, segment);
-                collide(scene.media(), materials, numbers, paths, rays, hits);
+            if !tables.media.is_empty() {
+                collide(tables, (settings.sampler, segment), paths, rays, hits);
                 watch.lap(Stage::Collide, segment, StageWork::of(rays.len()));
             }
 
-            sort(rays, hits, materials, queues);
+            sort(rays, hits, &tables.looks, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading = Shading { scene, settings, materials, lights, surfaces, cells, segment };
+            let shading = Shading { scene, settings, tables, cells, segment };
             let mut endings = Endings::default();
             let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);

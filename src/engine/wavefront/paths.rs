@@ -4,30 +4,32 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::simd::random::PathKeys;
-use crate::simd::{Float, Indices, Int, LANES, Mask, Quad, Vec3x};
+use crate::geometry::Ray;
+use crate::math::Row;
+use crate::math::random::PathKey;
+use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 
 /// The paths of a wave, by the number of their sample in it.
 ///
-/// A path is a cache line of four quads: origin and time; direction and density; throughput and the
+/// A path is a cache line of four rows: origin and time; direction and density; throughput and the
 /// first word of the key; radiance and the second. Vectors of paths from anywhere are read by turning
-/// quads into columns: one cache line a path, whatever their order.
+/// rows into columns: one cache line a path, whatever their order.
 #[derive(Debug)]
 pub(super) struct Paths(Vec<Line>);
 
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Line([Quad; 4]);
+struct Line([Row; 4]);
 
 /// The segments that paths trace, one a lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    pub(super) origin: Vec3x,
-    pub(super) time: Float,
-    /// Of unit length.
-    pub(super) direction: Vec3x,
-    /// Density with which a surface or medium chose the direction; [`Segment::SPECULAR`] where no
-    /// light sample could have found what the path hits.
+    /// Directions are of unit length.
+    pub(super) ray: Ray<Float>,
+    /// Density with which a surface or medium chose the direction; [`SPECULAR`] where no light sample
+    /// could have found what the path hits.
+    ///
+    /// [`SPECULAR`]: crate::scene::material::SPECULAR
     pub(super) pdf: Float,
 }
 
@@ -39,11 +41,7 @@ pub(super) struct History {
     /// What has arrived at the camera.
     pub(super) radiance: Vec3x,
     /// Of the random numbers.
-    pub(super) keys: PathKeys,
-}
-
-impl Segment {
-    pub(super) const SPECULAR: f32 = f32::INFINITY;
+    pub(super) keys: PathKey<Int>,
 }
 
 impl Paths {
@@ -53,13 +51,13 @@ impl Paths {
         Self(vec![Line([[0; 4]; 4]); capacity.next_multiple_of(LANES)])
     }
 
-    /// Quad number `place` of the paths `indices`: a vector and a number.
+    /// Row `place` of the paths `indices`: a vector and a number.
     #[inline(always)]
     fn gather(&self, place: usize, indices: &Indices) -> (Vec3x, Float) {
         indices.gather(&self.0, |line| &line.0[place])
     }
 
-    /// Sets it. Where a path is in several lanes, these must say the same.
+    /// Sets it. Lanes with the same path must have the same row.
     #[inline(always)]
     fn scatter(&mut self, place: usize, indices: &Indices, columns: (Vec3x, Float)) {
         indices.scatter(&mut self.0, |line| &mut line.0[place], columns);
@@ -76,13 +74,13 @@ impl Paths {
     pub(super) fn segments(&self, indices: &Indices) -> Segment {
         let (origin, time) = self.gather(0, indices);
         let (direction, pdf) = self.gather(1, indices);
-        Segment { origin, time, direction, pdf }
+        Segment { ray: Ray { origin, direction, time }, pdf }
     }
 
-    /// Gives new segments to the paths `indices`; those that have ended need none, but do not mind.
+    /// Gives new segments to the paths `indices`. Those that have ended may be overwritten.
     #[inline(always)]
     pub(super) fn set_segments(&mut self, indices: &Indices, segments: &Segment) {
-        let Segment { origin, time, direction, pdf } = *segments;
+        let Segment { ray: Ray { origin, direction, time }, pdf } = *segments;
         self.scatter(0, indices, (origin, time));
         self.scatter(1, indices, (direction, pdf));
     }
@@ -92,14 +90,13 @@ impl Paths {
     pub(super) fn histories(&self, indices: &Indices) -> History {
         let (beta, pixel_word) = self.gather(2, indices);
         let (radiance, sample_word) = self.gather(3, indices);
-        let keys =
-            PathKeys { pixel_word: pixel_word.to_bits(), sample_word: sample_word.to_bits() };
+        let keys = PathKey { pixel_word: pixel_word.to_bits(), sample_word: sample_word.to_bits() };
         History { beta, radiance, keys }
     }
 
     /// The keys of the paths `indices`.
     #[inline(always)]
-    pub(super) fn keys(&self, indices: &Indices) -> PathKeys {
+    pub(super) fn keys(&self, indices: &Indices) -> PathKey<Int> {
         self.histories(indices).keys
     }
 
@@ -122,12 +119,12 @@ impl Paths {
             .map(|Line([.., [r, g, b, _]])| Vec3::from_array([*r, *g, *b].map(f32::from_bits)))
     }
 
-    /// Adds `light` to what has arrived along those of the paths `indices` whose bits are set. Where a
-    /// path is in several lanes, these must say the same.
+    /// Adds `light` to what has arrived along those of the paths `indices` whose bits are set. Lanes
+    /// with the same path must have the same light and bit.
     #[inline(always)]
     pub(super) fn add_radiance(&mut self, indices: &Indices, light: Vec3x, bits: u32) {
         let (radiance, sample_word) = self.gather(3, indices);
-        let sum = Vec3x::select(Mask::from_bits(bits), radiance + light, radiance);
+        let sum = Mask::from_bits(bits).select(radiance + light, radiance);
         self.scatter(3, indices, (sum, sample_word));
     }
 }

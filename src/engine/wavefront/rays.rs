@@ -3,7 +3,7 @@
 use super::cells::Cells;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
-use crate::simd::{Float, Int, LANES};
+use crate::simd::{Int, LANES};
 
 /// Rays, and which path each is of.
 #[derive(Debug)]
@@ -50,11 +50,8 @@ impl Rays {
         self.paths.resize(len.next_multiple_of(LANES), last);
         self.batch.clear();
         for first in (0..len).step_by(LANES) {
-            let Segment { origin, time, direction, .. } =
-                paths.segments(&paths.indices(self.paths(first)));
-            let (t_min, t_max) = (Float::ZERO, Float::INFINITY);
-            let rays = RayVector { origin, direction, time, t_min, t_max };
-            self.batch.extend(&rays, LANES.min(len - first));
+            let Segment { ray, .. } = paths.segments(&paths.indices(self.paths(first)));
+            self.batch.extend(&RayVector::unbounded(ray), LANES.min(len - first));
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Sort: a counting sort of the paths by what shades them.
 
 use super::columns::Columns;
-use super::materials::Materials;
 use super::rays::Rays;
 use crate::accel::HitBatch;
+use crate::scene::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 
 /// The paths of a wave in the order of their keys. Its size depends on the number of keys only by a few
@@ -60,9 +60,9 @@ impl Queue<'_> {
 
 /// Puts the paths of `rays`, which have hit `hits`, into the queues of their keys.
 #[inline(never)]
-pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: &mut Queues) {
+pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
     let Queues { rows, keys, places } = queues;
-    count(&hits.primitive[..rays.len()], materials, keys, places);
+    count(&hits.primitive[..rays.len()], looks, keys, places);
     begin(places);
     for first in (0..rays.len()).step_by(LANES) {
         let t = Float::load(&hits.t[first..]).to_bits();
@@ -86,18 +86,18 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, materials: &Materials, queues: 
 }
 
 /// Finds the key of each ray, and how many rays each key has.
-fn count(primitives: &[u32], materials: &Materials, keys: &mut [u8], places: &mut [(u32, u32)]) {
+fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], places: &mut [(u32, u32)]) {
     // Neighbours often have the same key: with one table each count would wait for the last.
     let mut counts = [[0; 256]; 4];
     let (quads, rest) = primitives.as_chunks::<4>();
     for (these, keys) in quads.iter().zip(keys.as_chunks_mut::<4>().0) {
         for (lane, counts) in counts.iter_mut().enumerate() {
-            keys[lane] = materials.bin(these[lane]);
+            keys[lane] = looks.key(these[lane]);
             counts[usize::from(keys[lane])] += 1;
         }
     }
     for (&primitive, key) in rest.iter().zip(&mut keys[4 * quads.len()..]) {
-        *key = materials.bin(primitive);
+        *key = looks.key(primitive);
         counts[0][usize::from(*key)] += 1;
     }
     for (key, (_, len)) in places.iter_mut().enumerate() {

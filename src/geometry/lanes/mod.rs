@@ -6,16 +6,12 @@
 
 mod quad;
 mod sphere;
-mod surface;
 mod triangle;
-mod volume;
 
 pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
 use sphere::padded_inv_length2;
 pub(crate) use sphere::{misses_sphere, padded_radius2, sphere};
-pub(crate) use surface::{HitPoints, Shape, SurfaceLanes, Surfaces};
 pub(crate) use triangle::shear_triangles;
-pub(crate) use volume::interval;
 
 use crate::simd::{Float, Mask, Vec3x};
 
@@ -86,7 +82,7 @@ mod tests {
     }
 
     fn lanes(vectors: &[Vec3]) -> Vec3x {
-        Vec3x::new(&axes(|axis| std::array::from_fn(|lane| vectors[lane][axis])))
+        Vec3x::of_lanes(&axes(|axis| std::array::from_fn(|lane| vectors[lane][axis])))
     }
 
     /// The lane tests of `primitives[i]` and `rays[i]` agree with the scalar ones, bit by bit.

@@ -3,14 +3,16 @@
 //! Lengths are in the scene's unit, angles in degrees, colours linear RGB. Numbers are
 //! checked in [`super::resolve`], which knows what they mean.
 
-mod material;
 mod primitive;
 
 use serde::{Deserialize, Serialize};
 
+use super::background::Background;
+use super::material::Material;
+use super::medium::MediumFile;
 use super::named::Named;
-pub use material::{Albedo, Fresnel, MaterialFile, Sides, TextureFile};
-pub use primitive::{MediumFile, PrimitiveFile};
+use super::texture::Texture;
+pub use primitive::PrimitiveFile;
 
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,16 +22,16 @@ pub struct SceneFile {
     pub camera: CameraFile,
     /// What rays that leave the scene see.
     #[serde(default)]
-    pub background: BackgroundFile,
+    pub background: Background,
     /// Image size and sampling where the command line names none.
     #[serde(default)]
     pub render: RenderDefaults,
     /// Textures by name.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub textures: Named<TextureFile>,
+    pub textures: Named<Texture>,
     /// Materials by name.
     #[serde(default)]
-    pub materials: Named<MaterialFile>,
+    pub materials: Named<Material>,
     /// The geometry.
     #[serde(default)]
     pub primitives: Vec<PrimitiveFile>,
@@ -69,31 +71,6 @@ impl CameraFile {
 
     fn default_focus_distance() -> f32 {
         10.0
-    }
-}
-
-/// Radiance from outside the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum BackgroundFile {
-    /// The same in all directions.
-    Constant {
-        /// Linear RGB.
-        radiance: [f32; 3],
-    },
-    /// From `bottom` straight down to `top` straight up, linear in the height of the
-    /// unit direction.
-    Gradient {
-        /// Linear RGB at direction −y.
-        bottom: [f32; 3],
-        /// Linear RGB at direction +y.
-        top: [f32; 3],
-    },
-}
-
-impl Default for BackgroundFile {
-    fn default() -> Self {
-        Self::Constant { radiance: [0.0; 3] }
     }
 }
 

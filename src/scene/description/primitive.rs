@@ -1,4 +1,4 @@
-//! Primitives and media in a scene file.
+//! Primitives in a scene file.
 
 use serde::{Deserialize, Serialize};
 
@@ -94,36 +94,4 @@ impl PrimitiveFile {
             Self::Mesh { material, .. } => ("mesh", material),
         }
     }
-}
-
-/// A homogeneous medium that scatters light to all sides alike, in a volume whose boundary is
-/// invisible.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum MediumFile {
-    /// In a ball.
-    Sphere {
-        /// Centre.
-        center: [f32; 3],
-        /// Radius, above 0 to 1e9.
-        radius: f32,
-        /// Extinction coefficient: collisions a unit of length, above 0 to 1e6.
-        density: f32,
-        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
-        albedo: [f32; 3],
-    },
-    /// In a box.
-    Box {
-        /// Lower corner before rotation.
-        min: [f32; 3],
-        /// Upper corner before rotation.
-        max: [f32; 3],
-        /// Right-handed angles about x, then y, then z, through the middle of the box.
-        #[serde(default)]
-        rotation: [f32; 3],
-        /// Extinction coefficient: collisions a unit of length, above 0 to 1e6.
-        density: f32,
-        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
-        albedo: [f32; 3],
-    },
 }

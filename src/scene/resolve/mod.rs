@@ -1,8 +1,11 @@
 //! From what a file says to a scene that can be rendered: every number checked, every
 //! name looked up.
 
+mod loader;
 mod materials;
 mod primitives;
+
+pub(crate) use loader::Loader;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,11 +14,9 @@ use glam::DVec3;
 
 use super::budget::Budget;
 use super::camera::Camera;
-use super::description::{BackgroundFile, CameraFile, SceneFile};
-use super::light::Lights;
-use super::material::{Background, Material};
+use super::description::{CameraFile, SceneFile};
 use super::medium::Medium;
-use super::place::{Element, MAX_COORDINATE, MAX_RADIANCE, Places};
+use super::place::{Element, MAX_COORDINATE, Places};
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
@@ -31,32 +32,34 @@ pub(super) fn resolve(
 ) -> Result<Scene> {
     let resolver = Resolver { name, file, places, budget };
     let camera = resolver.camera(&file.camera)?;
-    let background = resolver.background()?;
+    file.background.check(&resolver.element(Places::section(places.background), "background"))?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
-    let (mut textures, texture_files) = resolver.textures(folder)?;
-    let materials = resolver.materials(&mut textures)?;
-    let (geometry, material_of, mesh_files) = resolver.primitives(folder)?;
+    let mut loader = Loader::new(&resolver, folder);
+    let materials = resolver.materials(&mut loader)?;
+    let images = loader.finish();
+    let (geometry, material_map, mesh_files) = resolver.primitives(folder)?;
     let media = resolver.media()?;
-    let shines = |&&material: &&u32| matches!(materials[material as usize], Material::Light(_));
-    let lights = material_of.iter().filter(shines).count();
-    let room = resolver.budget.hold(LIGHT * lights as u64);
+    let shines = |primitive: &u32| {
+        let material = &materials[material_map.get(*primitive) as usize];
+        material.emission().is_some_and(|emission| emission.is_some())
+    };
+    let lights = (0..geometry.len() as u32).filter(shines).count() as u32;
+    let room = resolver.budget.hold(LIGHT * u64::from(lights));
     room.map_err(|message| Error::input(name, "", message))?;
-    let lights = Lights::new(&geometry, &materials, &material_of);
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
         camera,
-        background,
+        background: file.background,
         defaults: file.render.clone(),
-        textures,
         materials,
         geometry: Arc::new(geometry),
-        material_of,
+        material_map,
         lights,
         media,
-        files: texture_files.into_iter().chain(mesh_files).collect(),
+        files: images.chain(mesh_files).collect(),
         limits: resolver.budget.limits,
     })))
 }
@@ -127,19 +130,6 @@ impl<'a> Resolver<'a> {
             defocus_angle: f64::from(defocus),
             focus_distance: f64::from(focus),
             shutter: camera.shutter,
-        })
-    }
-
-    fn background(&self) -> Result<Background> {
-        let e = self.element(Places::section(self.places.background), "background");
-        Ok(match self.file.background {
-            BackgroundFile::Constant { radiance } => {
-                Background::Constant(e.color("radiance", radiance, MAX_RADIANCE)?)
-            }
-            BackgroundFile::Gradient { bottom, top } => Background::Gradient {
-                bottom: e.color("bottom", bottom, MAX_RADIANCE)?,
-                top: e.color("top", top, MAX_RADIANCE)?,
-            },
         })
     }
 

@@ -11,6 +11,7 @@ use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
 use crate::scene::boxes;
 use crate::scene::description::PrimitiveFile;
+use crate::scene::looks::MaterialMap;
 use crate::scene::mesh::{Mesh, Placement};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
@@ -19,10 +20,12 @@ impl Resolver<'_> {
     pub(super) fn primitives(
         &self,
         folder: &Path,
-    ) -> Result<(Geometry, Vec<u32>, BTreeSet<PathBuf>)> {
+    ) -> Result<(Geometry, MaterialMap, BTreeSet<PathBuf>)> {
         let mut geometry = Geometry::default();
         let mut meshes = HashMap::new();
-        let mut materials = [const { Vec::new() }; 3];
+        let mut solids = [const { Vec::new() }; 2];
+        // One past the last triangle, and the material.
+        let mut ranges: Vec<(u32, u32)> = Vec::new();
         let names: HashMap<&str, u32> = self.file.materials.names().zip(0..).collect();
         for (index, primitive) in self.file.primitives.iter().enumerate() {
             let (kind, material) = primitive.kind_and_material();
@@ -32,12 +35,22 @@ impl Resolver<'_> {
                 e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
             })?;
             self.add(&e, folder, primitive, &mut meshes, &mut geometry)?;
-            let counts = [geometry.spheres.len(), geometry.quads.len(), geometry.triangles.len()];
-            for (list, count) in materials.iter_mut().zip(counts) {
+            for (list, count) in
+                solids.iter_mut().zip([geometry.spheres.len(), geometry.quads.len()])
+            {
                 list.resize(count, material);
             }
+            let end = geometry.triangles.len() as u32;
+            let begin = ranges.last().map_or(0, |&(end, _)| end);
+            match ranges.last_mut() {
+                Some((last, same)) if *same == material => *last = end,
+                _ if end > begin => ranges.push((end, material)),
+                _ => {}
+            }
         }
-        Ok((geometry, materials.concat(), meshes.into_keys().collect()))
+        let solids = solids.concat();
+        let ranges = ranges.into_iter().map(|(end, m)| (end + solids.len() as u32, m)).collect();
+        Ok((geometry, MaterialMap { solids, ranges }, meshes.into_keys().collect()))
     }
 
     /// Checks one primitive and appends what it stands for; `meshes` are those that were read before.

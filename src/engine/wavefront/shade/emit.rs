@@ -1,28 +1,22 @@
-//! Ends of paths: the background and lights.
+//! Light that paths meet: the background and surfaces that emit.
 
-use super::direct::power_heuristic;
-use super::vertex::Vertex;
 use super::{Shaded, Shading};
+use crate::engine::contract::power_heuristic;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
-use crate::geometry::lanes::Shape;
-use crate::scene::{Background, Sampling};
-use crate::simd::{Float, LANES, Vec3x};
+use crate::geometry::Shape;
+use crate::math::Real;
+use crate::scene::Sampling;
+use crate::scene::material::SPECULAR;
+use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
-    /// Paths that leave the scene.
+    /// Ends the paths that leave the scene.
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
-            let seen = match *self.scene.background() {
-                Background::Constant(seen) => Vec3x::splat(seen),
-                Background::Gradient { bottom, top } => {
-                    let one = Float::splat(1.0);
-                    let direction = shaded.paths.segments(&path).direction;
-                    let t = Float::splat(0.5) * (direction[1] + one);
-                    Vec3x::splat(bottom) * (one - t) + Vec3x::splat(top) * t
-                }
-            };
+            let direction = || shaded.paths.segments(&path).ray.direction;
+            let seen = self.scene.background().radiance(direction);
             let mut history = shaded.paths.histories(&path);
             history.radiance = history.radiance + history.beta * seen;
             shaded.paths.set_radiance(&path, &history);
@@ -30,38 +24,29 @@ impl Shading<'_> {
         shaded.endings.background += queue.len() as u64;
     }
 
-    /// Paths that hit lights.
-    pub(super) fn light(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
+    /// Adds the light that surfaces of one shape emit towards the paths.
+    pub(super) fn emit(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
+        if self.tables.lights.is_empty() {
+            return;
+        }
         for first in (0..queue.len()).step_by(LANES) {
-            let vertex = self.vertex(Some(shape), queue, first, shaded.paths);
-            let (emission, one_sided) = self.solid(&vertex.primitive);
-            let dark = one_sided.gt(Float::ZERO) & !vertex.front;
-            let emission = Vec3x::select(dark, Vec3x::ZERO, emission);
-            let weight = self.emission_weight(shape, &vertex);
+            let vertex = self.vertex(queue, first, shaded.paths);
+            let Segment { ray, pdf } = vertex.segment;
+            let at = self.tables.interaction(shape, vertex.primitive, ray, vertex.t);
+            let (light, is_light) = self.tables.looks.lights::<Float>(shape, vertex.primitive);
+            let light = self.tables.lights.get::<Float>(light);
+            let weight = match self.settings.sampling {
+                Sampling::Bsdf => Float::ONE,
+                Sampling::Light => Float::ZERO,
+                Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, vertex.t) * light.chance()),
+            };
+            // What light samples could have found counts in part: they find the rest.
+            let sampled: Mask = is_light & !pdf.eq(Float::splat(SPECULAR));
+            let weight = sampled.select(weight, Float::ONE);
+            let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
             let mut history = vertex.history;
-            history.radiance = history.radiance + history.beta * emission * weight;
+            history.radiance = history.radiance + history.beta * emitted * weight;
             shaded.paths.set_radiance(&vertex.path, &history);
         }
-        shaded.endings.light += queue.len() as u64;
-    }
-
-    /// The share of a light's emission that counts where a path hits it: the rest is found by
-    /// light samples.
-    #[inline(always)]
-    fn emission_weight(&self, shape: Shape, vertex: &Vertex) -> Float {
-        let one = Float::splat(1.0);
-        if self.settings.sampling == Sampling::Bsdf || self.scene.lights().is_empty() {
-            return one;
-        }
-        let Segment { origin, direction, time, pdf } = vertex.segment;
-        let (lights, are_lights) = self.lights.of(self.scene.lights(), &vertex.primitive);
-        let sampled = are_lights & !pdf.eq(Float::splat(Segment::SPECULAR));
-        let weight = if self.settings.sampling == Sampling::Light {
-            Float::ZERO
-        } else {
-            let of_light = lights.pdf(shape, (origin, direction), time, vertex.t);
-            power_heuristic(pdf, of_light * lights.chance())
-        };
-        sampled.select(weight, one)
     }
 }

@@ -1,45 +1,29 @@
-//! Shade: a routine a kind of material, over the paths that have hit it.
+//! Shade: one routine for each shape and kind of material, over the paths that have hit it.
 
-mod color;
-mod conductor;
-mod dielectric;
-mod diffuse;
 mod direct;
 mod emit;
-mod metal;
-mod phase;
-mod rough_dielectric;
 mod scatter;
 mod vertex;
 
 use super::cells::Cells;
 use super::connect::Shadows;
-use super::light::LightTable;
-use super::materials::{Bin, Kind, Materials};
 use super::order::Next;
 use super::paths::Paths;
-use super::sort::Queues;
+use super::sort::{Queue, Queues};
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
-use crate::geometry::lanes::Surfaces;
-use crate::scene::{Fresnel, Scene};
+use crate::geometry::Shape;
+use crate::scene::material::{MaterialModel, MaterialVisitor};
+use crate::scene::{Key, Scene, SceneTables};
 use crate::simd::LANES;
-use conductor::Conductor;
-use dielectric::Dielectric;
-use diffuse::Diffuse;
-use metal::Metal;
-use phase::Media;
-use rough_dielectric::RoughDielectric;
 
 /// What all paths of a stage share.
 #[derive(Clone, Copy)]
 pub(super) struct Shading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
-    pub(super) materials: &'a Materials,
-    pub(super) lights: &'a LightTable,
-    pub(super) surfaces: &'a Surfaces,
+    pub(super) tables: &'a SceneTables,
     pub(super) cells: &'a Cells,
     /// The segment that has been traced, from 1.
     pub(super) segment: u32,
@@ -57,47 +41,74 @@ pub(super) struct Shaded<'a> {
 }
 
 impl Shading<'_> {
-    /// Shades the queues of all bins. Returns how many paths it took, and in how many lanes.
+    /// Shades all queues. Returns how many paths it scattered or ended with light, and in how many
+    /// lanes.
     #[inline(never)]
     pub(super) fn shade(&self, queues: &Queues, shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
         shaded.shadows.clear();
         let (mut paths, mut lanes) = (0, 0);
-        for (&bin, queue) in self.materials.bins.iter().zip(queues.iter()) {
-            match bin {
-                Bin::Background => self.background(queue, shaded),
-                Bin::Surface(shape, Kind::Light) => self.light(shape, queue, shaded),
-                // The path's last segment: nothing it would scatter to is traced.
-                _ if self.segment == self.settings.depth => {
-                    shaded.endings.depth += queue.len() as u64;
-                    continue;
+        for (&key, queue) in self.tables.looks.keys().iter().zip(queues.iter()) {
+            let done = match key {
+                Key::Background => {
+                    self.background(queue, shaded);
+                    true
                 }
-                Bin::Medium => self.scatter(None, queue, shaded, &Media),
-                Bin::Surface(shape, Kind::Diffuse(pattern)) => {
-                    self.scatter_colored::<Diffuse<false>>(pattern, shape, queue, shaded);
+                Key::Medium => {
+                    !self.ends_by_depth(queue, shaded) && {
+                        self.scatter_in_media(queue, shaded);
+                        true
+                    }
                 }
-                Bin::Surface(shape, Kind::Lambertian(pattern)) => {
-                    self.scatter_colored::<Diffuse<true>>(pattern, shape, queue, shaded);
-                }
-                Bin::Surface(shape, Kind::Metal(pattern)) => {
-                    self.scatter_colored::<Metal>(pattern, shape, queue, shaded);
-                }
-                Bin::Surface(shape, Kind::Dielectric(Fresnel::Schlick)) => {
-                    self.scatter(Some(shape), queue, shaded, &Dielectric::<false>);
-                }
-                Bin::Surface(shape, Kind::Dielectric(Fresnel::Exact)) => {
-                    self.scatter(Some(shape), queue, shaded, &Dielectric::<true>);
-                }
-                Bin::Surface(shape, Kind::RoughDielectric) => {
-                    self.scatter(Some(shape), queue, shaded, &RoughDielectric);
-                }
-                Bin::Surface(shape, Kind::Conductor) => {
-                    self.scatter(Some(shape), queue, shaded, &Conductor);
-                }
+                Key::Surface { shape, kind, emits } => self
+                    .tables
+                    .materials
+                    .visit(kind, Surfaces { shading: self, shape, emits, queue, shaded }),
+            };
+            if done {
+                paths += queue.len();
+                lanes += queue.len().next_multiple_of(LANES);
             }
-            paths += queue.len();
-            lanes += queue.len().next_multiple_of(LANES);
         }
         StageWork::in_lanes(paths, lanes)
+    }
+
+    /// Whether the paths have had their last segment: nothing they would scatter to is traced.
+    fn ends_by_depth(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) -> bool {
+        let ends = self.segment == self.settings.depth;
+        if ends {
+            shaded.endings.depth += queue.len() as u64;
+        }
+        ends
+    }
+}
+
+/// Shades the paths that have hit surfaces of one shape and one kind of material.
+struct Surfaces<'s, 'a> {
+    shading: &'s Shading<'s>,
+    shape: Shape,
+    emits: bool,
+    queue: Queue<'s>,
+    shaded: &'s mut Shaded<'a>,
+}
+
+impl MaterialVisitor for Surfaces<'_, '_> {
+    /// Whether more was done than to end the paths.
+    type Output = bool;
+
+    #[inline(always)]
+    fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> bool {
+        let Self { shading, shape, emits, queue, shaded } = self;
+        if emits {
+            shading.emit(shape, queue, shaded);
+        }
+        if !M::SCATTERS {
+            shaded.endings.light += queue.len() as u64;
+        } else if shading.ends_by_depth(queue, shaded) {
+            return emits;
+        } else {
+            shading.scatter::<M>(table, shape, queue, shaded);
+        }
+        true
     }
 }

@@ -1,0 +1,118 @@
+//! The random numbers of a path, named by what they decide.
+
+use crate::math::random::{PathKey, PixelKey};
+use crate::math::{Real, Word};
+
+/// Where the random numbers of paths come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// A hash: every number is independent of every other.
+    Independent,
+    /// Owen-scrambled Sobol' points: the samples of a pixel fill each pair of dimensions evenly.
+    #[default]
+    Sobol,
+}
+
+impl Sampler {
+    /// All samplers.
+    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
+
+    /// The name on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Sobol => "sobol",
+        }
+    }
+
+    /// The key of sample `sample` of a pixel.
+    #[inline(always)]
+    pub(crate) fn path<W: Word>(self, pixel: PixelKey<W>, sample: W) -> PathKey<W> {
+        match self {
+            Self::Independent => pixel.sample(sample),
+            Self::Sobol => pixel.sobol_sample(sample),
+        }
+    }
+}
+
+/// The random numbers of one block of a path, or of a path a lane: block 0 is the camera's, block k ≥ 1
+/// that of the vertex at the end of the path's k-th segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Randoms<R: Real = f32> {
+    sampler: Sampler,
+    key: PathKey<R::Word>,
+    first: u32,
+}
+
+/// Dimensions of a block.
+const BLOCK: u32 = 16;
+
+/// What a random number decides. The camera's dimensions and a vertex's share the places of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Dimension(u32);
+
+impl Dimension {
+    /// Camera: position in the pixel (2).
+    pub(crate) const PIXEL: Self = Self(0);
+    /// Camera: position on the lens (2).
+    pub(crate) const LENS: Self = Self(2);
+    /// Camera: moment of the shutter.
+    pub(crate) const TIME: Self = Self(4);
+
+    /// Vertex: which light.
+    pub(crate) const LIGHT_CHOICE: Self = Self(0);
+    /// Vertex: direction to the light (2).
+    pub(crate) const LIGHT: Self = Self(1);
+    /// Vertex: scattered direction (2).
+    pub(crate) const SCATTER: Self = Self(3);
+    /// Vertex: reflection or refraction.
+    pub(crate) const LOBE: Self = Self(5);
+    /// Vertex: distance of a point in the unit ball.
+    pub(crate) const BALL: Self = Self(6);
+    /// Vertex: whether the path goes on.
+    pub(crate) const ROULETTE: Self = Self(7);
+
+    /// Vertex: how far the path gets in medium number `index`.
+    pub(crate) const fn medium(index: u32) -> Self {
+        // Beyond all blocks of a path for all but the first.
+        Self(8 + (index << 21))
+    }
+}
+
+impl<R: Real> Randoms<R> {
+    /// The numbers that `sampler` has for block `block` of the path `key`.
+    #[inline(always)]
+    pub(crate) fn new(sampler: Sampler, key: PathKey<R::Word>, block: u32) -> Self {
+        Self { sampler, key, first: block * BLOCK }
+    }
+
+    /// 32 random bits.
+    #[inline(always)]
+    pub(crate) fn bits(&self, Dimension(dimension): Dimension) -> R::Word {
+        let dimension = self.first + dimension;
+        match self.sampler {
+            Sampler::Independent => self.key.bits(dimension),
+            Sampler::Sobol => self.key.sobol_bits(dimension).0,
+        }
+    }
+
+    /// One number in `[0, 1)`.
+    #[inline(always)]
+    pub(crate) fn one(&self, Dimension(dimension): Dimension) -> R {
+        let dimension = self.first + dimension;
+        match self.sampler {
+            Sampler::Independent => self.key.uniform(dimension),
+            Sampler::Sobol => self.key.sobol(dimension).0,
+        }
+    }
+
+    /// Two numbers in `[0, 1)` that belong together.
+    #[inline(always)]
+    pub(crate) fn two(&self, Dimension(dimension): Dimension) -> (R, R) {
+        let dimension = self.first + dimension;
+        match self.sampler {
+            Sampler::Independent => (self.key.uniform(dimension), self.key.uniform(dimension + 1)),
+            Sampler::Sobol => self.key.sobol(dimension),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The light from outside a scene.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::place::{Element, MAX_RADIANCE};
+use crate::error::Result;
+use crate::math::{Real, Vector};
+
+/// Radiance from outside the scene, linear RGB, each channel 0 to 1e30.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Background {
+    /// The same in all directions.
+    Constant {
+        /// Linear RGB.
+        radiance: [f32; 3],
+    },
+    /// From `bottom` straight down to `top` straight up, linear in the height of the
+    /// unit direction.
+    Gradient {
+        /// At direction −y.
+        bottom: [f32; 3],
+        /// At direction +y.
+        top: [f32; 3],
+    },
+}
+
+impl Default for Background {
+    /// Black.
+    fn default() -> Self {
+        Self::Constant { radiance: [0.0; 3] }
+    }
+}
+
+impl Background {
+    pub(super) fn check(&self, e: &Element<'_>) -> Result<()> {
+        match self {
+            Self::Constant { radiance } => e.color("radiance", *radiance, MAX_RADIANCE)?,
+            Self::Gradient { bottom, top } => {
+                e.color("bottom", *bottom, MAX_RADIANCE)?;
+                e.color("top", *top, MAX_RADIANCE)?
+            }
+        };
+        Ok(())
+    }
+
+    /// Radiance seen along the unit vector `direction`, which is not called if all see the same.
+    #[inline(always)]
+    pub(crate) fn radiance<V: Vector>(&self, direction: impl FnOnce() -> V) -> V {
+        match *self {
+            Self::Constant { radiance } => V::splat(Vec3::from(radiance)),
+            Self::Gradient { bottom, top } => {
+                let t = (direction()[1] + V::Real::ONE) * 0.5;
+                let (bottom, top) = (V::splat(Vec3::from(bottom)), V::splat(Vec3::from(top)));
+                bottom * (V::Real::ONE - t) + top * t
+            }
+        }
+    }
+}

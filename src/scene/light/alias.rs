@@ -1,0 +1,143 @@
+//! Choice among many by weight, in constant time and integers alone (Walker 1974, the alias method;
+//! Vose 1991 makes the table).
+
+use crate::math::{Mask, Real, Row, Word};
+
+/// A table by which 32 random bits choose among entries, each of which is chosen by exactly as many of
+/// the 2^32 numbers as [`AliasTable::share`] says.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AliasTable {
+    shares: Vec<u32>,
+    /// Of each cell, for equally many numbers: how many choose the first entry; that; the other.
+    cells: Vec<Row>,
+    /// Bits of a number that tell its place in a cell.
+    rest: u32,
+}
+
+impl AliasTable {
+    /// Entries with these weights, which are finite and not below 0, at least one of them above; none
+    /// is left without a share. At most 2^31 entries.
+    ///
+    /// # Panics
+    /// Where there is no entry.
+    pub(crate) fn new(weights: &[f64]) -> Self {
+        assert!(!weights.is_empty(), "nothing to choose among");
+        // At least two cells, so that a cell's numbers are told by less than 32 bits.
+        let count = weights.len().next_power_of_two().max(2);
+        let rest = 32 - count.ilog2();
+        let shares = shares(weights);
+        let size = 1u64 << rest;
+        let mut left: Vec<u64> =
+            shares.iter().copied().chain(std::iter::repeat(0)).take(count).collect();
+        let mut cells: Vec<Row> =
+            (0..count as u32).map(|entry| [size as u32, entry, entry, 0]).collect();
+        let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+            (0..count).partition(|&cell| left[cell] < size);
+        // What a small entry leaves of its cell is for a large one.
+        while let Some(cell) = small.pop() {
+            let &from = large.last().expect("what is missing here is too much elsewhere");
+            cells[cell] = [left[cell] as u32, cell as u32, from as u32, 0];
+            left[from] -= size - left[cell];
+            if left[from] < size {
+                large.pop();
+                small.push(from);
+            }
+        }
+        let shares = shares.into_iter().map(|share| u32::try_from(share).unwrap_or(u32::MAX));
+        Self { shares: shares.collect(), cells, rest }
+    }
+
+    /// The entry that the number `bits` chooses.
+    #[inline(always)]
+    pub(crate) fn choose<R: Real>(&self, bits: R::Word) -> R::Word {
+        let cell = R::index(bits >> self.rest, self.cells.len());
+        let (words, _) = R::gather(&self.cells, cell, |cell| cell);
+        let place = bits & R::Word::splat((1 << self.rest) - 1);
+        let is_first = place.wrapping_add(R::Word::splat(1)).le(words[0].to_bits());
+        is_first.select(words[1].to_bits(), words[2].to_bits())
+    }
+
+    /// How many of the 2^32 numbers choose `entry`; 2^32 − 1 stands for all of them.
+    pub(crate) fn share(&self, entry: u32) -> u32 {
+        self.shares[entry as usize]
+    }
+}
+
+/// 2^32 as a sum in proportion to `weights`, each part at least 1.
+fn shares(weights: &[f64]) -> Vec<u64> {
+    let all = 1u64 << 32;
+    let total: f64 = weights.iter().sum();
+    let (mut sum, mut end) = (0.0, 0);
+    let share = |(index, weight): (usize, &f64)| {
+        sum += weight;
+        let after = (weights.len() - 1 - index) as u64;
+        let begin = end;
+        let wanted = (sum / total * all as f64).round() as u64;
+        end = if after == 0 { all } else { wanted.clamp(begin + 1, all - after) };
+        end - begin
+    };
+    weights.iter().enumerate().map(share).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    /// Counts the numbers of all cells for each entry.
+    fn counted(table: &AliasTable) -> Vec<u64> {
+        let mut counts = vec![0; table.shares.len()];
+        for &[first, entry, alias, _] in &table.cells {
+            counts[entry as usize % table.shares.len()] += u64::from(first);
+            counts[alias as usize] += (1 << table.rest) - u64::from(first);
+            assert!((entry as usize) < table.shares.len() || first == 0);
+        }
+        counts
+    }
+
+    #[test]
+    fn numbers_are_shared_out_as_told() {
+        let mut random = Stream::new(4);
+        for count in [1, 2, 3, 7, 64, 1000, 70_000] {
+            let weights: Vec<f64> = (0..count)
+                .map(|_| {
+                    if random.bits().is_multiple_of(5) {
+                        0.0
+                    } else {
+                        1e-12 + f64::from(random.uniform())
+                    }
+                })
+                .map(|w| w * w * w)
+                .chain([1e-3])
+                .collect();
+            let table = AliasTable::new(&weights);
+            let total: f64 = weights.iter().sum();
+            for (entry, counted) in counted(&table).into_iter().enumerate() {
+                let share = u64::from(table.share(entry as u32));
+                assert!(share == counted && share > 0, "{entry} of {count}");
+                let want = weights[entry] / total * 4_294_967_296.0;
+                // Rounded sums; entries without weight push others by one each.
+                assert!((share as f64 - want).abs() <= 2.0 + count as f64, "{share} {want}");
+            }
+        }
+        let one = AliasTable::new(&[3.0]);
+        assert_eq!((one.share(0), counted(&one)), (u32::MAX, vec![1 << 32]));
+        assert_eq!([0, 77, u32::MAX].map(|bits| one.choose::<f32>(bits)), [0; 3]);
+    }
+
+    #[test]
+    fn choices_are_those_of_the_cells() {
+        let weights: Vec<f64> = (1..=37).map(f64::from).collect();
+        let table = AliasTable::new(&weights);
+        let mut random = Stream::new(9);
+        let (mut counts, n) = (vec![0u32; 37], 1_000_000);
+        for _ in 0..n {
+            counts[table.choose::<f32>(random.bits() as u32) as usize] += 1;
+        }
+        for (count, weight) in counts.into_iter().zip(weights) {
+            let p = weight / 703.0;
+            let deviation = (f64::from(n) * p * (1.0 - p)).sqrt();
+            assert!((f64::from(count) - f64::from(n) * p).abs() < 5.0 * deviation);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Sphere lights: uniform in the cone that they fill.
+
+use std::f32::consts::PI;
+
+use super::{Chosen, LightKind, LightModel, LightSample, Shone};
+use crate::geometry::{self, Ray, sphere_distance};
+use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
+use crate::math::{Mask, Real, dot, length, normalize, row};
+
+pub(super) struct Sphere;
+
+/// Centre at time 0; motion, radius.
+pub(super) fn shone(sphere: &geometry::Sphere) -> Shone {
+    let radius = f64::from(sphere.radius);
+    Shone {
+        kind: LightKind::Sphere,
+        area: 4.0 * std::f64::consts::PI * radius * radius,
+        flags: 0,
+        point: sphere.center,
+        rows: [row(sphere.motion(), sphere.radius), [0; 4], [0; 4]],
+    }
+}
+
+/// The cone that a sphere fills as seen from a point.
+struct Cone<R: Real> {
+    center: R::Vec3,
+    radius: R,
+    to_center: R::Vec3,
+    /// Whether the point is outside the sphere.
+    outside: R::Mask,
+    /// 1 − cos of the half angle, there.
+    one_minus_cos: R,
+}
+
+impl<R: Real> Cone<R> {
+    #[inline(always)]
+    fn new(light: &Chosen<'_, R>, from: R::Vec3, time: R) -> Self {
+        let ((center, _), (motion, r)) = (light.row(1), light.row(2));
+        let center = center + motion * time;
+        let to_center = center - from;
+        let d = length(to_center);
+        let d2 = d * d;
+        // cos² as a product: 1 − sin² would cancel for narrow cones and near surfaces.
+        let cos = ((d - r) * (d + r) / d2).sqrt();
+        let one_minus_cos = (r * r / d2) / (R::ONE + cos);
+        Self { center, radius: r, to_center, outside: d.gt(r), one_minus_cos }
+    }
+
+    #[inline(always)]
+    fn pdf(&self) -> R {
+        self.outside.select(uniform_cone_pdf(self.one_minus_cos), R::splat(0.25 / PI))
+    }
+}
+
+impl LightModel for Sphere {
+    #[inline(always)]
+    fn sample<R: Real>(
+        light: &Chosen<'_, R>,
+        from: R::Vec3,
+        time: R,
+        (u, v): (R, R),
+    ) -> LightSample<R> {
+        let cone = Cone::new(light, from, time);
+        let mut direction = uniform_sphere(u, v);
+        if cone.outside.any() {
+            let inside = uniform_cone(normalize(cone.to_center), cone.one_minus_cos, u, v);
+            direction = cone.outside.select(inside, direction);
+        }
+        let ray = Ray { origin: from, direction, time };
+        let (t, hit) = sphere_distance(&ray, cone.center, cone.radius);
+        // At the silhouette rounding may miss the sphere, which is then as far as its centre.
+        let distance = hit.select(t, dot(cone.to_center, direction));
+        let (pdf, front) = (cone.pdf(), cone.outside);
+        LightSample { direction, distance, pdf, front, visible: R::Mask::ALL }
+    }
+
+    #[inline(always)]
+    fn pdf<R: Real>(light: &Chosen<'_, R>, ray: &Ray<R>, _: R) -> R {
+        Cone::new(light, ray.origin, ray.time).pdf()
+    }
+}

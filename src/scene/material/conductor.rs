@@ -1,0 +1,127 @@
+//! Metal by its index of refraction, smooth or of GGX microfacets.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use crate::error::Result;
+use crate::math::microfacet::Ggx;
+use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, row};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::TextureTables;
+
+/// Metal by its complex index of refraction, smooth or with GGX microfacets.
+///
+/// f = F D G/(4 |cos θo cos θi|), with height-correlated masking and shadowing (Heitz 2014, equation 99).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Conductor {
+    /// Real part, one number a channel, 0 to 100.
+    pub eta: [f32; 3],
+    /// Imaginary part, one number a channel, 0 to 100; at least 0.001 where `eta` is less than that.
+    pub k: [f32; 3],
+    /// Roughness α of GGX: 0 (mirror), or 0.001 to 1.
+    #[serde(default)]
+    pub alpha: f32,
+}
+
+impl MaterialModel for Conductor {
+    /// Real part, α; imaginary part.
+    type Entry = [Row; 2];
+    type Bsdf<R: Real> = ConductorBsdf<R>;
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        let Self { eta, k, alpha } = *self;
+        let smooth_or_rough = alpha == 0.0 || (0.001..=1.0).contains(&alpha);
+        e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
+        e.color("eta", eta, 100.0)?;
+        e.color("k", k, 100.0)?;
+        // Else Fresnel's equations come to 0/0 at normal incidence.
+        let known = eta.iter().zip(k).all(|(&eta, k)| eta >= 0.001 || k >= 0.001);
+        e.check(known, "k", "0.001 or more where eta is less", k)
+    }
+
+    fn entry(&self, _: &mut TextureTables) -> [Row; 2] {
+        [row(Vec3::from(self.eta), self.alpha), row(Vec3::from(self.k), 0.0)]
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(
+        table: &[[Row; 2]],
+        index: R::Index,
+        at: &Interaction<'_, R>,
+    ) -> ConductorBsdf<R> {
+        let (eta, alpha) = R::gather(table, index, |entry| &entry[0]);
+        let (k, _) = R::gather(table, index, |entry| &entry[1]);
+        let (frame, ggx) = (Frame::new(at.normal), Ggx { alpha });
+        let wo = frame.local(-at.ray.direction);
+        ConductorBsdf { frame, wo, eta, k, ggx, bound: ggx.bound(wo) }
+    }
+}
+
+pub(crate) struct ConductorBsdf<R: Real> {
+    frame: Frame<R::Vec3>,
+    /// To where the path comes from, in the frame.
+    wo: R::Vec3,
+    eta: R::Vec3,
+    k: R::Vec3,
+    ggx: Ggx<R>,
+    /// Of the normals that are sampled.
+    bound: R,
+}
+
+impl<R: Real> ConductorBsdf<R> {
+    #[inline(always)]
+    fn reflectance(&self, cos: R) -> R::Vec3 {
+        fresnel::conductor(min(cos, R::ONE), self.eta, self.k)
+    }
+
+    /// Density of the direction that `m` reflects to.
+    #[inline(always)]
+    fn pdf(&self, m: R::Vec3) -> R {
+        let projected = self.bound * self.wo[2] + self.ggx.length(self.wo);
+        self.ggx.density(m) / (projected * 2.0)
+    }
+
+    /// f·cos θi/pdf without F: D is in both.
+    #[inline(always)]
+    fn weight(&self, wi: R::Vec3) -> R {
+        let (lo, li) = (self.ggx.length(self.wo), self.ggx.length(wi));
+        wi[2] * (self.bound * self.wo[2] + lo) / (self.wo[2] * li + wi[2] * lo)
+    }
+}
+
+impl<R: Real> Bsdf<R> for ConductorBsdf<R> {
+    #[inline(always)]
+    fn specular(&self) -> R::Mask {
+        self.ggx.alpha.eq(R::ZERO)
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let (u, v) = randoms.two(Dimension::SCATTER);
+        let m = self.ggx.sample(self.wo, self.bound, u, v);
+        let cos = dot(self.wo, m);
+        let wi = normalize(m * (cos * 2.0) - self.wo);
+        Scatter {
+            direction: self.frame.world(wi),
+            side: self.frame.normal(),
+            weight: self.reflectance(cos) * self.weight(wi),
+            pdf: self.specular().select(R::splat(SPECULAR), self.pdf(m)),
+            // False for NaN too.
+            scattered: wi[2].gt(R::ZERO),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R) {
+        let wi = self.frame.local(direction);
+        let m = normalize(self.wo + wi);
+        let possible = wi[2].gt(R::ZERO) & !self.specular();
+        let pdf = possible.select(self.pdf(m), R::ZERO);
+        let f_cos = self.reflectance(dot(self.wo, m)) * (self.weight(wi) * pdf);
+        (possible.select(f_cos, R::Vec3::zero()), pdf)
+    }
+}

@@ -1,0 +1,105 @@
+//! Clear glass (report, III.E).
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use crate::error::Result;
+use crate::math::{Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, reflect, row};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::TextureTables;
+
+/// Clear glass in air, which reflects or refracts by chance.
+///
+/// Paths carry basic radiance, L/n², which refraction does not change: see ARCHITECTURE.md.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dielectric {
+    /// Index of refraction relative to air, 0.01 to 100.
+    pub ior: f32,
+    /// How much is reflected.
+    #[serde(default)]
+    pub fresnel: Fresnel,
+}
+
+/// How much a dielectric reflects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fresnel {
+    /// Schlick's approximation, from the angle on either side (the report's).
+    #[default]
+    Schlick,
+    /// The Fresnel equations.
+    Exact,
+}
+
+impl MaterialModel for Dielectric {
+    /// 1 with the Fresnel equations, else 0, twice 0; index of refraction.
+    type Entry = Row;
+    type Bsdf<R: Real> = DielectricBsdf<R>;
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)
+    }
+
+    fn entry(&self, _: &mut TextureTables) -> Row {
+        let exact = if self.fresnel == Fresnel::Exact { 1.0 } else { 0.0 };
+        row(Vec3::X * exact, self.ior)
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> DielectricBsdf<R> {
+        let (flags, ior) = R::gather(table, index, |row| row);
+        let (exact, front) = (flags[0].gt(R::ZERO), at.front);
+        DielectricBsdf { direction: at.ray.direction, normal: at.normal, front, ior, exact }
+    }
+}
+
+pub(crate) struct DielectricBsdf<R: Real> {
+    /// Of the path.
+    direction: R::Vec3,
+    /// On the side that was hit.
+    normal: R::Vec3,
+    front: R::Mask,
+    ior: R,
+    exact: R::Mask,
+}
+
+impl<R: Real> Bsdf<R> for DielectricBsdf<R> {
+    #[inline(always)]
+    fn specular(&self) -> R::Mask {
+        R::Mask::ALL
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let Self { direction, normal, front, ior, exact } = *self;
+        let inverse = R::ONE / ior;
+        let eta = front.select(inverse, ior);
+        let cos = min(-dot(direction, normal), R::ONE);
+        let sin2_refracted = eta * eta * (R::ONE - cos * cos);
+        let mut reflectance = fresnel::schlick(cos, ior);
+        if exact.any() {
+            let beyond = front.select(ior, inverse);
+            reflectance = exact.select(fresnel::dielectric(cos, beyond), reflectance);
+        }
+        let reflected = sin2_refracted.gt(R::ONE) | randoms.one(Dimension::LOBE).lt(reflectance);
+        let along = eta * cos - max(R::ZERO, R::ONE - sin2_refracted).sqrt();
+        let refraction = direction * eta + normal * along;
+        let next = reflected.select(reflect(direction, normal), refraction);
+        Scatter {
+            direction: normalize(next),
+            side: reflected.select(normal, -normal),
+            weight: R::Vec3::gray(R::ONE),
+            pdf: R::splat(SPECULAR),
+            scattered: R::Mask::ALL,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, _: R::Vec3) -> (R::Vec3, R) {
+        (R::Vec3::zero(), R::ZERO)
+    }
+}

@@ -1,0 +1,74 @@
+//! Lambert's law (report, III.C).
+
+use std::f32::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, Scatter};
+use crate::error::Result;
+use crate::math::warp::cosine_hemisphere;
+use crate::math::{Mask, Real, Row, dot};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::{Color, TextureTables};
+
+/// A matte surface by Lambert's law: f = ρ/π, sampled by the cosine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lambertian {
+    /// ρ, each channel in [0, 1]: a colour or a texture.
+    pub albedo: Color,
+}
+
+impl MaterialModel for Lambertian {
+    /// ρ.
+    type Entry = Row;
+    type Bsdf<R: Real> = LambertianBsdf<R>;
+
+    fn colors(&mut self) -> Vec<&mut Color> {
+        vec![&mut self.albedo]
+    }
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        self.albedo.check(e, "albedo")
+    }
+
+    fn entry(&self, textures: &mut TextureTables) -> Row {
+        textures.row(&self.albedo)
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> LambertianBsdf<R> {
+        let albedo = at.color(R::gather(table, index, |row| row));
+        LambertianBsdf { normal: at.normal, albedo }
+    }
+}
+
+pub(crate) struct LambertianBsdf<R: Real> {
+    /// On the side that was hit.
+    normal: R::Vec3,
+    albedo: R::Vec3,
+}
+
+impl<R: Real> Bsdf<R> for LambertianBsdf<R> {
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let (u, v) = randoms.two(Dimension::SCATTER);
+        let (direction, cos) = cosine_hemisphere(self.normal, u, v);
+        Scatter {
+            direction,
+            side: self.normal,
+            weight: self.albedo,
+            pdf: cos * (1.0 / PI),
+            scattered: R::Mask::ALL,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R) {
+        let cos = dot(self.normal, direction);
+        let pdf = cos.gt(R::ZERO).select(cos * (1.0 / PI), R::ZERO);
+        (self.albedo * pdf, pdf)
+    }
+}

@@ -1,0 +1,93 @@
+//! Surfaces that emit light (report, III.G).
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, Scatter};
+use crate::error::Result;
+use crate::math::{Mask, Real, Vector};
+use crate::sampler::Randoms;
+use crate::scene::interaction::Interaction;
+use crate::scene::place::{Element, MAX_RADIANCE};
+use crate::scene::texture::TextureTables;
+
+/// A light, which absorbs what hits it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    /// Linear RGB radiance, 0 to 1e30.
+    pub radiance: [f32; 3],
+    /// The sides that shine.
+    #[serde(default)]
+    pub sides: Sides,
+}
+
+/// The sides of a surface that shine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sides {
+    /// Both.
+    #[default]
+    Both,
+    /// The side that the normal points to.
+    Front,
+}
+
+/// What a surface emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// Linear RGB.
+    pub radiance: Vec3,
+    /// The sides that shine.
+    pub sides: Sides,
+}
+
+impl Emission {
+    /// Whether it is not black.
+    pub(crate) fn is_some(&self) -> bool {
+        self.radiance != Vec3::ZERO
+    }
+}
+
+impl MaterialModel for Light {
+    type Entry = ();
+    type Bsdf<R: Real> = Black;
+
+    const SCATTERS: bool = false;
+
+    fn emission(&self) -> Option<Emission> {
+        Some(Emission { radiance: Vec3::from(self.radiance), sides: self.sides })
+    }
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        e.color("radiance", self.radiance, MAX_RADIANCE).map(|_| ())
+    }
+
+    fn entry(&self, _: &mut TextureTables) {}
+
+    #[inline(always)]
+    fn bsdf<R: Real>(_: &[()], _: R::Index, _: &Interaction<'_, R>) -> Black {
+        Black
+    }
+}
+
+/// Scatters nothing.
+pub(crate) struct Black;
+
+impl<R: Real> Bsdf<R> for Black {
+    #[inline(always)]
+    fn sample(&self, _: &Randoms<R>) -> Scatter<R> {
+        Scatter {
+            direction: R::Vec3::zero(),
+            side: R::Vec3::zero(),
+            weight: R::Vec3::zero(),
+            pdf: R::ZERO,
+            scattered: R::Mask::NONE,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, _: R::Vec3) -> (R::Vec3, R) {
+        (R::Vec3::zero(), R::ZERO)
+    }
+}

@@ -1,0 +1,108 @@
+//! The report's metal (III.D): the mirror direction, blurred.
+
+use std::f32::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use crate::error::Result;
+use crate::math::warp::uniform_ball;
+use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect, row};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::{Color, TextureTables};
+
+/// A mirror whose direction is moved by `fuzz` times a uniform point of the unit ball; what then points
+/// below the surface is absorbed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Metal {
+    /// Reflectance, each channel in [0, 1]: a colour or a texture.
+    pub albedo: Color,
+    /// 0 (mirror) to 1.
+    #[serde(default)]
+    pub fuzz: f32,
+}
+
+impl MaterialModel for Metal {
+    /// Albedo; fuzz.
+    type Entry = [Row; 2];
+    type Bsdf<R: Real> = MetalBsdf<R>;
+
+    fn colors(&mut self) -> Vec<&mut Color> {
+        vec![&mut self.albedo]
+    }
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        self.albedo.check(e, "albedo")?;
+        e.check((0.0..=1.0).contains(&self.fuzz), "fuzz", "in [0, 1]", self.fuzz)
+    }
+
+    fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
+        [textures.row(&self.albedo), row(glam::Vec3::ZERO, self.fuzz)]
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(table: &[[Row; 2]], index: R::Index, at: &Interaction<'_, R>) -> MetalBsdf<R> {
+        let albedo = at.color(R::gather(table, index, |entry| &entry[0]));
+        let (_, fuzz) = R::gather(table, index, |entry| &entry[1]);
+        let mirror = reflect(at.ray.direction, at.normal);
+        MetalBsdf { normal: at.normal, mirror, albedo, fuzz }
+    }
+}
+
+pub(crate) struct MetalBsdf<R: Real> {
+    /// On the side that was hit.
+    normal: R::Vec3,
+    mirror: R::Vec3,
+    albedo: R::Vec3,
+    fuzz: R,
+}
+
+/// Least fuzz whose density is known: below it, rounding makes up most of the distance from the mirror
+/// direction. No light sample would find so narrow a blur.
+const LEAST_BLUR: f32 = 1e-4;
+
+impl<R: Real> MetalBsdf<R> {
+    /// The volume of the ball in the direction: it is crossed from b − s to b + s, where b is the
+    /// cosine from the mirror direction, and ∫r² dr over that is 2s(3b² + s²)/3.
+    #[inline(always)]
+    fn pdf(&self, direction: R::Vec3) -> R {
+        let b = dot(self.mirror, direction);
+        let across = cross(self.mirror, direction);
+        let s2 = max(R::ZERO, self.fuzz * self.fuzz - dot(across, across));
+        let cube = self.fuzz * self.fuzz * self.fuzz;
+        let pdf = s2.sqrt() * (b * b * 3.0 + s2) / (cube * (2.0 * PI));
+        b.gt(R::ZERO).select(pdf, R::ZERO)
+    }
+}
+
+impl<R: Real> Bsdf<R> for MetalBsdf<R> {
+    #[inline(always)]
+    fn specular(&self) -> R::Mask {
+        self.fuzz.lt(R::splat(LEAST_BLUR))
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let (u, v) = randoms.two(Dimension::SCATTER);
+        let blur = uniform_ball(u, v, randoms.one(Dimension::BALL));
+        let direction = normalize(self.mirror + blur * self.fuzz);
+        Scatter {
+            direction,
+            side: self.normal,
+            weight: self.albedo,
+            pdf: self.specular().select(R::splat(SPECULAR), self.pdf(direction)),
+            // False for NaN too, where the blur undoes the mirror direction exactly.
+            scattered: dot(direction, self.normal).gt(R::ZERO),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R) {
+        let possible = dot(direction, self.normal).gt(R::ZERO) & !self.specular();
+        let pdf = possible.select(self.pdf(direction), R::ZERO);
+        (self.albedo * pdf, pdf)
+    }
+}

@@ -1,0 +1,130 @@
+//! Frosted glass: GGX microfacets that reflect and refract (Walter et al. 2007).
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Bsdf, MaterialModel, Scatter};
+use crate::error::Result;
+use crate::math::microfacet::Ggx;
+use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, row};
+use crate::sampler::{Dimension, Randoms};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::TextureTables;
+
+/// Frosted glass in air: GGX microfacets, exact Fresnel equations.
+///
+/// Each visible microfacet is a smooth piece of glass. As in [`super::Dielectric`], paths carry basic
+/// radiance. Masking and shadowing from opposite sides are taken as independent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoughDielectric {
+    /// Index of refraction relative to air, 0.01 to 0.99 or 1.01 to 100.
+    pub ior: f32,
+    /// Roughness α of GGX, 0.001 to 1.
+    pub alpha: f32,
+}
+
+impl MaterialModel for RoughDielectric {
+    /// Index of refraction, twice 0; α.
+    type Entry = Row;
+    type Bsdf<R: Real> = RoughDielectricBsdf<R>;
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        let Self { ior, alpha } = self;
+        // Towards 1 all microfacets let light pass straight on.
+        let ok = (0.01..=0.99).contains(ior) || (1.01..=100.0).contains(ior);
+        e.check(ok, "ior", "in [0.01, 0.99] or [1.01, 100]", ior)?;
+        e.check((0.001..=1.0).contains(alpha), "alpha", "in [0.001, 1]", alpha)
+    }
+
+    fn entry(&self, _: &mut TextureTables) -> Row {
+        row(Vec3::X * self.ior, self.alpha)
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(
+        table: &[Row],
+        index: R::Index,
+        at: &Interaction<'_, R>,
+    ) -> RoughDielectricBsdf<R> {
+        let (ior, alpha) = R::gather(table, index, |row| row);
+        let frame = Frame::new(at.normal);
+        let wo = frame.local(-at.ray.direction);
+        let eta = at.front.select(ior[0], R::ONE / ior[0]);
+        RoughDielectricBsdf { frame, wo, eta, ggx: Ggx { alpha } }
+    }
+}
+
+pub(crate) struct RoughDielectricBsdf<R: Real> {
+    frame: Frame<R::Vec3>,
+    /// To where the path comes from, in the frame.
+    wo: R::Vec3,
+    /// Index of refraction beyond the surface over that before it.
+    eta: R,
+    ggx: Ggx<R>,
+}
+
+impl<R: Real> RoughDielectricBsdf<R> {
+    /// f·|cos θi|/pdf and pdf of the direction `wi` by way of the microfacets with normal `m`, and
+    /// whether these can bring light that way.
+    #[inline(always)]
+    fn weight_and_pdf(&self, wi: R::Vec3, m: R::Vec3) -> (R, R, R::Mask) {
+        let (before, after) = (min(dot(self.wo, m), R::ONE), dot(wi, m));
+        let (lo, li) = (self.ggx.length(self.wo), self.ggx.length(wi));
+        let reflectance = fresnel::dielectric(before, self.eta);
+        // Density of m, visible from wo: 2 D max(0, wo·m)/(z + length).
+        let normals = self.ggx.density(m) * 2.0 * before / (self.wo[2] + lo);
+        let reflection = (
+            wi[2] * (self.wo[2] + lo) / (self.wo[2] * li + wi[2] * lo),
+            reflectance * normals / (before * 4.0),
+        );
+        // Shadowing alone: 2 |z|/(|z| + length).
+        let sum = before + self.eta * after;
+        let jacobian = self.eta * self.eta * after.abs() / (sum * sum);
+        let refraction = (wi[2] * 2.0 / (wi[2] - li), (R::ONE - reflectance) * normals * jacobian);
+        let above = wi[2].gt(R::ZERO);
+        let weight = above.select(reflection.0, refraction.0);
+        let pdf = above.select(reflection.1, refraction.1);
+        let through = above.select(after.gt(R::ZERO), after.lt(R::ZERO));
+        (weight, pdf, through & before.gt(R::ZERO) & pdf.gt(R::ZERO))
+    }
+}
+
+impl<R: Real> Bsdf<R> for RoughDielectricBsdf<R> {
+    const TRANSMITS: bool = true;
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let (u, v) = randoms.two(Dimension::SCATTER);
+        let m = self.ggx.sample(self.wo, R::ONE, u, v);
+        let cos = min(dot(self.wo, m), R::ONE);
+        let reflected = randoms.one(Dimension::LOBE).lt(fresnel::dielectric(cos, self.eta));
+        let reflection = m * (cos * 2.0) - self.wo;
+        let sin2 = (R::ONE - cos * cos) / (self.eta * self.eta);
+        let along = cos / self.eta - max(R::ZERO, R::ONE - sin2).sqrt();
+        let refraction = m * along - self.wo / self.eta;
+        let wi = normalize(reflected.select(reflection, refraction));
+        let (weight, pdf, possible) = self.weight_and_pdf(wi, m);
+        // Where the microfacet turns the path to the other side it is lost.
+        let right_side = !(wi[2].gt(R::ZERO) ^ reflected);
+        let normal = self.frame.normal();
+        Scatter {
+            direction: self.frame.world(wi),
+            side: reflected.select(normal, -normal),
+            weight: R::Vec3::gray(weight),
+            pdf,
+            scattered: possible & right_side,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R) {
+        let wi = self.frame.local(direction);
+        let half = self.wo + wi * wi[2].gt(R::ZERO).select(R::ONE, self.eta);
+        let half = half[2].lt(R::ZERO).select(-half, half);
+        let (weight, pdf, possible) = self.weight_and_pdf(wi, normalize(half));
+        let f_cos = possible.select(weight * pdf, R::ZERO);
+        (R::Vec3::gray(f_cos), possible.select(pdf, R::ZERO))
+    }
+}

@@ -1,0 +1,51 @@
+//! A scene in the tables that both engines read.
+
+use std::sync::Arc;
+
+use super::Scene;
+use super::interaction::Interaction;
+use super::light::{Lights, LightsBuilder};
+use super::looks::Looks;
+use super::material::MaterialTables;
+use super::medium::Media;
+use super::texture::TextureTables;
+use crate::geometry::{Ray, Shape, Surfaces};
+use crate::math::{Real, face_forward};
+
+/// The tables of a scene.
+#[derive(Debug)]
+pub(crate) struct SceneTables {
+    pub(crate) surfaces: Surfaces,
+    pub(crate) looks: Looks,
+    pub(crate) materials: MaterialTables,
+    pub(super) textures: TextureTables,
+    pub(crate) lights: Lights,
+    pub(crate) media: Media,
+}
+
+impl SceneTables {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let geometry = scene.geometry();
+        let (mut materials, mut textures) = Default::default();
+        let mut lights = LightsBuilder::default();
+        let shine = |primitive, emission| lights.push(geometry.get(primitive), emission);
+        let looks = Looks::new(scene, &mut materials, &mut textures, shine);
+        let media = Media::new(scene.media(), looks.first_medium());
+        let surfaces = Surfaces::new(&Arc::clone(geometry));
+        Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
+    }
+
+    /// Where `ray` hits primitives of one shape at distance `t`.
+    #[inline(always)]
+    pub(crate) fn interaction<R: Real>(
+        &self,
+        shape: Shape,
+        primitive: R::Word,
+        ray: Ray<R>,
+        t: R,
+    ) -> Interaction<'_, R> {
+        let surface = self.surfaces.find(shape, primitive, &ray, t);
+        let (normal, front) = face_forward(surface.normal, ray.direction);
+        Interaction { tables: self, ray, t, shape, primitive, surface, normal, front }
+    }
+}

@@ -1,0 +1,99 @@
+//! Cubic cells of two colours.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::TextureModel;
+use crate::error::Result;
+use crate::math::{Mask, Real, Row, row};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::resolve::Loader;
+
+/// A 3-D checker: `odd` where sin(sx)·sin(sy)·sin(sz) < 0 with s = `scale`, else `even`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Checker {
+    /// Linear RGB, each channel in [0, 1].
+    pub odd: [f32; 3],
+    /// Linear RGB, each channel in [0, 1].
+    pub even: [f32; 3],
+    /// Cells have the side π/scale; above 0, at most 1e6.
+    pub scale: f32,
+}
+
+impl TextureModel for Checker {
+    /// Odd colour, cells per unit of length; even colour.
+    type Entry = [Row; 2];
+
+    fn load(&mut self, e: &Element<'_>, _: &mut Loader<'_>) -> Result<()> {
+        let ok = self.scale > 0.0 && self.scale <= 1e6;
+        e.check(ok, "scale", "above 0 and at most 1e6", self.scale)?;
+        e.color("odd", self.odd, 1.0)?;
+        e.color("even", self.even, 1.0).map(|_| ())
+    }
+
+    fn identity(&self) -> Value {
+        json!({ "checker": self })
+    }
+
+    fn entry(&self) -> [Row; 2] {
+        let frequency = (f64::from(self.scale) / PI) as f32;
+        [row(self.odd.into(), frequency), row(self.even.into(), 0.0)]
+    }
+
+    /// The product of sines is negative where the sum of the cells' numbers is odd.
+    #[inline(always)]
+    fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3 {
+        let index = R::index(index, table.len());
+        let (odd_color, frequency) = R::gather(table, index, |entry| &entry[0]);
+        let (even_color, _) = R::gather(table, index, |entry| &entry[1]);
+        let odd = |x: R| {
+            let cell = (x * frequency).floor();
+            !(cell - (cell * 0.5).floor() * 2.0).eq(R::ZERO)
+        };
+        let point = at.surface.point;
+        (odd(point[0]) ^ odd(point[1]) ^ odd(point[2])).select(odd_color, even_color)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geometry::{Ray, Shape, Surface};
+    use crate::math::random::Stream;
+    use crate::scene::{Scene, SceneTables};
+
+    #[test]
+    #[allow(clippy::disallowed_methods)] // the definition has sines
+    fn checker_is_the_sign_of_the_product_of_sines() {
+        let scene = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40))";
+        let tables = SceneTables::new(&Scene::from_ron(scene).unwrap());
+        let checker = Checker { odd: [1.0, 0.0, 0.0], even: [0.0, 1.0, 0.0], scale: 10.0 };
+        let table = [checker.entry()];
+        let mut random = Stream::new(2);
+        for _ in 0..100_000 {
+            let p = Vec3::from_array(std::array::from_fn(|_| random.between(-30.0, 30.0)));
+            let sines = p.to_array().map(|x| (10.0 * f64::from(x)).sin());
+            if sines.iter().any(|s| s.abs() < 1e-4) {
+                continue;
+            }
+            let at = Interaction {
+                tables: &tables,
+                ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 },
+                t: 1.0,
+                shape: Shape::Quad,
+                primitive: 0,
+                surface: Surface { point: p, normal: Vec3::Z, offset: 0.0 },
+                normal: Vec3::Z,
+                front: true,
+            };
+            let want = if sines.iter().product::<f64>() < 0.0 { checker.odd } else { checker.even };
+            assert_eq!(Checker::color::<f32>(&table, 0, &at).to_array(), want, "{p}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Colours of materials: one colour, or a texture.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::Texture;
+use crate::error::Result;
+use crate::image::Image;
+use crate::scene::place::Element;
+
+/// A colour, or a texture by name or by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Color {
+    /// Linear RGB.
+    Rgb([f32; 3]),
+    /// A key of [`SceneFile::textures`](crate::scene::SceneFile::textures).
+    Named(String),
+    /// A texture.
+    Texture(Arc<Texture>),
+}
+
+impl Color {
+    /// Checks that one colour is an albedo: each channel in [0, 1].
+    pub(in crate::scene) fn check(&self, e: &Element<'_>, name: &str) -> Result<()> {
+        match self {
+            Self::Rgb(rgb) => e.color(name, *rgb, 1.0).map(|_| ()),
+            Self::Named(_) | Self::Texture(_) => Ok(()),
+        }
+    }
+}
+
+impl Color {
+    /// The image of its texture.
+    pub(in crate::scene) fn image(&self) -> Option<Arc<Image>> {
+        match self {
+            Self::Texture(texture) => texture.image(),
+            _ => None,
+        }
+    }
+}
+
+impl From<[f32; 3]> for Color {
+    fn from(rgb: [f32; 3]) -> Self {
+        Self::Rgb(rgb)
+    }
+}
+
+impl From<Texture> for Color {
+    fn from(texture: Texture) -> Self {
+        Self::Texture(Arc::new(texture))
+    }
+}
+
+impl Serialize for Color {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        match self {
+            Self::Rgb(rgb) => rgb.serialize(serializer),
+            Self::Named(name) => name.serialize(serializer),
+            Self::Texture(texture) => texture.identity().serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Color {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        struct ColorVisitor;
+
+        impl<'de> Visitor<'de> for ColorVisitor {
+            type Value = Color;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a colour of three numbers or the name of a texture in quotes")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> std::result::Result<Color, E> {
+                Ok(Color::Named(name.to_owned()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(
+                self,
+                mut seq: A,
+            ) -> std::result::Result<Color, A::Error> {
+                let mut color = [0.0; 3];
+                for (i, channel) in color.iter_mut().enumerate() {
+                    *channel =
+                        seq.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+                }
+                match seq.next_element::<f32>()? {
+                    None => Ok(Color::Rgb(color)),
+                    Some(_) => Err(A::Error::invalid_length(4, &self)),
+                }
+            }
+        }
+
+        deserializer.deserialize_any(ColorVisitor)
+    }
+}

@@ -1,0 +1,101 @@
+//! Pictures.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::TextureModel;
+use crate::error::Result;
+use crate::image::Image as Pixels;
+use crate::math::{Real, Vector, clamp};
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::resolve::Loader;
+
+/// A picture over the surface's texture coordinates, filtered bilinearly; u repeats, v is clamped, and
+/// v = 0 is the bottom.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Image {
+    /// Path, relative to the scene file.
+    pub file: String,
+    /// The picture, once it is read.
+    #[serde(skip)]
+    pub(super) pixels: Option<Arc<Pixels>>,
+}
+
+impl Image {
+    /// The picture in `file`, which is read when the scene is resolved.
+    pub fn from_file(file: impl Into<String>) -> Self {
+        Self { file: file.into(), pixels: None }
+    }
+
+    fn pixels(&self) -> &Arc<Pixels> {
+        self.pixels.as_ref().expect("the picture was read")
+    }
+}
+
+impl TextureModel for Image {
+    type Entry = Arc<Pixels>;
+
+    fn load(&mut self, e: &Element<'_>, loader: &mut Loader<'_>) -> Result<()> {
+        self.pixels = Some(loader.albedo_map(e, &self.file)?);
+        Ok(())
+    }
+
+    fn identity(&self) -> Value {
+        json!({ "image": self.pixels().hash() })
+    }
+
+    fn image(&self) -> Option<Arc<Pixels>> {
+        self.pixels.clone()
+    }
+
+    fn entry(&self) -> Arc<Pixels> {
+        Arc::clone(self.pixels())
+    }
+
+    #[inline(never)]
+    fn color<R: Real>(table: &[Arc<Pixels>], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3 {
+        let (u, v) = at.uv();
+        let color =
+            |image: u32, [u, v]: [f32; 2]| bilinear(&table[image as usize], u, v).to_array();
+        let [r, g, b] = R::each_lane(index, [u, v], color);
+        R::Vec3::new(r, g, b)
+    }
+}
+
+fn bilinear(image: &Pixels, u: f32, v: f32) -> Vec3 {
+    let (width, height) = (image.width(), image.height());
+    let x = clamp(u, 0.0, 1.0) * width as f32 - 0.5;
+    let y = (1.0 - clamp(v, 0.0, 1.0)) * height as f32 - 0.5;
+    let (x0, y0) = (x.floor(), y.floor());
+    let (fx, fy) = (x - x0, y - y0);
+    let (x0, y0) = (x0 as i32, y0 as i32);
+    let pixel = |x: i32, y: i32| {
+        let x = if x < 0 { width - 1 } else { x as u32 % width };
+        let y = y.clamp(0, height as i32 - 1) as u32;
+        Vec3::from_array(image.pixels()[(y * width + x) as usize])
+    };
+    let row = |y| pixel(x0, y) * (1.0 - fx) + pixel(x0 + 1, y) * fx;
+    row(y0) * (1.0 - fy) + row(y0 + 1) * fy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_are_filtered_and_wrap_around() {
+        let image = Pixels::from_pixels(2, 2, vec![[0.0; 3], [4.0; 3], [8.0; 3], [12.0; 3]]);
+        let at = |u, v| bilinear(&image, u, v).x;
+        assert_eq!(at(0.25, 0.75), 0.0, "middle of the upper left pixel");
+        assert_eq!(at(0.75, 0.25), 12.0, "middle of the lower right pixel");
+        assert_eq!(at(0.5, 0.5), 6.0);
+        assert_eq!(at(0.0, 1.0), 2.0, "u wraps, v is clamped");
+        assert_eq!(at(1.0, 0.0), 10.0);
+        assert_eq!(at(f32::NAN, f32::NAN), at(0.0, 0.0));
+    }
+}
