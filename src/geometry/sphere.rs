@@ -72,10 +72,10 @@ impl Sphere {
     }
 }
 
-/// Centre at time 0, radius; motion.
-pub(super) fn rows(sphere: &Sphere) -> [Row; 2] {
+/// Centre at time 0, radius.
+pub(super) fn row_at_start(sphere: &Sphere) -> Row {
     // Where a still sphere is at any time, a zero's sign included.
-    [row(sphere.center_at(0.0), sphere.radius), row(sphere.motion(), 0.0)]
+    row(sphere.center_at(0.0), sphere.radius)
 }
 
 /// The point at distance `t` of spheres that are at `center` at the ray's time.

@@ -3,20 +3,24 @@
 use std::sync::Arc;
 
 use super::{Geometry, Primitive, Ray, Shape, Surface, quad, sphere, triangle};
-use crate::math::{Real, Row, Word};
+use crate::math::{Real, Row, Word, row};
 
 /// A geometry's primitives in rows.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
     geometry: Arc<Geometry>,
-    spheres: Vec<[Row; 2]>,
+    spheres: Vec<Row>,
+    /// Of the spheres, if any moves.
+    motions: Vec<Row>,
     quads: Vec<[Row; 5]>,
 }
 
 impl Surfaces {
     pub(crate) fn new(geometry: &Arc<Geometry>) -> Self {
+        let moving = if geometry.moves() { &geometry.spheres[..] } else { &[] };
         Self {
-            spheres: geometry.spheres.iter().map(sphere::rows).collect(),
+            spheres: geometry.spheres.iter().map(sphere::row_at_start).collect(),
+            motions: moving.iter().map(|sphere| row(sphere.motion(), 0.0)).collect(),
             quads: geometry.quads.iter().map(quad::rows).collect(),
             geometry: Arc::clone(geometry),
         }
@@ -34,13 +38,13 @@ impl Surfaces {
         match shape {
             Shape::Sphere => {
                 let index = R::index(primitive, self.spheres.len());
-                let (center, radius) = R::gather(&self.spheres, index, |rows| &rows[0]);
+                let (center, radius) = R::gather(&self.spheres, index, |row| row);
                 sphere::surface(center, radius, ray, t)
             }
             Shape::MovingSphere => {
                 let index = R::index(primitive, self.spheres.len());
-                let (center, radius) = R::gather(&self.spheres, index, |rows| &rows[0]);
-                let (motion, _) = R::gather(&self.spheres, index, |rows| &rows[1]);
+                let (center, radius) = R::gather(&self.spheres, index, |row| row);
+                let (motion, _) = R::gather(&self.motions, index, |row| row);
                 sphere::surface(center + motion * ray.time, radius, ray, t)
             }
             Shape::Quad => quad::surface(&self.quads, self.quad::<R>(primitive), ray, t),

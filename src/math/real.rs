@@ -83,7 +83,7 @@ pub trait Real:
     /// # Panics
     /// If it is not below `len`.
     fn index(place: Self::Word, len: usize) -> Self::Index;
-    /// As [`Real::index`], for places that are mostly the same in all lanes: then entries are read once.
+    /// As [`Real::index`], for tables that often have one entry: then it is read once for all lanes.
     fn index_of_few(place: Self::Word, len: usize) -> Self::Index;
     /// The row that `row` finds in the entry of `table` at `index`: a vector and a number.
     fn gather<T>(table: &[T], index: Self::Index, row: impl Fn(&T) -> &Row) -> (Self::Vec3, Self);

@@ -154,14 +154,9 @@ impl Looks {
     #[inline(always)]
     pub(crate) fn key(&self, primitive: u32) -> u8 {
         match self.key_of[(primitive as usize).min(self.key_of.len() - 1)] {
-            SEARCH => self.search(primitive),
+            SEARCH => self.range(primitive).key,
             key => key,
         }
-    }
-
-    #[inline(never)]
-    fn search(&self, primitive: u32) -> u8 {
-        self.range(primitive).key
     }
 
     #[inline(always)]
@@ -169,13 +164,21 @@ impl Looks {
         &self.ranges[self.ranges.partition_point(|range| range.last < primitive)]
     }
 
-    /// The places of the materials of primitives of one shape in the table of their kind.
+    /// The places of the materials of primitives of one shape in the table of their kind, which has
+    /// `len` entries.
     #[inline(always)]
-    pub(crate) fn entries<R: Real>(&self, shape: Shape, primitive: R::Word) -> R::Word {
-        match shape {
+    pub(crate) fn entries<R: Real>(
+        &self,
+        shape: Shape,
+        primitive: R::Word,
+        len: usize,
+    ) -> R::Index {
+        let entries = match shape {
+            _ if len == 1 => R::Word::splat(0),
             Shape::Triangle => R::each_word(primitive, |primitive| self.range(primitive).entry),
             _ => R::pick(&self.entries, R::index(primitive, self.entries.len())),
-        }
+        };
+        R::index_of_few(entries, len)
     }
 
     /// The lights that primitives of one shape are, and whether they are lights.

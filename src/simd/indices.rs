@@ -12,8 +12,8 @@ use crate::math::Row;
 pub(crate) struct Indices {
     lanes: Lanes<u32>,
     end: usize,
-    /// Whether all lanes are known to be the same.
-    same: bool,
+    /// Whether all lanes are known to be 0.
+    only: bool,
 }
 
 impl Indices {
@@ -24,15 +24,13 @@ impl Indices {
         let last = end.checked_sub(1).expect("a table with entries");
         let last = Int::splat(u32::try_from(last).unwrap_or(u32::MAX));
         assert!(lanes.le(last).bits() == first_bits(LANES), "an index is not below {end}");
-        Self { lanes: lanes.to_array(), end, same: false }
+        Self { lanes: lanes.to_array(), end, only: false }
     }
 
-    /// As [`Indices::new`], for lanes that are mostly all the same: then an entry is read once.
+    /// As [`Indices::new`], for tables that often have one entry: then it is read once for all lanes.
     #[inline(always)]
     pub(crate) fn of_few(lanes: Int, end: usize) -> Self {
-        let indices = Self::new(lanes, end);
-        let same = (!lanes.eq(Int::splat(indices.lanes[0]))).bits() == 0;
-        Self { same, ..indices }
+        Self { only: end == 1, ..Self::new(lanes, end) }
     }
 
     pub(crate) fn lanes(&self) -> &Lanes<u32> {
@@ -48,7 +46,7 @@ impl Indices {
         assert!(self.end <= table.len());
         // SAFETY: all indices are below `end`, and that is not above `table.len()`.
         let row = |index: u32| row(unsafe { table.get_unchecked(index as usize) });
-        if self.same { splat_row(row(self.lanes[0])) } else { gather_rows(&self.lanes, row) }
+        if self.only { splat_row(row(0)) } else { gather_rows(&self.lanes, row) }
     }
 
     /// Sets the rows of these entries of `table`. Lanes with the same entry must have the same row.
@@ -104,14 +102,11 @@ mod tests {
             let lanes: Lanes<u32> = std::array::from_fn(|_| (random.bits() % 40) as u32);
             let indices = Indices::new(Int::new(lanes), table.len());
             assert_eq!(indices.pick(&words), lanes.map(|i| i * i));
-            let few = Indices::of_few(Int::splat(lanes[0]), table.len());
-            assert_eq!(
-                few.gather(&table, |rows| &rows[1]).0[0].to_array(),
-                [lanes[0] as f32; LANES]
-            );
             let (vector, number) = indices.gather(&table, |rows| &rows[1]);
             let few = Indices::of_few(Int::new(lanes), table.len());
             assert_eq!(few.gather(&table, |rows| &rows[1]).0[0].to_array(), vector[0].to_array());
+            let only = Indices::of_few(Int::ZERO, 1).gather(&table[7..8], |rows| &rows[1]);
+            assert_eq!(only.0[0].to_array(), [7.0; LANES]);
             assert_eq!(vector[2].to_array(), lanes.map(|i| i as f32));
             let changed = (vector, number + Float::splat(1.0));
             indices.scatter(&mut table, |rows| &mut rows[0], changed);

@@ -232,7 +232,8 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         if tracer.ends_by_depth(path) {
             return false;
         }
-        let bsdf = M::bsdf::<f32>(table, tables.looks.entries::<f32>(shape, primitive), &at);
+        let entry = tables.looks.entries::<f32>(shape, primitive, table.len());
+        let bsdf = M::bsdf::<f32>(table, entry, &at);
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)
     }

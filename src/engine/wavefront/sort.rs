@@ -86,6 +86,7 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
 }
 
 /// Finds the key of each ray, and how many rays each key has.
+#[inline(never)]
 fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], places: &mut [(u32, u32)]) {
     // Neighbours often have the same key: with one table each count would wait for the last.
     let mut counts = [[0; 256]; 4];

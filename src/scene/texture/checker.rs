@@ -47,7 +47,7 @@ impl TextureModel for Checker {
     /// The product of sines is negative where the sum of the cells' numbers is odd.
     #[inline(always)]
     fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3 {
-        let index = R::index(index, table.len());
+        let index = R::index_of_few(index, table.len());
         let (odd_color, frequency) = R::gather(table, index, |entry| &entry[0]);
         let (even_color, _) = R::gather(table, index, |entry| &entry[1]);
         let odd = |x: R| {

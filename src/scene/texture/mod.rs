@@ -32,6 +32,9 @@ pub(crate) trait TextureModel {
     /// What decides the colours, in a canonical form.
     fn identity(&self) -> Value;
 
+    /// Whether each texture of the kind has one colour everywhere.
+    const CONSTANT: bool = false;
+
     /// The one colour that it has everywhere, if so.
     fn constant(&self) -> Option<[f32; 3]> {
         None
@@ -122,7 +125,7 @@ macro_rules! textures {
                 code: R::Word,
                 at: &Interaction<'_, R>,
             ) -> R::Vec3 {
-                $(
+                $(if !$name::CONSTANT {
                     let kind = R::Word::splat(TextureKind::$name as u32 + 1);
                     let here = (code >> KIND_SHIFT).eq(kind);
                     if here.any() {
@@ -132,7 +135,7 @@ macro_rules! textures {
                         let at = *at;
                         color = here.select($name::color(&self.$module, place, &at), color);
                     }
-                )*
+                })*
                 color
             }
         }

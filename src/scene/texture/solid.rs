@@ -21,6 +21,8 @@ pub struct Solid {
 impl TextureModel for Solid {
     type Entry = ();
 
+    const CONSTANT: bool = true;
+
     fn load(&mut self, e: &Element<'_>, _: &mut Loader<'_>) -> Result<()> {
         e.color("color", self.color, 1.0).map(|_| ())
     }

@@ -12,6 +12,7 @@ use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
     /// Ends the paths that leave the scene.
+    #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
@@ -25,6 +26,7 @@ impl Shading<'_> {
     }
 
     /// Adds the light that surfaces of one shape emit towards the paths.
+    #[inline(never)]
     pub(super) fn emit(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         if self.tables.lights.is_empty() {
             return;

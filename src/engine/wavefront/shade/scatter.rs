@@ -6,14 +6,16 @@ use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Ray, Shape, Surface};
-use crate::math::{Real, max_element};
+use crate::math::max_element;
 use crate::sampler::Dimension;
 use crate::scene::material::{Bsdf, MaterialModel, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
 impl Shading<'_> {
     /// Scatters the paths of `queue` on surfaces of one shape and kind of material.
-    #[inline(always)]
+    ///
+    /// Not inlined: each kind has the registers for itself.
+    #[inline(never)]
     pub(super) fn scatter<M: MaterialModel>(
         &self,
         table: &[M::Entry],
@@ -25,13 +27,14 @@ impl Shading<'_> {
             let vertex = self.vertex(queue, first, shaded.paths);
             let ray = vertex.segment.ray;
             let at = self.tables.interaction(shape, vertex.primitive, ray, vertex.t);
-            let entries = self.tables.looks.entries::<Float>(shape, vertex.primitive);
-            let bsdf = M::bsdf::<Float>(table, Float::index(entries, table.len()), &at);
+            let entries = self.tables.looks.entries::<Float>(shape, vertex.primitive, table.len());
+            let bsdf = M::bsdf::<Float>(table, entries, &at);
             self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
         }
     }
 
     /// Scatters the paths of `queue` in media.
+    #[inline(never)]
     pub(super) fn scatter_in_media(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths);
