@@ -8,6 +8,8 @@ use crate::math::Real;
 #[derive(Clone, Copy)]
 pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) tables: &'a SceneTables,
+    /// Whether colours may be textures: where it is known that none is, nothing is spent on them.
+    pub(crate) textured: bool,
     /// That arrives; its direction is of unit length.
     pub(crate) ray: Ray<R>,
     /// Distance along the ray.
@@ -25,7 +27,7 @@ impl<R: Real> Interaction<'_, R> {
     /// The colour of a row of [`super::texture::TextureTables::row`].
     #[inline(always)]
     pub(crate) fn color(&self, row: (R::Vec3, R)) -> R::Vec3 {
-        self.tables.textures.color(row, self)
+        if self.textured { self.tables.textures.color(row, self) } else { row.0 }
     }
 
     /// Texture coordinates, both in [0, 1] up to rounding.

@@ -35,7 +35,8 @@ impl SceneTables {
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 
-    /// Where `ray` hits primitives of one shape at distance `t`.
+    /// Where `ray` hits primitives of one shape at distance `t`; `textured` is that of their materials'
+    /// table.
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,
@@ -43,9 +44,10 @@ impl SceneTables {
         primitive: R::Word,
         ray: Ray<R>,
         t: R,
+        textured: bool,
     ) -> Interaction<'_, R> {
         let surface = self.surfaces.find(shape, primitive, &ray, t);
         let (normal, front) = face_forward(surface.normal, ray.direction);
-        Interaction { tables: self, ray, t, shape, primitive, surface, normal, front }
+        Interaction { tables: self, textured, ray, t, shape, primitive, surface, normal, front }
     }
 }

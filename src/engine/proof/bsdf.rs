@@ -7,8 +7,8 @@ use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
-    Bsdf, Conductor, Diffuse, Lambertian, Material, MaterialModel, MaterialVisitor, Metal,
-    RoughDielectric, Scatter,
+    Bsdf, Conductor, Diffuse, Lambertian, Material, MaterialModel, MaterialTable, MaterialVisitor,
+    Metal, RoughDielectric, Scatter,
 };
 use crate::scene::{Interaction, Isotropic, MaterialTables, Scene, SceneTables};
 
@@ -48,8 +48,8 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
     impl MaterialVisitor for Visitor<'_> {
         type Output = Scattering;
 
-        fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> Scattering {
-            Scattering::new(M::bsdf::<f32>(table, 0, &self.0))
+        fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> Scattering {
+            Scattering::new(M::bsdf::<f32>(&table.entries, 0, &self.0))
         }
     }
 
@@ -57,6 +57,7 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
     let tables = SceneTables::new(&Scene::from_ron(scene).expect("a scene"));
     let at = Interaction {
         tables: &tables,
+        textured: false,
         ray: Ray { origin: Vec3::ZERO, direction, time: 0.0 },
         t: 1.0,
         shape: Shape::Quad,

@@ -10,7 +10,9 @@ use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
 use crate::math::{dot, max_element, min};
 use crate::sampler::{Dimension, Randoms};
-use crate::scene::material::{Bsdf, MaterialModel, MaterialVisitor, SPECULAR, Scatter};
+use crate::scene::material::{
+    Bsdf, MaterialModel, MaterialTable, MaterialVisitor, SPECULAR, Scatter,
+};
 use crate::scene::{Key, Sampling, Scene, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts the rays that this takes.
@@ -217,10 +219,10 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     /// Whether the path goes on.
     type Output = bool;
 
-    fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> bool {
+    fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { tracer, path, shape, primitive, t, emits, randoms } = self;
         let tables = tracer.tables;
-        let at = tables.interaction::<f32>(shape, primitive, path.ray, t);
+        let at = tables.interaction::<f32>(shape, primitive, path.ray, t, table.textured);
         if emits {
             let (light, weight) = tracer.emitted(path, shape, primitive, t, at.front);
             path.radiance += path.beta * light * weight;
@@ -232,8 +234,8 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         if tracer.ends_by_depth(path) {
             return false;
         }
-        let entry = tables.looks.entries::<f32>(shape, primitive, table.len());
-        let bsdf = M::bsdf::<f32>(table, entry, &at);
+        let entry = tables.looks.entries::<f32>(shape, primitive, table.entries.len());
+        let bsdf = M::bsdf::<f32>(&table.entries, entry, &at);
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)
     }

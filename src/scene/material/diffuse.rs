@@ -26,6 +26,8 @@ impl MaterialModel for Diffuse {
     type Entry = Row;
     type Bsdf<R: Real> = DiffuseBsdf<R>;
 
+    const TEXTURED: bool = true;
+
     fn colors(&mut self) -> Vec<&mut Color> {
         vec![&mut self.albedo]
     }

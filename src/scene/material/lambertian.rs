@@ -26,6 +26,8 @@ impl MaterialModel for Lambertian {
     type Entry = Row;
     type Bsdf<R: Real> = LambertianBsdf<R>;
 
+    const TEXTURED: bool = true;
+
     fn colors(&mut self) -> Vec<&mut Color> {
         vec![&mut self.albedo]
     }

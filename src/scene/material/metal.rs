@@ -30,6 +30,8 @@ impl MaterialModel for Metal {
     type Entry = [Row; 2];
     type Bsdf<R: Real> = MetalBsdf<R>;
 
+    const TEXTURED: bool = true;
+
     fn colors(&mut self) -> Vec<&mut Color> {
         vec![&mut self.albedo]
     }

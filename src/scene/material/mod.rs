@@ -35,6 +35,8 @@ pub(crate) trait MaterialModel {
 
     /// Whether it scatters light at all.
     const SCATTERS: bool = true;
+    /// Whether a parameter may be a texture.
+    const TEXTURED: bool = false;
 
     /// The colours that may be textures.
     fn colors(&mut self) -> Vec<&mut Color> {
@@ -66,7 +68,21 @@ pub(crate) trait MaterialVisitor {
     type Output;
 
     /// Called with the kind and its table.
-    fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> Self::Output;
+    fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> Self::Output;
+}
+
+/// The materials of a kind.
+#[derive(Debug)]
+pub(crate) struct MaterialTable<E> {
+    pub(crate) entries: Vec<E>,
+    /// Whether any of them has a texture.
+    pub(crate) textured: bool,
+}
+
+impl<E> Default for MaterialTable<E> {
+    fn default() -> Self {
+        Self { entries: Vec::new(), textured: false }
+    }
 }
 
 macro_rules! materials {
@@ -96,7 +112,7 @@ macro_rules! materials {
         /// The materials of a scene, a table a kind.
         #[derive(Debug, Default)]
         pub(crate) struct MaterialTables {
-            $($module: Vec<<$name as MaterialModel>::Entry>,)*
+            $($module: MaterialTable<<$name as MaterialModel>::Entry>,)*
         }
 
         impl Material {
@@ -138,8 +154,12 @@ macro_rules! materials {
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
                     $(Material::$name(material) => {
-                        self.$module.push(material.entry(textures));
-                        self.$module.len() as u32 - 1
+                        let before = textures.uses();
+                        let table = &mut self.$module;
+                        table.entries.push(material.entry(textures));
+                        table.textured |= textures.uses() > before;
+                        assert!($name::TEXTURED || !table.textured, "it says that it has no texture");
+                        table.entries.len() as u32 - 1
                     })*
                 }
             }

@@ -84,6 +84,7 @@ mod tests {
             }
             let at = Interaction {
                 tables: &tables,
+                textured: true,
                 ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 },
                 t: 1.0,
                 shape: Shape::Quad,

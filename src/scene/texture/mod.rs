@@ -101,6 +101,8 @@ macro_rules! textures {
             $($module: Vec<<$name as TextureModel>::Entry>,)*
             /// The textures that are in the tables, and their codes.
             known: Vec<(Arc<Texture>, u32)>,
+            /// How many rows have a code.
+            uses: usize,
         }
 
         impl TextureTables {
@@ -155,6 +157,11 @@ textures! {
 const KIND_SHIFT: u32 = 28;
 
 impl TextureTables {
+    /// How many rows have the code of a texture.
+    pub(super) fn uses(&self) -> usize {
+        self.uses
+    }
+
     /// The row of a colour: itself and 0, or a texture's code.
     pub(super) fn row(&mut self, color: &Color) -> Row {
         let texture = match color {
@@ -162,16 +169,19 @@ impl TextureTables {
             Color::Texture(texture) => texture,
             Color::Named(name) => unreachable!("texture {name} was looked up"),
         };
-        if let Some((_, code)) = self.known.iter().find(|(known, _)| Arc::ptr_eq(known, texture)) {
-            return [0, 0, 0, *code];
-        }
-        match self.push(texture) {
-            Ok(color) => row(color.into(), 0.0),
-            Err(code) => {
-                self.known.push((Arc::clone(texture), code));
-                [0, 0, 0, code]
-            }
-        }
+        let known = self.known.iter().find(|(known, _)| Arc::ptr_eq(known, texture));
+        let code = match known {
+            Some((_, code)) => *code,
+            None => match self.push(texture) {
+                Ok(color) => return row(color.into(), 0.0),
+                Err(code) => {
+                    self.known.push((Arc::clone(texture), code));
+                    code
+                }
+            },
+        };
+        self.uses += 1;
+        [0, 0, 0, code]
     }
 
     /// The colour of a row at `at`.

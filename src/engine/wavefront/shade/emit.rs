@@ -34,7 +34,8 @@ impl Shading<'_> {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths);
             let Segment { ray, pdf } = vertex.segment;
-            let at = self.tables.interaction(shape, vertex.primitive, ray, vertex.t);
+            let (primitive, t) = (vertex.primitive, vertex.t);
+            let at = self.tables.interaction(shape, primitive, ray, t, false);
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, vertex.primitive);
             let light = self.tables.lights.get::<Float>(light);
             let weight = match self.settings.sampling {

@@ -14,7 +14,7 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
 use crate::geometry::Shape;
-use crate::scene::material::{MaterialModel, MaterialVisitor};
+use crate::scene::material::{MaterialModel, MaterialTable, MaterialVisitor};
 use crate::scene::{Key, Scene, SceneTables};
 use crate::simd::LANES;
 
@@ -97,7 +97,7 @@ impl MaterialVisitor for Surfaces<'_, '_> {
     type Output = bool;
 
     #[inline(always)]
-    fn visit<M: MaterialModel>(self, table: &[M::Entry]) -> bool {
+    fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
         if emits {
             shading.emit(shape, queue, shaded);
@@ -106,8 +106,10 @@ impl MaterialVisitor for Surfaces<'_, '_> {
             shaded.endings.light += queue.len() as u64;
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
+        } else if M::TEXTURED && table.textured {
+            shading.scatter::<M, true>(&table.entries, shape, queue, shaded);
         } else {
-            shading.scatter::<M>(table, shape, queue, shaded);
+            shading.scatter::<M, false>(&table.entries, shape, queue, shaded);
         }
         true
     }
