@@ -18,6 +18,68 @@
 //! # }
 //! ```
 //!
+//! # A scene in code, a view of it, and a render that can be stopped
+//!
+//! A [`Renderer`] owns all that it needs and can live beside an application's own data. The trees of a
+//! [`PreparedScene`] serve any camera, image size, seed and number of samples.
+//!
+//! ```
+//! use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+//!
+//! use ptfast::engine::{Observer, Progress, Stop};
+//! use ptfast::scene::material::{Lambertian, Light, Sides};
+//! use ptfast::scene::{Background, CameraFile, PrimitiveFile, SceneFile};
+//! use ptfast::{RenderSettings, Renderer, Scene};
+//!
+//! # fn main() -> ptfast::Result<()> {
+//! let mut file = SceneFile::new(CameraFile::new([0.0, 1.0, 5.0], [0.0, 0.5, 0.0], 40.0));
+//! file.background = Background::Constant { radiance: [0.2, 0.3, 0.5] };
+//! file.add_material("grey", Lambertian { albedo: [0.7; 3].into() });
+//! file.add_material("lamp", Light { radiance: [5.0; 3], sides: Sides::Both });
+//! file.primitives.push(PrimitiveFile::Sphere {
+//!     center: [0.0, 3.0, 0.0],
+//!     radius: 0.5,
+//!     material: "lamp".to_owned(),
+//! });
+//! file.primitives.push(PrimitiveFile::Triangles {
+//!     vertices: vec![[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [0.0, 0.0, -4.0], [0.0, 2.0, 0.0]],
+//!     indices: vec![[0, 1, 2], [0, 1, 3]],
+//!     material: "grey".to_owned(),
+//! });
+//! let scene = Scene::from_file(&file)?;
+//!
+//! /// Counts samples, and stops the render after so many.
+//! struct Most(u64, AtomicU64);
+//!
+//! impl Observer for Most {
+//!     fn progressed(&self, progress: Progress) {
+//!         self.1.fetch_max(progress.samples, Relaxed);
+//!     }
+//!
+//!     fn stop(&self) -> Stop {
+//!         if self.1.load(Relaxed) < self.0 { Stop::No } else { Stop::Now }
+//!     }
+//! }
+//!
+//! let settings = RenderSettings { width: 64, height: 48, spp: 256, ..RenderSettings::of(&scene) };
+//! let mut renderer = Renderer::new(&scene, settings.clone())?;
+//! let mut rendering = renderer.begin()?;
+//! renderer.advance(&mut rendering, &Most(20_000, AtomicU64::new(0)))?;
+//! let done = rendering.progress().samples;
+//! assert!((20_000..64 * 48 * 256).contains(&done));
+//! let image = rendering.image()?; // the means of the samples so far
+//! let pixels: &[[f32; 3]] = image.pixels();
+//! assert_eq!(pixels.len(), 64 * 48);
+//!
+//! // It can go on, to the bits of a render that was never stopped ...
+//! renderer.advance_to(&mut rendering, 32, &())?;
+//! // ... or make way for another view of the same trees.
+//! renderer.set(RenderSettings { spp: 1, seed: 2, ..settings })?;
+//! renderer.render()?;
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Build for your CPU
 //!
 //! Registers are chosen at compile time, and cargo's default for x86-64 is SSE2. A crate

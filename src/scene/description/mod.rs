@@ -40,6 +40,26 @@ pub struct SceneFile {
     pub media: Vec<MediumFile>,
 }
 
+impl SceneFile {
+    /// A scene without primitives, black all around.
+    pub fn new(camera: CameraFile) -> Self {
+        Self {
+            camera,
+            background: Background::default(),
+            render: RenderDefaults::default(),
+            textures: Named::default(),
+            materials: Named::default(),
+            primitives: Vec::new(),
+            media: Vec::new(),
+        }
+    }
+
+    /// Adds a material; primitives refer to it by its name, which no other may have.
+    pub fn add_material(&mut self, name: impl Into<String>, material: impl Into<Material>) {
+        self.materials.0.push((name.into(), material.into()));
+    }
+}
+
 /// A thin-lens camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,6 +85,20 @@ pub struct CameraFile {
 }
 
 impl CameraFile {
+    /// A pinhole camera at `look_from`, with the y-axis up and a full vertical angle of view of `vfov`
+    /// degrees, in (0, 180).
+    pub fn new(look_from: [f32; 3], look_at: [f32; 3], vfov: f32) -> Self {
+        Self {
+            look_from,
+            look_at,
+            up: Self::default_up(),
+            vfov,
+            defocus_angle: 0.0,
+            focus_distance: Self::default_focus_distance(),
+            shutter: (0.0, 0.0),
+        }
+    }
+
     fn default_up() -> [f32; 3] {
         [0.0, 1.0, 0.0]
     }
