@@ -14,7 +14,7 @@ use super::flat::Flat;
 use super::job::Job;
 use super::kernel::Kernel;
 use super::pair::PairTree;
-use super::pair_traversal::{self, Order};
+use super::pair_traversal;
 use super::setup::Extent;
 use super::single;
 use super::wide::WideTree;
@@ -115,9 +115,7 @@ impl Accelerator {
     pub fn prepare(&self, kernel: Kernel) -> Layout {
         let spanning = self.base().spanning.0.bytes();
         let (bytes, seconds) = match kernel {
-            Kernel::Packet | Kernel::Octant => {
-                (self.pair().bytes() + spanning, self.pair.seconds())
-            }
+            Kernel::Packet => (self.pair().bytes() + spanning, self.pair.seconds()),
             Kernel::Beam | Kernel::Single => (self.wide().bytes() + spanning, self.wide.seconds()),
             Kernel::Flat => (self.flat().bytes(), self.flat.seconds()),
             Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
@@ -210,10 +208,8 @@ impl Accelerator {
         let ends = (range.start, range.end);
         let Base { spanning: (blocks, spanning), extent, .. } = self.base();
         let job = Job { rays, ends, extent, blocks, spanning };
-        let packets = pair_traversal::trace::<ANY, C>;
         let wild = match kernel {
-            Kernel::Packet => packets(self.pair(), Order::Given, &job, hits, count),
-            Kernel::Octant => packets(self.pair(), Order::Octants, &job, hits, count),
+            Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
             Kernel::Flat => self.flat().trace::<ANY, C>(&job, hits, count),

@@ -151,12 +151,6 @@ impl RayVector {
         let (o, d) = (&self.origin, &self.direction);
         [o[0], o[1], o[2], d[0], d[1], d[2], self.time, self.t_min, self.t_max]
     }
-
-    /// Of [`RayVector::numbers`].
-    #[inline(always)]
-    pub(super) fn of([ox, oy, oz, dx, dy, dz, time, t_min, t_max]: [Float; 9]) -> Self {
-        Self { origin: Vec3x([ox, oy, oz]), direction: Vec3x([dx, dy, dz]), time, t_min, t_max }
-    }
 }
 
 /// What rays hit: a distance and a primitive each.

@@ -6,8 +6,6 @@
 pub enum Kernel {
     /// Packets of rays against the boxes of a binary tree, one by one.
     Packet,
-    /// As [`Kernel::Packet`], with rays put in order: those of one octant share packets.
-    Octant,
     /// Packets of rays, as one, against every box of a wide node at once.
     Beam,
     /// One ray against every box of a wide node at once.
@@ -20,14 +18,12 @@ pub enum Kernel {
 
 impl Kernel {
     /// All kernels.
-    pub const ALL: [Self; 6] =
-        [Self::Packet, Self::Octant, Self::Beam, Self::Single, Self::Flat, Self::Scalar];
+    pub const ALL: [Self; 5] = [Self::Packet, Self::Beam, Self::Single, Self::Flat, Self::Scalar];
 
     /// The name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Packet => "packet",
-            Self::Octant => "octant",
             Self::Beam => "beam",
             Self::Single => "single",
             Self::Flat => "flat",

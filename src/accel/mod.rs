@@ -22,7 +22,6 @@ mod packet;
 mod pair;
 mod pair_traversal;
 mod probe;
-mod queues;
 mod rays;
 mod setup;
 mod single;

@@ -42,20 +42,6 @@ impl<const V: usize> Packet<V> {
         }
     }
 
-    /// Writes what was hit, for each of its rays to the place of `indices`.
-    #[inline(always)]
-    pub(super) fn scatter<const ANY: bool>(&self, indices: &[u32], hits: &mut HitBatch) {
-        for (vector, rays) in self.vectors.iter().enumerate() {
-            let hit = rays.found::<ANY>();
-            let (t, primitive) = (rays.t.to_array(), rays.primitive.to_array());
-            for lane in Bits(hit.bits()) {
-                let index = indices[vector * LANES + lane] as usize;
-                hits.t[index] = if ANY { 0.0 } else { t[lane] };
-                hits.primitive[index] = if ANY { 0 } else { primitive[lane] };
-            }
-        }
-    }
-
     /// Tests the primitives in the lanes of a block whose bits are set, one after the other.
     ///
     /// What to ask before the costly part of a test changes nothing but speed: of quads whether

@@ -1,4 +1,4 @@
-//! Packets against one box of a pair node at a time: the kernels `packet` and `octant`.
+//! Packets against one box of a pair node at a time: the kernel `packet`.
 
 use std::cell::Cell;
 
@@ -173,19 +173,9 @@ fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
 /// Nodes that are still to be visited, and where each vector of a packet enters them.
 type Stack = Vec<(u32, [Float; VECTORS])>;
 
-/// How rays come into packets.
-#[derive(Clone, Copy)]
-pub(super) enum Order {
-    /// One after the other.
-    Given,
-    /// Those of one octant together.
-    Octants,
-}
-
 /// Takes packets through the tree. Returns the rays that it leaves to others.
 pub(super) fn trace<const ANY: bool, C: Count>(
     tree: &PairTree,
-    order: Order,
     job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
@@ -209,10 +199,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
             packet.traverse::<ANY, ALIKE>(tree, root, &octants, none, &mut stack, count);
         }
     };
-    let left = match order {
-        Order::Given => job.trace::<ANY, VECTORS, C>(hits, count, search),
-        Order::Octants => job.trace_by_octant::<ANY, C>(hits, count, search),
-    };
+    let left = job.trace::<ANY, VECTORS, C>(hits, count, search);
     STACK.set(stack);
     left
 }

@@ -7,8 +7,7 @@ use super::accelerator::Accelerator;
 use super::batch::{HitBatch, RayBatch};
 use super::kernel::Kernel;
 
-/// Runs of rays that every kernel is tried on, their length, and how often. As long as waves are,
-/// so that rays which [`Kernel::Octant`] is left with at the end do not count for more than there.
+/// Runs of rays that every kernel is tried on, their length, and how often.
 const TRIAL_RUNS: usize = 8;
 const TRIAL_RUN: usize = 4096;
 const TRIALS: usize = 3;
@@ -56,7 +55,7 @@ impl Accelerator {
     /// Whether `kernel` is worth trying on so many primitives.
     pub fn may_win(&self, kernel: Kernel) -> bool {
         match kernel {
-            Kernel::Packet | Kernel::Octant => self.geometry.len() <= MOST_IN_PACKET_TREE,
+            Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
             Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
             Kernel::Beam | Kernel::Single => true,
             Kernel::Scalar => false,

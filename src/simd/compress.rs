@@ -8,7 +8,7 @@ use super::Int;
 /// [`Float::shuffled`](super::Float::shuffled) by them moves these lanes to the front.
 #[inline(always)]
 pub(crate) fn places(bits: u32) -> Int {
-    // Measured: kernel `octant` is 1.2 times as fast on spheres bounce as lane by lane.
+    // Every path is moved by it once a stage, to a queue or to those that go on.
     // SAFETY: the CPU has the instruction, or this is not compiled; both types are 16 u32 in a
     // register.
     #[cfg(target_feature = "avx512f")]

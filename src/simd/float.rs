@@ -103,12 +103,6 @@ impl Float {
         Self(self.0.abs())
     }
 
-    /// Bit i is set where lane i has a minus sign, −0 too.
-    #[inline(always)]
-    pub(crate) fn sign_bits(self) -> u32 {
-        self.0.to_bitmask()
-    }
-
     /// The magnitude of `self` with the sign of `sign`.
     #[inline(always)]
     pub(crate) fn copysign(self, sign: Self) -> Self {

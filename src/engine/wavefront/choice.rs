@@ -123,7 +123,7 @@ mod tests {
     }
 
     const USUAL: SegmentPlan =
-        SegmentPlan { ordered: true, closest: Kernel::Beam, occluded: Kernel::Octant };
+        SegmentPlan { ordered: true, closest: Kernel::Beam, occluded: Kernel::Flat };
 
     /// A wave of 100 rays a stage, and the seconds of stages of segments.
     fn wave(seconds: &[(Stage, u32, f64)]) -> WaveStats {
@@ -178,7 +178,7 @@ mod tests {
         // Shadow rays as they are with that order; without any, as usual.
         assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Single);
         assert_eq!(chosen(Connect, [0.1, 2.0, 0.2, 1.0]).occluded, Kernel::Packet);
-        assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Octant);
+        assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Flat);
     }
 
     #[test]
