@@ -43,7 +43,7 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
 pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
-        let message = "holds nothing of what is to be measured: scene and its hash, size, samples, depth, \
+        let message = "holds nothing of what is to be measured: scene, size, samples, depth, \
                        sampling, sampler, seed, engine and threads must be the same";
         return Err(Error::input(file, "runs", message));
     }

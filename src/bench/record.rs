@@ -77,9 +77,11 @@ pub(crate) struct Run {
 }
 
 /// What is rendered, and how: runs of the same work can be compared.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Work {
     pub(crate) scene: String,
+    /// Versions of ptfast may hash the same scene differently: whether two runs rendered the same is
+    /// seen from their images, and this is no part of the comparison.
     #[serde(default)]
     pub(crate) scene_hash: String,
     pub(crate) engine: String,
@@ -96,6 +98,20 @@ pub(crate) struct Work {
     pub(crate) sampler: String,
     pub(crate) seed: u64,
 }
+
+impl PartialEq for Work {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers =
+            |work: &Self| (work.threads, work.width, work.height, work.spp, work.depth, work.seed);
+        let names = |work: &Self| {
+            let Self { scene, engine, sampling, sampler, .. } = work;
+            [scene, engine, sampling, sampler].map(String::clone)
+        };
+        numbers(self) == numbers(other) && names(self) == names(other)
+    }
+}
+
+impl Eq for Work {}
 
 /// One side in one block: two renders.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
