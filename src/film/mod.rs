@@ -95,8 +95,8 @@ impl Film {
         self.all(tile, |done| lacking(done) == first).then_some(first)
     }
 
-    /// For each pixel of `unit`, the sum of the samples of its chunk before those of the unit; empty
-    /// where there are none.
+    /// For each pixel of `unit`, the sum of the samples before those of the unit in the same chunk.
+    /// Empty if the unit begins a chunk.
     pub fn open_sums(&self, unit: Unit) -> Plane {
         if unit.first.is_multiple_of(CHUNK) {
             return Plane::new();

@@ -67,7 +67,7 @@ impl Hasher {
 }
 
 /// JSON in which keys are sorted and −0 is 0.
-fn canonical(value: Value) -> Vec<u8> {
+fn canonical(mut value: Value) -> Vec<u8> {
     fn without_signs(value: &mut Value) {
         match value {
             Value::Number(number) if number.as_f64() == Some(0.0) => *value = json!(0),
@@ -76,7 +76,6 @@ fn canonical(value: Value) -> Vec<u8> {
             _ => {}
         }
     }
-    let mut value = value;
     without_signs(&mut value);
     value.to_string().into_bytes()
 }

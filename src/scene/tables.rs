@@ -1,7 +1,5 @@
 //! A scene in the tables that both engines read.
 
-use std::sync::Arc;
-
 use super::Scene;
 use super::interaction::Interaction;
 use super::light::{Lights, LightsBuilder};
@@ -31,7 +29,7 @@ impl SceneTables {
         let shine = |primitive, emission| lights.push(geometry.get(primitive), emission);
         let looks = Looks::new(scene, &mut materials, &mut textures, shine);
         let media = Media::new(scene.media(), looks.first_medium());
-        let surfaces = Surfaces::new(&Arc::clone(geometry));
+        let surfaces = Surfaces::new(geometry);
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 

@@ -30,9 +30,7 @@ impl Color {
             Self::Named(_) | Self::Texture(_) => Ok(()),
         }
     }
-}
 
-impl Color {
     /// The image of its texture.
     pub(in crate::scene) fn image(&self) -> Option<Arc<Image>> {
         match self {

@@ -54,11 +54,10 @@ impl Shading<'_> {
                     self.background(queue, shaded);
                     true
                 }
+                Key::Medium if self.ends_by_depth(queue, shaded) => false,
                 Key::Medium => {
-                    !self.ends_by_depth(queue, shaded) && {
-                        self.scatter_in_media(queue, shaded);
-                        true
-                    }
+                    self.scatter_in_media(queue, shaded);
+                    true
                 }
                 Key::Surface { shape, kind, emits } => self
                     .tables
