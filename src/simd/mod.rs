@@ -176,6 +176,36 @@ mod tests {
     }
 
     #[test]
+    fn reads_and_calls_are_those_of_scalars() {
+        use crate::math::Real;
+        let mut random = Stream::new(5);
+        for len in [1, 2, 7, 1000] {
+            let words = |random: &mut Stream| random.bits() as u32;
+            let table: Vec<math::Row> =
+                (0..len).map(|_| [(); 4].map(|()| words(&mut random))).collect();
+            let column: Vec<u32> = (0..len).map(|_| words(&mut random)).collect();
+            let place: Lanes<u32> = std::array::from_fn(|_| words(&mut random) % len as u32);
+            let lanes = Int::new(place);
+            for index in [Float::index(lanes, len), Float::index_of_few(lanes, len)] {
+                let (Vec3x([x, y, z]), number) = Float::gather(&table, index, |row| row);
+                for (at, vector) in [x, y, z, number].into_iter().enumerate() {
+                    let want = place.map(|place| table[place as usize][at]);
+                    assert_eq!(vector.to_bits().to_array(), want);
+                }
+                let picked = Float::pick(&column, index).to_array();
+                assert_eq!(picked, place.map(|place| column[place as usize]));
+            }
+            let double = Float::each_word(lanes, |word| 2 * word).to_array();
+            assert_eq!(double, place.map(|place| 2 * place));
+            let number = numbers(&mut random);
+            let f = |word: u32, [x]: [f32; 1]| [x * word as f32, x];
+            let [product, same_number] = Float::each_lane(lanes, [Float::new(number)], f);
+            same(product, |i| number[i] * place[i] as f32);
+            same(same_number, |i| number[i]);
+        }
+    }
+
+    #[test]
     fn reductions_and_integers() {
         let mut random = Stream::new(2);
         for _ in 0..1000 {
