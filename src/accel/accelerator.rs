@@ -77,6 +77,11 @@ impl<T> Lazy<T> {
     }
 }
 
+/// Above this, single rays and beams were faster than packets on every set.
+const MOST_IN_PACKET_TREE: usize = 1 << 14;
+/// Above this, some tree was faster than none on every set; with 256 spheres none is, on bounces.
+const MOST_WITHOUT_TREE: usize = 512;
+
 /// A primitive spans the scene where its box has this share of the surface of the scene's.
 const SPANNING_SHARE: f32 = 0.25;
 
@@ -129,9 +134,19 @@ impl Accelerator {
         base.tree.nodes.first().map_or(base.all, |root| root.bounds)
     }
 
-    /// Size of the tree that layouts are made from, which is kept.
-    pub fn tree_bytes(&self) -> usize {
-        self.base().tree.bytes()
+    /// The tree that layouts are made from. It is kept.
+    pub fn tree(&self) -> Layout {
+        Layout { bytes: self.base().tree.bytes(), seconds: self.base.seconds() }
+    }
+
+    /// Whether `kernel` is worth trying on so many primitives.
+    pub fn may_win(&self, kernel: Kernel) -> bool {
+        match kernel {
+            Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
+            Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
+            Kernel::Beam | Kernel::Single => true,
+            Kernel::Scalar => false,
+        }
     }
 
     /// The tree of the scalar engine.

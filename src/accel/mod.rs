@@ -26,7 +26,6 @@ mod rays;
 mod setup;
 mod single;
 mod slab;
-mod trial;
 mod wide;
 
 pub use accelerator::{Accelerator, Layout};

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use super::bench_args::BenchArgs;
 use super::converge::ConvergeArgs;
@@ -11,15 +10,15 @@ use super::dashboard::DashboardArgs;
 use super::keep_args::KeepArgs;
 use super::limits::LimitArgs;
 use super::merge::MergeArgs;
+use super::named::named;
 use super::path::PathArgs;
 use super::progress::Telling;
+use super::sample_args::SampleArgs;
 use super::share::ShareArgs;
 use crate::accel::Kernel;
 use crate::engine::{Engine, Pin};
 use crate::image::Transfer;
-use crate::limits::{MAX_DEPTH, MAX_RAYS, MAX_SIDE, MAX_SPP, MAX_THREADS, MAX_WAVE};
-use crate::sampler::Sampler;
-use crate::scene::Sampling;
+use crate::limits::{MAX_RAYS, MAX_SPP, MAX_THREADS, MAX_WAVE};
 
 /// A CPU path tracer: same seed, same bits.
 #[derive(Debug, Parser)]
@@ -53,49 +52,6 @@ pub(super) enum Command {
     Converge(ConvergeArgs),
     /// Make a page of bench records: speed over commits, stages, lanes, counters
     Dashboard(DashboardArgs),
-}
-
-/// A parser of the names of `all`.
-pub(super) fn named<T: Copy + Send + Sync + 'static>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(all.iter().map(|&value| name(value))).map(move |word| {
-        let value = all.iter().find(|&&value| name(value) == word);
-        *value.expect("only the names of values are possible")
-    })
-}
-
-/// What decides a sample.
-#[derive(Debug, Args)]
-pub(super) struct SampleArgs {
-    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N) or path of a .ron,
-    /// .json or .txt file
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(super) scene: String,
-    /// Width in pixels [default: the scene's, or in proportion to --height]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
-    pub(super) width: Option<u32>,
-    /// Height in pixels [default: the scene's, or in proportion to --width]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
-    pub(super) height: Option<u32>,
-    /// Largest number of segments of a path [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
-    pub(super) depth: Option<u32>,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
-    /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
-    #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
-    pub(super) sampling: Option<Sampling>,
-    /// Where random numbers are from
-    #[arg(long, value_name = "SAMPLER", default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
-    pub(super) sampler: Sampler,
-    /// Whether paths of little weight end early at random, without bias
-    #[arg(long, value_enum, default_value_t = Switch::On)]
-    pub(super) roulette: Switch,
-    #[command(flatten)]
-    pub(super) limits: LimitArgs,
 }
 
 #[derive(Debug, Args)]
@@ -153,12 +109,6 @@ pub(super) struct RenderArgs {
     /// No progress, and no notices but of samples that were replaced
     #[arg(long, short)]
     pub(super) quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Switch {
-    On,
-    Off,
 }
 
 #[derive(Debug, Args)]
@@ -250,39 +200,13 @@ pub(super) struct TraceArgs {
     /// Folder that `ptfast rays` wrote
     #[arg(value_name = "DIR")]
     pub(super) dir: PathBuf,
-    /// The kernel, or auto for the one that is fastest on some rays of each set
-    /// [default: all that might be, and scalar]
-    #[arg(long, value_name = "KERNEL", value_parser = named(&KernelChoice::ALL, KernelChoice::name))]
-    pub(super) kernel: Option<KernelChoice>,
+    /// One kernel [default: all that might be fastest, and scalar]
+    #[arg(long, value_name = "KERNEL", value_parser = named(&Kernel::ALL, Kernel::name))]
+    pub(super) kernel: Option<Kernel>,
     /// Repetitions, of which the median counts
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) reps: u32,
     /// Write the table as JSON
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,
-}
-
-/// A kernel, or the fastest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum KernelChoice {
-    Auto,
-    Kernel(Kernel),
-}
-
-impl KernelChoice {
-    const ALL: [Self; 1 + Kernel::ALL.len()] = {
-        let (mut all, mut i) = ([Self::Auto; 1 + Kernel::ALL.len()], 0);
-        while i < Kernel::ALL.len() {
-            all[1 + i] = Self::Kernel(Kernel::ALL[i]);
-            i += 1;
-        }
-        all
-    };
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Kernel(kernel) => kernel.name(),
-        }
-    }
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::args::named;
 use super::limits::LimitArgs;
+use super::named::named;
 use crate::engine::Engine;
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::statistics::Estimate;

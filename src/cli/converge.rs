@@ -7,8 +7,8 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::args::named;
 use super::limits::LimitArgs;
+use super::named::named;
 use super::{files, notice, say};
 use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
 use crate::engine::RenderSettings;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::args::named;
 use super::limits::LimitArgs;
+use super::named::named;
 use super::target::Target;
 use super::{files, say};
 use crate::checkpoint::{Checkpoint, merge};

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::args::SampleArgs;
+use super::sample_args::SampleArgs;
 use super::say;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};

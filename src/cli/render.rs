@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use super::args::{RenderArgs, SampleArgs, Switch};
+use super::args::RenderArgs;
 use super::place::Place;
 use super::progress::{self, ProgressReport, Telling};
 use super::record::{self, Run, StepSeconds};
@@ -200,20 +200,5 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
 impl RenderArgs {
     fn telling(&self) -> Telling {
         if self.quiet { Telling::None } else { self.progress }
-    }
-}
-
-impl SampleArgs {
-    /// The scene's settings where these say nothing.
-    pub(super) fn settings(&self, scene: &Scene) -> RenderSettings {
-        let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
-        RenderSettings {
-            depth: self.depth.unwrap_or(defaults.depth),
-            seed: self.seed,
-            sampling: self.sampling.unwrap_or(defaults.sampling),
-            sampler: self.sampler,
-            roulette: self.roulette == Switch::On,
-            ..defaults
-        }
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::engine::{Event, Render, Work};
+use crate::engine::{Activity, Event, Render};
 use crate::error::Result;
 use crate::film::Unit;
 use crate::output::write_atomically;
@@ -36,14 +36,14 @@ fn metadata(name: &str, worker: usize, args: Value) -> Value {
 
 /// A complete event, in microseconds.
 fn event(event: &Event) -> Value {
-    let (name, category, args) = match event.work {
-        Work::Unit(Unit { tile, first, end }) => {
+    let (name, category, args) = match event.activity {
+        Activity::Unit(Unit { tile, first, end }) => {
             let place = format!("tile {}, {}", tile.x, tile.y);
             let size =
                 json!({ "width": tile.width, "height": tile.height, "samples": [first, end] });
             (place, "tile", size)
         }
-        Work::Stage { stage, segment, active } => {
+        Activity::Stage { stage, segment, active } => {
             (stage.name().to_owned(), "stage", json!({ "segment": segment, "active": active }))
         }
     };

@@ -1,18 +1,17 @@
 //! `ptfast trace`.
 
 use std::io::Write;
-use std::time::Instant;
 
 use serde_json::json;
 
-use super::args::{KernelChoice, TraceArgs};
+use super::args::TraceArgs;
 use super::{advise_on_build, files, notice, printable, say};
 use crate::accel::{Accelerator, Kernel};
 use crate::error::Result;
 use crate::isa::Isa;
 use crate::machine::Machine;
 use crate::output::write_atomically;
-use crate::rayset::{self, Query, RaySet, Replay};
+use crate::rayset::{self, RaySet, Replay};
 
 pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     let record = args.json.as_deref().map(|file| ("the record", file));
@@ -26,14 +25,12 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     // Pinned, the process sees one core.
     let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
-    let start = Instant::now();
     let accelerator = Accelerator::new(sets.geometry.clone());
-    let tree = start.elapsed().as_secs_f64();
     let (mut rows, mut different, mut built) = (Vec::new(), 0, Vec::new());
     for set in &sets.sets {
-        let kernels = kernels(args.kernel, &accelerator, set)?;
+        let kernels = kernels(args.kernel, &accelerator);
         for &kernel in kernels.iter().filter(|kernel| !built.contains(*kernel)) {
-            say_build(&accelerator, kernel, tree, sets.geometry.len())?;
+            say_build(&accelerator, kernel, sets.geometry.len())?;
         }
         built.extend(&kernels);
         for replay in rayset::replay(&accelerator, set, &kernels, args.reps) {
@@ -71,37 +68,18 @@ fn pin_to_one_core() {
 }
 
 /// The kernels that are asked for: by default all that may be fastest, and the reference.
-fn kernels(
-    choice: Option<KernelChoice>,
-    accelerator: &Accelerator,
-    set: &RaySet,
-) -> Result<Vec<Kernel>> {
-    Ok(match choice {
-        None => Kernel::ALL
-            .into_iter()
-            .filter(|&kernel| kernel == Kernel::Scalar || accelerator.may_win(kernel))
-            .collect(),
-        Some(KernelChoice::Kernel(kernel)) => vec![kernel],
-        Some(KernelChoice::Auto) => {
-            let kernel = accelerator.choose(set.query == Query::Occluded, &set.rays);
-            say(format_args!("choice  {:<8} {}", set.name, kernel.name()))?;
-            vec![kernel]
-        }
-    })
+fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
+    let suits = |kernel: &Kernel| *kernel == Kernel::Scalar || accelerator.may_win(*kernel);
+    choice.map_or_else(|| Kernel::ALL.into_iter().filter(suits).collect(), |kernel| vec![kernel])
 }
 
-fn say_build(
-    accelerator: &Accelerator,
-    kernel: Kernel,
-    tree: f64,
-    primitives: usize,
-) -> Result<()> {
-    let (layout, name) = (accelerator.prepare(kernel), kernel.name());
+fn say_build(accelerator: &Accelerator, kernel: Kernel, primitives: usize) -> Result<()> {
+    let (tree, layout, name) = (accelerator.tree(), accelerator.prepare(kernel), kernel.name());
     let each = |bytes: usize| bytes as f64 / primitives.max(1) as f64;
     // The reference has a tree of its own, over all primitives; one kernel has none.
     let (tree, kept) = match kernel {
         Kernel::Scalar | Kernel::Flat => (0.0, String::new()),
-        _ => (tree, format!(" + {:.1} of the tree", each(accelerator.tree_bytes()))),
+        _ => (tree.seconds, format!(" + {:.1} of the tree", each(tree.bytes))),
     };
     say(format_args!(
         "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {:.1} bytes a primitive{kept}",

@@ -2,6 +2,7 @@
 
 mod contract;
 mod memory;
+mod plan;
 mod pool;
 mod prepared;
 #[cfg(test)]
@@ -13,19 +14,22 @@ mod scalar;
 mod settings;
 #[cfg(feature = "slowed")]
 mod slowed;
+mod stage;
 mod stats;
 mod tally;
 mod timeline;
+mod unit;
 mod wavefront;
 
 pub use contract::BITS;
+pub use plan::{Plan, Planning, SegmentPlan};
 pub use pool::{Pin, Pinned};
 pub use prepared::PreparedScene;
 pub use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
 pub use renderer::{Observer, Render, Renderer, Seconds, Stop};
 pub use rendering::{MOST_EVENTS, Progress, Rendering};
 pub use settings::{Engine, RenderSettings};
-pub use stats::{SegmentWork, Stage, StageWork, WaveStats};
+pub use stage::Stage;
+pub use stats::{SegmentWork, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};
-pub use timeline::{Event, Work};
-pub use wavefront::{Plan, Planning, SegmentPlan};
+pub use timeline::{Activity, Event};

@@ -8,15 +8,17 @@ use std::time::{Duration, Instant};
 
 use rayon::{BroadcastContext, ThreadPool};
 
+use super::plan::{Plan, Planning};
 use super::pool::{self, Pinned};
 use super::prepared::{PreparedScene, View};
-use super::rendering::{Progress, Rendering, Shared, Taken, Task};
+use super::rendering::{Progress, Rendering, Shared};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
 use super::stats::WaveStats;
 use super::tally::Tally;
-use super::timeline::{Event, Lap, Work};
-use super::wavefront::{Plan, Planning, WavefrontEngine};
+use super::timeline::{Activity, Event, Lap};
+use super::unit::UnitEngine;
+use super::wavefront::WavefrontEngine;
 use crate::error::Result;
 use crate::film::{Film, Schedule};
 use crate::image::Image;
@@ -30,26 +32,6 @@ pub struct Renderer {
     pool: ThreadPool,
     pinned: Pinned,
     seconds: Seconds,
-}
-
-/// What an engine does: its workers take units of work.
-pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
-    /// What a thread works with, for units of at most so many paths.
-    fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_>;
-
-    /// Paths that it takes best at once.
-    fn unit_paths(&self) -> u32;
-
-    /// How it works, if it has a plan, where that is from, and the seconds that finding it took.
-    fn plan(&self) -> Option<(&Plan, Planning, f64)> {
-        None
-    }
-}
-
-/// What a thread does.
-pub(super) trait UnitWorker {
-    /// Renders `task`; `None` where `abandon`, which is called now and then, returns true.
-    fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken>;
 }
 
 /// A finished render.
@@ -296,7 +278,7 @@ impl Renderer {
                     taken.laps.push(Lap {
                         start: begin,
                         end: Instant::now(),
-                        work: Work::Unit(task.unit),
+                        activity: Activity::Unit(task.unit),
                     });
                 }
                 let progress = lock().add(taken, thread.index())?;

@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
-use glam::Vec3;
-
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
+use super::unit::{Taken, Task};
 use crate::error::Result;
-use crate::film::{Film, Part, Plane, Schedule, Tile, Unit};
+use crate::film::{Film, Part, Schedule, Tile};
 use crate::image::Image;
 
 /// Events of a timeline, at most: some hundred megabytes.
@@ -73,32 +72,6 @@ pub struct Progress {
     pub samples: u64,
     /// Rays traced.
     pub rays: u64,
-}
-
-/// A unit of work, and what it adds to.
-#[derive(Debug)]
-pub(super) struct Task {
-    pub(super) unit: Unit,
-    /// [`Film::open_sums`].
-    pub(super) open: Plane,
-}
-
-impl Task {
-    /// The sum that the samples of pixel number `pixel` of the unit are added to.
-    #[inline]
-    pub(super) fn open_sum(&self, pixel: u32) -> Vec3 {
-        self.open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum))
-    }
-}
-
-/// What came of a unit of work.
-#[derive(Debug)]
-pub(super) struct Taken {
-    pub(super) part: Part,
-    pub(super) tally: Tally,
-    pub(super) waves: WaveStats,
-    /// The stages one by one, if that was asked for.
-    pub(super) laps: Vec<Lap>,
 }
 
 /// What the workers share.

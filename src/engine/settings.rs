@@ -6,8 +6,8 @@ use crate::limits::{self, Limit, Limits};
 use crate::sampler::Sampler;
 use crate::scene::{Camera, Sampling, Scene};
 
+use super::plan::Plan;
 use super::pool::Pin;
-use super::wavefront::Plan;
 
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,59 +2,11 @@
 
 use std::time::Instant;
 
+use super::stage::Stage;
 use super::tally::Endings;
-use super::timeline::{Lap, Work};
+use super::timeline::{Activity, Lap};
 use crate::accel::Counters;
 use crate::simd::LANES;
-
-/// The stages of a wave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Camera rays.
-    Generate,
-    /// Closest hits.
-    Extend,
-    /// Collisions in media, where there are any.
-    Collide,
-    /// Paths to the queues of what they hit.
-    Sort,
-    /// Emission, scattering, light samples.
-    Shade,
-    /// Shadow rays.
-    Connect,
-    /// Rays of the next segment, put in order.
-    Order,
-    /// Samples to pixels.
-    Accumulate,
-}
-
-impl Stage {
-    /// All stages, in order.
-    pub const ALL: [Self; 8] = [
-        Self::Generate,
-        Self::Extend,
-        Self::Collide,
-        Self::Sort,
-        Self::Shade,
-        Self::Connect,
-        Self::Order,
-        Self::Accumulate,
-    ];
-
-    /// The name in tables and records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Generate => "generate",
-            Self::Extend => "extend",
-            Self::Collide => "collide",
-            Self::Sort => "sort",
-            Self::Shade => "shade",
-            Self::Connect => "connect",
-            Self::Order => "order",
-            Self::Accumulate => "accumulate",
-        }
-    }
-}
 
 /// What a stage did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -194,8 +146,8 @@ impl Stopwatch {
         let now = Instant::now();
         let seconds = (now - self.last).as_secs_f64();
         if let Some(laps) = &mut self.laps {
-            let work = Work::Stage { stage, segment, active: work.active };
-            laps.push(Lap { start: self.last, end: now, work });
+            let activity = Activity::Stage { stage, segment, active: work.active };
+            laps.push(Lap { start: self.last, end: now, activity });
         }
         self.last = now;
         self.stats.note(stage, segment, &StageWork { seconds, ..work });

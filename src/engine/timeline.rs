@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::stats::Stage;
+use super::stage::Stage;
 use crate::film::Unit;
 
 /// Something that took a worker's time.
@@ -15,12 +15,12 @@ pub struct Event {
     /// Seconds that it took.
     pub seconds: f64,
     /// What.
-    pub work: Work,
+    pub activity: Activity,
 }
 
 /// What a worker did.
 #[derive(Clone, Copy, Debug)]
-pub enum Work {
+pub enum Activity {
     /// A unit of work.
     Unit(Unit),
     /// A stage of a wave.
@@ -39,7 +39,7 @@ pub enum Work {
 pub(super) struct Lap {
     pub(super) start: Instant,
     pub(super) end: Instant,
-    pub(super) work: Work,
+    pub(super) activity: Activity,
 }
 
 impl Lap {
@@ -49,7 +49,7 @@ impl Lap {
             worker,
             start: self.start.saturating_duration_since(origin).as_secs_f64(),
             seconds: (self.end - self.start).as_secs_f64(),
-            work: self.work,
+            activity: self.activity,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! What the path tracing loop asks of a scene's geometry.
 
 use crate::accel::{Bvh2, Counters};
-use crate::engine::stats::{Stage, StageWork, WaveStats};
+use crate::engine::stage::Stage;
+use crate::engine::stats::{StageWork, WaveStats};
 use crate::geometry::{Geometry, Hit, Ray};
 
 /// Finds what rays hit, from distance 0 on.

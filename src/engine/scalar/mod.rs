@@ -4,10 +4,9 @@ mod intersect;
 mod path;
 
 use super::prepared::View;
-use super::renderer::{UnitEngine, UnitWorker};
-use super::rendering::{Taken, Task};
 use super::stats::WaveStats;
 use super::tally::Tally;
+use super::unit::{Taken, Task, UnitEngine, UnitWorker};
 use crate::accel::Kernel;
 use crate::film::{Part, Plane};
 use crate::geometry::Ray;

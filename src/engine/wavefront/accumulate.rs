@@ -1,9 +1,9 @@
 //! Accumulate: samples become sums of pixels, in the order that every engine keeps.
 
 use super::paths::Paths;
-use crate::engine::rendering::Task;
 use crate::engine::settings::RenderSettings;
 use crate::engine::tally::Tally;
+use crate::engine::unit::Task;
 use crate::film::Part;
 
 /// Adds the samples of `paths`, which are those of `task`, pixel by pixel.

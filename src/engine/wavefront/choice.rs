@@ -1,7 +1,8 @@
 //! Which of the plans that were tried is fastest.
 
-use super::plan::{Plan, SegmentPlan};
-use crate::engine::stats::{SegmentWork, Stage, WaveStats};
+use crate::engine::plan::{Plan, SegmentPlan};
+use crate::engine::stage::Stage;
+use crate::engine::stats::{SegmentWork, WaveStats};
 
 /// Segments that a plan tells apart.
 pub(super) const PLANNED: u32 = 4;

@@ -4,14 +4,14 @@ use std::sync::Mutex;
 
 use rayon::ThreadPool;
 
-use super::Worker;
 use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
-use super::plan::{Plan, Planning, SegmentPlan};
+use super::wave::Worker;
 use crate::accel::Kernel;
+use crate::engine::plan::{Plan, Planning, SegmentPlan};
 use crate::engine::prepared::View;
-use crate::engine::rendering::Task;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
+use crate::engine::unit::Task;
 use crate::film::{CHUNK, Grid, Tile, Unit};
 
 /// Sizes of waves that are tried.
@@ -39,7 +39,8 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &ThreadPool) -> (Plan, Pl
     // Counting takes time.
     let settings = RenderSettings { count: false, ..view.settings.clone() };
     let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
-    let usual = Plan::usual(view, paths, pool.current_num_threads());
+    let primitives = view.scene().geometry().len();
+    let usual = Plan::usual(primitives, paths, pool.current_num_threads(), settings.wave_size);
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);

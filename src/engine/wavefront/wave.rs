@@ -1,0 +1,142 @@
+//! The main loop: a worker takes a wave of paths through the stages.
+
+use super::accumulate::accumulate;
+use super::cells::Cells;
+use super::collide::collide;
+use super::connect::{Shadows, connect};
+use super::extend::extend;
+use super::generate::generate;
+use super::order::{Next, order};
+use super::paths::Paths;
+use super::rays::Rays;
+use super::shade::{Shaded, Shading};
+use super::sort::{Queues, sort};
+use crate::accel::HitBatch;
+use crate::engine::plan::Plan;
+use crate::engine::prepared::View;
+use crate::engine::stage::Stage;
+use crate::engine::stats::{StageWork, Stopwatch};
+use crate::engine::tally::{Endings, Tally};
+use crate::engine::unit::{Taken, Task, UnitWorker};
+
+/// Paths on their way, and what their stages hand to each other. Its size depends on the plan and on
+/// the kinds of materials, not on the image or its samples.
+#[derive(Debug)]
+struct Wave {
+    paths: Paths,
+    /// The rays that are traced next.
+    rays: Rays,
+    /// What they hit.
+    hits: HitBatch,
+    /// Paths by what they have hit.
+    queues: Queues,
+    shadows: Shadows,
+    /// Paths that go on.
+    next: Next,
+    cells: Cells,
+}
+
+impl Wave {
+    /// Room for `capacity` paths.
+    fn new(view: &View, capacity: usize) -> Self {
+        let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
+        let keys = view.prepared.tables().looks.keys().len();
+        Self {
+            paths: Paths::new(capacity),
+            rays: Rays::with_capacity(capacity),
+            hits: HitBatch::default(),
+            queues: Queues::new(keys, capacity),
+            shadows: Shadows::with_capacity(shadows),
+            next: Next::with_capacity(capacity),
+            cells: Cells::new(&view.prepared.accelerator().bounds()),
+        }
+    }
+}
+
+/// A thread's wave, and what comes of it.
+#[derive(Debug)]
+pub(super) struct Worker<'a> {
+    view: &'a View,
+    pub(super) plan: &'a Plan,
+    wave: Wave,
+    watch: Stopwatch,
+}
+
+impl<'a> Worker<'a> {
+    /// For units of at most so many `paths`.
+    pub(super) fn new(view: &'a View, plan: &'a Plan, paths: u64) -> Self {
+        let watch = Stopwatch::new(view.settings.timeline);
+        Self { view, plan, wave: Wave::new(view, paths as usize), watch }
+    }
+
+    /// Takes the paths of `task` from the camera to the film; `None` where `abandon` returns true.
+    ///
+    /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
+    pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+        let Self { view, plan, wave, watch } = self;
+        let View { prepared, settings, camera } = view;
+        let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
+        let tables = prepared.tables();
+        let Wave { paths, rays, hits, queues, shadows, next, cells } = wave;
+        let unit = task.unit;
+        let mut tally = Tally::default();
+        watch.start();
+
+        generate(camera, settings, unit, paths, rays);
+        tally.rays.primary += rays.len() as u64;
+        watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
+
+        for segment in 1..=settings.depth {
+            let how = plan.segment(segment);
+            let counters = extend(accelerator, how.closest, rays, hits, settings.count);
+            watch.lap(Stage::Extend, segment, StageWork { counters, ..StageWork::of(rays.len()) });
+
+            if !tables.media.is_empty() {
+                collide(tables, (settings.sampler, segment), paths, rays, hits);
+                watch.lap(Stage::Collide, segment, StageWork::of(rays.len()));
+            }
+
+            sort(rays, hits, &tables.looks, queues);
+            watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
+
+            let shading = Shading { scene, settings, tables, cells, segment };
+            let mut endings = Endings::default();
+            let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
+            let work = shading.shade(queues, shaded);
+            watch.ended(segment, &endings);
+            watch.lap(Stage::Shade, segment, work);
+
+            if !shadows.rays.is_empty() {
+                let counters =
+                    connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
+                let work = StageWork::of(shadows.rays.len());
+                tally.rays.shadow += work.active;
+                watch.lap(Stage::Connect, segment, StageWork { counters, ..work });
+            }
+
+            if next.len() == 0 {
+                break;
+            }
+            if abandon() {
+                return None;
+            }
+            order(next, plan.segment(segment + 1).ordered, paths, rays);
+            tally.rays.bounce += rays.len() as u64;
+            watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
+        }
+
+        let part = accumulate(paths, task, settings, &mut tally);
+        watch.lap(Stage::Accumulate, 1, StageWork::of(unit.paths() as usize));
+        let (waves, laps) = watch.take();
+        for segment in &waves.segments {
+            tally.endings.add(&segment.endings);
+        }
+        Some(Taken { part, tally, waves, laps })
+    }
+}
+
+impl UnitWorker for Worker<'_> {
+    fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
+        self.trace(task, abandon)
+    }
+}

@@ -1,0 +1,33 @@
+//! Renders and their statistics, for all tests of the engine.
+
+use ptfast::{Image, RenderSettings, Renderer, Sampling, Scene};
+
+pub(crate) const SAMPLINGS: [Sampling; 3] = [Sampling::Bsdf, Sampling::Light, Sampling::Mis];
+
+/// Renders `scene`.
+pub(crate) fn render(scene: &Scene, settings: RenderSettings) -> Image {
+    let render = Renderer::new(scene, settings).unwrap().render().unwrap();
+    assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
+    render.image
+}
+
+/// Small settings for `scene`: 1 × 1 pixels unless changed.
+pub(crate) fn settings(scene: &Scene, sampling: Sampling, spp: u32, seed: u64) -> RenderSettings {
+    RenderSettings { width: 1, height: 1, spp, seed, sampling, ..RenderSettings::of(scene) }
+}
+
+/// A mean over independent estimates and its standard error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Estimate {
+    pub(crate) mean: f64,
+    pub(crate) error: f64,
+}
+
+impl Estimate {
+    pub(crate) fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+        Self { mean, error: (variance / n).sqrt() }
+    }
+}

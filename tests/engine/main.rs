@@ -1,0 +1,10 @@
+//! Tests of the library that depend on the instruction set: images, proofs and kernels. `.ci/run` repeats them for
+//! each instruction set.
+
+mod common;
+mod determinism;
+mod proof;
+mod random_scene;
+mod scenes;
+mod tree;
+mod wavefront;

@@ -1,0 +1,33 @@
+//! Pictures of another program: Mitsuba 3, tile by tile (profiling/peers/mitsuba/reference).
+
+use ptfast::{Sampling, Scene};
+
+use super::tiles::{Disagreement, Tiles};
+
+/// The means of tiles and their standard errors, of as many pictures as the file says.
+fn read(name: &str) -> Tiles {
+    let path = format!("tests/data/mitsuba/{name}.txt");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let head = text.lines().next().unwrap();
+    let pictures = head.split(" pictures").next().unwrap().rsplit(' ').next().unwrap();
+    let row = |line: &str| -> Vec<(f64, f64)> {
+        let numbers: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        (0..3)
+            .map(|channel| (numbers[channel], numbers[channel + 3] * numbers[channel + 3]))
+            .collect()
+    };
+    let tiles = text.lines().filter(|line| !line.starts_with('#')).flat_map(row).collect();
+    Tiles { tiles, pictures: pictures.parse().unwrap() }
+}
+
+#[test]
+fn pictures_are_those_of_mitsuba() {
+    let names = ["cornell", "checker", "spheres", "materials", "media"];
+    let mut disagreement = Disagreement::new("beside Mitsuba 3", names.len());
+    for name in names {
+        let scene = Scene::load(&format!("tests/data/mitsuba/{name}.ron")).unwrap();
+        let ours = Tiles::render(name, &scene, Sampling::Mis, 64);
+        disagreement.compare(name, "mis", &ours, &read(name));
+    }
+    disagreement.check();
+}

@@ -1,0 +1,204 @@
+//! Sampling modes agree in every tile of a picture: their differences are as large as their noise, and
+//! their p-values are even.
+
+use ptfast::{RenderSettings, Renderer, Sampler, Sampling, Scene};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+use super::{ALARM, farthest, first_seed};
+
+/// Tiles along each side.
+const TILES: u32 = 8;
+/// Independent pictures of each mode.
+const PICTURES: u64 = 24;
+
+/// Of each tile and channel: the mean over pictures, and the variance of that mean.
+pub(crate) struct Tiles {
+    pub(crate) tiles: Vec<(f64, f64)>,
+    pub(crate) pictures: u64,
+}
+
+impl Tiles {
+    /// Of the scene's size, which the number of tiles divides. Light is sampled with Sobol' points,
+    /// scattering alone with independent numbers.
+    pub(crate) fn render(name: &str, scene: &Scene, sampling: Sampling, spp: u32) -> Self {
+        let first = first_seed(&format!("{name}{sampling:?} tiles"));
+        let sampler =
+            if sampling == Sampling::Bsdf { Sampler::Independent } else { Sampler::Sobol };
+        let base = RenderSettings { spp, sampling, sampler, ..RenderSettings::of(scene) };
+        let (across, down) = (base.width / TILES, base.height / TILES);
+        let picture = |index: u64| {
+            let settings = RenderSettings { seed: first.wrapping_add(index), ..base.clone() };
+            let render = Renderer::new(scene, settings).unwrap().render().unwrap();
+            assert_eq!(render.tally.non_finite.count, 0, "{name}");
+            let mut sums = vec![0.0f64; (TILES * TILES * 3) as usize];
+            for (place, pixel) in (0..).zip(render.image.pixels()) {
+                let tile = place / base.width / down * TILES + place % base.width / across;
+                for (channel, value) in (0..).zip(pixel) {
+                    sums[(3 * tile + channel) as usize] += f64::from(*value);
+                }
+            }
+            sums
+        };
+        let pictures: Vec<Vec<f64>> = (0..PICTURES).map(picture).collect();
+        let n = PICTURES as f64;
+        let of = |tile: usize| {
+            let values = pictures.iter().map(|sums| sums[tile] / f64::from(across * down));
+            let mean = values.clone().sum::<f64>() / n;
+            let squares = values.map(|value| (value - mean) * (value - mean)).sum::<f64>();
+            (mean, squares / (n - 1.0) / n)
+        };
+        Self { tiles: (0..(TILES * TILES * 3) as usize).map(of).collect(), pictures: PICTURES }
+    }
+}
+
+/// Whether a tile has noise beyond the rounding of numbers about its `mean`.
+fn noisy(&(mean, variance): &(f64, f64)) -> bool {
+    variance.sqrt() > 1e-6 * mean
+}
+
+/// The deviations of tiles in units of their noise: Student's t with Welch's degrees of freedom, made
+/// normal. Tiles without noise are left out.
+fn deviations(a: &Tiles, b: &Tiles) -> Vec<f64> {
+    let tiles = a.tiles.iter().zip(&b.tiles).filter(|(a, b)| noisy(a) || noisy(b));
+    tiles
+        .map(|(&(mean, variance), &(other_mean, other_variance))| {
+            let sum = variance + other_variance;
+            let part = |variance: f64, pictures: u64| variance * variance / (pictures as f64 - 1.0);
+            let degrees =
+                sum * sum / (part(variance, a.pictures) + part(other_variance, b.pictures));
+            let t = (mean - other_mean) / sum.sqrt();
+            // Far tails by symmetry, where 1 − p would be 0.
+            let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees above 0");
+            let p = student.cdf(-t.abs()).max(1e-300);
+            -Normal::standard().inverse_cdf(p) * t.signum()
+        })
+        .collect()
+}
+
+/// How far the p-values of the deviations are from even, by Kolmogorov and Smirnov: the distance from
+/// the diagonal, times √n.
+fn unevenness(deviations: &[f64]) -> f64 {
+    let normal = Normal::standard();
+    let mut p: Vec<f64> = deviations.iter().map(|&z| normal.cdf(z)).collect();
+    p.sort_by(f64::total_cmp);
+    let n = p.len() as f64;
+    let off = |(i, p): (usize, &f64)| (p - i as f64 / n).abs().max((p - (i + 1) as f64 / n).abs());
+    p.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
+}
+
+/// The table of a test, and what in it is more than chance.
+pub(crate) struct Disagreement {
+    comparisons: usize,
+    wrong: Vec<String>,
+}
+
+impl Disagreement {
+    pub(crate) fn new(of: &str, comparisons: usize) -> Self {
+        println!(
+            "\n{of:<26}{:>14}{:>7}{:>9}{:>9}{:>9}",
+            "", "tiles", "chi² p", "uneven", "worst z"
+        );
+        Self { comparisons, wrong: Vec::new() }
+    }
+
+    /// Compares two pictures, tile by tile.
+    pub(crate) fn compare(&mut self, name: &str, what: &str, a: &Tiles, b: &Tiles) {
+        // Those without noise are equal, but for the rounding of sums and of six digits in files.
+        for (a, b) in a.tiles.iter().zip(&b.tiles).filter(|(a, b)| !noisy(a) && !noisy(b)) {
+            let off = (a.0 - b.0).abs();
+            assert!(off <= 2e-5 * a.0, "{name} {what}: {} and {} without noise", a.0, b.0);
+        }
+        let deviations = deviations(a, b);
+        let tiles = deviations.len();
+        // The channels of a tile are noise of the same paths: a third as many are independent.
+        let independent = (tiles / 3) as f64;
+        let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / tiles as f64;
+        let chi = ChiSquared::new(independent).unwrap().sf(mean_square * independent);
+        let uneven = unevenness(&deviations) / 3.0f64.sqrt();
+        let worst = deviations.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
+        println!("{name:<26}{what:>14}{tiles:>7}{chi:>9.4}{uneven:>9.2}{worst:>9.2}");
+        // Kolmogorov's distribution: 2 e^(−2x²) beyond x.
+        let even = 2.0 * (-2.0 * uneven * uneven).exp();
+        let share = ALARM / (3 * self.comparisons) as f64;
+        if chi < share
+            || even < share
+            || worst > farthest(3 * self.comparisons * tiles, &Normal::standard())
+        {
+            let p = format!("chi² p {chi:e}, even p {even:e}, worst {worst}");
+            self.wrong.push(format!("{name} {what}: {p}"));
+        }
+    }
+
+    pub(crate) fn check(self) {
+        assert!(self.wrong.is_empty(), "{:#?}", self.wrong);
+    }
+}
+
+fn scene(primitives: &str, background: &str, media: &str) -> Scene {
+    let text = format!(
+        r#"(camera: (look_from: (0, 2, 7), look_at: (0, 0.6, 0), vfov: 45),
+            background: {background},
+            render: (width: 48, height: 48, depth: 8),
+            materials: {{
+                "floor": lambertian(albedo: (0.5, 0.6, 0.7)),
+                "ideal": diffuse(albedo: (0.7, 0.6, 0.5)),
+                "gold": conductor(eta: (0.143, 0.375, 1.442), k: (3.983, 2.386, 1.603), alpha: 0.3),
+                "frosted": rough_dielectric(ior: 1.5, alpha: 0.4),
+                "glass": dielectric(ior: 1.5, fresnel: exact),
+                "brushed": metal(albedo: (0.8, 0.8, 0.9), fuzz: 0.4),
+                "lamp": light(radiance: (4, 5, 6)),
+                "front": light(radiance: (9, 7, 5), sides: front),
+            }},
+            primitives: [quad(q: (-9, 0, -9), u: (0, 0, 18), v: (18, 0, 0), material: "floor"), {primitives}],
+            media: [{media}])"#
+    );
+    Scene::from_ron(&text).unwrap()
+}
+
+const LAMPS: &str = r#"
+    sphere(center: (-3, 3.5, 1), radius: 0.8, material: "lamp"),
+    quad(q: (1, 4, -2), u: (3, 0, 0), v: (0, 0, 2), material: "front"),
+    quad(q: (-1, 5, 2), u: (2, 1, 0), v: (0, 0.5, 1), material: "lamp"),
+    triangles(vertices: [(-4, 0.2, -3), (-2, 0.2, -3), (-3, 2.5, -2.5)], indices: [(0, 1, 2)], material: "lamp")"#;
+
+#[test]
+fn modes_agree_in_every_tile() {
+    let things = format!(
+        r#"sphere(center: (-2, 0.7, 0), radius: 0.7, material: "gold"),
+           sphere(center: (0, 0.7, 0), radius: 0.7, material: "frosted"),
+           sphere(center: (2, 0.7, 0), radius: 0.7, material: "brushed"),
+           sphere(center: (1, 0.4, 1.5), radius: 0.4, material: "glass"),
+           box(min: (-1.4, 0, 1), max: (-0.6, 0.5, 1.8), rotation: (0, 30, 0), material: "ideal"), {LAMPS}"#
+    );
+    let fog = "sphere(center: (-1, 1, 0), radius: 1.5, density: 0.4, albedo: (0.9, 0.8, 0.7)), \
+               box(min: (1, 0.1, -1), max: (3, 2, 1), rotation: (0, 20, 0), density: 0.6, albedo: (0.5, 0.7, 0.9))";
+    let dark = "constant(radiance: (0, 0, 0))";
+    let sky = "gradient(bottom: (0.1, 0.1, 0.1), top: (0.3, 0.5, 0.9))";
+    let scenes = [
+        ("materials and lamps", scene(&things, dark, ""), 120),
+        ("the same under a sky", scene(&things, sky, ""), 120),
+        ("the same in fog", scene(&things, sky, fog), 120),
+        ("cornell", Scene::load("tests/data/mitsuba/cornell.ron").unwrap(), 60),
+    ];
+    let pairs = [
+        (Sampling::Bsdf, Sampling::Light),
+        (Sampling::Bsdf, Sampling::Mis),
+        (Sampling::Light, Sampling::Mis),
+    ];
+    let mut disagreement = Disagreement::new("tiles", scenes.len() * pairs.len());
+    for (name, scene, spp) in &scenes {
+        let [bsdf, light, mis] =
+            [(Sampling::Bsdf, 4 * spp), (Sampling::Light, *spp), (Sampling::Mis, *spp)]
+                .map(|(sampling, spp)| Tiles::render(name, scene, sampling, spp));
+        let of = |sampling| match sampling {
+            Sampling::Bsdf => &bsdf,
+            Sampling::Light => &light,
+            Sampling::Mis => &mis,
+        };
+        for (a, b) in pairs {
+            let modes = format!("{} {}", a.name(), b.name());
+            disagreement.compare(name, &modes, of(a), of(b));
+        }
+    }
+    disagreement.check();
+}

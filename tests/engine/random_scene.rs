@@ -1,0 +1,235 @@
+//! Scenes made up at random: everything that a scene file can say, mixed.
+
+use ptfast::Sampling;
+use ptfast::math::min;
+use ptfast::math::random::Stream;
+use ptfast::scene::material::{
+    Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
+    Sides,
+};
+use ptfast::scene::texture::{Checker, Color, Image, Solid, Texture};
+use ptfast::scene::{
+    Background, CameraFile, MediumFile, Named, PrimitiveFile, RenderDefaults, SceneFile,
+};
+
+/// The scene number `seed`; some are tiny, some are huge.
+pub(crate) fn random_scene(seed: u64) -> SceneFile {
+    let mut scene = Maker(Stream::new(seed)).scene();
+    match seed % 8 {
+        1 => scale(&mut scene, 1e-6),
+        2 => scale(&mut scene, 1e7),
+        _ => (),
+    }
+    scene
+}
+
+/// Makes a scene so many times as large.
+fn scale(scene: &mut SceneFile, by: f32) {
+    let camera = &mut scene.camera;
+    camera.focus_distance *= by;
+    let mut points = vec![&mut camera.look_from, &mut camera.look_at];
+    for primitive in &mut scene.primitives {
+        match primitive {
+            PrimitiveFile::Sphere { center, radius, .. } => {
+                *radius *= by;
+                points.push(center);
+            }
+            PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
+                *radius *= by;
+                points.extend([center, center1]);
+            }
+            PrimitiveFile::Quad { q, u, v, .. } => points.extend([q, u, v]),
+            PrimitiveFile::Box { min, max, .. } => points.extend([min, max]),
+            PrimitiveFile::Triangles { vertices, .. } => points.extend(vertices),
+            _ => unreachable!("the maker makes no other"),
+        }
+    }
+    for medium in &mut scene.media {
+        match medium {
+            MediumFile::Sphere { center, radius, density, .. } => {
+                *radius *= by;
+                *density = min(*density / by, 1e6);
+                points.push(center);
+            }
+            MediumFile::Box { min: lo, max: hi, density, .. } => {
+                *density = min(*density / by, 1e6);
+                points.extend([lo, hi]);
+            }
+        }
+    }
+    points.into_iter().flatten().for_each(|coordinate| *coordinate *= by);
+}
+
+struct Maker(Stream);
+
+impl Maker {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0.bits() % end
+    }
+
+    fn one_in(&mut self, chances: u64) -> bool {
+        self.below(chances) == 0
+    }
+
+    fn vector(&mut self, lo: f32, hi: f32) -> [f32; 3] {
+        [(); 3].map(|()| self.0.between(lo, hi))
+    }
+
+    fn scene(mut self) -> SceneFile {
+        let textures = (0..self.below(4)).map(|i| (format!("t{i}"), self.texture())).collect();
+        let textures: Named<Texture> = Named(textures);
+        let materials: Vec<_> = (0..1 + self.below(8))
+            .map(|i| (format!("m{i}"), self.material(textures.0.len() as u64)))
+            .collect();
+        let count = match self.below(4) {
+            0 => self.below(3),
+            1 => 30 + self.below(100),
+            _ => 3 + self.below(20),
+        };
+        let primitives = (0..count).map(|_| self.primitive(materials.len() as u64)).collect();
+        SceneFile {
+            camera: self.camera(),
+            background: self.background(),
+            render: RenderDefaults {
+                width: 1 + self.below(20) as u32,
+                height: 1 + self.below(20) as u32,
+                spp: 1 + self.below(20) as u32,
+                depth: if self.one_in(8) { 1 } else { 1 + self.below(12) as u32 },
+                sampling: Some(Sampling::ALL[self.below(3) as usize]),
+            },
+            textures,
+            materials: Named(materials),
+            primitives,
+            media: (0..self.below(3)).map(|i| self.medium(i as f32)).collect(),
+        }
+    }
+
+    /// Those of different places lie side by side.
+    fn medium(&mut self, place: f32) -> MediumFile {
+        let density = self.0.between(0.01, 3.0);
+        let albedo = self.vector(0.0, 1.0);
+        let center = [3.0 * place - 2.0, self.0.between(-1.0, 1.0), self.0.between(-1.0, 1.0)];
+        let radius = self.0.between(0.2, 1.4);
+        if self.one_in(2) {
+            return MediumFile::Sphere { center, radius, density, albedo };
+        }
+        let half = 0.57 * radius;
+        let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
+        let [min, max] = [-half, half].map(|half| center.map(|c| c + half));
+        MediumFile::Box { min, max, rotation, density, albedo }
+    }
+
+    fn camera(&mut self) -> CameraFile {
+        let (open, length) = (self.0.between(0.0, 0.5), self.0.between(0.0, 0.5));
+        CameraFile {
+            look_from: self.vector(-5.0, 5.0),
+            look_at: self.vector(-1.0, 1.0),
+            up: [0.1, 1.0, 0.2],
+            vfov: self.0.between(20.0, 120.0),
+            defocus_angle: if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) },
+            focus_distance: self.0.between(1.0, 8.0),
+            shutter: if self.one_in(3) { (open, open) } else { (open, open + length) },
+        }
+    }
+
+    fn background(&mut self) -> Background {
+        match self.below(3) {
+            0 => Background::Constant { radiance: [0.0; 3] },
+            1 => Background::Constant { radiance: self.vector(0.0, 2.0) },
+            _ => Background::Gradient { bottom: self.vector(0.0, 1.0), top: self.vector(0.0, 1.0) },
+        }
+    }
+
+    fn texture(&mut self) -> Texture {
+        match self.below(3) {
+            0 => Solid { color: self.vector(0.0, 1.0) }.into(),
+            1 => {
+                let (odd, even) = (self.vector(0.0, 1.0), self.vector(0.0, 1.0));
+                Checker { odd, even, scale: self.0.between(0.5, 20.0) }.into()
+            }
+            _ => Image::from_file("tests/data/picture.png").into(),
+        }
+    }
+
+    fn albedo(&mut self, textures: u64) -> Color {
+        match self.below(2 + textures) {
+            0 if self.one_in(4) => [0.0; 3].into(),
+            0 | 1 => self.vector(0.0, 1.0).into(),
+            i => Color::Named(format!("t{}", i - 2)),
+        }
+    }
+
+    fn material(&mut self, textures: u64) -> Material {
+        match self.below(8) {
+            0 => Diffuse { albedo: self.albedo(textures) }.into(),
+            1 | 2 => Lambertian { albedo: self.albedo(textures) }.into(),
+            3 => {
+                let albedo = self.albedo(textures);
+                Metal { albedo, fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() } }.into()
+            }
+            4 => {
+                let ior = self.0.between(1.0, 2.5);
+                let fresnel = if self.one_in(2) { Fresnel::Schlick } else { Fresnel::Exact };
+                Dielectric { ior, fresnel }.into()
+            }
+            5 => {
+                let (ior, alpha) = (self.0.between(1.02, 2.5), self.0.between(0.001, 1.0));
+                RoughDielectric { ior, alpha }.into()
+            }
+            6 => {
+                let (eta, k) = (self.vector(0.0, 2.0), self.vector(0.1, 5.0));
+                let alpha = if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) };
+                Conductor { eta, k, alpha }.into()
+            }
+            _ => {
+                let radiance = if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) };
+                let sides = if self.one_in(2) { Sides::Both } else { Sides::Front };
+                Light { radiance, sides }.into()
+            }
+        }
+    }
+
+    fn primitive(&mut self, materials: u64) -> PrimitiveFile {
+        let material = format!("m{}", self.below(materials));
+        // Now and then far larger, so that it holds the camera.
+        let size = if self.one_in(12) { 20.0 } else { 1.0 };
+        match self.below(7) {
+            0 | 1 => PrimitiveFile::Sphere {
+                center: self.vector(-3.0, 3.0),
+                radius: size * self.0.between(0.05, 1.0),
+                material,
+            },
+            2 => PrimitiveFile::MovingSphere {
+                center: self.vector(-3.0, 3.0),
+                center1: self.vector(-3.0, 3.0),
+                radius: self.0.between(0.05, 1.0),
+                material,
+            },
+            3 => PrimitiveFile::Quad {
+                q: self.vector(-3.0, 3.0),
+                u: self.vector(-size, size),
+                v: self.vector(-size, size),
+                material,
+            },
+            // Along the axes: a rectangle.
+            4 => PrimitiveFile::Quad {
+                q: self.vector(-3.0, 3.0),
+                u: [0.0, 0.0, self.0.between(0.1, 3.0)],
+                v: [self.0.between(0.1, 3.0), 0.0, 0.0],
+                material,
+            },
+            5 => {
+                let min = self.vector(-3.0, 2.0);
+                let edges = self.vector(0.1, 1.5);
+                let max = [0, 1, 2].map(|axis| min[axis] + edges[axis]);
+                let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
+                PrimitiveFile::Box { min, max, rotation, material }
+            }
+            _ => {
+                let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
+                let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
+                PrimitiveFile::Triangles { vertices, indices, material }
+            }
+        }
+    }
+}

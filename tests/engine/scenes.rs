@@ -1,0 +1,129 @@
+//! Built-in scenes, forms of scene files, and the mean colours that other programs found.
+
+use std::fs;
+
+use crate::common::{Estimate, render};
+use ptfast::limits::Limits;
+use ptfast::scene::{BUILTIN_NAMES, Source};
+use ptfast::{RenderSettings, Sampling, Scene};
+
+/// The built-in scenes hold exactly the primitives, materials and camera of the flat files
+/// that other programs read.
+#[test]
+fn built_in_scenes_are_the_flat_ones() {
+    let hashes = BUILTIN_NAMES.map(|name| Scene::load(name).unwrap().hash());
+    assert_eq!(std::collections::BTreeSet::from(hashes).len(), 4, "four scenes, four hashes");
+    for name in BUILTIN_NAMES {
+        let built_in = Scene::load(name).unwrap();
+        let flat = Scene::load(&format!("tests/data/{name}.txt")).unwrap();
+        assert_eq!(built_in.geometry(), flat.geometry(), "{name}");
+        assert_eq!(built_in.camera(), flat.camera(), "{name}");
+        assert_eq!(built_in.background(), flat.background(), "{name}");
+        let size = |scene: &Scene| (scene.defaults().width, scene.defaults().height);
+        assert_eq!(size(&built_in), size(&flat), "{name}");
+        // Numbered and named differently: compare what each primitive looks like.
+        for primitive in 0..built_in.geometry().len() as u32 {
+            assert_eq!(
+                &built_in.material(primitive),
+                &flat.material(primitive),
+                "{name} {primitive}"
+            );
+        }
+        assert_eq!(built_in.hash(), flat.hash(), "{name}");
+        // And the images.
+        let settings =
+            |scene| RenderSettings { width: 64, height: 36, spp: 2, ..RenderSettings::of(scene) };
+        let hash = |scene| render(scene, settings(scene)).hash();
+        assert_eq!(hash(&built_in), hash(&flat), "{name}");
+    }
+}
+
+#[test]
+fn scenes_round_trip_through_ron_and_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for (from, to) in [("everything.ron", "a.ron"), ("picture.png", "picture.png")] {
+        fs::copy(format!("tests/data/{from}"), path(to)).unwrap();
+    }
+    let parsed = Source::find(&path("a.ron")).unwrap().read(&Limits::default()).unwrap();
+    fs::write(path("b.ron"), parsed.to_ron()).unwrap();
+    fs::write(path("c.json"), parsed.to_json()).unwrap();
+    let original = Scene::load(&path("a.ron")).unwrap();
+    let settings = RenderSettings::of(&original);
+    assert_eq!((settings.width, settings.depth, settings.sampling), (30, 7, Sampling::Light));
+    assert_eq!(original.geometry().len(), 6 + 2 + 6 + 2);
+    let hash = render(&original, settings.clone()).hash();
+    for name in ["b.ron", "c.json"] {
+        let again = Source::find(&path(name)).unwrap().read(&Limits::default()).unwrap();
+        assert_eq!(again.file, parsed.file, "{name}");
+        let scene = Scene::load(&path(name)).unwrap();
+        assert_eq!(scene.hash(), original.hash(), "{name}");
+        assert_eq!(render(&scene, settings.clone()).hash(), hash, "{name}");
+    }
+    for name in BUILTIN_NAMES {
+        let parsed = Source::find(name).unwrap().read(&Limits::default()).unwrap();
+        fs::write(path("d.json"), parsed.to_json()).unwrap();
+        fs::write(path("d.ron"), parsed.to_ron()).unwrap();
+        for file in ["d.json", "d.ron"] {
+            assert_eq!(
+                Source::find(&path(file)).unwrap().read(&Limits::default()).unwrap().file,
+                parsed.file
+            );
+        }
+    }
+}
+
+/// Mean linear RGB by two independent loops around Embree, last digit ±1, without direct
+/// light sampling.
+const MEANS: [(&str, [f64; 3]); 4] = [
+    ("spheres", [0.3277, 0.3530, 0.4454]),
+    ("spacetime", [0.3244, 0.3494, 0.4423]),
+    ("checker", [0.0973, 0.0920, 0.0960]),
+    ("cornell", [0.1805, 0.1610, 0.1464]),
+];
+
+/// All sampling modes give those means within 0.5% in every channel, and one another's. 16 seeds give the mean
+/// and its standard error, which must be so small that chance alone (3.3 standard errors, 0.1%)
+/// stays well within that.
+#[test]
+fn means_are_those_of_other_programs() {
+    for (name, want) in MEANS {
+        let scene = Scene::load(name).unwrap();
+        let modes: &[Sampling] =
+            if scene.lights() == 0 { &[Sampling::Bsdf] } else { &crate::common::SAMPLINGS };
+        let mut by_scattering = None;
+        for &sampling in modes {
+            // As many paths as the noise asks for, on a coarser raster of the same picture.
+            let (width, height, spp) = match (name, sampling) {
+                ("cornell", Sampling::Bsdf) => (200, 200, 64),
+                ("cornell", _) => (200, 200, 8),
+                ("checker", Sampling::Bsdf) => (320, 180, 16),
+                _ => (320, 180, 8),
+            };
+            let means: Vec<[f64; 3]> = (0..16)
+                .map(|seed| {
+                    let base = RenderSettings::of(&scene);
+                    render(&scene, RenderSettings { width, height, spp, seed, sampling, ..base })
+                        .mean()
+                })
+                .collect();
+            for (channel, want) in want.into_iter().enumerate() {
+                let values: Vec<f64> = means.iter().map(|mean| mean[channel]).collect();
+                let Estimate { mean, error } = Estimate::of(&values);
+                let what = format!(
+                    "{name} {sampling:?} channel {channel}: {mean:.5} ± {error:.5}, want {want}"
+                );
+                assert!(3.3 * error < 0.0035 * want, "not precise enough: {what}");
+                assert!((mean - want).abs() < 0.005 * want, "{what}");
+                if let Some(bsdf) = by_scattering.map(|means: [f64; 3]| means[channel]) {
+                    assert!((mean - bsdf).abs() < 0.005 * bsdf, "{what}, bsdf {bsdf}");
+                }
+            }
+            by_scattering.get_or_insert_with(|| {
+                [0, 1, 2].map(|channel| {
+                    means.iter().map(|mean| mean[channel]).sum::<f64>() / means.len() as f64
+                })
+            });
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Kernels beside an oracle.
+
+use glam::Vec3;
+use ptfast::accel::{Accelerator, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Hit, Ray};
+use ptfast::math::random::Stream;
+use rayon::prelude::*;
+
+use super::rays::{Bundles, adversarial};
+
+/// Rays of one kind of scene.
+pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
+/// Rays of one batch: whole bundles.
+pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
+
+pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
+    hit.map(|hit| (hit.primitive, hit.t.to_bits()))
+}
+
+/// The interval in which ray number `i`, made for distances up to `t_max`, is looked along: in every
+/// fourth pair of bundles one that begins above 0, mostly at or beside the ray's hit, and in as many
+/// a mixture of such and of those that end there.
+fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
+    let pair = i / Bundles::SIZE / 2 % 4;
+    let Some(Hit { t, .. }) = hit else {
+        // Beams begin above 0 only where all their rays do.
+        return if pair == 2 { (1e-3, t_max) } else { (0.0, t_max) };
+    };
+    match (pair, i % 8) {
+        (2, 0..2) | (3, 0) => (t, t_max),
+        (2, 2..4) => (t.next_up(), t_max),
+        (2, 4..6) => (t.next_down(), t_max),
+        (2, _) | (3, 1) => (0.5 * t, t_max),
+        (3, 2) => (0.0, t),
+        (3, 3) => (0.0, t.next_up()),
+        (3, 4) => (t.next_down(), t.next_up()),
+        _ => (0.0, t_max),
+    }
+}
+
+/// Compares every kernel with `oracle`, over rays that `make` makes, each with the end of its
+/// interval.
+pub(crate) fn check_kernels(
+    name: &str,
+    geometry: &Geometry,
+    rays: usize,
+    mut make: impl FnMut(usize) -> (Ray, f32) + Send,
+    oracle: impl Fn(&Ray, f32, f32) -> Option<Hit> + Sync,
+) {
+    let accelerator = Accelerator::new(geometry.clone());
+    let rounds = (0..rays)
+        .step_by(ROUND)
+        .map(|first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>());
+    let check_round = |rays: Vec<(Ray, f32)>| {
+        let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
+        for (i, (ray, t_max)) in rays.into_iter().enumerate() {
+            let hit = oracle(&ray, 0.0, t_max);
+            let (t_min, end) = interval(i, t_max, hit);
+            batch.push(&ray, t_min, end);
+            want.push(if (t_min, end) == (0.0, t_max) { hit } else { oracle(&ray, t_min, end) });
+        }
+        let each = 0..batch.len();
+        for kernel in Kernel::ALL {
+            // It takes too long for all rays of large scenes: a bundle of each kind of interval.
+            let share = kernel == Kernel::Flat && geometry.len() > 1000;
+            let each = if share { 0..batch.len().min(8 * Bundles::SIZE) } else { each.clone() };
+            let (mut closest, mut any) =
+                (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
+            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
+            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
+            for i in each.clone() {
+                let told = || format!("{name}, {kernel:?}: {:?}", batch.get(i));
+                assert_eq!(bits(closest.get(i)), bits(want.get(i)), "{}", told());
+                let occluded = want.get(i).map(|_| Hit { t: 0.0, primitive: 0 });
+                assert_eq!(any.get(i), occluded, "{}", told());
+            }
+        }
+        want.primitive.iter().filter(|p| **p != HitBatch::MISS).count()
+    };
+    // Rays are made one after the other, from one stream; rounds of them are independent.
+    let hit: usize = rounds.par_bridge().map(check_round).sum();
+    assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
+}
+
+/// Compares every kernel with brute force, over `rays` rays: half of them each for itself, half in
+/// bundles.
+pub(crate) fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
+    let mut random = Stream::new(99);
+    let make = |i| adversarial(&mut random, i, geometry, scale, shift);
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+    check_kernels(name, geometry, rays / 2, make, oracle);
+    let mut bundles = Bundles::new(98, geometry, scale, shift);
+    check_kernels(name, geometry, rays / 2, |i| bundles.next(i), oracle);
+}

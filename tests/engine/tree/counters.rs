@@ -1,0 +1,163 @@
+//! Counters count: where the work is known beforehand, and where it must add up.
+
+use glam::Vec3;
+use ptfast::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use ptfast::math::random::Stream;
+
+use super::rays::{adversarial, soup};
+
+fn batch(geometry: &Geometry, rays: usize) -> RayBatch {
+    let mut random = Stream::new(41);
+    let mut batch = RayBatch::default();
+    for i in 0..rays {
+        let (mut ray, _) = adversarial(&mut random, i, geometry, 1.0, Vec3::ZERO);
+        if ray.direction == Vec3::ZERO {
+            ray.direction = Vec3::Z;
+        }
+        batch.push(&ray, 0.0, f32::INFINITY);
+    }
+    batch
+}
+
+/// `flat` tests every ray against every primitive, whatever it hits.
+#[test]
+fn flat_tests_everything() {
+    let mut geometry = soup(42, 50, 1.0, Vec3::ZERO);
+    // They are tested an axis at a time.
+    geometry.triangles.clear();
+    let accelerator = Accelerator::new(geometry.clone());
+    for rays in [1, 7, 16, 33, 1000] {
+        let batch = batch(&geometry, rays);
+        let mut hits = HitBatch::misses(rays);
+        let count = accelerator.count(Kernel::Flat, false, &batch, 0..rays, &mut hits);
+        let primitives = geometry.len() as u64;
+        assert_eq!(count.lanes_active, rays as u64 * primitives);
+        assert_eq!((count.node_visits, count.scalar_rays), (0, 0));
+        // Whole packets are issued, of one vector or of more.
+        let vectors = count.leaf_tests / primitives;
+        assert_eq!(count.leaf_tests, vectors * primitives);
+        let lanes = count.lanes_issued / count.leaf_tests;
+        assert_eq!(count.lanes_issued, lanes * count.leaf_tests);
+        assert!([8, 16].contains(&lanes), "{lanes} lanes");
+        assert!(vectors * lanes >= rays as u64 && vectors * lanes < rays as u64 + 32, "{vectors}");
+    }
+}
+
+/// Rays along different axes are tested against a triangle axis by axis: a vector of one axis once,
+/// a vector of all six ways six times.
+#[test]
+fn triangles_are_tested_for_each_axis() {
+    let vertices = [Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::Y + Vec3::Z];
+    let geometry = Geometry { triangles: vec![Triangle { vertices }], ..Geometry::default() };
+    let accelerator = Accelerator::new(geometry.clone());
+    let count = |ways: usize, rays: usize| {
+        let mut batch = RayBatch::default();
+        for i in 0..rays {
+            let way = i % ways;
+            let direction = Vec3::AXES[way % 3] * if way < 3 { 1.0 } else { -1.0 };
+            batch.push(&Ray { origin: Vec3::ZERO, direction, time: 0.0 }, 0.0, f32::INFINITY);
+        }
+        let mut hits = HitBatch::misses(rays);
+        accelerator.count(Kernel::Flat, false, &batch, 0..rays, &mut hits)
+    };
+    for ways in [1, 2, 6] {
+        let counters = count(ways, 96);
+        let lanes = counters.lanes_issued / counters.leaf_tests;
+        assert!([8, 16].contains(&lanes), "{lanes} lanes");
+        assert_eq!(counters.leaf_tests, ways as u64 * 96 / lanes, "{ways} ways");
+        assert_eq!(counters.lanes_active, 96, "{ways} ways");
+    }
+}
+
+/// Kernels that take rays one by one do for all what they do for each.
+#[test]
+fn work_adds_up() {
+    let rays = 500;
+    for primitives in [1, 50, 3000] {
+        let geometry = soup(43, primitives, 1.0, Vec3::ZERO);
+        let accelerator = Accelerator::new(geometry.clone());
+        let batch = batch(&geometry, rays);
+        for (kernel, any) in [
+            (Kernel::Single, false),
+            (Kernel::Single, true),
+            (Kernel::Scalar, false),
+            (Kernel::Scalar, true),
+        ] {
+            let count = |range| {
+                let mut hits = HitBatch::misses(rays);
+                accelerator.count(kernel, any, &batch, range, &mut hits)
+            };
+            let each: Vec<Counters> = (0..rays).map(|i| count(i..i + 1)).collect();
+            let sum = |of: fn(&Counters) -> u64| each.iter().map(of).sum::<u64>();
+            let all = count(0..rays);
+            assert_eq!(all.node_visits, sum(|c| c.node_visits), "{kernel:?}");
+            assert_eq!(all.lanes_active, sum(|c| c.lanes_active), "{kernel:?}");
+            assert_eq!(all.scalar_rays, sum(|c| c.scalar_rays), "{kernel:?}");
+            assert!(all.lanes_active > 0 && all.lanes_active <= all.lanes_issued, "{kernel:?}");
+            // Spanning primitives are tested by the packet, which may have lanes without a ray.
+            assert!(all.leaf_tests <= sum(|c| c.leaf_tests), "{kernel:?}");
+        }
+    }
+}
+
+/// A sphere and a quad far apart, which no leaf holds both of, and rays at the sphere: a node and a
+/// leaf.
+#[test]
+fn a_node_and_a_leaf() {
+    let quad = Quad::new(Vec3::splat(10.0), Vec3::X, Vec3::Y).unwrap();
+    let spheres = vec![Sphere::still(Vec3::ZERO, 0.5)];
+    let geometry = Geometry { spheres, quads: vec![quad], ..Geometry::default() };
+    let accelerator = Accelerator::new(geometry.clone());
+    let mut batch = RayBatch::default();
+    for i in 0..64 {
+        let origin = Vec3::new(0.001 * i as f32, 0.0, -5.0);
+        batch.push(&Ray { origin, direction: Vec3::Z, time: 0.0 }, 0.0, f32::INFINITY);
+    }
+    let count = |kernel| {
+        let mut hits = HitBatch::misses(64);
+        let count = accelerator.count(kernel, false, &batch, 0..64, &mut hits);
+        assert_eq!(hits.primitive, [0; 64]);
+        count
+    };
+    for kernel in [Kernel::Packet, Kernel::Scalar] {
+        let count = count(kernel);
+        // Each ray asks for two boxes, enters one, and is tested once.
+        assert_eq!((count.lanes_issued, count.lanes_active), (64 * 3, 128), "{kernel:?}");
+        assert!((1..=64).contains(&count.node_visits), "{kernel:?}: {}", count.node_visits);
+    }
+    assert_eq!(count(Kernel::Scalar).node_visits, 64);
+    let single = count(Kernel::Single);
+    assert_eq!((single.node_visits, single.leaf_tests), (64, 64));
+    // One child of many is entered, one primitive is in its block.
+    assert_eq!(single.lanes_active, 128);
+    let beam = count(Kernel::Beam);
+    assert_eq!(beam.node_visits, 1, "one beam");
+    // One child of many is entered, by one primitive's box of many, and all rays are tested.
+    assert_eq!(beam.lanes_active, 1 + 1 + 64);
+    let boxes = beam.lanes_issued - 64;
+    assert!([2 * 8, 2 * 16].contains(&boxes), "{boxes} lanes of boxes");
+}
+
+/// In a large tree a beam of rays that spread does no more than its rays would alone.
+#[test]
+fn wide_beams_are_no_beams() {
+    let scene = ptfast::Scene::load("mesh:61440").unwrap();
+    let accelerator = Accelerator::new(scene.geometry().clone());
+    let mut random = Stream::new(44);
+    let mut batch = RayBatch::default();
+    for _ in 0..640 {
+        // Of one octant, so that only their spread tells.
+        let mut point = |low: f32, high: f32| {
+            glam::Vec3::from_array([(); 3].map(|()| random.between(low, high)))
+        };
+        let ray = Ray { origin: point(-2.0, 2.0), direction: point(0.01, 1.0), time: 0.0 };
+        batch.push(&ray, 0.0, f32::INFINITY);
+    }
+    let count = |kernel| {
+        let mut hits = HitBatch::misses(640);
+        accelerator.count(kernel, false, &batch, 0..640, &mut hits).lanes_issued
+    };
+    let (beam, single) = (count(Kernel::Beam), count(Kernel::Single));
+    assert!(beam < 2 * single, "{beam} lanes, alone {single}");
+}

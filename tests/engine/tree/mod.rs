@@ -1,0 +1,216 @@
+//! Every kernel finds what trying every primitive finds: same primitive, same distance bits.
+//!
+//! With the feature `slow-tests` over ten million rays of each kind of scene, else over a share. Of
+//! more than ten thousand primitives the oracle is the reference tree, see [`generated_scenes`].
+
+mod check;
+mod counters;
+mod odd_geometry;
+mod odd_rays;
+mod rays;
+
+use glam::Vec3;
+use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
+use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use ptfast::math::random::Stream;
+use ptfast::math::warp::uniform_sphere;
+
+use self::check::{RAYS, ROUND, bits, check, check_kernels};
+use self::rays::{Bundles, adversarial, soup, vector};
+
+#[test]
+fn random_and_adversarial_rays() {
+    // As they are, scaled, shifted: of each kind at least `RAYS`.
+    for (seed, primitives, scale, shift) in [
+        (1, 3, 1.0, Vec3::ZERO),
+        (2, 60, 1.0, Vec3::ZERO),
+        (4, 300, 1e-3, Vec3::ZERO),
+        (5, 300, 1e5, Vec3::ZERO),
+        (7, 100, 1e-6, Vec3::ZERO),
+        (8, 100, 1e6, Vec3::ZERO),
+        (3, 300, 100.0, Vec3::new(5.0, 3.0, -2.0)),
+        (6, 300, 1.0, Vec3::new(1000.0, -3000.0, 200.0)),
+        (9, 100, 1.0, Vec3::new(-1e5, 3e4, 0.0)),
+        (10, 100, 1.0, Vec3::new(1e6, 1e6, -1e6)),
+    ] {
+        let geometry = soup(seed, primitives, scale, shift);
+        check(&format!("soup {seed}"), &geometry, RAYS / 2, scale, shift);
+    }
+}
+
+#[test]
+fn built_in_scenes() {
+    for name in ptfast::scene::BUILTIN_NAMES {
+        let scene = ptfast::Scene::load(name).unwrap();
+        let (scale, shift) = match name {
+            "cornell" => (300.0, Vec3::splat(278.0)),
+            _ => (8.0, Vec3::Y),
+        };
+        check(name, scene.geometry(), RAYS, scale, shift);
+    }
+}
+
+/// Small triangles seen from far away, where their coordinates hardly differ in f32.
+#[test]
+fn triangles_smaller_than_rounding() {
+    let mut random = Stream::new(12);
+    for (size, distance) in [(1e-3f32, 3e4f32), (2e-3, 1e3), (1.0, 1e6)] {
+        let triangles = (0..200).map(|_| {
+            let middle = vector(&mut random, 20.0 * size);
+            Triangle { vertices: [(); 3].map(|()| middle + vector(&mut random, size)) }
+        });
+        let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
+        let tree = Bvh2::new(&geometry);
+        let mut make = |i: usize| {
+            let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
+            let [a, b, c] = geometry.triangles[i % 200].vertices;
+            let to = match i % 2 {
+                0 => vector(&mut random, 20.0 * size),
+                // Of the three edges, or near.
+                _ => [a, b, c][i / 2 % 3] * 0.5 + [b, c, a][i / 2 % 3] * 0.5,
+            };
+            (Ray { origin, direction: to - origin, time: 0.0 }, f32::INFINITY)
+        };
+        for i in 0..20_000 {
+            let (ray, _) = make(i);
+            let want = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
+            assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
+            // And no hit far beside the triangle.
+            if let Some(hit) = want {
+                let middle = geometry.triangles[hit.primitive as usize].vertices[0];
+                let miss = ray.origin + ray.direction * hit.t - middle;
+                assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
+            }
+        }
+        let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+        check_kernels("smaller than rounding", &geometry, RAYS / 4, make, oracle);
+    }
+}
+
+/// The numbers that say where on a thin quad a ray is are off by the more roundings the thinner it
+/// is, so rays hit a little beyond its tips, outside its box. The slack is for the worst case: what
+/// this finds is one that is smaller than a roundoff; 32 without the condition pass 10^7 rays.
+#[test]
+fn tips_of_thin_quads() {
+    let mut random = Stream::new(21);
+    for _ in 0..100 {
+        // Alone of its kind, a quad has a box of its own.
+        let sphere = Sphere::still(Vec3::splat(-1.7), 0.1);
+        let edge = |random: &mut Stream| Vec3::splat(0.5) + vector(random, 0.008);
+        let quad = loop {
+            let (u, v) = (edge(&mut random), edge(&mut random));
+            let quad = Quad::new(vector(&mut random, 0.1), u, v);
+            if let Some(quad) = quad.filter(|quad| quad.condition() > 90.0) {
+                break quad;
+            }
+        };
+        let geometry = Geometry { spheres: vec![sphere], quads: vec![quad], ..Geometry::default() };
+        let make = |_| {
+            let tip = quad.q + quad.u + quad.v;
+            let origin = tip + quad.normal * random.between(0.1, 0.5) + vector(&mut random, 0.2);
+            let beside = (quad.u + quad.v) * random.between(-1e-5, 1e-5);
+            (Ray { origin, direction: tip + beside - origin, time: 0.0 }, f32::INFINITY)
+        };
+        let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+        check_kernels("thin quads", &geometry, RAYS / 100, make, oracle);
+    }
+}
+
+/// Scenes of which brute force takes too long: the oracle is the reference tree, which is
+/// itself compared with brute force on some rays of the same scene.
+#[test]
+fn generated_scenes() {
+    for (name, scale, shift) in [
+        ("cloud:60000", 30.0, Vec3::ZERO),
+        ("mesh:61440", 4.0, Vec3::ZERO),
+        ("mesh:61440", 4.0, Vec3::new(700.0, -30.0, 9000.0)),
+    ] {
+        let scene = ptfast::Scene::load(name).unwrap();
+        let mut geometry = Geometry::clone(scene.geometry());
+        for vertex in geometry.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices) {
+            *vertex += shift;
+        }
+        if name.starts_with("mesh") {
+            // Single rays take turns there, and meet blocks of every kind.
+            let others = soup(11, 300, 0.5 * scale, shift);
+            geometry.spheres.extend(others.spheres);
+            geometry.quads.extend(others.quads);
+        }
+        let geometry = &geometry;
+        // Trees of more than 2^20 bytes are traced in ways of their own: here are half as many more.
+        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single);
+        assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
+        let tree = Bvh2::new(geometry);
+        let mut random = Stream::new(17);
+        for i in 0..RAYS / 100 {
+            let (ray, t_max) = adversarial(&mut random, i, geometry, scale, shift);
+            let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
+            assert_eq!(bits(tree.closest(geometry, &ray, 0.0, t_max)), bits(want), "{ray:?}");
+        }
+        let make = |i| adversarial(&mut random, i, geometry, scale, shift);
+        let oracle = |ray: &Ray, t_min, t_max| tree.closest(geometry, ray, t_min, t_max);
+        check_kernels(name, geometry, RAYS / 2, make, oracle);
+        let mut bundles = Bundles::new(18, geometry, scale, shift);
+        check_kernels(name, geometry, RAYS / 2, |i| bundles.next(i), oracle);
+    }
+}
+
+/// Rays from within closed meshes, a regular one and one of thin and tiny triangles; each for itself
+/// and in bundles; aimed at vertices and edges as well.
+#[test]
+fn no_ray_escapes_a_closed_mesh() {
+    let scene = ptfast::Scene::load("mesh:1").unwrap();
+    // All but the floor: one icosphere.
+    let regular = scene.geometry().triangles[..20_480].to_vec();
+    let middle =
+        regular.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0]) / regular.len() as f32;
+    // Its points pushed about, the same wherever a point is used, and all pressed flat.
+    let pushed = |vertex: Vec3| {
+        let words = vertex.to_array().map(|x| u64::from(x.to_bits()));
+        let mut random =
+            Stream::new(words[0] ^ words[1].rotate_left(20) ^ words[2].rotate_left(40));
+        let away = (vertex - middle) * random.between(0.8, 1.25);
+        middle + away * Vec3::new(1.0, 0.7, 1.9)
+    };
+    let irregular = regular.iter().map(|t| Triangle { vertices: t.vertices.map(pushed) }).collect();
+    for (name, triangles) in [("regular", regular), ("irregular", irregular)] {
+        escapes(name, Geometry { triangles, ..Geometry::default() }, middle);
+    }
+}
+
+fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
+    let accelerator = Accelerator::new(geometry.clone());
+    let mut random = Stream::new(31);
+    let (mut origin, mut target) = (middle, middle);
+    for _ in (0..RAYS).step_by(ROUND) {
+        let mut batch = RayBatch::default();
+        for i in 0..ROUND {
+            // By turns bundles of rays, and rays that have nothing in common.
+            let bundled = (i / Bundles::SIZE).is_multiple_of(2);
+            if !bundled || i.is_multiple_of(Bundles::SIZE) {
+                origin = middle + vector(&mut random, 0.2);
+                let [a, b, c] = geometry.triangles[(random.bits() % 20_480) as usize].vertices;
+                target = match i / Bundles::SIZE % 3 {
+                    0 => a,
+                    1 => b + (c - b) * random.uniform(),
+                    _ => middle + vector(&mut random, 1.0),
+                };
+            }
+            let beside = vector(&mut random, if bundled && i % 4 > 0 { 0.01 } else { 0.0 });
+            let direction = target + beside - origin;
+            batch.push(&Ray { origin, direction, time: 0.0 }, 0.0, f32::INFINITY);
+        }
+        for kernel in Kernel::ALL {
+            // It takes too long for all of them.
+            let each = 0..if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
+            let (mut closest, mut any) = (HitBatch::misses(ROUND), HitBatch::misses(ROUND));
+            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
+            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
+            for hits in [closest, any] {
+                let escaped = each.clone().find(|&i| hits.get(i).is_none());
+                let told = escaped.map(|i| batch.get(i));
+                assert_eq!(escaped, None, "{name}, {kernel:?}: {told:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! The wavefront engine has the scalar engine's bits.
+
+use std::sync::Mutex;
+
+use crate::common::SAMPLINGS;
+use crate::random_scene::random_scene;
+use ptfast::accel::Kernel;
+use ptfast::engine::{Observer, Plan, Progress, SegmentPlan, Stage};
+use ptfast::math::random::Stream;
+use ptfast::scene::BUILTIN_NAMES;
+use ptfast::{Engine, Render, RenderSettings, Renderer, Sampler, Scene};
+
+fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
+    let settings = RenderSettings { engine, ..settings.clone() };
+    Renderer::new(scene, settings).unwrap().render().unwrap()
+}
+
+/// Renders with both engines. Returns the rays traced.
+#[track_caller]
+fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
+    let want = render(scene, settings, Engine::Scalar);
+    let got = render(scene, settings, Engine::Wavefront);
+    assert_eq!(got.image.hash(), want.image.hash(), "{what}: {settings:?}");
+    assert_eq!(got.tally, want.tally, "{what}");
+    assert_eq!(got.tally.endings.total(), got.tally.rays.primary, "{what}");
+    want.tally.rays.total()
+}
+
+#[test]
+fn built_in_scenes() {
+    for name in BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron", "cloud:2000"]) {
+        let scene = Scene::load(name).unwrap();
+        for sampling in SAMPLINGS {
+            for (sampler, roulette) in
+                [(Sampler::Sobol, true), (Sampler::Sobol, false), (Sampler::Independent, true)]
+            {
+                let settings = RenderSettings {
+                    width: 61,
+                    height: 37,
+                    spp: 5,
+                    sampling,
+                    sampler,
+                    roulette,
+                    ..RenderSettings::of(&scene)
+                };
+                compare(&scene, &settings, name);
+            }
+        }
+    }
+}
+
+/// Any plan, or none.
+fn random_plan(random: &mut Stream) -> Option<Plan> {
+    let mut below = |end| (random.bits() % end) as usize;
+    let segments = (0..below(4)).map(|_| SegmentPlan {
+        ordered: below(2) == 0,
+        closest: Kernel::ALL[below(Kernel::ALL.len() as u64)],
+        occluded: Kernel::ALL[below(Kernel::ALL.len() as u64)],
+    });
+    let segments: Vec<_> = segments.collect();
+    let wave_size = 1 + below(700) as u32;
+    (!segments.is_empty()).then_some(Plan { wave_size, segments })
+}
+
+/// Trees that are too large for packets.
+#[test]
+fn large_scenes() {
+    for name in ["mesh:20480", "cloud:30000"] {
+        let scene = Scene::load(name).unwrap();
+        let base = RenderSettings::of(&scene);
+        compare(&scene, &RenderSettings { width: 70, height: 50, spp: 2, ..base }, name);
+    }
+}
+
+#[test]
+fn random_scenes() {
+    let mut rays = 0;
+    for seed in 0..400 {
+        let scene = Scene::from_file(&random_scene(seed)).unwrap();
+        let mut random = Stream::new(!seed);
+        let roulette = random.bits().is_multiple_of(2);
+        let plan = random_plan(&mut random);
+        let sampler = Sampler::ALL[seed as usize % 2];
+        let base = RenderSettings::of(&scene);
+        let settings = RenderSettings { seed, threads: 1, sampler, roulette, plan, ..base };
+        rays += compare(&scene, &settings, &format!("scene {seed}"));
+    }
+    assert!(rays > 800_000, "{rays}");
+}
+
+/// Images of odd sizes, few samples, few segments, more threads than pixels.
+#[test]
+fn odd_sizes() {
+    let scene = Scene::load("tests/data/everything.ron").unwrap();
+    let base = RenderSettings { spp: 3, depth: 6, ..RenderSettings::of(&scene) };
+    for (width, height) in [(1, 1), (3, 1000), (1000, 3), (37, 41), (1, 17)] {
+        let settings = RenderSettings { width, height, ..base.clone() };
+        compare(&scene, &settings, "size");
+    }
+    for (spp, depth, threads) in [(1, 1, 1), (1, 50, 2), (40, 1, 3), (17, 2, 64)] {
+        let settings = RenderSettings { width: 7, height: 5, spp, depth, threads, ..base.clone() };
+        compare(&scene, &settings, "samples, segments, threads");
+    }
+}
+
+/// Waves from a pixel's samples up, plans of every kind: the same bits.
+#[test]
+fn waves_and_plans_do_not_matter() {
+    for name in ["tests/data/everything.ron", "spheres"] {
+        let scene = Scene::load(name).unwrap();
+        let base = RenderSettings {
+            width: 43,
+            height: 29,
+            spp: 18,
+            threads: 2,
+            ..RenderSettings::of(&scene)
+        };
+        let want = render(&scene, &base, Engine::Scalar);
+        let same = |settings: RenderSettings| {
+            let got = render(&scene, &settings, Engine::Wavefront);
+            assert_eq!(got.image.hash(), want.image.hash(), "{settings:?}");
+            assert_eq!(got.tally, want.tally, "{settings:?}");
+        };
+        for wave_size in [1, 7, 16, 33, 500, 1 << 16] {
+            same(RenderSettings { wave_size, ..base.clone() });
+        }
+        let ways = Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, true), (kernel, false)]);
+        for (kernel, ordered) in ways {
+            let segment = SegmentPlan { ordered, closest: kernel, occluded: kernel };
+            let plan = Plan { wave_size: 700, segments: vec![segment; 2] };
+            same(RenderSettings { plan: Some(plan), ..base.clone() });
+        }
+    }
+}
+
+/// With the same plan the same work, however it is shared out; and its counts add up.
+#[test]
+fn counts_add_up_and_repeat() {
+    let scene = Scene::load("cornell").unwrap();
+    let settings = RenderSettings {
+        width: 60,
+        height: 40,
+        spp: 20,
+        // No more than are told apart.
+        depth: 16,
+        threads: 1,
+        count: true,
+        ..RenderSettings::of(&scene)
+    };
+    let renderer = Renderer::new(&scene, settings.clone()).unwrap();
+    let plan = renderer.plan().cloned();
+    let first = renderer.render().unwrap();
+    let again = RenderSettings { plan, threads: 3, ..settings };
+    let second = render(&scene, &again, Engine::Wavefront);
+    // This scene has no media.
+    for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Collide) {
+        let (a, b) = (first.waves.stage(stage), second.waves.stage(stage));
+        assert_eq!((a.active, a.issued, a.counters), (b.active, b.issued, b.counters), "{stage:?}");
+        assert!(a.active > 0 && a.active <= a.issued, "{stage:?}");
+    }
+    let active = |stage| first.waves.stage(stage).active;
+    assert_eq!(active(Stage::Generate), first.tally.rays.primary);
+    assert_eq!(active(Stage::Extend), first.tally.rays.primary + first.tally.rays.bounce);
+    assert_eq!(active(Stage::Order), first.tally.rays.bounce);
+    // Rays are misses and hits; the paths of hits end or go on.
+    let segments = &first.waves.segments;
+    let next = segments[1..].iter().map(|segment| segment.stage(Stage::Extend).active);
+    for (segment, on) in segments.iter().zip(next.chain([0])) {
+        let rays = segment.stage(Stage::Extend).active;
+        assert_eq!(segment.stage(Stage::Sort).active, rays);
+        assert_eq!(segment.endings.total() + on, rays);
+    }
+    let ended: u64 = segments.iter().map(|segment| segment.endings.total()).sum();
+    assert_eq!(ended, first.tally.rays.primary);
+    assert_eq!(active(Stage::Connect), first.tally.rays.shadow);
+    assert_eq!(active(Stage::Accumulate), 60 * 40 * 20);
+    assert!(first.waves.stage(Stage::Extend).counters.lanes_active > 0);
+    assert_eq!(first.tally.endings.total(), first.tally.rays.primary);
+}
+
+/// Renders large enough for a plan to be measured, on one thread and on two; it can be given to others.
+#[test]
+fn plans_are_measured() {
+    let scene = Scene::load("cornell").unwrap();
+    let base = RenderSettings { width: 200, height: 200, ..RenderSettings::of(&scene) };
+    for threads in [1, 2] {
+        // 30 million paths a thread: enough for wave sizes too.
+        let large = RenderSettings { spp: 750 * threads, threads, ..base.clone() };
+        let renderer = Renderer::new(&scene, large.clone()).unwrap();
+        let plan = renderer.plan().unwrap();
+        plan.check().unwrap();
+        assert_eq!(plan.segments.len(), 4, "{plan:?}");
+        assert!((1 << 13..=1 << 15).contains(&plan.wave_size), "{plan:?}");
+        let first = &plan.segments[0];
+        assert!(!first.ordered && first.closest != Kernel::Scalar, "{plan:?}");
+        let small =
+            RenderSettings { spp: 3, threads: 2, plan: Some(plan.clone()), ..large.clone() };
+        compare(&scene, &small, "measured");
+        let text = serde_json::to_string(plan).unwrap();
+        assert_eq!(serde_json::from_str::<Plan>(&text).unwrap(), *plan);
+        // A wave size that is given is kept.
+        let given = RenderSettings { wave_size: 5000, ..large };
+        let renderer = Renderer::new(&scene, given).unwrap();
+        let plan = renderer.plan().unwrap();
+        assert_eq!((plan.wave_size, plan.segments.len()), (5000, 4));
+    }
+}
+
+#[test]
+fn plans_out_of_range_are_refused() {
+    let scene = Scene::load("cornell").unwrap();
+    let segment = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
+    let plan = Plan { wave_size: 1, segments: vec![segment] };
+    let refused = |plan| {
+        let settings = RenderSettings { plan: Some(plan), ..RenderSettings::of(&scene) };
+        Renderer::new(&scene, settings).is_err()
+    };
+    assert!(!refused(plan.clone()));
+    assert!(refused(Plan { wave_size: 0, ..plan.clone() }));
+    assert!(refused(Plan { segments: Vec::new(), ..plan }));
+}
+
+/// Passes of any size continue each other: the same bits and counts as one pass, and a picture after
+/// the first sample.
+#[test]
+fn passes_of_any_size_give_the_same_bits() {
+    struct Nobody;
+    impl Observer for Nobody {
+        fn progressed(&self, _: Progress) {}
+    }
+    let scene = Scene::load("tests/data/everything.ron").unwrap();
+    let base = RenderSettings { width: 40, height: 30, spp: 37, ..RenderSettings::of(&scene) };
+    for engine in Engine::ALL {
+        let whole = render(&scene, &base, engine);
+        let settings = RenderSettings { engine, wave_size: 700, ..base.clone() };
+        let renderer = Renderer::new(&scene, settings).unwrap();
+        let mut rendering = renderer.begin().unwrap();
+        for pass in [1, 1, 2, 4, 8, 5, 16] {
+            let end = rendering.film.samples_done() as u32 / (40 * 30) + pass;
+            renderer.advance_to(&mut rendering, end, &Nobody).unwrap();
+            let so_far = RenderSettings { spp: end, engine, ..base.clone() };
+            let image = rendering.image().unwrap();
+            assert_eq!(image.hash(), render(&scene, &so_far, engine).image.hash(), "{end} samples");
+        }
+        assert_eq!(renderer.finish(&mut rendering).unwrap().tally, whole.tally, "{engine:?}");
+    }
+}
+
+/// A renderer goes from view to view on the same trees; what it renders is what a new one does.
+#[test]
+fn views_share_a_prepared_scene() {
+    fn send_and_sync<T: Send + Sync + 'static>(_: &T) {}
+    let scene = Scene::load("mesh:20480").unwrap();
+    let base = RenderSettings { width: 40, height: 30, spp: 4, ..RenderSettings::of(&scene) };
+    let mut renderer = Renderer::new(&scene, base.clone()).unwrap();
+    send_and_sync(&renderer);
+    let other = Scene::load("cornell").unwrap().camera().clone();
+    for engine in Engine::ALL {
+        let views = [
+            RenderSettings { camera: other.clone(), ..base.clone() },
+            RenderSettings { width: 31, height: 17, seed: 3, ..base.clone() },
+            RenderSettings { spp: 20, depth: 3, ..base.clone() },
+            base.clone(),
+        ];
+        for view in views {
+            let view = RenderSettings { engine, ..view };
+            renderer.set(view.clone()).unwrap();
+            let new = Renderer::new(&scene, view.clone()).unwrap().render().unwrap();
+            assert_eq!(renderer.render().unwrap().image.hash(), new.image.hash());
+            let shared = Renderer::new(renderer.prepared(), view).unwrap().render().unwrap();
+            assert_eq!(shared.image.hash(), new.image.hash());
+        }
+    }
+    assert!(renderer.set(RenderSettings { width: 0, ..base }).is_err());
+    assert_eq!(renderer.settings().width, 40);
+}
+
+/// Progress is told of every path and ray once.
+#[test]
+fn progress_adds_up() {
+    struct Last(Mutex<Progress>);
+    impl Observer for Last {
+        fn progressed(&self, progress: Progress) {
+            // Reports of several threads may arrive out of order.
+            let mut last = self.0.lock().unwrap();
+            last.samples = last.samples.max(progress.samples);
+            last.rays = last.rays.max(progress.rays);
+        }
+    }
+    let scene = Scene::load("cornell").unwrap();
+    let base = RenderSettings {
+        width: 50,
+        height: 40,
+        spp: 21,
+        wave_size: 100,
+        ..RenderSettings::of(&scene)
+    };
+    for engine in Engine::ALL {
+        let renderer = Renderer::new(&scene, RenderSettings { engine, ..base.clone() }).unwrap();
+        let last = Last(Mutex::default());
+        let mut rendering = renderer.begin().unwrap();
+        renderer.advance(&mut rendering, &last).unwrap();
+        let rays = rendering.tally.rays;
+        let Progress { samples, rays: traced } = last.0.into_inner().unwrap();
+        assert_eq!((samples, traced), (50 * 40 * 21, rays.total()), "{engine:?}");
+    }
+}

@@ -1,0 +1,419 @@
+//! Bad input gets one line that names the file, the place and what would be right, the exit
+//! code of its kind, and leaves no file behind.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{ptfast, stderr, stdout};
+
+/// A good scene, into which the faults below are put.
+const GOOD: &str = r#"(
+    camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+    materials: {
+        "grey": lambertian(albedo: (0.5, 0.5, 0.5)),
+    },
+    primitives: [
+        sphere(center: (0, 0, 0), radius: 1, material: "grey"),
+        quad(q: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0), material: "grey"),
+    ],
+)"#;
+
+const GOOD_JSON: &str = r#"{
+    "camera": {"look_from": [0, 0, 5], "look_at": [0, 0, 0], "vfov": 40},
+    "materials": {"grey": {"lambertian": {"albedo": [0.5, 0.5, 0.5]}}},
+    "primitives": [
+        {"sphere": {"center": [0, 0, 0], "radius": 1, "material": "grey"}}
+    ]
+}"#;
+
+const GOOD_FLAT: &str = "size 8 8
+camera 0 0 5 0 0 0 0 1 0 40 0 5 0 0
+mat lambert 0.5 0.5 0.5
+sphere 0 0 0 0 0 0 1 0
+";
+
+/// Runs `arguments` and checks exit code, the one line, and the folder.
+#[track_caller]
+fn fails(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
+    let files = || fs::read_dir(folder).map_or(0, Iterator::count);
+    let before = files();
+    let output = ptfast(folder, arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
+    assert!(message.starts_with("ptfast: "), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{arguments:?}: `{part}` is not in: {message}");
+    }
+    assert_eq!(stdout(&output), "", "{arguments:?}");
+    assert_eq!(files(), before, "{arguments:?} left a file behind");
+}
+
+/// Writes `text` with `from` replaced by `to` and checks that it is refused.
+#[track_caller]
+fn refused(name: &str, good: &str, from: &str, to: &str, place: &str, parts: &[&str]) {
+    assert!(good.contains(from), "{from}");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(name), good.replacen(from, to, 1)).unwrap();
+    let place = format!("ptfast: {name}{place}");
+    let parts: Vec<&str> = [place.as_str()].into_iter().chain(parts.iter().copied()).collect();
+    let render = ["render", "--scene", name, "-o", "out.png", "--spp", "1"];
+    fails(folder.path(), &render, 65, &parts);
+    fails(folder.path(), &["scenes", "check", name], 65, &parts);
+}
+
+#[test]
+fn the_good_scenes_are_good() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a.ron", GOOD), ("a.json", GOOD_JSON), ("a.txt", GOOD_FLAT)] {
+        fs::write(folder.path().join(name), text).unwrap();
+        let output = ptfast(folder.path(), &["scenes", "check", name]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn syntax_and_names_in_ron() {
+    let ron = |from, to, place, parts: &[&str]| refused("a.ron", GOOD, from, to, place, parts);
+    ron("vfov: 40),", "vfov: 40],", ":2:", &["RON syntax"]);
+    ron("vfov: 40", "vfov: forty", ":2:", &["RON syntax", "float"]);
+    ron("radius: 1", "raduis: 1", ":7:", &["unknown field `raduis`, did you mean `radius`?"]);
+    ron("sphere(", "shpere(", ":7:", &["unknown kind `shpere`, did you mean `sphere`?"]);
+    ron("radius: 1, ", "", ":7:", &["the field `radius` is missing"]);
+    ron("radius: 1, ", "radius: 1, radius: 2, ", ":7:", &["`radius` is given twice"]);
+    ron("albedo: (0.5, 0.5, 0.5)", "albedo: (0.5, 0.5)", ":4:", &["three numbers"]);
+    let twice = "\"grey\": dielectric(ior: 1.5), \"grey\": lambertian";
+    ron("\"grey\": lambertian", twice, ":4:", &["`grey` is used twice"]);
+    let grey = "material: \"grey\"";
+    let message = "unknown material `gray`, did you mean `grey`?";
+    ron(grey, "material: \"gray\"", ":primitives[0]", &["sphere: ", message]);
+    ron(
+        "(0.5, 0.5, 0.5)",
+        "\"wood\"",
+        ":materials.grey",
+        &["unknown texture `wood`, none is defined"],
+    );
+}
+
+#[test]
+fn syntax_and_names_in_json() {
+    let json =
+        |from, to, place, parts: &[&str]| refused("a.json", GOOD_JSON, from, to, place, parts);
+    json("\"vfov\": 40}", "\"vfov\": 40]", ":2:", &["JSON syntax"]);
+    json("\"vfov\": 40", "\"vfov\": 1e999", ":2:", &["out of range"]);
+    json("\"radius\"", "\"raduis\"", ":5:", &["unknown field `raduis`, did you mean `radius`?"]);
+    json("\"sphere\"", "\"shpere\"", ":5:", &["unknown kind `shpere`, did you mean `sphere`?"]);
+    json("\"radius\": 1, ", "", ":5:", &["the field `radius` is missing"]);
+    json("\"vfov\": 40", "\"vfov\": true", ":2:", &["expected f32"]);
+}
+
+#[test]
+fn faults_in_the_flat_form() {
+    let flat = |from, to, line, parts: &[&str]| refused("a.txt", GOOD_FLAT, from, to, line, parts);
+    flat("sphere", "shpere", ":4", &["unknown record `shpere`, did you mean `sphere`?"]);
+    flat("lambert", "lambrt", ":3", &["unknown material `lambrt`, did you mean `lambert`?"]);
+    flat("0 0 0 1 0\n", "0 0 0 1 7\n", ":4", &["unknown material 7, the file defines 1"]);
+    flat("40 0 5 0 0", "40 0 5 0", ":2", &["the line ends where a number should follow"]);
+    flat("40 0 5 0 0", "40 0 5 0 0 9", ":2", &["`9` is one value too many"]);
+    flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a number"]);
+    flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
+    flat("size 8 8", "size 8 -8", ":1", &["`-8` is not a whole number"]);
+    flat("camera 0 0 5 0 0 0", "camera 0 0 5 0 0 5", ":2", &["camera: look_from and look_at"]);
+    flat("size 8 8", "size 8 0", ":1", &["render: height must be in 1 to"]);
+    flat(
+        "mat lambert",
+        "size 9 9\nmat lambert",
+        ":3",
+        &["a second `size`, the first is in line 1"],
+    );
+    flat("camera", "# camera", "", &["the record `camera` is missing"]);
+}
+
+#[test]
+fn values_out_of_range() {
+    let ron = |from, to, place, parts: &[&str]| refused("a.ron", GOOD, from, to, place, parts);
+    let ball = ":primitives[0]";
+    ron("radius: 1", "radius: -1", ball, &["sphere: radius must be above 0", "is -1.0"]);
+    ron("radius: 1", "radius: 0", ball, &["is 0.0"]);
+    ron("radius: 1", "radius: NaN", ball, &["is NaN"]);
+    ron("radius: 1", "radius: inf", ball, &["is inf"]);
+    ron("center: (0, 0, 0)", "center: (0, NaN, 0)", ball, &["center must be finite"]);
+    ron("center: (0, 0, 0)", "center: (0, 1e30, 0)", ball, &["within ±1e9"]);
+    ron("u: (1, 0, 0)", "u: (0, 2, 0)", ":primitives[1]", &["edges must span an area"]);
+    ron("u: (1, 0, 0)", "u: (0, 0, 0)", ":primitives[1]", &["edges must span an area"]);
+    ron("look_at: (0, 0, 0)", "look_at: (0, 0, 5)", "", &["look_from and look_at must differ"]);
+    ron("vfov: 40", "vfov: 40, up: (0, 0, 1)", "", &["camera: up must not be"]);
+    ron("vfov: 40", "vfov: 180", "", &["camera: vfov must be in (0, 180) degrees"]);
+    ron("vfov: 40", "vfov: 40, shutter: (1, 0)", "", &["camera: shutter must be"]);
+    ron("vfov: 40", "vfov: 40, focus_distance: 0", "", &["camera: focus_distance must be"]);
+    ron("(0.5, 0.5, 0.5)", "(0.5, 1.5, 0.5)", ":materials.grey", &["albedo must be in [0, 1]"]);
+    let metal = "metal(albedo: (1, 1, 1), fuzz: 2)";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", metal, ":materials.grey", &["fuzz must be in"]);
+    let glass = "dielectric(ior: 0)";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", glass, ":materials.grey", &["ior must be in"]);
+    let lamp = "light(radiance: (-1, 0, 0))";
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", lamp, ":materials.grey", &["radiance must be"]);
+    ron("materials:", "render: (width: 0), materials:", "", &["render: width must be in 1 to"]);
+    let absurd = "render: (width: 1000000000, height: 1000000000), materials:";
+    ron("materials:", absurd, "", &["render: width must be in 1 to 65536"]);
+    let sky = "background: constant(radiance: (0, NaN, 0)), materials:";
+    ron("materials:", sky, "", &["background: radiance must be"]);
+    let picture = r#"textures: {"p": image(file: "nosuch.png")}, materials:"#;
+    ron("materials:", picture, ":textures.p", &["nosuch.png: cannot read"]);
+    let triangles =
+        r#"primitives: [triangles(vertices: [(0, 0, 0)], indices: [(0, 1, 2)], material: "grey"),"#;
+    ron("primitives: [", triangles, ball, &["indices[0] must be below the number of vertices 1"]);
+    let triangles =
+        r#"primitives: [triangles(vertices: [(0, inf, 0)], indices: [], material: "grey"),"#;
+    ron("primitives: [", triangles, ball, &["vertices[0] must be finite"]);
+    let flat_box = r#"primitives: [box(min: (0, 0, 0), max: (1, 0, 1), material: "grey"),"#;
+    ron("primitives: [", flat_box, ball, &["box: max must be above min"]);
+}
+
+#[test]
+fn values_of_materials_and_media_are_checked() {
+    for (material, message) in [
+        ("dielectric(ior: 1.5, fresnel: fast)", "unknown kind `fast`, known: `schlick`"),
+        ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
+        ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
+        ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be 0 or in [0.001, 1]"),
+        ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be 0.001 or more where eta is less"),
+        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be 0.001 or more where eta is less"),
+        ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
+    ] {
+        let place = if message.starts_with("unknown") { ":4" } else { ":materials.grey" };
+        refused("s.ron", GOOD, "lambertian(albedo: (0.5, 0.5, 0.5))", material, place, &[message]);
+    }
+    let ball_of_fog = "sphere(center: (0, 0, 0), radius: 1, density: 0.5, albedo: (1, 1, 1))";
+    for (media, place, message) in [
+        (
+            "sphere(center: (0, 0, 0), radius: 0, density: 1, albedo: (1, 1, 1))",
+            0,
+            "radius must be",
+        ),
+        (
+            "sphere(center: (0, 0, 0), radius: 1, density: 0, albedo: (1, 1, 1))",
+            0,
+            "density must be",
+        ),
+        (
+            "sphere(center: (0, 0, 0), radius: 1, density: 1, albedo: (1, 2, 1))",
+            0,
+            "albedo must be",
+        ),
+        (
+            "box(min: (0, 0, 0), max: (1, 0, 1), density: 1, albedo: (1, 1, 1))",
+            0,
+            "max must be above",
+        ),
+        (&format!("{ball_of_fog}, {ball_of_fog}"), 1, "overlaps media[0]"),
+        (
+            &format!(
+                "{ball_of_fog}, box(min: (0.9, 0, 0), max: (2, 1, 1), density: 1, albedo: (0, 0, 0))"
+            ),
+            1,
+            "overlaps media[0]: media must lie side by side",
+        ),
+    ] {
+        let with = format!("media: [{media}], materials:");
+        let place = format!(":media[{place}]: medium");
+        refused("s.ron", GOOD, "materials:", &with, &place, &[message]);
+    }
+}
+
+#[test]
+fn files_that_are_not_there_or_not_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("folder.ron")).unwrap();
+    fs::write(here.join("binary.ron"), b"\xff\xfe\x00").unwrap();
+    fs::write(here.join("empty.json"), "").unwrap();
+    let render = |scene| ["render", "--spp", "1", "--scene", scene];
+    #[cfg(unix)]
+    {
+        fs::write(here.join("name\u{1b}[2J.json"), "{").unwrap();
+        fails(here, &render("name\u{1b}[2J.json"), 65, &["name\\u{1b}[2J.json:1:1: JSON syntax"]);
+        std::os::unix::fs::symlink("/dev/zero", here.join("zero.ron")).unwrap();
+        fails(here, &render("zero.ron"), 74, &["zero.ron: cannot read: it is a device or pipe"]);
+    }
+    fails(here, &render("nosuch.ron"), 74, &["nosuch.ron: cannot read"]);
+    fails(here, &render("folder.ron"), 74, &["folder.ron: cannot read", "directory"]);
+    fails(here, &render("."), 74, &["cannot read", "directory"]);
+    fails(here, &render("binary.ron"), 65, &["binary.ron: not UTF-8"]);
+    fails(here, &render("empty.json"), 65, &["empty.json:1:0: JSON syntax"]);
+    fails(here, &render("spheers"), 2, &["`spheers`", "did you mean `spheres`?"]);
+    fails(here, &render("scene.obj"), 2, &["`scene.obj`", ".ron, .json or .txt"]);
+    fails(here, &["compare", "a.png", "b.png"], 74, &["a.png: cannot read"]);
+    fails(here, &["compare", "empty.json", "b.png"], 65, &["empty.json", "PNG"]);
+}
+
+#[test]
+fn wrong_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = |arguments: &[&str], parts: &[&str]| {
+        let all = [&["render", "--scene", "cornell"], arguments].concat();
+        fails(folder.path(), &all, 2, parts);
+    };
+    wrong(&["--width", "0"], &["--width", "0 is not in 1..=65536"]);
+    wrong(&["--spp", "0"], &["--spp"]);
+    wrong(&["--depth", "0"], &["--depth"]);
+    wrong(&["--threads", "0"], &["--threads"]);
+    wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
+    wrong(
+        &["--width", "65536", "--height", "65536"],
+        &[
+            "the limit of pixels is 268435456, this needs 4294967296: --limit pixels=4294967296 raises it",
+        ],
+    );
+    wrong(&["--spp", "many"], &["invalid value 'many' for '--spp <N>'"]);
+    wrong(&["--sampling", "lihgt"], &["invalid value 'lihgt'", "bsdf, light, mis"]);
+    wrong(&["--wdith", "3"], &["unexpected argument '--wdith'", "'--width'"]);
+    wrong(&["-o", "out.jpeg"], &["out.jpeg: no writer for the extension `jpeg`, use .png"]);
+    wrong(&["-o", "out"], &["no writer for the extension ``"]);
+    wrong(&["-o", "a.png", "--json", "a.png"], &["a.png: the image and the record need two"]);
+    fails(folder.path(), &["render"], 2, &["--scene"]);
+    fails(folder.path(), &["rendr"], 2, &["unrecognized subcommand 'rendr'", "render"]);
+    fails(
+        folder.path(),
+        &[],
+        2,
+        &[
+            "a command is missing: render, merge, scenes, figures, compare, converge, rays, path, trace, bench or dashboard",
+        ],
+    );
+}
+
+#[test]
+fn targets_that_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("folder.png")).unwrap();
+    fs::write(here.join("file"), "").unwrap();
+    // Refused before the first ray: with these sizes a render would take hours.
+    let render = |target| {
+        ["render", "--scene", "spheres", "--width", "9999", "--spp", "99999", "-o", target]
+    };
+    fails(
+        here,
+        &render("nosuch/out.png"),
+        74,
+        &["nosuch/out.png: cannot write: No such file or directory"],
+    );
+    fails(here, &render("folder.png"), 74, &["folder.png: cannot write: it is a folder"]);
+    fails(here, &render("file/out.png"), 74, &["file/out.png: cannot write"]);
+    let json = ["render", "--scene", "spheres", "--spp", "99999", "--json", "nosuch/record.json"];
+    fails(here, &json, 74, &["nosuch/record.json: cannot write"]);
+    let figures = ["figures", "--out", "file"];
+    fails(here, &figures, 74, &["file: cannot make the folder"]);
+    let rays = |out| ["rays", "--scene", "cloud:9000000", "--max-rays", "200000000", "--out", out];
+    fails(here, &rays("file"), 74, &["file: cannot make the folder"]);
+    fails(here, &rays("file/set"), 74, &["file/set: cannot make the folder"]);
+    let many = ["rays", "--scene", "spheres", "--max-rays", "9999999999", "--out", "set"];
+    fails(here, &many, 2, &["9999999999", "2048..=268435456"]);
+}
+
+#[test]
+fn damaged_ray_sets_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let rays = ["rays", "--scene", "checker", "--out", "set", "--spp", "1", "--max-rays", "2048"];
+    assert!(crate::common::ptfast(here, &rays).status.success());
+    let trace = ["trace", "set", "--reps", "1"];
+    fails(here, &["trace", "nosuch"], 74, &["nosuch/manifest.json: cannot read"]);
+    let damage = |file: &str, change: fn(&mut Vec<u8>), code: i32, words: &[&str]| {
+        let path = here.join("set").join(file);
+        let whole = fs::read(&path).unwrap();
+        let mut damaged = whole.clone();
+        change(&mut damaged);
+        fs::write(&path, damaged).unwrap();
+        fails(here, &trace, code, words);
+        fs::write(&path, whole).unwrap();
+    };
+    damage(
+        "primary.rays",
+        |b| b.truncate(99),
+        65,
+        &["primary.rays: 99 bytes, where manifest.json"],
+    );
+    damage("primary.hits", |b| b[5] = 7, 65, &["primary.hits:[0]: primitive", " of 3"]);
+    damage("spheres.f32", |b| b[12..16].fill(0), 65, &["spheres.f32:[0]: the radius"]);
+    damage("spheres.f32", |b| b[0..4].fill(255), 65, &["spheres.f32:[0]", "not finite"]);
+    damage(
+        "primary.range",
+        |b| b[0..4].copy_from_slice(&(-1f32).to_le_bytes()),
+        65,
+        &["primary.range:[0]: t_min"],
+    );
+    let rename =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "../abc").into();
+    damage("manifest.json", rename, 65, &["manifest.json:sets[1]: the name must be primary"]);
+    let twice =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "primary").into();
+    damage("manifest.json", twice, 65, &["manifest.json:sets[1]: each set must be there once"]);
+    let kind =
+        |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("closest", "occluded").into();
+    damage("manifest.json", kind, 65, &["manifest.json:sets[0]: primary and bounce must be"]);
+    let none = |b: &mut Vec<u8>| {
+        let text = String::from_utf8_lossy(b);
+        let (before, rest) = text.split_once("\"sets\":[").unwrap();
+        let (_, after) = rest.split_once(']').unwrap();
+        *b = format!("{before}\"sets\":[]{after}").into();
+    };
+    damage("manifest.json", none, 65, &["manifest.json:sets: there must be one at least"]);
+    let many = |b: &mut Vec<u8>| {
+        *b = String::from_utf8_lossy(b).replace("\"quads\":0", "\"quads\":40000000").into();
+    };
+    damage("manifest.json", many, 65, &["manifest.json:counts: there can be 33554432 primitives"]);
+    damage("manifest.json", |b| b[3] = 0xff, 65, &["manifest.json: not UTF-8 text"]);
+    damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
+    fs::remove_file(here.join("set/bounce.range")).unwrap();
+    fails(here, &trace, 74, &["bounce.range: cannot read"]);
+    // Where something moves, rays have a time.
+    let rays = ["rays", "--scene", "spacetime", "--out", "set", "--spp", "1", "--max-rays", "2048"];
+    assert!(crate::common::ptfast(here, &rays).status.success());
+    assert!(crate::common::ptfast(here, &trace).status.success());
+    fs::remove_file(here.join("set/bounce.time")).unwrap();
+    fails(here, &trace, 74, &["bounce.time: cannot read"]);
+    #[cfg(target_os = "linux")]
+    {
+        fs::remove_file(here.join("set/quads.f32")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", here.join("set/quads.f32")).unwrap();
+        fails(here, &trace, 74, &["quads.f32: cannot read: it is a device or pipe"]);
+        let compare = ["compare", "/dev/zero", "b.png"];
+        fails(here, &compare, 74, &["/dev/zero: cannot read: it is a device or pipe"]);
+    }
+}
+
+#[test]
+fn sizes_of_generated_scenes_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["cloud:0", "mesh:-1", "cloud:", "mesh:99999999"] {
+        let words = ["the number of", "must be in 1 to 16777216", scene];
+        fails(folder.path(), &["scenes", "check", scene], 2, &words);
+    }
+}
+
+/// A link to a device that is always full: the file behind a path is what counts.
+#[test]
+#[cfg(target_os = "linux")]
+fn devices_are_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.pfm")).unwrap();
+    let render = ["render", "--scene", "cornell", "--spp", "1", "-o", "full.pfm"];
+    fails(folder.path(), &render, 74, &["full.pfm: cannot write: it is a device or pipe"]);
+    assert!(!fs::metadata("/dev/full").unwrap().is_file());
+}
+
+/// Standard output that is full: one line, non-zero.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_standard_output_is_reported() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_ptfast"))
+        .args(["scenes", "list"])
+        .stdout(fs::File::options().write(true).open("/dev/full").unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(74));
+    assert!(stderr(&output).starts_with("ptfast: standard output: cannot write"));
+    assert_eq!(stderr(&output).lines().count(), 1);
+}

@@ -1,0 +1,83 @@
+//! `ptfast bench`: records, exports, comparisons. What it measures is not tested here: where a verdict
+//! matters, programs take part that only say how long they took.
+
+#[cfg(unix)]
+mod gate;
+#[cfg(unix)]
+mod interrupt;
+mod record;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::{ptfast, stderr, stdout};
+use serde_json::{Value, json};
+
+/// A bench of a few pixels, in which everything takes part.
+const SMALL: [&str; 10] =
+    ["bench", "--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1", "--quiet"];
+
+#[track_caller]
+fn bench(folder: &Path, more: &[&str]) -> String {
+    let output = ptfast(folder, &[&SMALL[..], more].concat());
+    assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+    stdout(&output)
+}
+
+/// Ends with this code and a line that contains these words.
+#[track_caller]
+fn fails(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
+    let output = ptfast(folder, arguments);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for word in words {
+        assert!(said.contains(word), "{word} is not in: {said}");
+    }
+}
+
+fn read(path: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// What a bench renders to count the work, with its record in a file.
+fn render_counting(folder: &Path, engine: &str, record: &str) {
+    let what = ["--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1"];
+    let how = ["-q", "--stats", "--engine", engine, "--json", record];
+    assert!(ptfast(folder, &[&["render"], &what[..], &how[..]].concat()).status.success());
+}
+
+/// A program that renders nothing: it says what a render of cornell said, but for its time and hash.
+#[cfg(unix)]
+fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>) -> PathBuf {
+    for engine in ["scalar", "wavefront"] {
+        let file = format!("{name}.{engine}.json");
+        render_counting(folder, engine, &file);
+        let mut record = read(&folder.join(&file));
+        record["seconds"]["render"] = json!(seconds);
+        record["interference"] = json!({ "stolen": 0.0, "waited": 0.0, "switches": 0 });
+        if let (Some(hash), "scalar") = (scalar_hash, engine) {
+            record["hash"] = json!(hash);
+        }
+        fs::write(folder.join(&file), record.to_string()).unwrap();
+    }
+    let path = folder.join(name);
+    let script = format!(
+        "#!/bin/sh\nwhile [ $# -gt 0 ]; do\n  case $1 in --json) to=$2 ;; --engine) engine=$2 ;; esac\n  \
+         shift\ndone\ncat '{}'.$engine.json > \"$to\"\n",
+        path.display()
+    );
+    write_program(&path, &script);
+    path
+}
+
+#[cfg(unix)]
+fn write_program(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::write(path, script).unwrap();
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
+}

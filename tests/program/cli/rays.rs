@@ -1,0 +1,107 @@
+//! `ptfast rays` and `ptfast trace`.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::succeeds;
+use crate::common::{ptfast, stderr};
+
+/// A small ray set in `set` of folder `here`.
+fn small_ray_set(here: &Path, scene: &str) {
+    let most = ["--spp", "1", "--max-rays", "4096"];
+    succeeds(here, &[&["rays", "--scene", scene, "--out", "set"][..], &most].concat());
+}
+
+#[test]
+fn rays_are_written_as_other_programs_read_them_and_traced_to_the_same_hits() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for (scene, sets, primitives) in [
+        ("spacetime", &["primary", "bounce"][..], [488, 0, 0]),
+        ("cornell", &["primary", "bounce", "shadow"], [0, 18, 0]),
+        ("mesh:20480", &["primary", "bounce"], [0, 0, 20_482]),
+    ] {
+        small_ray_set(here, scene);
+        let set = here.join("set");
+        let manifest: Value =
+            serde_json::from_str(&fs::read_to_string(set.join("manifest.json")).unwrap()).unwrap();
+        assert_eq!((&manifest["scene"], &manifest["seed"]), (&scene.into(), &1.into()));
+        let bytes = |file: String| fs::metadata(set.join(file)).unwrap().len();
+        for ((kind, size), count) in
+            [("spheres", 32), ("quads", 36), ("triangles", 36)].into_iter().zip(primitives)
+        {
+            assert_eq!(manifest["counts"][kind], count);
+            assert_eq!(bytes(format!("{kind}.f32")), count * size);
+        }
+        let names: Vec<&str> = manifest["sets"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|s| s["name"].as_str().unwrap())
+            .collect();
+        assert_eq!(names, sets);
+        for set_entry in manifest["sets"].as_array().unwrap() {
+            let (name, rays) =
+                (set_entry["name"].as_str().unwrap(), set_entry["rays"].as_u64().unwrap());
+            let kind = if name == "shadow" { "occluded" } else { "closest" };
+            assert_eq!(set_entry["kind"], kind);
+            assert!((2048..=4096).contains(&rays), "{scene} {name}: {rays}");
+            for (extension, size) in [("rays", 24), ("range", 8), ("hits", 8)] {
+                assert_eq!(bytes(format!("{name}.{extension}")), rays * size);
+            }
+            assert_eq!(set.join(format!("{name}.time")).exists(), scene == "spacetime");
+        }
+
+        for file in ["set/manifest.json", "set/quads.f32", "set/primary.hits"] {
+            let same = ptfast(here, &["trace", "set", "--json", file]);
+            let says = "would replace a part of the ray set";
+            assert!(stderr(&same).contains(says), "{}", stderr(&same));
+        }
+        let table = succeeds(here, &["trace", "set", "--reps", "1", "--json", "trace.json"]);
+        assert!(table.contains("0 different"), "{table}");
+        let record: Value =
+            serde_json::from_str(&fs::read_to_string(here.join("trace.json")).unwrap()).unwrap();
+        assert_eq!(record["schema"], 1);
+        assert!(record["machine"]["cpu"].is_string());
+        let rows = record["kernels"].as_array().unwrap();
+        assert!(rows.len() >= 3 * sets.len(), "{table}");
+        for row in rows {
+            assert_eq!(row["different"], 0);
+            assert!(row["mrays_per_s"].as_f64().unwrap() > 0.0);
+        }
+        fs::remove_dir_all(set).unwrap();
+    }
+}
+
+#[test]
+fn trace_finds_a_wrong_hit() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    small_ray_set(here, "checker");
+    let path = here.join("set/primary.hits");
+    let mut hits = fs::read(&path).unwrap();
+    hits[8] ^= 1;
+    fs::write(&path, hits).unwrap();
+    let output = ptfast(here, &["trace", "set", "--reps", "1", "--kernel", "single"]);
+    assert_eq!(output.status.code(), Some(1));
+    // A notice about the build may come first.
+    let (text, last) = (stderr(&output), "ptfast: set: 1 hits differ from the set's");
+    assert_eq!(text.lines().last(), Some(last), "{text}");
+}
+
+#[test]
+fn the_rays_of_a_render_are_recorded_all() {
+    let scene = ptfast::Scene::load("cornell").unwrap();
+    let settings = ptfast::RenderSettings {
+        width: 37,
+        height: 21,
+        spp: 5,
+        ..ptfast::RenderSettings::of(&scene)
+    };
+    let sets = ptfast::rayset::record(&scene, &settings, u64::MAX).unwrap();
+    let counts: Vec<u64> = sets.sets.iter().map(|set| set.rays.len() as u64).collect();
+    let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().tally.rays;
+    assert_eq!(counts, [rays.primary, rays.bounce, rays.shadow]);
+}

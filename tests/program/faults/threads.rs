@@ -1,0 +1,140 @@
+//! Threads that cannot be had, and workers that panic.
+
+use std::fs;
+use std::process::Output;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ptfast::engine::{Observer, Progress};
+use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use tempfile::TempDir;
+
+use super::{RENDER, shell};
+use crate::common::stderr;
+
+/// A folder in which what C functions do is replaced by `source`.
+struct Replaced(TempDir);
+
+impl Replaced {
+    fn by(source: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.c"), source).unwrap();
+        // The linker of Rust programs is a C compiler.
+        let built = shell(folder.path(), "cc -shared -fPIC -o a.so a.c");
+        assert!(built.status.success(), "{}", stderr(&built));
+        Self(folder)
+    }
+
+    /// Renders there.
+    fn render(&self, more: &str) -> Output {
+        shell(self.0.path(), &format!("LD_PRELOAD=$PWD/a.so $P {RENDER} {more}"))
+    }
+
+    fn has(&self, file: &str) -> bool {
+        self.0.path().join(file).exists()
+    }
+}
+
+/// Where the operating system refuses.
+#[test]
+fn threads_that_cannot_be_pinned() {
+    let replaced = Replaced::by(
+        "#include <errno.h>\nint sched_setaffinity(int p, unsigned long n, const void *m)\n\
+         { (void)p; (void)n; (void)m; errno = EPERM; return -1; }\n",
+    );
+    let run = |more| replaced.render(more);
+    let refused = run("--pin on -o a.png");
+    assert_eq!(refused.status.code(), Some(70), "{}", stderr(&refused));
+    let message = "ptfast: internal fault: threads cannot be pinned to cores here: pin auto goes on without\n";
+    assert_eq!(stderr(&refused), message);
+    assert!(!replaced.has("a.png"));
+    assert!(run("--pin auto -o b.png").status.success() && replaced.has("b.png"));
+}
+
+/// The operating system starts two threads, and no more.
+#[test]
+fn threads_that_cannot_be_started() {
+    let replaced = Replaced::by(
+        "#define _GNU_SOURCE\n#include <dlfcn.h>\n#include <errno.h>\n#include <pthread.h>\n\
+         int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x)\n\
+         { static int started; if (started++ == 2) return EAGAIN;\n\
+         int (*next)() = (int (*)())dlsym(RTLD_NEXT, \"pthread_create\"); return next(t, a, f, x); }\n",
+    );
+    let refused = replaced.render("--threads 3 -o a.png");
+    assert_eq!(refused.status.code(), Some(70), "{}", stderr(&refused));
+    let says = "ptfast: internal fault: cannot start the threads: ";
+    assert!(stderr(&refused).starts_with(says) && stderr(&refused).lines().count() == 1);
+    assert!(!replaced.has("a.png"));
+    let long = "render --scene cornell --spp 10000 --quiet --threads 2 --time-limit 1ms -o a.png";
+    let stopped = shell(replaced.0.path(), &format!("LD_PRELOAD=$PWD/a.so $P {long}"));
+    assert_eq!(stopped.status.code(), Some(75), "{}", stderr(&stopped));
+    assert!(replaced.has("a.partial.film") && replaced.has("a.partial.png"));
+}
+
+/// The clock fails all threads but the first, and so does what std makes of it: a panic.
+#[test]
+fn a_panic_in_a_worker_is_an_internal_fault() {
+    let replaced = Replaced::by(
+        "#define _GNU_SOURCE\n#include <errno.h>\n#include <sys/syscall.h>\n#include <time.h>\n\
+         #include <unistd.h>\nint clock_gettime(clockid_t c, struct timespec *t)\n\
+         { if (syscall(SYS_gettid) == getpid()) return syscall(SYS_clock_gettime, c, t);\n\
+         errno = EINVAL; return -1; }\n",
+    );
+    for engine in ["wavefront", "scalar"] {
+        let panicked = replaced.render(&format!("--engine {engine} --threads 2 -o a.png"));
+        let says = stderr(&panicked);
+        println!("{:?} {says}", panicked.status.code());
+        assert_eq!(panicked.status.code(), Some(70), "{says}");
+        assert!(
+            says.starts_with("ptfast: internal fault: panicked at ") && says.contains("time.rs")
+        );
+        assert_eq!(says.lines().count(), 1, "{says}");
+        assert!(panicked.stdout.is_empty());
+        let left = ["a.png", "a.partial.png", "a.partial.film"].map(|file| replaced.has(file));
+        assert_eq!(left, [false; 3]);
+        let kept =
+            replaced.render(&format!("--engine {engine} -o a.png --checkpoint {engine}.film"));
+        assert_eq!(kept.status.code(), Some(70), "{}", stderr(&kept));
+        assert!(replaced.has(&format!("{engine}.film")) && !replaced.has("a.png"));
+    }
+}
+
+/// Panics when the first work is done.
+struct Panics(AtomicU64);
+
+impl Observer for Panics {
+    fn progressed(&self, _: Progress) {
+        let before = self.0.fetch_add(1, Ordering::Relaxed);
+        // As a panic, but nobody prints a backtrace meanwhile.
+        if before == 0 {
+            std::panic::resume_unwind(Box::new("on purpose"));
+        }
+    }
+}
+
+/// The other workers stop, and the caller is told.
+#[test]
+fn a_panic_in_a_worker_ends_the_render() {
+    let scene = Scene::load("cornell").unwrap();
+    for engine in Engine::ALL {
+        let settings = RenderSettings {
+            width: 64,
+            height: 64,
+            spp: 640,
+            wave_size: 256,
+            threads: 4,
+            engine,
+            ..RenderSettings::of(&scene)
+        };
+        let renderer = Renderer::new(&scene, settings).unwrap();
+        let panics = Panics(AtomicU64::new(0));
+        let mut rendering = renderer.begin().unwrap();
+        let advance = std::panic::AssertUnwindSafe(|| renderer.advance(&mut rendering, &panics));
+        assert!(std::panic::catch_unwind(advance).is_err());
+        // There are 10 240 units.
+        let reports = panics.0.load(Ordering::Relaxed);
+        assert!(reports < 5000, "{engine:?}: {reports}");
+        // What was done before is not lost.
+        renderer.advance(&mut rendering, &()).unwrap();
+        assert_eq!(rendering.film.samples_done(), rendering.film.samples_to_do());
+    }
+}

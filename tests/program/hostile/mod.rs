@@ -1,0 +1,119 @@
+//! Hostile input: each file is refused in one line, with the exit code of its kind, and without more memory than is
+//! allowed: more is not to be had.
+
+mod files;
+mod meshes;
+mod scenes;
+mod textures;
+
+use std::fs::{self, File};
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+use crate::common::{stderr, stdout};
+
+/// KiB that the program is allowed, by itself and by the operating system: what goes beyond is aborted.
+const MEMORY: u32 = 32 << 10;
+/// KiB of address space, with the program itself and the C library.
+const ADDRESS_SPACE: u32 = 64 << 10;
+/// Seconds on a core: what takes more is killed. None takes a tenth of one.
+const CPU_SECONDS: u32 = 60;
+
+/// What is in a folder.
+enum Content {
+    Bytes(Vec<u8>),
+    /// So many zeros that take no room.
+    Sparse(u64),
+    /// These bytes, and zeros up to this length.
+    Begun(Vec<u8>, u64),
+    Link(&'static str),
+    Folder,
+    Pipe,
+}
+
+/// A folder, what is done there, and what comes of it.
+struct Case {
+    name: String,
+    files: Vec<(&'static str, Content)>,
+    arguments: Vec<&'static str>,
+    code: i32,
+    /// What the message holds.
+    says: String,
+}
+
+impl Case {
+    /// Something wrong with `file`, which is checked as a scene.
+    fn scene(file: &'static str, content: impl Into<Vec<u8>>, says: impl Into<String>) -> Self {
+        let says = says.into();
+        Self {
+            name: format!("{file}: {says}"),
+            files: vec![(file, Content::Bytes(content.into()))],
+            arguments: vec!["scenes", "check", file],
+            code: 65,
+            says,
+        }
+    }
+
+    /// Beside a file.
+    fn with(mut self, file: &'static str, content: Content) -> Self {
+        self.files.push((file, content));
+        self
+    }
+}
+
+fn write(folder: &Path, (name, content): &(&'static str, Content)) {
+    let path = folder.join(name);
+    match content {
+        Content::Bytes(bytes) => fs::write(path, bytes).unwrap(),
+        Content::Sparse(length) => File::create(path).unwrap().set_len(*length).unwrap(),
+        Content::Begun(bytes, length) => {
+            fs::write(&path, bytes).unwrap();
+            File::options().write(true).open(path).unwrap().set_len(*length).unwrap();
+        }
+        Content::Link(target) => symlink(target, path).unwrap(),
+        Content::Folder => fs::create_dir(path).unwrap(),
+        Content::Pipe => assert!(Command::new("mkfifo").arg(path).status().unwrap().success()),
+    }
+}
+
+/// What is wrong with how `case` ends, if something is.
+fn fault(case: &Case) -> Option<String> {
+    let folder = tempfile::tempdir().unwrap();
+    // Links may lead out of it.
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).unwrap();
+    case.files.iter().for_each(|file| write(&inner, file));
+    let limited = format!(
+        "ulimit -d {MEMORY}; ulimit -v {ADDRESS_SPACE}; ulimit -t {CPU_SECONDS}; exec \"$0\" \"$@\""
+    );
+    let output = Command::new("bash")
+        .args(["-c", &limited, env!("CARGO_BIN_EXE_ptfast")])
+        .args(&case.arguments)
+        .args(["--memory-limit", &format!("{MEMORY}KiB")])
+        .current_dir(&inner)
+        .output()
+        .unwrap();
+    let (says, code) = (stderr(&output), output.status.code());
+    println!("{:>4} {}", code.unwrap_or(-1), says.trim_end());
+    let one_line = says.lines().count() == 1 && says.starts_with("ptfast: ") && says.len() < 12_000;
+    let left = fs::read_dir(&inner).unwrap().count();
+    let right = code == Some(case.code)
+        && one_line
+        && says.contains(&case.says)
+        && stdout(&output).is_empty()
+        && left == case.files.len();
+    (!right).then(|| format!("{}: {:?}, {says}", case.name, output.status))
+}
+
+#[test]
+fn hostile_files_are_refused() {
+    let cases: Vec<Case> = [scenes::cases(), meshes::cases(), textures::cases(), files::cases()]
+        .into_iter()
+        .flatten()
+        .collect();
+    let faults: Vec<String> = cases.iter().filter_map(fault).collect();
+    println!("{} cases", cases.len());
+    assert!(cases.len() >= 200, "{} cases", cases.len());
+    assert!(faults.is_empty(), "{} of {}:\n{}", faults.len(), cases.len(), faults.join("\n"));
+}

@@ -1,0 +1,14 @@
+//! Tests of the program, its files and its sources, which run on one instruction set.
+
+mod bad_input;
+mod bench;
+mod cli;
+mod common;
+mod converge;
+mod corpus;
+mod dashboard;
+mod faults;
+mod hostile;
+mod keep;
+mod layering;
+mod mesh;

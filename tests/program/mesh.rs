@@ -1,0 +1,148 @@
+//! Scene files that name meshes.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{ptfast, stderr, stdout};
+use ptfast::Scene;
+
+/// A tetrahedron.
+const VERTICES: [[f32; 3]; 4] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.25, 1.0]];
+const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+fn obj() -> String {
+    let vertices = VERTICES.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    let faces = FACES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).concat();
+    vertices + &faces
+}
+
+fn ply() -> String {
+    let vertices = VERTICES.map(|[x, y, z]| format!("{x} {y} {z}\n")).concat();
+    let faces = FACES.map(|[a, b, c]| format!("3 {a} {b} {c}\n")).concat();
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+         property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n\
+         {vertices}{faces}"
+    )
+}
+
+fn scene(primitive: &str) -> String {
+    format!(
+        r#"(
+    camera: (look_from: (3, 2, 4), look_at: (0, 0, 0), vfov: 40),
+    background: constant(radiance: (1, 1, 1)),
+    render: (width: 40, height: 30, spp: 2),
+    materials: {{"grey": lambertian(albedo: (0.5, 0.5, 0.5))}},
+    primitives: [{primitive}],
+)"#
+    )
+}
+
+/// A folder with both meshes, and scenes of these names and primitives.
+fn folder(scenes: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    fs::create_dir(folder.path().join("meshes")).unwrap();
+    write("meshes/a.obj", obj());
+    write("meshes/a.PLY", ply());
+    for (name, primitive) in scenes {
+        write(name, scene(primitive));
+    }
+    folder
+}
+
+fn load(folder: &Path, name: &str) -> Scene {
+    Scene::load(folder.join(name).to_str().unwrap()).unwrap()
+}
+
+#[test]
+fn files_and_lists_of_the_same_triangles_are_the_same_scene() {
+    let list = format!("triangles(vertices: {VERTICES:?}, indices: {FACES:?}, material: \"grey\")")
+        .replace('[', "(")
+        .replace(']', ")");
+    // The outer lists are lists.
+    let list = list.replace("vertices: (", "vertices: [").replace("), indices: (", "], indices: [");
+    let list = list.replace("), material", "], material");
+    let folder = folder(&[
+        ("list.ron", &list),
+        ("obj.ron", r#"mesh(file: "meshes/a.obj", material: "grey")"#),
+        ("ply.ron", r#"mesh(file: "meshes/a.PLY", material: "grey")"#),
+    ]);
+    let list = load(folder.path(), "list.ron");
+    assert_eq!(list.geometry().triangles.len(), 4);
+    for name in ["obj.ron", "ply.ron"] {
+        let mesh = load(folder.path(), name);
+        assert_eq!(mesh.geometry(), list.geometry(), "{name}");
+        assert_eq!(mesh.hash(), list.hash(), "{name}");
+    }
+    // From any current folder, to the same picture.
+    let render = |name: &str| {
+        let scene = folder.path().join(name);
+        let elsewhere = tempfile::tempdir().unwrap();
+        let arguments = ["render", "-q", "--scene", scene.to_str().unwrap(), "-o", "a.png"];
+        let output = ptfast(elsewhere.path(), &arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = stdout(&output);
+        text.lines().find(|line| line.starts_with("hash")).unwrap().to_owned()
+    };
+    assert_eq!(render("obj.ron"), render("list.ron"));
+    assert_eq!(render("ply.ron"), render("list.ron"));
+}
+
+#[test]
+fn meshes_are_scaled_turned_and_moved() {
+    let folder = folder(&[
+        ("b.ron", r#"mesh(file: "meshes/a.PLY", rotation: (90, 90, 0), material: "grey")"#),
+        (
+            "a.ron",
+            r#"mesh(file: "meshes/a.obj", scale: 2, rotation: (0, 90, 0), translation: (10, 20, 30),
+            material: "grey")"#,
+        ),
+    ]);
+    // About x first: y goes to z, and then to x.
+    let turned = load(folder.path(), "b.ron").geometry().triangles[0].vertices[1];
+    assert_eq!(turned.to_array(), [1.0, 0.0, 0.0]);
+    let scene = load(folder.path(), "a.ron");
+    // 0, 2, 1: x goes to −z, y stays.
+    let vertices = scene.geometry().triangles[0].vertices.map(|v| v.to_array());
+    assert_eq!(vertices, [[10.0, 20.0, 30.0], [10.0, 22.0, 30.0], [10.0, 20.0, 28.0]]);
+}
+
+#[test]
+fn wrong_meshes_are_told_by_file_and_line() {
+    let cases = [
+        (r#"file: "meshes/b.obj""#, "meshes/b.obj: cannot read"),
+        (r#"file: "meshes""#, "no reader for this extension, meshes are .obj or .ply files"),
+        (r#"file: "meshes/folder.ply""#, "meshes/folder.ply: cannot read: is a directory"),
+        (r#"file: "meshes/empty.obj""#, "meshes/empty.obj: no face in it"),
+        (r#"file: "meshes/broken.obj""#, "meshes/broken.obj:7: the face names a vertex beyond"),
+        (r#"file: "meshes/broken.ply""#, "meshes/broken.ply:15: the face names a vertex beyond"),
+        (r#"file: "meshes/a.obj", scale: 0"#, "scale must be above 0 and at most 1e9, is 0.0"),
+        (
+            r#"file: "meshes/a.obj", scale: 1e9, translation: (1e9, 0, 0)"#,
+            "meshes/a.obj: a vertex is placed at",
+        ),
+        (
+            r#"file: "meshes/a.obj", scale: 1e-6, translation: (1e9, 1e9, 1e9)"#,
+            "meshes/a.obj: no triangle has an area",
+        ),
+        (r#"file: "meshes/a.obj", rotation: (0, 1e9, 0)"#, "rotation must be finite, within"),
+        (r#"file: "meshes/a.obj", translation: (0, 1e10, 0)"#, "translation must be finite"),
+        (r#"file: "meshes/a.obj", size: 2"#, "unknown field `size`"),
+    ];
+    for (fields, message) in cases {
+        let folder = folder(&[("a.ron", &format!(r#"mesh({fields}, material: "grey")"#))]);
+        let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+        fs::create_dir(folder.path().join("meshes/folder.ply")).unwrap();
+        write("meshes/empty.obj", "v 0 0 0\n".to_owned());
+        write("meshes/broken.obj", obj().replace("f 2 3 4", "f 2 3 5"));
+        write("meshes/broken.ply", ply().replace("3 0 1 3", "3 0 1 4"));
+        let output = ptfast(folder.path(), &["render", "--scene", "a.ron", "-o", "a.png"]);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(65), "{text}");
+        assert_eq!(text.lines().count(), 1, "{text}");
+        assert!(text.starts_with("ptfast: a.ron:") && text.contains(message), "{fields}: {text}");
+        assert!(!folder.path().join("a.png").exists());
+    }
+}
