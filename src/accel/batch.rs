@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Float, LANES, Vec3x, axes, places};
+use crate::simd::{Float, LANES, Vec3x, axes, set_lanes};
 
 /// Rays, each with the open interval in which hits count.
 ///
@@ -69,11 +69,11 @@ impl RayBatch {
     /// Adds the rays of the lanes whose bits are set, for which there must be room.
     #[inline(always)]
     pub(crate) fn append(&mut self, rays: &RayVector, bits: u32) {
-        let (places, first) = (places(bits), self.len);
+        let (set_lanes, first) = (set_lanes(bits), self.len);
         let mut to = self.arrays();
         for number in rays.numbers() {
             let array = to.next().expect("as many arrays as numbers");
-            number.shuffled(places).store(&mut array[first..]);
+            number.shuffled(set_lanes).store(&mut array[first..]);
         }
         drop(to);
         self.len += bits.count_ones() as usize;

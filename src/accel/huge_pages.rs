@@ -45,11 +45,11 @@ mod tests {
     fn values_stay_as_they_are() {
         for count in [0, 1, 1000, 5 << 18] {
             let values: Vec<[u32; 4]> = (0..count).map(|i| [i, 1, 2, !i]).collect();
-            let (old, place) = (values.clone(), values.as_ptr());
+            let (old, address) = (values.clone(), values.as_ptr());
             let settled = settle(values);
             assert_eq!(settled, old);
             assert_eq!(
-                settled.as_ptr() == place,
+                settled.as_ptr() == address,
                 count < 5 << 18 || cfg!(not(target_os = "linux"))
             );
         }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::accelerator::Accelerator;
 use super::batch::{HitBatch, RayBatch};
-use super::job::Job;
-use super::pair_traversal;
+use super::kernel::job::Job;
+use super::kernel::pair_traversal;
 use super::slab::SlabRay;
 
 impl Accelerator {

@@ -74,7 +74,7 @@ pub(super) struct Setup {
 ///    product is NaN. This moves a plane by 3e-10 of the farthest distance, well within the slack.
 /// 2. All is rounded, at most, by 3 roundings of the origin and 4 of the farthest distance; the
 ///    slack contains 4 of the one and 6 of the other.
-/// 3. Planes move outward by the slack in the boxes that are made so ([`super::pair`]), or else
+/// 3. Planes move outward by the slack in the boxes that are made so ([`super::tree::pair`]), or else
 ///    in the offsets ([`Setup::offsets`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabLanes {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::clock::gigahertz;
 use super::program::{Program, Rendered};
-use super::record::Block;
+use super::run::Block;
 use super::{Group, Side};
 use crate::engine::RayCounts;
 use crate::error::{Error, Result};

@@ -1,6 +1,7 @@
 //! Faster, slower or the same? Asked of each run, beside a baseline or another program.
 
-use super::record::{Ratio, Record, Run, Work};
+use super::record::Record;
+use super::run::{Ratio, Run, Workload};
 use super::verdict::{Again, Doubt, Finding, Gate, Verdict};
 use super::{Bench, Progress};
 use crate::error::{Error, Result};
@@ -107,7 +108,7 @@ fn findings<'a>(
     record: &'a Record,
     reference: Reference<'_>,
     threshold: f64,
-) -> Vec<(&'a Work, Finding)> {
+) -> Vec<(&'a Workload, Finding)> {
     let of = |run: &'a Run| Some((&run.work, finding(run, record, reference, threshold)?));
     record.runs.iter().filter_map(of).collect()
 }
@@ -164,7 +165,7 @@ fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
 }
 
 /// Runs of `record` that tell nothing as a baseline, and why.
-pub(crate) fn doubtful(record: &Record, threshold: f64) -> Vec<(&Work, Doubt)> {
+pub(crate) fn doubtful(record: &Record, threshold: f64) -> Vec<(&Workload, Doubt)> {
     let of = |run: &'_ Run| doubt(run, record, threshold);
     record.runs.iter().filter_map(|run| Some((&run.work, of(run)?))).collect()
 }

@@ -1,6 +1,7 @@
 //! Exact counts beside those of another record.
 
-use super::record::{Record, Run, Work};
+use super::record::Record;
+use super::run::{Run, Workload};
 use crate::accel::Counters;
 
 /// What came of it.
@@ -29,7 +30,7 @@ pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountCh
             continue;
         };
         changes.compared += 1;
-        let Work { scene, engine, threads, .. } = &run.work;
+        let Workload { scene, engine, threads, .. } = &run.work;
         for (name, new, old) in differences(&run.counters, &old.counters) {
             let ratio = new as f64 / old.max(1) as f64;
             changes.lines.push(format!(

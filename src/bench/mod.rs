@@ -14,6 +14,7 @@ mod export;
 mod program;
 mod read;
 mod record;
+mod run;
 mod summary;
 mod verdict;
 
@@ -29,7 +30,8 @@ pub(crate) use compare::{Reference, check_machine, check_works, doubtful, judge}
 pub(crate) use counts::{CountChanges, count_changes};
 pub(crate) use export::{Format, check_export, export, export_file};
 use program::{Program, Rendered, Task};
-pub(crate) use record::{Lanes, Ratio, Record, Run, Work};
+pub(crate) use record::Record;
+pub(crate) use run::{Lanes, Ratio, Run, Workload};
 pub(crate) use verdict::{Gate, Outcome, Verdict, decide};
 
 /// What is to be measured.
@@ -133,7 +135,8 @@ impl Bench {
                 let mut plan = counted.plan.clone();
                 let measured = counted.measured_plan();
                 // One plan for all whose work is compared.
-                let old = baseline.and_then(|record| record.plan(task, engine.name()));
+                let old = baseline
+                    .and_then(|record| record.plan(&task.scene, task.threads, engine.name()));
                 let first = sides.iter().find(|side| side.engine == engine);
                 let common = old.or_else(|| first.and_then(|side| side.counted.plan.clone()));
                 if common.is_some() && common != plan {
@@ -164,8 +167,8 @@ impl Bench {
     }
 
     /// What the program that is measured will render.
-    pub(crate) fn works(&self) -> Vec<Work> {
-        let of = |group: &'_ Group| -> Vec<Work> {
+    pub(crate) fn works(&self) -> Vec<Workload> {
+        let of = |group: &'_ Group| -> Vec<Workload> {
             let own = group.sides.iter().filter(|side| side.program == 0);
             own.map(|side| side.work(&group.task)).collect()
         };
@@ -208,11 +211,11 @@ impl Bench {
 }
 
 impl Side {
-    fn work(&self, task: &Task) -> Work {
+    fn work(&self, task: &Task) -> Workload {
         let Task { scene, width, height, spp, seed, threads } = task.clone();
         let Rendered { scene_hash, sampling, sampler, depth, .. } = &self.counted;
         let engine = self.engine.name().to_owned();
-        Work {
+        Workload {
             scene,
             scene_hash: scene_hash.clone(),
             engine,

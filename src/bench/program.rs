@@ -11,7 +11,7 @@ use std::time::Duration;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::record::Lanes;
+use super::run::Lanes;
 use crate::accel::Counters;
 use crate::engine::{Engine, Planning, RayCounts};
 use crate::error::{Error, Result};
@@ -86,11 +86,11 @@ pub(super) struct Seconds {
 
 #[derive(Clone, Debug, Deserialize)]
 struct Segment {
-    stages: BTreeMap<String, Work>,
+    stages: BTreeMap<String, Workload>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
-struct Work {
+struct Workload {
     active: u64,
     issued: u64,
     #[serde(default)]
@@ -230,7 +230,7 @@ impl Rendered {
 
     /// Lanes by segment and stage.
     pub(super) fn lanes(&self) -> Vec<BTreeMap<String, Lanes>> {
-        let lanes = |work: &Work| match work.counters {
+        let lanes = |work: &Workload| match work.counters {
             Some(counters) => {
                 Lanes { active: counters.lanes_active, issued: counters.lanes_issued }
             }

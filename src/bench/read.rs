@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::record::{Block, Ratio, Record, Run, SCHEMA};
+use super::record::{Record, SCHEMA};
+use super::run::{Block, Ratio, Run};
 use crate::error::{Error, Result};
 use crate::input::read_json;
 use crate::limits::MAX_JSON;

@@ -1,7 +1,8 @@
 //! From samples to records.
 
 use super::block::Series;
-use super::record::{Against, Block, Ratio, Record, Run, SCHEMA};
+use super::record::{Against, Record, SCHEMA};
+use super::run::{Block, Ratio, Run};
 use super::{Bench, Group, Sample, Side};
 use crate::engine::{Engine, Stage};
 use crate::statistics::Estimate;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::record::{Ratio, Run, Work};
+use super::run::{Ratio, Run, Workload};
 use crate::statistics::Estimate;
 
 /// What came of a comparison.
@@ -132,7 +132,7 @@ pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
 
 impl Verdict {
     /// Of a run that nothing is known of.
-    pub(super) fn new(Work { scene, engine, threads, .. }: &Work) -> Self {
+    pub(super) fn new(Workload { scene, engine, threads, .. }: &Workload) -> Self {
         Self {
             scene: scene.clone(),
             engine: engine.clone(),
@@ -143,7 +143,7 @@ impl Verdict {
         }
     }
 
-    pub(crate) fn is_of(&self, work: &Work) -> bool {
+    pub(crate) fn is_of(&self, work: &Workload) -> bool {
         (&self.scene, &self.engine, self.threads) == (&work.scene, &work.engine, work.threads)
     }
 
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     fn verdict(findings: &[(f64, Option<Doubt>)]) -> Verdict {
-        let mut verdict = Verdict::new(&Work::default());
+        let mut verdict = Verdict::new(&Workload::default());
         for &(median, doubt) in findings {
             let change = Estimate { median, lo: 0.995 * median, hi: 1.005 * median };
             verdict.add(Finding { change, doubt }, 0.01);

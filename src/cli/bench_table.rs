@@ -1,7 +1,7 @@
 //! What `ptfast bench` prints.
 
 use super::{printable, say};
-use crate::bench::{CountChanges, Gate, Outcome, Ratio, Record, Run, Verdict, Work};
+use crate::bench::{CountChanges, Gate, Outcome, Ratio, Record, Run, Verdict, Workload};
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
 use crate::statistics::Estimate;
@@ -20,7 +20,7 @@ pub(super) fn print(record: &Record) -> Result<()> {
     let build = format!("{}, {}, commit {}", machine.rustc, machine.flags, machine.commit);
     say(format_args!("build   {}", printable(&build)))?;
     if let Some(run) = record.runs.first() {
-        let Work { width, height, spp, seed, .. } = run.work;
+        let Workload { width, height, spp, seed, .. } = run.work;
         let blocks = run.blocks.len();
         say(format_args!(
             "blocks  {blocks}, each twice {width} x {height} pixels or about as many, {spp} spp, seed {seed}"
@@ -146,7 +146,7 @@ pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
             None => "no such run there".to_owned(),
             Some(verdict) => told(verdict, gate.threshold, judged),
         };
-        let Work { scene, threads, engine, .. } = &run.work;
+        let Workload { scene, threads, engine, .. } = &run.work;
         let who = who(record, &printable(scene), &threads.to_string(), engine);
         say(format_args!("{}", format!("{who}{told}").trim_end()))?;
     }

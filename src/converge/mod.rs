@@ -99,7 +99,7 @@ pub(crate) fn measure(
     let (a, b): (Image, Image) = (a?.image, b?.image);
     let mut found = vec![vec![Vec::new(); counts.len()]; options.ways.len()];
     for round in 0..options.rounds {
-        for (place, &spp) in counts.iter().enumerate() {
+        for (index, &spp) in counts.iter().enumerate() {
             // Forth and back, so that no way is always first.
             let mut order: Vec<usize> = (0..options.ways.len()).collect();
             if round % 2 == 1 {
@@ -108,7 +108,7 @@ pub(crate) fn measure(
             for way in order {
                 let Render { image, seconds, .. } =
                     render(options.ways[way], spp, seed(3 + u64::from(round)))?;
-                found[way][place].push((squared_error(&image, &a, &b), seconds.render));
+                found[way][index].push((squared_error(&image, &a, &b), seconds.render));
             }
         }
     }

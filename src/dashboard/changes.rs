@@ -32,11 +32,11 @@ pub(super) fn changes(records: &[&[f64]]) -> Vec<Option<Change>> {
     let mut level: Vec<&[f64]> = Vec::new();
     let mut off = OFF_AT_FIRST.to_vec();
     let known: Vec<usize> = (0..records.len()).filter(|&i| !records[i].is_empty()).collect();
-    for (place, &number) in known.iter().enumerate() {
+    for (index, &number) in known.iter().enumerate() {
         let blocks = records[number];
         if !level.is_empty() {
             let recent = level[level.len().saturating_sub(LEVEL)..].concat();
-            let next = known.get(place + 1).map(|&next| records[next]);
+            let next = known.get(index + 1).map(|&next| records[next]);
             changes[number] = change(&recent, blocks, next, spread(&off));
             let ratio = Estimate::of_ratio(blocks, &recent).median;
             if changes[number].is_none() {
@@ -94,8 +94,8 @@ mod tests {
         records[1].clear();
         records[4].clear();
         let found = found(&records);
-        let places: Vec<usize> = (0..6).filter(|&i| found[i].is_some()).collect();
-        assert_eq!(places, [3]);
+        let indices: Vec<usize> = (0..6).filter(|&i| found[i].is_some()).collect();
+        assert_eq!(indices, [3]);
         assert!(found[3].unwrap().confirmed);
     }
 
@@ -108,8 +108,8 @@ mod tests {
         let mut random = Stream::new(3);
         let speeds = [100.0, 100.0, 100.0, 95.0, 95.0, 95.0, 80.0, 95.0, 110.0];
         let found = found(&history(&mut random, &speeds));
-        let places: Vec<usize> = (0..speeds.len()).filter(|&i| found[i].is_some()).collect();
-        assert_eq!(places, [3, 8], "{found:?}");
+        let indices: Vec<usize> = (0..speeds.len()).filter(|&i| found[i].is_some()).collect();
+        assert_eq!(indices, [3, 8], "{found:?}");
         let down = found[3].unwrap();
         assert!(down.confirmed && (down.ratio.median - 0.95).abs() < 0.01, "{down:?}");
         assert!(!found[8].unwrap().confirmed);

@@ -1,6 +1,6 @@
 //! The commands that repeat a run.
 
-use crate::bench::{Record, Run, Work};
+use crate::bench::{Record, Run, Workload};
 
 /// Measures all engines again, so that the speed-up is told too. The bench is that of the checkout where
 /// it is run, since old commits have none.
@@ -16,7 +16,7 @@ pub(super) fn bench(record: &Record, run: &Run) -> String {
 
 /// Renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
-    let Work { engine, height, depth, sampling, sampler, .. } = &run.work;
+    let Workload { engine, height, depth, sampling, sampler, .. } = &run.work;
     // Old programs have no such option.
     let sampler =
         if sampler.is_empty() { String::new() } else { format!(" --sampler {}", quoted(sampler)) };
@@ -51,8 +51,8 @@ fn folder(record: &Record) -> String {
     quoted(&format!("../ptfast-{}", clean(&record.machine.commit)))
 }
 
-fn work(work: &Work) -> String {
-    let Work { scene, threads, width, spp, seed, .. } = work;
+fn work(work: &Workload) -> String {
+    let Workload { scene, threads, width, spp, seed, .. } = work;
     let scene = quoted(scene);
     format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
 }

@@ -8,7 +8,7 @@ use super::changes::{Change, changes};
 use super::command;
 use super::history::History;
 use crate::accel::Counters;
-use crate::bench::{Lanes, Record, Run, Work};
+use crate::bench::{Lanes, Record, Run, Workload};
 use crate::machine::Machine;
 use crate::statistics::Estimate;
 
@@ -79,7 +79,7 @@ fn machine_name(machine: &Machine) -> String {
 }
 
 fn settings(run: &Run) -> String {
-    let Work { width, height, spp, depth, seed, sampling, sampler, scene_hash, .. } = &run.work;
+    let Workload { width, height, spp, depth, seed, sampling, sampler, scene_hash, .. } = &run.work;
     let scene: String = scene_hash.chars().take(8).collect();
     let sampler = if sampler.is_empty() { String::new() } else { format!(", {sampler}") };
     format!(

@@ -122,8 +122,8 @@ impl<'a> Shared<'a> {
         };
         timeline.extend(laps.iter().take(room).map(event));
         self.early.push((part, tally));
-        while let Some(place) = self.early.iter().position(|(part, _)| film.is_next(part.unit)) {
-            let (part, tally) = self.early.swap_remove(place);
+        while let Some(index) = self.early.iter().position(|(part, _)| film.is_next(part.unit)) {
+            let (part, tally) = self.early.swap_remove(index);
             film.add(&part)?;
             all.add(&tally);
             self.progress.samples += part.unit.paths();

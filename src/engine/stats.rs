@@ -103,11 +103,11 @@ impl WaveStats {
 
     /// Where work for paths on their segment `segment` is noted.
     fn segment_mut(&mut self, segment: u32) -> &mut SegmentWork {
-        let place = (segment as usize).min(Self::SEGMENTS) - 1;
-        if self.segments.len() <= place {
-            self.segments.resize(place + 1, Default::default());
+        let index = (segment as usize).min(Self::SEGMENTS) - 1;
+        if self.segments.len() <= index {
+            self.segments.resize(index + 1, Default::default());
         }
-        &mut self.segments[place]
+        &mut self.segments[index]
     }
 
     pub(super) fn add(&mut self, other: &Self) {

@@ -23,14 +23,14 @@ impl Tally {
     /// What a sample of this radiance adds to its pixel, where components above `clamp` are clamped: notes
     /// pixel and sample, `(x, y, sample)`, if it is not finite, and whether it was clamped.
     #[inline]
-    pub(super) fn counted(&mut self, radiance: Vec3, clamp: f32, place: (u32, u32, u32)) -> Vec3 {
+    pub(super) fn counted(&mut self, radiance: Vec3, clamp: f32, sample: (u32, u32, u32)) -> Vec3 {
         match counted(radiance, clamp) {
             Some((radiance, clamped)) => {
                 self.clamped += u64::from(clamped);
                 radiance
             }
             None => {
-                self.non_finite.note(place);
+                self.non_finite.note(sample);
                 Vec3::ZERO
             }
         }
@@ -85,8 +85,8 @@ pub struct NonFinite {
 }
 
 impl NonFinite {
-    fn note(&mut self, place: (u32, u32, u32)) {
-        self.merge(&Self { count: 1, first: Some(place) });
+    fn note(&mut self, sample: (u32, u32, u32)) {
+        self.merge(&Self { count: 1, first: Some(sample) });
     }
 
     fn merge(&mut self, other: &Self) {

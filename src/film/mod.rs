@@ -101,8 +101,8 @@ impl Film {
         if unit.first.is_multiple_of(CHUNK) {
             return Plane::new();
         }
-        let place = sum::sums(&(self.samples.start..unit.first)) - 1;
-        let rows = (0..unit.tile.height).map(|row| &self.sums[place][self.row(unit.tile, row)]);
+        let index = sum::sums(&(self.samples.start..unit.first)) - 1;
+        let rows = (0..unit.tile.height).map(|row| &self.sums[index][self.row(unit.tile, row)]);
         rows.flatten().copied().collect()
     }
 
@@ -143,16 +143,16 @@ impl Film {
         sums: &[[f32; 3]],
     ) -> Result<usize> {
         let begin = self.samples.start / CHUNK;
-        let place = kept - node.map_or(0, |node| sum::left_siblings(begin, node));
-        self.make_room(place + 1)?;
+        let index = kept - node.map_or(0, |node| sum::left_siblings(begin, node));
+        self.make_room(index + 1)?;
         let mut sums = sums.to_vec();
-        for left in self.sums[place..kept].iter().rev() {
+        for left in self.sums[index..kept].iter().rev() {
             for (sum, left) in sums.iter_mut().zip(&left[pixels.clone()]) {
                 *sum = (Vec3::from(*left) + Vec3::from(*sum)).to_array();
             }
         }
-        self.sums[place][pixels].copy_from_slice(&sums);
-        Ok(place + 1)
+        self.sums[index][pixels].copy_from_slice(&sums);
+        Ok(index + 1)
     }
 
     /// The means of the samples that are done; black where none is.

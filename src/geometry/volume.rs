@@ -61,7 +61,7 @@ impl Volume {
 
     /// Whether the two have more than their surfaces in common, and what rounding makes of these.
     pub fn overlaps(&self, other: &Self) -> bool {
-        let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.place() + other.place());
+        let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.reach() + other.reach());
         match (self, other) {
             (
                 Self::Sphere { center, radius },
@@ -105,7 +105,7 @@ impl Volume {
     }
 
     /// How far from the origin its middle is, along an axis.
-    fn place(&self) -> f64 {
+    fn reach(&self) -> f64 {
         self.half_edges().0.abs().max_element()
     }
 

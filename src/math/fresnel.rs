@@ -1,8 +1,8 @@
 //! How much smooth surfaces reflect (Pharr et al., *Physically Based Rendering*, 4th ed., 9.3).
 
 use super::max;
+use super::real::Vector;
 use super::real::{Mask, Real};
-use super::vector::Vector;
 
 /// Reflectance of glass at the cosine of the angle of incidence (Schlick 1994).
 #[inline(always)]

@@ -7,8 +7,8 @@
 use std::f32::consts::PI;
 
 use super::real::Real;
+use super::real::Vector;
 use super::trig::sin_cos_turns;
-use super::vector::Vector;
 use super::{max, normalize};
 
 /// Microfacets of roughness α, in (0, 1]. With α = 0 every sample is the normal itself.

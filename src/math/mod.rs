@@ -10,15 +10,15 @@ pub mod powers;
 pub mod precise;
 pub mod random;
 pub mod real;
+mod scalar;
 pub mod sobol;
 pub mod trig;
 pub mod vector;
 pub mod warp;
 
-pub use real::{Mask, Real, Row, Select, Word, row};
+pub use real::{Mask, Real, Row, Select, Vector, Word, row};
 pub use vector::{
-    Frame, Vector, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis,
-    reflect,
+    Frame, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis, reflect,
 };
 
 /// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.

@@ -8,11 +8,9 @@
 //! `if mask.any()` around it skips it: for `f32` that is an ordinary branch.
 
 use std::fmt::Debug;
-use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Index, Mul, Neg, Not, Shl, Shr, Sub};
 
 use glam::Vec3;
-
-use super::vector::Vector;
 
 /// An `f32`, or one a lane.
 pub trait Real:
@@ -35,7 +33,7 @@ pub trait Real:
     type Word: Word<Mask = Self::Mask>;
     /// A vector in space, or one a lane.
     type Vec3: Vector<Real = Self>;
-    /// A checked place in a table, or one a lane.
+    /// A checked index of a table, or one a lane.
     type Index: Copy;
 
     /// 0.
@@ -78,13 +76,13 @@ pub trait Real:
     /// Equal.
     fn eq(self, other: Self) -> Self::Mask;
 
-    /// A place in a table of `len` entries.
+    /// The index of an entry of a table with `len` entries.
     ///
     /// # Panics
     /// If it is not below `len`.
-    fn index(place: Self::Word, len: usize) -> Self::Index;
+    fn index(entry: Self::Word, len: usize) -> Self::Index;
     /// As [`Real::index`], for tables that often have one entry: then it is read once for all lanes.
-    fn index_of_few(place: Self::Word, len: usize) -> Self::Index;
+    fn index_of_few(entry: Self::Word, len: usize) -> Self::Index;
     /// The row that `row` finds in the entry of `table` at `index`: a vector and a number.
     fn gather<T>(table: &[T], index: Self::Index, row: impl Fn(&T) -> &Row) -> (Self::Vec3, Self);
     /// The words of `table` at `index`.
@@ -97,6 +95,50 @@ pub trait Real:
     ) -> [Self; O];
     /// `f` of each lane's word.
     fn each_word(word: Self::Word, f: impl Fn(u32) -> u32) -> Self::Word;
+}
+
+/// A [`glam::Vec3`], or one a lane. Products of two vectors are component by component.
+pub trait Vector:
+    Copy
+    + Debug
+    + Select<<Self::Real as Real>::Mask>
+    + Index<usize, Output = Self::Real>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<Self::Real, Output = Self>
+    + Div<Self::Real, Output = Self>
+{
+    /// The type of its components.
+    type Real: Real<Vec3 = Self>;
+
+    /// The vector with these components.
+    fn new(x: Self::Real, y: Self::Real, z: Self::Real) -> Self;
+
+    /// `v` in every lane.
+    #[inline(always)]
+    fn splat(v: Vec3) -> Self {
+        Self::new(Self::Real::splat(v.x), Self::Real::splat(v.y), Self::Real::splat(v.z))
+    }
+
+    /// `value` in every component.
+    #[inline(always)]
+    fn gray(value: Self::Real) -> Self {
+        Self::new(value, value, value)
+    }
+
+    /// 0 in every component.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::gray(Self::Real::ZERO)
+    }
+
+    /// The magnitude of each component.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::new(self[0].abs(), self[1].abs(), self[2].abs())
+    }
 }
 
 /// Four words of a table that are read together: a vector and a number.
@@ -166,188 +208,4 @@ pub trait Word:
     fn eq(self, other: Self) -> Self::Mask;
     /// At most.
     fn le(self, other: Self) -> Self::Mask;
-}
-
-impl Real for f32 {
-    type Mask = bool;
-    type Word = u32;
-    type Vec3 = Vec3;
-    type Index = u32;
-
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const INFINITY: Self = f32::INFINITY;
-
-    #[inline(always)]
-    fn splat(value: f32) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn from_bits(bits: u32) -> Self {
-        f32::from_bits(bits)
-    }
-
-    #[inline(always)]
-    fn to_bits(self) -> u32 {
-        f32::to_bits(self)
-    }
-
-    #[inline(always)]
-    fn from_word(word: u32) -> Self {
-        word as f32
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        f32::sqrt(self)
-    }
-
-    #[inline(always)]
-    fn floor(self) -> Self {
-        f32::floor(self)
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        f32::abs(self)
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        f32::copysign(self, sign)
-    }
-
-    #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        if self < other { self } else { other }
-    }
-
-    #[inline(always)]
-    fn most(self, other: Self) -> Self {
-        if self > other { self } else { other }
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> bool {
-        self < other
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> bool {
-        self <= other
-    }
-
-    #[inline(always)]
-    fn gt(self, other: Self) -> bool {
-        self > other
-    }
-
-    #[inline(always)]
-    fn ge(self, other: Self) -> bool {
-        self >= other
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> bool {
-        self == other
-    }
-
-    #[inline(always)]
-    fn index(place: u32, len: usize) -> u32 {
-        debug_assert!((place as usize) < len, "{place} is not below {len}");
-        place
-    }
-
-    #[inline(always)]
-    fn index_of_few(place: u32, len: usize) -> u32 {
-        Self::index(place, len)
-    }
-
-    #[inline(always)]
-    fn gather<T>(table: &[T], index: u32, row: impl Fn(&T) -> &Row) -> (Vec3, f32) {
-        let [x, y, z, number] = row(&table[index as usize]).map(f32::from_bits);
-        (Vec3::new(x, y, z), number)
-    }
-
-    #[inline(always)]
-    fn pick(table: &[u32], index: u32) -> u32 {
-        table[index as usize]
-    }
-
-    #[inline(always)]
-    fn each_lane<const I: usize, const O: usize>(
-        word: u32,
-        from: [f32; I],
-        f: impl Fn(u32, [f32; I]) -> [f32; O],
-    ) -> [f32; O] {
-        f(word, from)
-    }
-
-    #[inline(always)]
-    fn each_word(word: u32, f: impl Fn(u32) -> u32) -> u32 {
-        f(word)
-    }
-}
-
-impl Mask for bool {
-    const NONE: Self = false;
-    const ALL: Self = true;
-
-    #[inline(always)]
-    fn any(self) -> bool {
-        self
-    }
-}
-
-macro_rules! select_by_branch {
-    ($($type:ty),*) => { $(
-        impl Select<bool> for $type {
-            #[inline(always)]
-            fn select(mask: bool, yes: Self, no: Self) -> Self {
-                if mask { yes } else { no }
-            }
-        }
-    )* };
-}
-
-select_by_branch!(f32, u32, bool, Vec3);
-
-impl Word for u32 {
-    type Mask = bool;
-
-    #[inline(always)]
-    fn splat(value: u32) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn wrapping_add(self, other: Self) -> Self {
-        u32::wrapping_add(self, other)
-    }
-
-    #[inline(always)]
-    fn wrapping_sub(self, other: Self) -> Self {
-        u32::wrapping_sub(self, other)
-    }
-
-    #[inline(always)]
-    fn wrapping_mul(self, other: Self) -> Self {
-        u32::wrapping_mul(self, other)
-    }
-
-    #[inline(always)]
-    fn reverse_bits(self) -> Self {
-        u32::reverse_bits(self)
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> bool {
-        self == other
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> bool {
-        self <= other
-    }
 }

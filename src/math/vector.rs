@@ -1,64 +1,8 @@
-//! Vectors in space, in contract order.
-
-use std::fmt::Debug;
-use std::ops::{Add, Div, Index, Mul, Neg, Sub};
+//! Functions of vectors in space, in contract order.
 
 use glam::Vec3;
 
-use super::real::{Mask, Real, Select};
-
-/// A [`glam::Vec3`], or one a lane. Products of two vectors are component by component.
-pub trait Vector:
-    Copy
-    + Debug
-    + Select<<Self::Real as Real>::Mask>
-    + Index<usize, Output = Self::Real>
-    + Neg<Output = Self>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Mul<Self::Real, Output = Self>
-    + Div<Self::Real, Output = Self>
-{
-    /// The type of its components.
-    type Real: Real<Vec3 = Self>;
-
-    /// The vector with these components.
-    fn new(x: Self::Real, y: Self::Real, z: Self::Real) -> Self;
-
-    /// `v` in every lane.
-    #[inline(always)]
-    fn splat(v: Vec3) -> Self {
-        Self::new(Self::Real::splat(v.x), Self::Real::splat(v.y), Self::Real::splat(v.z))
-    }
-
-    /// `value` in every component.
-    #[inline(always)]
-    fn gray(value: Self::Real) -> Self {
-        Self::new(value, value, value)
-    }
-
-    /// 0 in every component.
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::gray(Self::Real::ZERO)
-    }
-
-    /// The magnitude of each component.
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self::new(self[0].abs(), self[1].abs(), self[2].abs())
-    }
-}
-
-impl Vector for Vec3 {
-    type Real = f32;
-
-    #[inline(always)]
-    fn new(x: f32, y: f32, z: f32) -> Self {
-        Vec3::new(x, y, z)
-    }
-}
+use super::real::{Mask, Real, Vector};
 
 /// `a·b`, summed in the order x, y, z.
 #[inline(always)]

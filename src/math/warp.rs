@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 
 use super::powers::cbrt;
 use super::real::Real;
+use super::real::Vector;
 use super::trig::sin_cos_turns;
-use super::vector::Vector;
 use super::{Frame, max};
 
 /// Uniform point of the unit disk.

@@ -21,13 +21,13 @@ impl Selection {
 
     /// Whether the next ray is kept.
     pub(super) fn next(&mut self) -> bool {
-        let place = self.seen;
+        let index = self.seen;
         self.seen += 1;
         let Some((runs, wanted)) = self.runs else { return true };
-        if self.kept == wanted || place / RUN != self.kept * runs / wanted {
+        if self.kept == wanted || index / RUN != self.kept * runs / wanted {
             return false;
         }
-        if place % RUN == RUN - 1 {
+        if index % RUN == RUN - 1 {
             self.kept += 1;
         }
         true

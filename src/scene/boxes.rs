@@ -13,7 +13,7 @@ pub(super) fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 
     let middle: [f64; 3] = std::array::from_fn(|i| (min[i] + max[i]) * 0.5);
     let turns = angles(rotation);
     let turn = |p: [f64; 3]| rotate(p, turns);
-    let place = |p: [f64; 3]| {
+    let transformed = |p: [f64; 3]| {
         let turned = turn(std::array::from_fn(|i| p[i] - middle[i]));
         std::array::from_fn(|i| (turned[i] + middle[i]) as f32)
     };
@@ -22,7 +22,7 @@ pub(super) fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 
         e[i] = max[i] - min[i];
         turn(e).map(|c| c as f32)
     };
-    let (near, far): ([f32; 3], [f32; 3]) = (place(min), place(max));
+    let (near, far): ([f32; 3], [f32; 3]) = (transformed(min), transformed(max));
     let [x, y, z] = [edge(0), edge(1), edge(2)];
     let negative = |e: [f32; 3]| e.map(|c| -c);
     let mut faces = [(near, x, y); 6];

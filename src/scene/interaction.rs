@@ -1,16 +1,16 @@
 //! The point where a path meets a surface.
 
-use super::tables::SceneTables;
-use crate::geometry::{Ray, Shape, Surface};
+use super::texture::{TexturePoint, TextureTables};
+use crate::geometry::{Ray, Shape, Surface, Surfaces};
 use crate::math::Real;
 
 /// A point of a surface that a path arrives at, or one a lane; the surfaces are of one shape.
 #[derive(Clone, Copy)]
 pub(crate) struct Interaction<'a, R: Real> {
-    pub(crate) tables: &'a SceneTables,
-    /// Whether colours may be textures: where it is known that none is, nothing is spent on them.
-    pub(crate) textured: bool,
-    /// That arrives; its direction is of unit length.
+    pub(crate) surfaces: &'a Surfaces,
+    /// `None` where no material has a texture: then colours cost nothing.
+    pub(crate) textures: Option<&'a TextureTables>,
+    /// The ray that arrives; its direction is of unit length.
     pub(crate) ray: Ray<R>,
     /// Distance along the ray.
     pub(crate) t: R,
@@ -24,14 +24,20 @@ pub(crate) struct Interaction<'a, R: Real> {
 }
 
 impl<R: Real> Interaction<'_, R> {
-    /// The colour of a row of [`super::texture::TextureTables::row`].
+    /// The colour of a row of [`TextureTables::row`].
     #[inline(always)]
     pub(crate) fn color(&self, row: (R::Vec3, R)) -> R::Vec3 {
-        if self.textured { self.tables.textures.color(row, self) } else { row.0 }
+        self.textures.map_or(row.0, |textures| textures.color(row, self))
+    }
+}
+
+impl<R: Real> TexturePoint<R> for Interaction<'_, R> {
+    #[inline(always)]
+    fn point(&self) -> R::Vec3 {
+        self.surface.point
     }
 
-    /// Texture coordinates, both in [0, 1] up to rounding.
-    pub(crate) fn uv(&self) -> (R, R) {
-        self.tables.surfaces.uv(self.shape, self.primitive, &self.ray, &self.surface, self.t)
+    fn uv(&self) -> (R, R) {
+        self.surfaces.uv(self.shape, self.primitive, &self.ray, &self.surface, self.t)
     }
 }

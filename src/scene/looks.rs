@@ -2,7 +2,8 @@
 //! light that it is.
 
 use super::Scene;
-use super::material::{Emission, MaterialKind, MaterialTables};
+use super::emission::Emission;
+use super::material::{MaterialKind, MaterialTables};
 use super::texture::TextureTables;
 use crate::geometry::{Hit, Shape};
 use crate::math::{Mask, Real, Word};
@@ -89,12 +90,12 @@ impl Looks {
             scene.materials().iter().map(|material| materials.push(material, textures)).collect();
         let mut keys = vec![Key::Background];
         let mut number = |key| {
-            let place = keys.iter().position(|&k| k == key).unwrap_or(keys.len());
-            if place == keys.len() {
+            let index = keys.iter().position(|&k| k == key).unwrap_or(keys.len());
+            if index == keys.len() {
                 keys.push(key);
             }
-            assert!(place < usize::from(SEARCH), "more kinds of shapes and materials than keys");
-            place as u8
+            assert!(index < usize::from(SEARCH), "more kinds of shapes and materials than keys");
+            index as u8
         };
         let geometry = scene.geometry();
         // The primitives `begin..=last`, of one shape, with material number `material`.

@@ -2,10 +2,13 @@
 
 mod background;
 mod boxes;
+mod bsdf;
 mod budget;
 mod builtin;
 mod camera;
 mod description;
+mod emission;
+mod files;
 mod flat;
 mod generate;
 mod hash;
@@ -18,10 +21,8 @@ mod medium;
 mod mesh;
 mod named;
 mod nesting;
-mod obj;
 mod parse;
 mod place;
-mod ply;
 mod resolve;
 mod tables;
 pub mod texture;

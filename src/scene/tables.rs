@@ -46,6 +46,8 @@ impl SceneTables {
     ) -> Interaction<'_, R> {
         let surface = self.surfaces.find(shape, primitive, &ray, t);
         let (normal, front) = face_forward(surface.normal, ray.direction);
-        Interaction { tables: self, textured, ray, t, shape, primitive, surface, normal, front }
+        let textures = textured.then_some(&self.textures);
+        let surfaces = &self.surfaces;
+        Interaction { surfaces, textures, ray, t, shape, primitive, surface, normal, front }
     }
 }

@@ -46,10 +46,10 @@ impl Float {
         self.to_array()[0]
     }
 
-    /// Lane `places[i]` in each lane i.
+    /// Lane `lanes[i]` in each lane i.
     #[inline(always)]
-    pub(crate) fn shuffled(self, places: Int) -> Self {
-        Self(self.0.shuffle(places.0))
+    pub(crate) fn shuffled(self, lanes: Int) -> Self {
+        Self(self.0.shuffle(lanes.0))
     }
 
     /// The least lane, in every lane.
@@ -255,13 +255,13 @@ impl Real for Float {
     }
 
     #[inline(always)]
-    fn index(place: Int, len: usize) -> Indices {
-        Indices::new(place, len)
+    fn index(entry: Int, len: usize) -> Indices {
+        Indices::new(entry, len)
     }
 
     #[inline(always)]
-    fn index_of_few(place: Int, len: usize) -> Indices {
-        Indices::of_few(place, len)
+    fn index_of_few(entry: Int, len: usize) -> Indices {
+        Indices::of_few(entry, len)
     }
 
     #[inline(always)]

@@ -45,10 +45,10 @@ impl Int {
         *to.first_chunk_mut().expect("a whole vector") = self.to_array();
     }
 
-    /// Lane `places[i]` in each lane i.
+    /// Lane `lanes[i]` in each lane i.
     #[inline(always)]
-    pub(crate) fn shuffled(self, places: Self) -> Self {
-        Self(self.0.shuffle(places.0))
+    pub(crate) fn shuffled(self, lanes: Self) -> Self {
+        Self(self.0.shuffle(lanes.0))
     }
 
     /// Where the lanes are the same.

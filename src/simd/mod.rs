@@ -18,7 +18,7 @@ mod prefetch;
 mod rows;
 mod vec3x;
 
-pub(crate) use compress::places;
+pub(crate) use compress::set_lanes;
 pub(crate) use float::Float;
 pub(crate) use indices::Indices;
 pub(crate) use int::Int;
@@ -88,8 +88,8 @@ mod tests {
             same(Float::load(&memory), |i| c[i]);
             assert_eq!(memory[LANES], 7.0, "no lane beyond is written");
             same(Float::splat(a[0]), |_| a[0]);
-            let places: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
-            same(x.shuffled(Int::new(places)), |i| a[places[i] as usize]);
+            let from: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
+            same(x.shuffled(Int::new(from)), |i| a[from[i] as usize]);
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
             type Compare = fn(&f32, &f32) -> bool;
             let comparisons: [(Mask, Compare); 5] = [
@@ -184,23 +184,23 @@ mod tests {
             let table: Vec<math::Row> =
                 (0..len).map(|_| [(); 4].map(|()| words(&mut random))).collect();
             let column: Vec<u32> = (0..len).map(|_| words(&mut random)).collect();
-            let place: Lanes<u32> = std::array::from_fn(|_| words(&mut random) % len as u32);
-            let lanes = Int::new(place);
+            let entries: Lanes<u32> = std::array::from_fn(|_| words(&mut random) % len as u32);
+            let lanes = Int::new(entries);
             for index in [Float::index(lanes, len), Float::index_of_few(lanes, len)] {
                 let (Vec3x([x, y, z]), number) = Float::gather(&table, index, |row| row);
                 for (at, vector) in [x, y, z, number].into_iter().enumerate() {
-                    let want = place.map(|place| table[place as usize][at]);
+                    let want = entries.map(|entry| table[entry as usize][at]);
                     assert_eq!(vector.to_bits().to_array(), want);
                 }
                 let picked = Float::pick(&column, index).to_array();
-                assert_eq!(picked, place.map(|place| column[place as usize]));
+                assert_eq!(picked, entries.map(|entry| column[entry as usize]));
             }
             let double = Float::each_word(lanes, |word| 2 * word).to_array();
-            assert_eq!(double, place.map(|place| 2 * place));
+            assert_eq!(double, entries.map(|entry| 2 * entry));
             let number = numbers(&mut random);
             let f = |word: u32, [x]: [f32; 1]| [x * word as f32, x];
             let [product, same_number] = Float::each_lane(lanes, [Float::new(number)], f);
-            same(product, |i| number[i] * place[i] as f32);
+            same(product, |i| number[i] * entries[i] as f32);
             same(same_number, |i| number[i]);
         }
     }
@@ -246,8 +246,8 @@ mod tests {
             let mut memory = [7; LANES + 1];
             Int::load(&x).store(&mut memory);
             assert_eq!((&memory[..LANES], memory[LANES]), (&x[..], 7), "no lane beyond is written");
-            let turned = v.shuffled(Int::new(y.map(|place| place % LANES as u32)));
-            assert_eq!(turned.to_array(), y.map(|place| x[place as usize % LANES]));
+            let turned = v.shuffled(Int::new(y.map(|lane| lane % LANES as u32)));
+            assert_eq!(turned.to_array(), y.map(|lane| x[lane as usize % LANES]));
             assert_eq!(Some(Int::new(p).least_lane()), p.into_iter().min());
             let chosen = equal.select(Int::splat(9), Int::new(q)).to_array();
             for i in 0..LANES {

@@ -23,11 +23,11 @@ pub(crate) fn gather_rows<'a>(
     row: impl Fn(u32) -> &'a Row,
 ) -> (Vec3x, Float) {
     let mut registers = [register::joined([&[0; 4]; PARTS]); 4];
-    for (place, register) in registers.iter_mut().enumerate() {
+    for (column, register) in registers.iter_mut().enumerate() {
         // Rows that are turned together lie in the same part of four registers.
         let mut rows = [&[0; 4]; PARTS];
         for (part, found) in rows.iter_mut().enumerate() {
-            *found = row(indices[4 * part + place]);
+            *found = row(indices[4 * part + column]);
         }
         *register = register::joined(rows);
     }
@@ -40,11 +40,11 @@ pub(crate) fn gather_rows<'a>(
 pub(crate) fn rows_of((Vec3x([x, y, z]), number): (Vec3x, Float)) -> [Row; LANES] {
     let registers = register::turned([x, y, z, number].map(of_float));
     let mut rows = [[0; 4]; LANES];
-    for (place, register) in registers.into_iter().enumerate() {
+    for (column, register) in registers.into_iter().enumerate() {
         // SAFETY: as many words.
         let parts = unsafe { transmute::<register::Register, [Row; PARTS]>(register) };
         for (part, row) in parts.into_iter().enumerate() {
-            rows[4 * part + place] = row;
+            rows[4 * part + column] = row;
         }
     }
     rows

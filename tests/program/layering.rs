@@ -75,6 +75,100 @@ fn modules_import_only_what_architecture_allows() {
     assert_eq!(listed, modules, "ARCHITECTURE.md lists modules that do not exist");
 }
 
+/// The module of a source file: `engine/wavefront/sort.rs` is `[engine, wavefront, sort]`.
+fn path_of(file: &Path) -> Vec<String> {
+    let inside = file.strip_prefix("src").unwrap().with_extension("");
+    let names = inside.iter().map(|name| name.to_str().unwrap().to_owned());
+    names.filter(|name| !matches!(&**name, "mod" | "lib")).collect()
+}
+
+/// The paths that begin at `text`, such as `a::{b, c::d}` in an import.
+fn tree(text: &str) -> (Vec<Vec<String>>, &str) {
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    let (name, mut rest) = text.split_at(end);
+    let mut paths = Vec::new();
+    if let Some(mut inside) = rest.strip_prefix("::{") {
+        loop {
+            let (more, after) = tree(inside.trim_start());
+            paths.extend(more);
+            let after = after.trim_start();
+            rest = after.strip_prefix('}').unwrap_or(after);
+            match after.strip_prefix(',').map(str::trim_start) {
+                Some(next) if !next.starts_with('}') => inside = next,
+                Some(next) => break rest = &next[1..],
+                None => break,
+            }
+        }
+    } else if let Some(after) = rest.strip_prefix("::") {
+        (paths, rest) = tree(after);
+    } else {
+        return (vec![vec![name.to_owned()]], rest);
+    }
+    for path in &mut paths {
+        path.insert(0, name.to_owned());
+    }
+    (paths, rest)
+}
+
+/// The paths that the file of `module` names with `crate` or `super`, from the crate's root.
+fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
+    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let code = lines.collect::<Vec<_>>().join("\n");
+    let mut found = Vec::new();
+    for (start, root) in code.match_indices("crate::").chain(code.match_indices("super::")) {
+        if code[..start].ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | ':' | '(')) {
+            continue; // a longer path, or a visibility
+        }
+        let mut rest = &code[start + root.len()..];
+        let mut base = if root == "crate::" { &[][..] } else { &module[..module.len() - 1] };
+        while let Some(after) = rest.strip_prefix("super::") {
+            (rest, base) = (after, &base[..base.len() - 1]);
+        }
+        found.extend(
+            tree(&format!("_::{rest}"))
+                .0
+                .into_iter()
+                .map(|path| base.iter().chain(&path[1..]).cloned().collect::<Vec<String>>()),
+        );
+    }
+    found
+}
+
+/// Modules of one folder import each other in no circle.
+#[test]
+fn imports_have_no_circles() {
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    // Folder → module in it → modules beside it that its files import.
+    let mut folders: BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    let modules: BTreeSet<Vec<String>> = files.iter().map(|file| path_of(file)).collect();
+    for file in &files {
+        let module = path_of(file);
+        for path in named_paths(&module, &fs::read_to_string(file).unwrap()) {
+            let common = module.iter().zip(&path).take_while(|(a, b)| a == b).count();
+            let (Some(from), Some(to)) = (module.get(common), path.get(common)) else { continue };
+            if modules.contains(&path[..=common]) {
+                let folder = folders.entry(module[..common].to_vec()).or_default();
+                folder.entry(from.clone()).or_default().insert(to.clone());
+            }
+        }
+    }
+    assert!(folders.len() > 10, "imports were not found");
+    for (folder, mut imports) in folders {
+        // Take away what imports nothing that is left, until nothing is left or only circles.
+        loop {
+            let left: BTreeSet<String> = imports.keys().cloned().collect();
+            let before = imports.len();
+            imports.retain(|_, to| !to.is_disjoint(&left));
+            if imports.len() == before {
+                break;
+            }
+        }
+        assert!(imports.is_empty(), "circles in src/{}: {imports:?}", folder.join("/"));
+    }
+}
+
 /// The first line of a file says what it is for.
 #[test]
 fn every_file_says_what_it_is_for() {
@@ -85,6 +179,16 @@ fn every_file_says_what_it_is_for() {
         let first = text.lines().next().unwrap_or_default();
         assert!(first.starts_with("//! ") && first.len() > 10, "{}: {first}", path.display());
     }
+}
+
+#[test]
+fn the_paths_of_a_file_are_seen() {
+    let text = "use crate::math::{dot, trig::{sin, cos}};\npub(super) fn f() { super::g::h() }\n\
+                use super::super::x;\n// crate::cli\n";
+    let module = ["a", "b"].map(str::to_owned);
+    let paths: Vec<String> =
+        named_paths(&module, text).iter().map(|path| path.join("::")).collect();
+    assert_eq!(paths, ["math::dot", "math::trig::sin", "math::trig::cos", "a::g::h", "x"]);
 }
 
 #[test]

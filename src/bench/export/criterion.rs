@@ -7,14 +7,15 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::bench::bootstrap::{Spread, bootstrap};
-use crate::bench::record::{Record, Run, Work};
+use crate::bench::record::Record;
+use crate::bench::run::{Run, Workload};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 /// A baseline named after the commit, beside those of other commits: `critcmp --target-dir FOLDER`.
 pub(super) fn write(record: &Record, folder: &Path) -> Result<()> {
     for run in &record.runs {
-        let Work { scene, engine, threads, .. } = &run.work;
+        let Workload { scene, engine, threads, .. } = &run.work;
         let id = [scene, engine, &threads.to_string()].map(|part| file_name(part));
         let directory = id.join("/");
         let place = folder.join(&directory).join(file_name(&record.machine.commit));
@@ -38,7 +39,7 @@ fn file_name(text: &str) -> String {
 }
 
 fn benchmark(run: &Run, directory: &str) -> Value {
-    let Work { scene, engine, threads, .. } = &run.work;
+    let Workload { scene, engine, threads, .. } = &run.work;
     let rays = run.blocks.first().map_or(0, |block| block.rays.total());
     json!({
         "group_id": scene,

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::bench::record::{Record, Run, Work};
+use crate::bench::record::Record;
+use crate::bench::run::{Run, Workload};
 use crate::error::Result;
 use crate::output::write_atomically;
 
@@ -18,7 +19,7 @@ pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
 fn row(run: &Run, record: &Record) -> Value {
     let speed = run.mrays_per_s;
     let machine = &record.machine;
-    let Work { width, height, spp, threads, .. } = run.work;
+    let Workload { width, height, spp, threads, .. } = run.work;
     let hash = &run.hash;
     json!({
         "name": super::name_of(&run.work),

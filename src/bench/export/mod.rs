@@ -8,7 +8,8 @@ mod gha;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::record::{Record, Work};
+use super::record::Record;
+use super::run::Workload;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::{check_folder, check_writable};
@@ -102,6 +103,6 @@ fn name(scene: &str, engine: &str, threads: usize) -> String {
     }
 }
 
-fn name_of(Work { scene, engine, threads, .. }: &Work) -> String {
+fn name_of(Workload { scene, engine, threads, .. }: &Workload) -> String {
     name(scene, engine, *threads)
 }

@@ -1,16 +1,18 @@
 //! How surfaces and media scatter light: samples, values and densities agree.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
-use crate::geometry::{Ray, Shape, Surface};
+use crate::geometry::{Ray, Shape, Surface, Surfaces};
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
     Bsdf, Conductor, Diffuse, Lambertian, Material, MaterialModel, MaterialTable, MaterialVisitor,
     Metal, RoughDielectric, Scatter,
 };
-use crate::scene::{Interaction, Isotropic, MaterialTables, Scene, SceneTables};
+use crate::scene::{Interaction, Isotropic, MaterialTables};
 
 /// How a surface scatters the light of a path.
 struct Scattering {
@@ -53,11 +55,9 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         }
     }
 
-    let scene = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40))";
-    let tables = SceneTables::new(&Scene::from_ron(scene).expect("a scene"));
     let at = Interaction {
-        tables: &tables,
-        textured: false,
+        surfaces: &Surfaces::new(&Arc::default()),
+        textures: None,
         ray: Ray { origin: Vec3::ZERO, direction, time: 0.0 },
         t: 1.0,
         shape: Shape::Quad,

@@ -30,8 +30,8 @@ fn rays_fill_pixel_lens_and_shutter() {
         // Where the ray crosses the plane in focus, in pixels.
         let focus = ray.direction * (4.0 / dot(ray.direction, forward)) + ray.origin - frame.origin;
         let (right, down) = frame.pixel_steps;
-        let place = |step: Vec3| dot(focus - frame.corner, step) / dot(step, step);
-        pixel[square(place(right) - x, place(down) - y)] += 1;
+        let cell = |step: Vec3| dot(focus - frame.corner, step) / dot(step, step);
+        pixel[square(cell(right) - x, cell(down) - y)] += 1;
         let on_lens = |axis: Vec3| dot(ray.origin - frame.origin, axis) / dot(axis, axis);
         let (a, b) = (on_lens(lens_u), on_lens(lens_v));
         // Even by area: the square of the radius, and the angle.

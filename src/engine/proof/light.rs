@@ -72,8 +72,8 @@ fn samples_have_their_density() {
     let (scene, mut table) = (scene(), Table::new("directions to lights"));
     let tables = SceneTables::new(&scene);
     for (index, (primitive, light)) in lights(&scene, &tables).into_iter().enumerate() {
-        for (place, from) in FROM.into_iter().enumerate() {
-            let case = FROM.len() * index + place;
+        for (at, from) in FROM.into_iter().enumerate() {
+            let case = FROM.len() * index + at;
             let time = 0.3;
             let sample = |sample| {
                 let numbers = randoms(case, sample).two(Dimension::LIGHT);
@@ -100,10 +100,10 @@ fn samples_and_hits_agree() {
     let scene = scene();
     let tables = SceneTables::new(&scene);
     for (index, (primitive, light)) in lights(&scene, &tables).into_iter().enumerate() {
-        for (place, from) in FROM.into_iter().enumerate() {
+        for (at, from) in FROM.into_iter().enumerate() {
             let mut missed = 0;
             for number in 0..10_000 {
-                let numbers = randoms(FROM.len() * index + place, number).two(Dimension::LIGHT);
+                let numbers = randoms(FROM.len() * index + at, number).two(Dimension::LIGHT);
                 let Some(sample) = sample(&tables, light, from, 0.3, numbers) else { continue };
                 let ray = Ray { origin: from, direction: sample.direction, time: 0.3 };
                 let primitive = scene.geometry().get(primitive);

@@ -28,13 +28,13 @@ fn distances_are_exponential() {
     {
         const CELLS: usize = 60;
         let ray = Ray { origin: Vec3::new(from, 0.0, 0.0), direction: Vec3::X, time: 0.0 };
-        let place = |x: f64| (x * 10.0) as usize;
+        let bin = |x: f64| (x * 10.0) as usize;
         let mut counts = vec![0; CELLS + 1];
         for sample in 0..SAMPLES {
             let (t, what) = tables.media.collide(&ray, (end, Hit::MISS), &randoms(case, sample));
             let cell = match what {
                 Hit::MISS => CELLS,
-                _ => place(f64::from(from) + f64::from(t)),
+                _ => bin(f64::from(from) + f64::from(t)),
             };
             counts[cell] += 1;
         }

@@ -39,9 +39,9 @@ impl Cells {
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // 1.5 · 2²³: the sum is rounded to an integer, which is in its last bits.
         let magic = Float::splat(12_582_912.0);
-        let place = axes(|axis| {
-            let place = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
-            SPREAD.shuffled((place + magic).to_bits() & Int::splat(7))
+        let position = axes(|axis| {
+            let position = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
+            SPREAD.shuffled((position + magic).to_bits() & Int::splat(7))
         });
         // The squares of x, y, z add up to 1: two of them tell the third.
         let part = axes(|axis| {
@@ -49,9 +49,9 @@ impl Cells {
             (square * Float::splat(3.0) + magic).to_bits() & Int::splat(3)
         });
         let down = axes(|axis| direction[axis].to_bits() >> 31);
-        place[0]
-            | place[1] << 1
-            | place[2] << 2
+        position[0]
+            | position[1] << 1
+            | position[2] << 2
             | part[0] << 3
             | part[2] << 5
             | down[0] << 13
@@ -92,8 +92,11 @@ mod tests {
     fn fields_have_bits_of_their_own() {
         let along = crate::math::normalize(Vec3::new(0.1, 1.0, 0.1));
         let base = cell(Vec3::ZERO, along);
-        let place = |x: f32, y: f32, z: f32| cell(Vec3::new(x, y, z), along) ^ base;
-        assert_eq!([place(1.0, 0.0, 0.0), place(0.0, 1.0, 0.0), place(0.0, 0.0, 1.0)], [1, 2, 4]);
+        let position = |x: f32, y: f32, z: f32| cell(Vec3::new(x, y, z), along) ^ base;
+        assert_eq!(
+            [position(1.0, 0.0, 0.0), position(0.0, 1.0, 0.0), position(0.0, 0.0, 1.0)],
+            [1, 2, 4]
+        );
         for (axis, by) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             for cells in 2..8 {
                 let changed = cell(by * cells as f32, along) ^ base;

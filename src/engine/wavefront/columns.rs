@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::simd::{Int, LANES, places};
+use crate::simd::{Int, LANES, set_lanes};
 
 /// Rows of `N` words, column by column.
 #[derive(Debug)]
@@ -41,12 +41,12 @@ impl<const N: usize> Columns<N> {
     /// them, up to a whole vector, is overwritten.
     #[inline(always)]
     pub(super) fn set(&mut self, first: usize, rows: &[Int; N], bits: u32) {
-        let places = places(bits);
+        let set_lanes = set_lanes(bits);
         let mut words = &mut self.words[..];
         for row in rows {
             // Split, not indexed: fewer checks of bounds.
             let (column, rest) = words.split_at_mut(self.stride);
-            row.shuffled(places).store(&mut column[first..]);
+            row.shuffled(set_lanes).store(&mut column[first..]);
             words = rest;
         }
     }

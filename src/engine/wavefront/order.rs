@@ -36,8 +36,8 @@ fn sort(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
     }
     paths.resize(next.len(), 0);
     for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
-        let place = &mut starts[(cell >> leave_out) as usize];
-        paths[*place as usize] = path;
-        *place += 1;
+        let next = &mut starts[(cell >> leave_out) as usize];
+        paths[*next as usize] = path;
+        *next += 1;
     }
 }

@@ -51,16 +51,16 @@ impl Paths {
         Self(vec![Line([[0; 4]; 4]); capacity.next_multiple_of(LANES)])
     }
 
-    /// Row `place` of the paths `indices`: a vector and a number.
+    /// Row `row` of the paths `indices`: a vector and a number.
     #[inline(always)]
-    fn gather(&self, place: usize, indices: &Indices) -> (Vec3x, Float) {
-        indices.gather(&self.0, |line| &line.0[place])
+    fn gather(&self, row: usize, indices: &Indices) -> (Vec3x, Float) {
+        indices.gather(&self.0, |line| &line.0[row])
     }
 
     /// Sets it. Lanes with the same path must have the same row.
     #[inline(always)]
-    fn scatter(&mut self, place: usize, indices: &Indices, columns: (Vec3x, Float)) {
-        indices.scatter(&mut self.0, |line| &mut line.0[place], columns);
+    fn scatter(&mut self, row: usize, indices: &Indices, columns: (Vec3x, Float)) {
+        indices.scatter(&mut self.0, |line| &mut line.0[row], columns);
     }
 
     /// The paths in `lanes`, all of which must be there.

@@ -15,7 +15,7 @@ pub(super) struct Queues {
     /// The key of each ray, in the order of the rays.
     keys: Vec<u8>,
     /// For each key, the first of its rows, a multiple of [`LANES`], and their number.
-    places: Vec<(u32, u32)>,
+    spans: Vec<(u32, u32)>,
 }
 
 /// The paths of one key.
@@ -32,7 +32,7 @@ impl Queues {
         Self {
             rows: Columns::with_capacity(capacity + keys * 2 * LANES),
             keys: vec![0; capacity.next_multiple_of(LANES)],
-            places: vec![(0, 0); keys],
+            spans: vec![(0, 0); keys],
         }
     }
 
@@ -42,7 +42,7 @@ impl Queues {
             first: first as usize,
             len: len as usize,
         };
-        self.places.iter().map(queue)
+        self.spans.iter().map(queue)
     }
 }
 
@@ -61,9 +61,9 @@ impl Queue<'_> {
 /// Puts the paths of `rays`, which have hit `hits`, into the queues of their keys.
 #[inline(never)]
 pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
-    let Queues { rows, keys, places } = queues;
-    count(&hits.primitive[..rays.len()], looks, keys, places);
-    begin(places);
+    let Queues { rows, keys, spans } = queues;
+    count(&hits.primitive[..rays.len()], looks, keys, spans);
+    begin(spans);
     for first in (0..rays.len()).step_by(LANES) {
         let t = Float::load(&hits.t[first..]).to_bits();
         let row = [rays.paths(first), t, Int::load(&hits.primitive[first..])];
@@ -74,20 +74,20 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
         while rest != 0 {
             let key = these[rest.trailing_zeros() as usize % LANES];
             let bits = lanes.eq(Int::splat(key.into())).bits() & rest;
-            let (first, len) = &mut places[usize::from(key)];
+            let (first, len) = &mut spans[usize::from(key)];
             rows.set((*first + *len) as usize, &row, bits);
             *len += bits.count_ones();
             rest &= !bits;
         }
     }
-    for &(first, len) in &*places {
+    for &(first, len) in &*spans {
         rows.pad(first as usize..(first + len) as usize);
     }
 }
 
 /// Finds the key of each ray, and how many rays each key has.
 #[inline(never)]
-fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], places: &mut [(u32, u32)]) {
+fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], spans: &mut [(u32, u32)]) {
     // Neighbours often have the same key: with one table each count would wait for the last.
     let mut counts = [[0; 256]; 4];
     let (quads, rest) = primitives.as_chunks::<4>();
@@ -101,15 +101,15 @@ fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], places: &mut [(u32,
         *key = looks.key(primitive);
         counts[0][usize::from(*key)] += 1;
     }
-    for (key, (_, len)) in places.iter_mut().enumerate() {
+    for (key, (_, len)) in spans.iter_mut().enumerate() {
         *len = counts.iter().map(|counts| counts[key]).sum();
     }
 }
 
 /// Sets where the rows of each key begin; none of them is there yet.
-fn begin(places: &mut [(u32, u32)]) {
+fn begin(spans: &mut [(u32, u32)]) {
     let mut end = 0;
-    for (first, len) in places {
+    for (first, len) in spans {
         // Whole vectors are written: a queue's last may reach beyond it by almost as much.
         *first = (end + LANES as u32 - 1).next_multiple_of(LANES as u32);
         end = *first + *len;

@@ -161,10 +161,10 @@ fn units(
     let samples = spp.min(CHUNK);
     let parts = |whole: Tile, paths: u64| Grid::new(whole, paths / u64::from(samples));
     let image = parts(Tile { x: 0, y: 0, width, height }, paths);
-    let place =
+    let at =
         |parts: u32, step: f64| ((0.5 + number as f64 * step).fract() * f64::from(parts)) as u32;
     let [columns, rows] = image.size();
-    let around = image.part(place(columns, 0.754_877_666), place(rows, 0.569_840_291));
+    let around = image.part(at(columns, 0.754_877_666), at(rows, 0.569_840_291));
     parts(around, wave).map(move |tile| Unit { tile, first: 0, end: samples })
 }
 

@@ -13,7 +13,7 @@ use alias::AliasTable;
 
 use glam::Vec3;
 
-use super::material::{Emission, Sides};
+use super::emission::{Emission, Sides};
 use crate::geometry::{Primitive, Ray};
 use crate::math::{Mask, Real, Row, Select, Vector, Word, dot, row};
 use crate::sampler::{Dimension, Randoms};

@@ -3,7 +3,6 @@
 //! The list in `materials!` makes the enum of scene files, the kinds by which paths are sorted, the
 //! tables, and the dispatch.
 
-mod bsdf;
 mod conductor;
 mod dielectric;
 mod diffuse;
@@ -16,9 +15,9 @@ use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use bsdf::{Bsdf, SPECULAR, Scatter};
+pub(crate) use super::bsdf::{Bsdf, SPECULAR, Scatter};
+pub use super::emission::{Emission, Sides};
 pub use dielectric::Fresnel;
-pub use light::{Emission, Sides};
 
 use super::interaction::Interaction;
 use super::place::Element;

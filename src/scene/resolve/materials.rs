@@ -3,15 +3,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Loader, Resolver};
+use super::Resolver;
 use crate::error::{Result, suggestion};
+use crate::scene::files::Images;
 use crate::scene::material::Material;
 use crate::scene::texture::{Color, Texture};
 
 impl Resolver<'_> {
     /// The materials, checked, with textures in place of names.
-    pub(super) fn materials(&self, loader: &mut Loader<'_>) -> Result<Vec<Material>> {
-        let textures = self.textures(loader)?;
+    pub(super) fn materials(&self, images: &mut Images<'_>) -> Result<Vec<Material>> {
+        let textures = self.textures(images)?;
         let mut materials = Vec::new();
         for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
             let e = self.element(self.places.material(index, name), "material");
@@ -28,7 +29,7 @@ impl Resolver<'_> {
                     },
                     Color::Texture(texture) => {
                         let mut texture = Texture::clone(texture);
-                        texture.load(&e, loader)?;
+                        texture.load(&e, images)?;
                         texture.into()
                     }
                 };
@@ -39,12 +40,12 @@ impl Resolver<'_> {
         Ok(materials)
     }
 
-    fn textures(&self, loader: &mut Loader<'_>) -> Result<HashMap<&str, Arc<Texture>>> {
+    fn textures(&self, images: &mut Images<'_>) -> Result<HashMap<&str, Arc<Texture>>> {
         let mut textures = HashMap::new();
         for (name, texture) in &self.file.textures.0 {
             let e = self.element(self.places.texture(name), "texture");
             let mut texture = texture.clone();
-            texture.load(&e, loader)?;
+            texture.load(&e, images)?;
             textures.insert(name.as_str(), Arc::new(texture));
         }
         Ok(textures)

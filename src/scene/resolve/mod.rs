@@ -1,13 +1,10 @@
 //! From what a file says to a scene that can be rendered: every number checked, every
 //! name looked up.
 
-mod loader;
 mod materials;
 mod primitives;
 
-pub(crate) use loader::Loader;
-
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -15,6 +12,7 @@ use glam::DVec3;
 use super::budget::Budget;
 use super::camera::Camera;
 use super::description::{CameraFile, SceneFile};
+use super::files::Images;
 use super::medium::Medium;
 use super::place::{Element, MAX_COORDINATE, Places};
 use super::{Scene, SceneData};
@@ -37,9 +35,9 @@ pub(super) fn resolve(
     let entries = file.textures.0.len() + file.materials.0.len();
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
-    let mut loader = Loader::new(&resolver, folder);
-    let materials = resolver.materials(&mut loader)?;
-    let images = loader.finish();
+    let mut images = Images::new(folder, &resolver.budget);
+    let materials = resolver.materials(&mut images)?;
+    let images = images.files();
     let (geometry, material_map, mesh_files) = resolver.primitives(folder)?;
     let media = resolver.media()?;
     let shines = |primitive: &u32| {
@@ -79,23 +77,6 @@ struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     fn element(&self, place: String, kind: &'a str) -> Element<'a> {
         Element { file: self.name, place, kind }
-    }
-
-    /// The file that the scene calls `file`: in `folder`, unless the user allows others.
-    fn path(&self, e: &Element<'_>, folder: &Path, file: &str) -> Result<PathBuf> {
-        let path = folder.join(file);
-        let within = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        // What is not there is for the reader to tell.
-        let real = |path: &Path| path.canonicalize().ok();
-        match (real(&path), real(within)) {
-            (Some(there), Some(folder))
-                if !self.budget.limits.outside_files() && !there.starts_with(&folder) =>
-            {
-                let message = "is outside the folder of the scene: --outside-files allows it";
-                Err(e.error(Error::input(path.display().to_string(), "", message)))
-            }
-            _ => Ok(path),
-        }
     }
 
     fn camera(&self, camera: &CameraFile) -> Result<Camera> {

@@ -9,11 +9,11 @@ use glam::Vec3;
 use super::Resolver;
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Sphere, Triangle};
-use crate::scene::boxes;
 use crate::scene::description::PrimitiveFile;
 use crate::scene::looks::MaterialMap;
-use crate::scene::mesh::{Mesh, Placement};
+use crate::scene::mesh::{self, Mesh, Transform};
 use crate::scene::place::{Element, MAX_COORDINATE};
+use crate::scene::{boxes, files};
 
 impl Resolver<'_> {
     /// The primitives, the material of each in their order, and the files that meshes were read from.
@@ -105,11 +105,11 @@ impl Resolver<'_> {
                 e.rotation(*rotation)?;
                 e.point("translation", *translation)?;
                 let (scale, rotation, translation) = (*scale, *rotation, *translation);
-                let path = self.path(e, folder, file)?;
+                let path = files::path(e, folder, file, &self.budget.limits)?;
                 let mesh = match meshes.entry(path) {
                     Entry::Occupied(there) => there.into_mut(),
                     Entry::Vacant(place) => {
-                        let mesh = Mesh::read(place.key(), &self.budget);
+                        let mesh = mesh::read(place.key(), &self.budget);
                         let mesh = mesh.map_err(|error| e.error(error))?;
                         let room = self.budget.hold(mesh.memory());
                         room.map_err(|message| e.error(message))?;
@@ -117,7 +117,8 @@ impl Resolver<'_> {
                     }
                 };
                 room(mesh.triangles.len())?;
-                let placed = mesh.place(&Placement { scale, rotation, translation }, &self.budget);
+                let placed =
+                    mesh.transformed(&Transform { scale, rotation, translation }, &self.budget);
                 let placed = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
                 geometry.triangles.extend(placed);
             }

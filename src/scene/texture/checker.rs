@@ -5,12 +5,11 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::TextureModel;
+use super::{TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
-use crate::scene::interaction::Interaction;
+use crate::scene::files::Images;
 use crate::scene::place::Element;
-use crate::scene::resolve::Loader;
 
 /// A 3-D checker: `odd` where sin(sx)·sin(sy)·sin(sz) < 0 with s = `scale`, else `even`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,7 +27,7 @@ impl TextureModel for Checker {
     /// Odd colour, cells per unit of length; even colour.
     type Entry = [Row; 2];
 
-    fn load(&mut self, e: &Element<'_>, _: &mut Loader<'_>) -> Result<()> {
+    fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
         let ok = self.scale > 0.0 && self.scale <= 1e6;
         e.check(ok, "scale", "above 0 and at most 1e6", self.scale)?;
         e.color("odd", self.odd, 1.0)?;
@@ -46,7 +45,7 @@ impl TextureModel for Checker {
 
     /// The product of sines is negative where the sum of the cells' numbers is odd.
     #[inline(always)]
-    fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3 {
+    fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
         let index = R::index_of_few(index, table.len());
         let (odd_color, frequency) = R::gather(table, index, |entry| &entry[0]);
         let (even_color, _) = R::gather(table, index, |entry| &entry[1]);
@@ -54,7 +53,7 @@ impl TextureModel for Checker {
             let cell = (x * frequency).floor();
             !(cell - (cell * 0.5).floor() * 2.0).eq(R::ZERO)
         };
-        let point = at.surface.point;
+        let point = at.point();
         (odd(point[0]) ^ odd(point[1]) ^ odd(point[2])).select(odd_color, even_color)
     }
 }
@@ -64,15 +63,24 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::geometry::{Ray, Shape, Surface};
     use crate::math::random::Stream;
-    use crate::scene::{Scene, SceneTables};
+
+    #[derive(Clone, Copy)]
+    struct Point(Vec3);
+
+    impl TexturePoint<f32> for Point {
+        fn point(&self) -> Vec3 {
+            self.0
+        }
+
+        fn uv(&self) -> (f32, f32) {
+            unreachable!("a checker is in space")
+        }
+    }
 
     #[test]
     #[allow(clippy::disallowed_methods)] // the definition has sines
     fn checker_is_the_sign_of_the_product_of_sines() {
-        let scene = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40))";
-        let tables = SceneTables::new(&Scene::from_ron(scene).unwrap());
         let checker = Checker { odd: [1.0, 0.0, 0.0], even: [0.0, 1.0, 0.0], scale: 10.0 };
         let table = [checker.entry()];
         let mut random = Stream::new(2);
@@ -82,19 +90,8 @@ mod tests {
             if sines.iter().any(|s| s.abs() < 1e-4) {
                 continue;
             }
-            let at = Interaction {
-                tables: &tables,
-                textured: true,
-                ray: Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 },
-                t: 1.0,
-                shape: Shape::Quad,
-                primitive: 0,
-                surface: Surface { point: p, normal: Vec3::Z, offset: 0.0 },
-                normal: Vec3::Z,
-                front: true,
-            };
             let want = if sines.iter().product::<f64>() < 0.0 { checker.odd } else { checker.even };
-            assert_eq!(Checker::color::<f32>(&table, 0, &at).to_array(), want, "{p}");
+            assert_eq!(Checker::color::<f32>(&table, 0, &Point(p)).to_array(), want, "{p}");
         }
     }
 }

@@ -6,13 +6,12 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::TextureModel;
+use super::{TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::image::Image as Pixels;
 use crate::math::{Real, Vector, clamp};
-use crate::scene::interaction::Interaction;
+use crate::scene::files::Images;
 use crate::scene::place::Element;
-use crate::scene::resolve::Loader;
 
 /// A picture over the surface's texture coordinates, filtered bilinearly; u repeats, v is clamped, and
 /// v = 0 is the bottom.
@@ -40,8 +39,8 @@ impl Image {
 impl TextureModel for Image {
     type Entry = Arc<Pixels>;
 
-    fn load(&mut self, e: &Element<'_>, loader: &mut Loader<'_>) -> Result<()> {
-        self.pixels = Some(loader.albedo_map(e, &self.file)?);
+    fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+        self.pixels = Some(images.albedo_map(e, &self.file)?);
         Ok(())
     }
 
@@ -58,7 +57,7 @@ impl TextureModel for Image {
     }
 
     #[inline(never)]
-    fn color<R: Real>(table: &[Arc<Pixels>], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3 {
+    fn color<R: Real>(table: &[Arc<Pixels>], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
         let (u, v) = at.uv();
         let color =
             |image: u32, [u, v]: [f32; 2]| bilinear(&table[image as usize], u, v).to_array();

@@ -14,12 +14,20 @@ use serde_json::Value;
 
 pub use color::Color;
 
-use super::interaction::Interaction;
+use super::files::Images;
 use super::place::Element;
-use super::resolve::Loader;
 use crate::error::Result;
 use crate::image::Image as Pixels;
 use crate::math::{Mask, Real, Row, Word, row};
+
+/// A point of a surface, or one a lane, as textures see it.
+pub(crate) trait TexturePoint<R: Real>: Copy {
+    /// The point.
+    fn point(&self) -> R::Vec3;
+
+    /// Texture coordinates, both in [0, 1] up to rounding.
+    fn uv(&self) -> (R, R);
+}
 
 /// What a kind of texture is: parameters, a table, and how it is evaluated.
 pub(crate) trait TextureModel {
@@ -27,7 +35,7 @@ pub(crate) trait TextureModel {
     type Entry: Debug + Send + Sync;
 
     /// Checks the parameters and reads files.
-    fn load(&mut self, e: &Element<'_>, loader: &mut Loader<'_>) -> Result<()>;
+    fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()>;
 
     /// What decides the colours, in a canonical form.
     fn identity(&self) -> Value;
@@ -49,7 +57,7 @@ pub(crate) trait TextureModel {
     fn entry(&self) -> Self::Entry;
 
     /// The colours of the entries at `index`.
-    fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &Interaction<'_, R>) -> R::Vec3;
+    fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3;
 }
 
 macro_rules! textures {
@@ -71,9 +79,9 @@ macro_rules! textures {
         })*
 
         impl Texture {
-            pub(super) fn load(&mut self, e: &Element<'_>, loader: &mut Loader<'_>) -> Result<()> {
+            pub(super) fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
                 match self {
-                    $(Self::$name(texture) => texture.load(e, loader),)*
+                    $(Self::$name(texture) => texture.load(e, images),)*
                 }
             }
 
@@ -113,9 +121,9 @@ macro_rules! textures {
                         if let Some(color) = texture.constant() {
                             return Ok(color);
                         }
-                        let place = self.$module.len() as u32;
+                        let entry = self.$module.len() as u32;
                         self.$module.push(texture.entry());
-                        Err(((TextureKind::$name as u32 + 1) << KIND_SHIFT) | place)
+                        Err(((TextureKind::$name as u32 + 1) << KIND_SHIFT) | entry)
                     })*
                 }
             }
@@ -125,17 +133,17 @@ macro_rules! textures {
                 &self,
                 mut color: R::Vec3,
                 code: R::Word,
-                at: &Interaction<'_, R>,
+                at: &impl TexturePoint<R>,
             ) -> R::Vec3 {
                 $(if !$name::CONSTANT {
                     let kind = R::Word::splat(TextureKind::$name as u32 + 1);
                     let here = (code >> KIND_SHIFT).eq(kind);
                     if here.any() {
-                        let place = code & R::Word::splat((1 << KIND_SHIFT) - 1);
-                        let place = here.select(place, R::Word::splat(0));
+                        let entry = code & R::Word::splat((1 << KIND_SHIFT) - 1);
+                        let entry = here.select(entry, R::Word::splat(0));
                         // A copy: one that is passed on by reference would be in memory always.
                         let at = *at;
-                        color = here.select($name::color(&self.$module, place, &at), color);
+                        color = here.select($name::color(&self.$module, entry, &at), color);
                     }
                 })*
                 color
@@ -189,7 +197,7 @@ impl TextureTables {
     pub(super) fn color<R: Real>(
         &self,
         (color, code): (R::Vec3, R),
-        at: &Interaction<'_, R>,
+        at: &impl TexturePoint<R>,
     ) -> R::Vec3 {
         let code = code.to_bits();
         let plain = code.eq(R::Word::splat(0));

@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::TextureModel;
+use super::{TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::math::{Real, Vector};
-use crate::scene::interaction::Interaction;
+use crate::scene::files::Images;
 use crate::scene::place::Element;
-use crate::scene::resolve::Loader;
 
 /// One colour.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +22,7 @@ impl TextureModel for Solid {
 
     const CONSTANT: bool = true;
 
-    fn load(&mut self, e: &Element<'_>, _: &mut Loader<'_>) -> Result<()> {
+    fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
         e.color("color", self.color, 1.0).map(|_| ())
     }
 
@@ -39,7 +38,7 @@ impl TextureModel for Solid {
     fn entry(&self) {}
 
     /// Its colour is in the row of the material.
-    fn color<R: Real>(_: &[()], _: R::Word, _: &Interaction<'_, R>) -> R::Vec3 {
+    fn color<R: Real>(_: &[()], _: R::Word, _: &impl TexturePoint<R>) -> R::Vec3 {
         R::Vec3::zero()
     }
 }

@@ -2,20 +2,20 @@
 //! binary tree.
 
 use super::binary::BinaryTree;
-use super::blocks::{BlockRef, Blocks};
 use super::collapse::Collapse;
-use super::huge_pages::settle;
+use crate::accel::huge_pages::settle;
+use crate::accel::leaf::{BlockRef, Blocks};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::{LANES, Lanes, prefetch};
 
 /// A node: the boxes of its children, and what they are.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct WideNode {
+pub(crate) struct WideNode {
     /// Lower x, y, z, upper x, y, z. Lanes without a child hold a box that no ray enters.
-    pub(super) planes: [Lanes; 6],
+    pub(crate) planes: [Lanes; 6],
     /// Places of nodes, or bits of [`BlockRef`]s: the same for leaves that share a block.
-    pub(super) children: Lanes<u32>,
+    pub(crate) children: Lanes<u32>,
 }
 
 impl WideNode {
@@ -38,17 +38,17 @@ impl WideNode {
 
 /// A tree of wide nodes over blocks.
 #[derive(Clone, Debug)]
-pub(super) struct WideTree {
+pub(crate) struct WideTree {
     /// The root first; none where there is no primitive.
-    pub(super) nodes: Vec<WideNode>,
-    pub(super) blocks: Blocks,
+    pub(crate) nodes: Vec<WideNode>,
+    pub(crate) blocks: Blocks,
     /// Nodes on the longest way from the root.
-    pub(super) depth: usize,
+    pub(crate) depth: usize,
     /// Whether it is larger than caches that are fast.
-    pub(super) is_large: bool,
+    pub(crate) is_large: bool,
     /// Whether single rays take turns, each waiting for its block: worth it for blocks of
     /// triangles, which are long and few on a ray's way, and not for spheres (`profiling/`).
-    pub(super) in_turn: bool,
+    pub(crate) in_turn: bool,
 }
 
 /// Size from which a tree is larger than the caches that are fast.
@@ -59,7 +59,7 @@ impl WideTree {
     ///
     /// Neighbouring leaves of a kind share a block where they fit: each has its own box, and a
     /// visit of one is a visit of all. A million spheres take half the memory so (`profiling/`).
-    pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
+    pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut layout = Self {
             nodes: Vec::new(),
             blocks: Blocks::default(),
@@ -74,7 +74,7 @@ impl WideTree {
         layout.nodes.push(WideNode::EMPTY);
         let mut open = vec![(0, 0, 1)];
         let mut children = Vec::new();
-        while let Some((place, index, depth)) = open.pop() {
+        while let Some((slot, index, depth)) = open.pop() {
             layout.depth = layout.depth.max(depth);
             children.clear();
             collapse.children(index, &mut children);
@@ -92,7 +92,7 @@ impl WideTree {
                 };
                 for &index in run {
                     let bounds = &tree.nodes[index as usize].bounds;
-                    layout.nodes[place].set(lane, bounds, child);
+                    layout.nodes[slot].set(lane, bounds, child);
                     lane += 1;
                 }
             }
@@ -108,7 +108,7 @@ impl WideTree {
 
     /// Asks for the memory of a node or block.
     #[inline(always)]
-    pub(super) fn prefetch(&self, next: u32) {
+    pub(crate) fn prefetch(&self, next: u32) {
         if next & BlockRef::LEAF == 0 {
             prefetch(&self.nodes[next as usize]);
         } else {
@@ -117,7 +117,7 @@ impl WideTree {
     }
 
     /// Size in memory.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + self.blocks.bytes()
     }
 }

@@ -2,15 +2,15 @@
 
 use std::cell::Cell;
 
-use super::batch::HitBatch;
-use super::counters::Count;
 use super::job::Job;
 use super::octants::Octants;
 use super::packet::{Packet, VECTORS};
-use super::pair::PairTree;
 use super::rays::Rays;
-use super::setup::SlabLanes;
-use super::slab::near_and_far;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::setup::SlabLanes;
+use crate::accel::slab::near_and_far;
+use crate::accel::tree::pair::PairTree;
 use crate::simd::{Float, LANES};
 
 /// How the rays of a packet are tested against boxes: where all go down the same axes, ...
@@ -20,7 +20,7 @@ const MIXED: u8 = 1;
 /// ... and where some begin so far away that the slack in the boxes is too small for them.
 const FAR: u8 = 2;
 
-/// For packets that are [`FAR`], what [`Setup::offsets`](super::setup::Setup::offsets) tells.
+/// For packets that are [`FAR`], what [`Setup::offsets`](crate::accel::setup::Setup::offsets) tells.
 type Offsets<const V: usize> = [[Float; 6]; V];
 
 /// For packets that are [`ALIKE`], the planes of a box that their rays meet first on each axis, and
@@ -174,7 +174,7 @@ fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
 type Stack = Vec<(u32, [Float; VECTORS])>;
 
 /// Takes packets through the tree. Returns the rays that it leaves to others.
-pub(super) fn trace<const ANY: bool, C: Count>(
+pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &PairTree,
     job: &Job<'_>,
     hits: &mut HitBatch,
@@ -205,7 +205,7 @@ pub(super) fn trace<const ANY: bool, C: Count>(
 }
 
 /// Tests all rays against the boxes of all nodes: how often they enter one.
-pub(super) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
+pub(crate) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
     let mut entered = 0;
     let none = const { &[[Float::ZERO; 6]; VECTORS] };
     job.trace::<false, VECTORS, ()>(hits, &mut (), |packet, ()| {

@@ -11,17 +11,17 @@
 //! 2. Boxes of primitives are taken from the leaf blocks themselves, so that only primitives
 //!    whose own box the beam meets are tested.
 
-use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks};
-use super::counters::Count;
 use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::octants::Octants;
 use super::packet::Packet;
 use super::rays::Rays;
 use super::single::{Above, trace_each};
-use super::slab::near_and_far;
-use super::wide::WideTree;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::slab::near_and_far;
+use crate::accel::tree::wide::WideTree;
 use crate::geometry::Shape;
 use crate::simd::{Float, LANES, Mask, axes};
 
@@ -114,13 +114,13 @@ impl<const V: usize> Beam<V> {
 
     /// The children of a node that the beam cannot miss up to `limit`.
     #[inline(always)]
-    fn visit(&self, tree: &WideTree, place: u32, limit: Float, count: &mut impl Count) -> Frame {
-        let node = &tree.nodes[place as usize];
+    fn visit(&self, tree: &WideTree, index: u32, limit: Float, count: &mut impl Count) -> Frame {
+        let node = &tree.nodes[index as usize];
         let plane = |index: usize| Float::new(node.planes[index]);
         let (near, far) = (axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])));
         let (entry, entered) = self.enter(near, far, limit);
         count.node(LANES as u32, entered.bits().count_ones());
-        Frame::new(place, entry, entered)
+        Frame::new(index, entry, entered)
     }
 
     /// The lanes of a block whose primitives' boxes the beam cannot miss.
@@ -134,13 +134,13 @@ impl<const V: usize> Beam<V> {
     ) -> u32 {
         let (low, high) = match block.kind() {
             Shape::Sphere => {
-                let block = &blocks.spheres[block.place()];
+                let block = &blocks.spheres[block.index()];
                 let radius = Float::new(block.radius);
                 let center = |axis: usize| Float::new(block.center[axis]);
                 (axes(|axis| center(axis) - radius), axes(|axis| center(axis) + radius))
             }
             Shape::Triangle => {
-                let block = &blocks.triangles[block.place()];
+                let block = &blocks.triangles[block.index()];
                 let vertex = |i: usize, axis: usize| Float::new(block.vertices[i][axis]);
                 (
                     axes(|axis| vertex(0, axis).min(vertex(1, axis)).min(vertex(2, axis))),
@@ -166,7 +166,7 @@ const FEW: usize = 2;
 /// Takes packets through the tree as beams, those whose rays differ in octant, or spread too much, ray
 /// by ray.
 /// Returns the rays that it leaves to others.
-pub(super) fn trace<const ANY: bool, C: Count>(
+pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
     job: &Job<'_>,
     hits: &mut HitBatch,

@@ -13,7 +13,7 @@ use crate::simd::LANES;
 const SHARES: usize = LANES - 1;
 
 /// The cheapest way to cut a tree into wide nodes.
-pub(super) struct Collapse<'a> {
+pub(crate) struct Collapse<'a> {
     tree: &'a BinaryTree,
     subtrees: Vec<Subtree>,
 }
@@ -30,7 +30,7 @@ struct Subtree {
 }
 
 impl<'a> Collapse<'a> {
-    pub(super) fn new(geometry: &Geometry, tree: &'a BinaryTree) -> Self {
+    pub(crate) fn new(geometry: &Geometry, tree: &'a BinaryTree) -> Self {
         let unknown = Subtree { costs: [0.0; SHARES], count: 0, kind: None, is_leaf: false };
         let mut collapse = Self { tree, subtrees: vec![unknown; tree.nodes.len()] };
         for (index, node) in tree.nodes.iter().enumerate().rev() {
@@ -74,7 +74,7 @@ impl<'a> Collapse<'a> {
         [&self.subtrees[first as usize], &self.subtrees[first as usize + 1]]
     }
 
-    pub(super) fn is_leaf(&self, index: u32) -> bool {
+    pub(crate) fn is_leaf(&self, index: u32) -> bool {
         self.subtrees[index as usize].is_leaf
     }
 
@@ -91,7 +91,7 @@ impl<'a> Collapse<'a> {
     }
 
     /// The subtrees that are the children of node `index`, neighbours one after the other.
-    pub(super) fn children(&self, index: u32, children: &mut Vec<u32>) {
+    pub(crate) fn children(&self, index: u32, children: &mut Vec<u32>) {
         match self.tree.nodes[index as usize].below {
             Below::Children(first) => self.share(first, LANES, children),
             Below::Primitive(_) => children.push(index),
@@ -117,7 +117,7 @@ impl<'a> Collapse<'a> {
 
     /// A node's children in runs: those that are nodes one by one, leaves as many as fit into a
     /// block.
-    pub(super) fn runs<'c>(&'c self, children: &'c [u32]) -> impl Iterator<Item = &'c [u32]> {
+    pub(crate) fn runs<'c>(&'c self, children: &'c [u32]) -> impl Iterator<Item = &'c [u32]> {
         let subtree = |child: u32| &self.subtrees[child as usize];
         // Primitives of the run so far: neighbours are asked about in order.
         let mut filled = children.first().map_or(0, |&child| subtree(child).count);

@@ -1,16 +1,16 @@
 //! Packets against every primitive, without boxes: the kernel `flat`.
 
-use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks};
-use super::counters::Count;
 use super::job::Job;
 use super::packet::VECTORS;
-use super::setup::Extent;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::setup::Extent;
 use crate::geometry::{Bounds, Geometry};
 
 /// All primitives, without boxes.
 #[derive(Debug)]
-pub(super) struct Flat {
+pub(crate) struct Flat {
     blocks: Blocks,
     all: Vec<BlockRef>,
     extent: Extent,
@@ -18,7 +18,7 @@ pub(super) struct Flat {
 
 impl Flat {
     /// Of a scene whose primitives lie in `bounds`.
-    pub(super) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
+    pub(crate) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
         let mut blocks = Blocks::default();
         let each: Vec<u32> = (0..geometry.len() as u32).collect();
         let all = blocks.push_all(geometry, &each);
@@ -26,12 +26,12 @@ impl Flat {
     }
 
     /// Size in memory.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.blocks.bytes()
     }
 
     /// Tests the rays of `job` against all. Returns the rays that it leaves to others.
-    pub(super) fn trace<const ANY: bool, C: Count>(
+    pub(crate) fn trace<const ANY: bool, C: Count>(
         &self,
         job: &Job<'_>,
         hits: &mut HitBatch,

@@ -1,28 +1,28 @@
 //! The loop over packets, whatever is done with each.
 
-use super::batch::{HitBatch, RayBatch};
-use super::blocks::{BlockRef, Blocks};
-use super::counters::Count;
 use super::packet::Packet;
-use super::setup::Extent;
+use crate::accel::batch::{HitBatch, RayBatch};
+use crate::accel::counters::Count;
+use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
 /// Rays to be traced, and what every one of them is tested against.
-pub(super) struct Job<'a> {
-    pub(super) rays: &'a RayBatch,
+pub(crate) struct Job<'a> {
+    pub(crate) rays: &'a RayBatch,
     /// The first of the rays, and the end.
-    pub(super) ends: (usize, usize),
-    pub(super) extent: &'a Extent,
+    pub(crate) ends: (usize, usize),
+    pub(crate) extent: &'a Extent,
     /// Blocks that every ray is tested against before the tree.
-    pub(super) blocks: &'a Blocks,
-    pub(super) spanning: &'a [BlockRef],
+    pub(crate) blocks: &'a Blocks,
+    pub(crate) spanning: &'a [BlockRef],
 }
 
 impl Job<'_> {
     /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`.
     /// Returns the rays that it leaves to others, which are too wild for the box test.
     #[inline(always)]
-    pub(super) fn trace<const ANY: bool, const V: usize, C: Count>(
+    pub(crate) fn trace<const ANY: bool, const V: usize, C: Count>(
         &self,
         hits: &mut HitBatch,
         count: &mut C,
@@ -47,7 +47,7 @@ impl Job<'_> {
 
     /// Tests a packet against the spanning blocks, then calls `search`.
     #[inline(always)]
-    pub(super) fn search_all<const ANY: bool, const V: usize, C: Count>(
+    pub(crate) fn search_all<const ANY: bool, const V: usize, C: Count>(
         &self,
         packet: &mut Packet<V>,
         count: &mut C,

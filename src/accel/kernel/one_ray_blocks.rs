@@ -1,9 +1,9 @@
 //! One ray, against the N primitives of a block.
 
-use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks};
-use super::counters::Count;
 use super::one_ray::OneRay;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::leaf::{BlockRef, Blocks};
 use crate::geometry::Shape;
 use crate::geometry::lanes::{self, HitLanes, QuadTest};
 use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes};
@@ -11,15 +11,15 @@ use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes};
 /// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
 /// found before, and has a lower index.
 #[derive(Clone, Copy)]
-pub(super) struct Best {
-    pub(super) t: f32,
+pub(crate) struct Best {
+    pub(crate) t: f32,
     /// [`HitBatch::MISS`] before there is one.
-    pub(super) primitive: u32,
+    pub(crate) primitive: u32,
 }
 
 impl Best {
     #[inline(always)]
-    pub(super) fn found(&self) -> bool {
+    pub(crate) fn found(&self) -> bool {
         self.primitive != HitBatch::MISS
     }
 
@@ -44,26 +44,26 @@ impl Best {
 }
 
 /// The closest hits so far of a vector of rays.
-pub(super) struct BestLanes {
-    pub(super) t: Lanes,
-    pub(super) primitive: Lanes<u32>,
+pub(crate) struct BestLanes {
+    pub(crate) t: Lanes,
+    pub(crate) primitive: Lanes<u32>,
 }
 
 impl BestLanes {
     #[inline(always)]
-    pub(super) fn lane(&self, lane: usize) -> Best {
+    pub(crate) fn lane(&self, lane: usize) -> Best {
         Best { t: self.t[lane], primitive: self.primitive[lane] }
     }
 
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, best: Best) {
+    pub(crate) fn set(&mut self, lane: usize, best: Best) {
         (self.t[lane], self.primitive[lane]) = (best.t, best.primitive);
     }
 }
 
 /// Tests the primitives of a block.
 #[inline(always)]
-pub(super) fn test(
+pub(crate) fn test(
     blocks: &Blocks,
     block: BlockRef,
     one: &OneRay<'_>,
@@ -73,19 +73,19 @@ pub(super) fn test(
     count.leaf(LANES as u32, block.count());
     match block.kind() {
         Shape::Sphere => {
-            let block = &blocks.spheres[block.place()];
+            let block = &blocks.spheres[block.index()];
             let radius = Float::new(block.radius);
             let hits = lanes::sphere::<true>(&one.ray(), Vec3x::of_lanes(&block.center), radius);
             best.offer_lanes(hits, &block.primitive);
         }
         Shape::MovingSphere => {
-            let block = &blocks.moving_spheres[block.place()];
+            let block = &blocks.moving_spheres[block.index()];
             let (ray, radius) = (one.ray(), Float::new(block.still.radius));
             let hits = lanes::sphere::<true>(&ray, block.centers(ray.time), radius);
             best.offer_lanes(hits, &block.still.primitive);
         }
         Shape::Quad => {
-            let block = &blocks.quads[block.place()];
+            let block = &blocks.quads[block.index()];
             let (ray, quads) = (one.ray(), block.lanes());
             let t = quads.distance(&ray);
             let near = t.gt(ray.t_min) & t.le(Float::splat(best.t));
@@ -96,7 +96,7 @@ pub(super) fn test(
         }
         Shape::Triangle => {
             let valid = block.valid();
-            let block = &blocks.triangles[block.place()];
+            let block = &blocks.triangles[block.index()];
             let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));
             let vertices = axes(|i| axes(|axis| Float::new(block.vertices[i][one.axes[axis]])));
             let shear = one.vector(&one.table.shear);

@@ -3,9 +3,9 @@
 use glam::Vec3;
 use tobj::LoadError;
 
-use super::budget::Budget;
-use super::mesh::{Mesh, in_range};
+use super::indexed::{Mesh, in_range};
 use crate::error::{Error, Result};
+use crate::scene::budget::Budget;
 
 const VERTEX: &str = "a vertex is `v` and three numbers";
 const FACE: &str = "a face is `f` and three or more numbers of vertices";

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::binary::{Below, BinaryTree};
-use super::counters::Count;
-use super::slab::{Planes, SlabRay, planes};
+use crate::accel::counters::Count;
+use crate::accel::slab::{Planes, SlabRay, planes};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 
 /// A binary tree of boxes over the primitives of a scene, built by obvhs.
@@ -64,7 +64,7 @@ impl Bvh2 {
     }
 
     /// The layout of `tree`, where visiting a node is as costly as testing a primitive.
-    pub(super) fn of(geometry: &Geometry, tree: &BinaryTree) -> Self {
+    pub(crate) fn of(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let leaf = tree.leaves(1.0, LEAF, |_| ());
         let mut layout = Self {
@@ -79,14 +79,14 @@ impl Bvh2 {
         }
         layout.nodes.push(Node::UNKNOWN);
         let mut open = vec![(0, 0)];
-        while let Some((place, index)) = open.pop() {
+        while let Some((slot, index)) = open.pop() {
             let node = &tree.nodes[index as usize];
             let (first, count) = match node.below {
                 Below::Children(first) if !leaf[index as usize] => {
-                    let place = layout.nodes.len();
+                    let slot = layout.nodes.len();
                     layout.nodes.extend([Node::UNKNOWN; 2]);
-                    open.extend([(place + 1, first + 1), (place, first)]);
-                    (place as u32, 0)
+                    open.extend([(slot + 1, first + 1), (slot, first)]);
+                    (slot as u32, 0)
                 }
                 _ => {
                     let members = tree.primitives(index);
@@ -95,7 +95,7 @@ impl Bvh2 {
                     (first, members.len() as u32)
                 }
             };
-            layout.nodes[place] = Node { planes: planes(&node.bounds), first, count };
+            layout.nodes[slot] = Node { planes: planes(&node.bounds), first, count };
         }
         layout.depth = depth(&layout.nodes);
         layout
@@ -141,7 +141,7 @@ impl Bvh2 {
     }
 
     /// Size in memory.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.primitives)
     }
 

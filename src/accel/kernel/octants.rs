@@ -5,16 +5,16 @@ use super::rays::Rays;
 use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions.
-pub(super) struct Octants {
+pub(crate) struct Octants {
     /// Whether they differ from ray to ray on some axis.
-    pub(super) mixed: bool,
+    pub(crate) mixed: bool,
     /// Whether more of the rays go down an axis than up it.
-    pub(super) negative: [bool; 3],
+    pub(crate) negative: [bool; 3],
 }
 
 impl Octants {
     #[inline(always)]
-    pub(super) fn new<const V: usize>(packet: &Packet<V>) -> Self {
+    pub(crate) fn new<const V: usize>(packet: &Packet<V>) -> Self {
         let active: u32 = packet.vectors.iter().map(|rays| rays.setup.active.count_ones()).sum();
         let down = axes(|axis| {
             let down = |rays: &Rays| rays.setup.slab.inverse[axis].lt(Float::ZERO).bits();

@@ -1,21 +1,21 @@
 //! Pair nodes for packets: both children's boxes in one cache line.
 
 use super::binary::{Below, BinaryTree};
-use super::blocks::{BlockRef, Blocks};
-use super::setup::Extent;
-use super::slab::{Planes, planes};
+use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::setup::Extent;
+use crate::accel::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::LANES;
 
 /// A node: the boxes of its two children, in one of two forms, and what they are.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct PairNode {
-    pub(super) boxes: [[f32; 6]; 2],
+pub(crate) struct PairNode {
+    pub(crate) boxes: [[f32; 6]; 2],
     /// Places of nodes, or bits of [`BlockRef`]s.
-    pub(super) children: [u32; 2],
+    pub(crate) children: [u32; 2],
     /// The axis on which the children's middles differ most, the first being lower.
-    pub(super) axis: u32,
+    pub(crate) axis: u32,
 }
 
 impl PairNode {
@@ -24,18 +24,18 @@ impl PairNode {
 
 /// A tree of pair nodes over blocks.
 #[derive(Clone, Debug)]
-pub(super) struct PairTree {
+pub(crate) struct PairTree {
     /// Boxes as [`Planes`], for rays that all go down the same axes.
-    pub(super) nodes: Vec<PairNode>,
+    pub(crate) nodes: Vec<PairNode>,
     /// The same nodes, boxes as middles and halves of edges, for others.
-    pub(super) middles: Vec<PairNode>,
+    pub(crate) middles: Vec<PairNode>,
     /// By which the boxes' planes have been moved outward.
-    pub(super) slack: f32,
-    pub(super) blocks: Blocks,
+    pub(crate) slack: f32,
+    pub(crate) blocks: Blocks,
     /// A node, a block, or nothing.
-    pub(super) root: Option<u32>,
+    pub(crate) root: Option<u32>,
     /// What a traversal's stack must hold.
-    pub(super) stack: usize,
+    pub(crate) stack: usize,
 }
 
 /// Cost of a node's visit over that of one primitive's test.
@@ -45,7 +45,7 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 
 impl PairTree {
     /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
-    pub(super) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
+    pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
         let leaf = tree.leaves(NODE_COST, LEAF, |primitive| Shape::of(geometry.get(primitive)));
         let mut layout = Self {
             nodes: Vec::new(),
@@ -64,22 +64,22 @@ impl PairTree {
             layout.stack = layout.stack.max(depth);
             let reference = match tree.nodes[index as usize].below {
                 Below::Children(first) if !leaf[index as usize] => {
-                    let place = layout.nodes.len();
+                    let slot = layout.nodes.len();
                     let bounds = |child: u32| tree.nodes[child as usize].bounds;
                     let (axis, swapped) = order(&bounds(first), &bounds(first + 1));
                     let sides = if swapped { [first + 1, first] } else { [first, first + 1] };
                     let mut node = PairNode { axis, ..PairNode::EMPTY };
                     for side in [1, 0] {
                         node.boxes[side] = wider(&bounds(sides[side]), layout.slack);
-                        open.push((Some((place, side)), sides[side], depth + 1));
+                        open.push((Some((slot, side)), sides[side], depth + 1));
                     }
                     layout.nodes.push(node);
-                    place as u32
+                    slot as u32
                 }
                 _ => layout.blocks.push(geometry, &mut tree.primitives(index)).bits(),
             };
             match parent {
-                Some((place, side)) => layout.nodes[place].children[side] = reference,
+                Some((slot, side)) => layout.nodes[slot].children[side] = reference,
                 None => layout.root = Some(reference),
             }
         }
@@ -89,13 +89,13 @@ impl PairTree {
     }
 
     /// Size in memory.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.middles) + self.blocks.bytes()
     }
 
     /// Whether `reference` is a block.
     #[inline(always)]
-    pub(super) fn block(reference: u32) -> Option<BlockRef> {
+    pub(crate) fn block(reference: u32) -> Option<BlockRef> {
         (reference & BlockRef::LEAF != 0).then(|| BlockRef::from_bits(reference))
     }
 }

@@ -1,33 +1,33 @@
 //! One ray, against N boxes of a node.
 
-use super::counters::Count;
 use super::frames::Frame;
-use super::setup::Setup;
-use super::slab::near_and_far;
-use super::wide::WideTree;
+use crate::accel::counters::Count;
+use crate::accel::setup::Setup;
+use crate::accel::slab::near_and_far;
+use crate::accel::tree::wide::WideTree;
 use crate::geometry::lanes::RayLanes;
 use crate::geometry::shear_axes;
 use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
 
 /// Rays made ready, to be taken lane by lane.
-pub(super) struct Table {
-    pub(super) origin: [Lanes; 3],
+pub(crate) struct Table {
+    pub(crate) origin: [Lanes; 3],
     direction: [Lanes; 3],
     time: Lanes,
-    pub(super) t_min: Lanes,
+    pub(crate) t_min: Lanes,
     length2: Lanes,
     inv_length2: Lanes,
     inverse: [Lanes; 3],
     near_offset: [Lanes; 3],
     far_offset: [Lanes; 3],
-    pub(super) shear: [Lanes; 3],
+    pub(crate) shear: [Lanes; 3],
     longest: [u32; 2],
     negative: u32,
 }
 
 impl Table {
     #[inline(always)]
-    pub(super) fn new(setup: &Setup) -> Self {
+    pub(crate) fn new(setup: &Setup) -> Self {
         let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
         let (slab, offsets) = (&setup.slab, setup.offsets());
         let by_sign = |axis: usize, negative: usize, positive: usize| {
@@ -53,19 +53,19 @@ impl Table {
 
 /// One ray, to be put into every lane where it is needed: a load from the table is as fast as
 /// a register, and vectors that must be kept in memory are not.
-pub(super) struct OneRay<'a> {
-    pub(super) table: &'a Table,
-    pub(super) lane: usize,
+pub(crate) struct OneRay<'a> {
+    pub(crate) table: &'a Table,
+    pub(crate) lane: usize,
     /// The planes of a node that the ray meets first on each axis, and last.
     near: [usize; 3],
     far: [usize; 3],
     /// The order of axes in which triangles are seen.
-    pub(super) axes: [usize; 3],
+    pub(crate) axes: [usize; 3],
 }
 
 impl<'a> OneRay<'a> {
     #[inline(always)]
-    pub(super) fn new(table: &'a Table, lane: usize) -> Self {
+    pub(crate) fn new(table: &'a Table, lane: usize) -> Self {
         let negative = axes(|axis| table.inverse[axis][lane] < 0.0);
         let bit = |bits: u32| bits >> lane & 1 == 1;
         let longest = if bit(table.longest[0]) {
@@ -80,17 +80,17 @@ impl<'a> OneRay<'a> {
     }
 
     #[inline(always)]
-    pub(super) fn splat(&self, lanes: &Lanes) -> Float {
+    pub(crate) fn splat(&self, lanes: &Lanes) -> Float {
         Float::splat(lanes[self.lane])
     }
 
     #[inline(always)]
-    pub(super) fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
+    pub(crate) fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
         Vec3x::splat_lane(lanes, self.lane)
     }
 
     #[inline(always)]
-    pub(super) fn ray(&self) -> RayLanes {
+    pub(crate) fn ray(&self) -> RayLanes {
         RayLanes {
             origin: self.vector(&self.table.origin),
             direction: self.vector(&self.table.direction),
@@ -105,14 +105,14 @@ impl<'a> OneRay<'a> {
 
     /// The children of a node that the ray enters up to `limit`.
     #[inline(always)]
-    pub(super) fn enter(
+    pub(crate) fn enter(
         &self,
         tree: &WideTree,
-        place: u32,
+        index: u32,
         limit: f32,
         count: &mut impl Count,
     ) -> Frame {
-        let (table, node) = (self.table, &tree.nodes[place as usize]);
+        let (table, node) = (self.table, &tree.nodes[index as usize]);
         let meet = |planes: [usize; 3], offset: &[Lanes; 3]| {
             axes(|axis| {
                 let plane = Float::new(node.planes[planes[axis]]);
@@ -125,6 +125,6 @@ impl<'a> OneRay<'a> {
         let exit = x.min(y).min(z.min(Float::splat(limit)));
         let entered = entry.le(exit);
         count.node(LANES as u32, entered.bits().count_ones());
-        Frame::new(place, entry, entered)
+        Frame::new(index, entry, entered)
     }
 }

@@ -6,8 +6,8 @@
 //! the bits of a float not below 0, whose order is that of integers, with the child's lane in
 //! the last of them. Leaves that share a block are taken out together.
 
-use super::blocks::BlockRef;
-use super::wide::WideTree;
+use crate::accel::leaf::BlockRef;
+use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, Int, LANES, Mask};
 
 /// Bits of a key that hold the lane.
@@ -19,22 +19,22 @@ const NONE: u32 = u32::MAX >> 1;
 
 /// Children of a node that are yet to be visited.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     keys: Int,
     /// The least of them.
     least: u32,
-    /// The place of the node.
+    /// The index of the node.
     node: u32,
 }
 
 impl Frame {
     /// For places that no node's children are in yet.
-    pub(super) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
+    pub(crate) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
 
     /// The children of `node` in the lanes of `entered`, at the distances `entry`: not below 0,
-    /// as no ray's interval begins there ([`RayBatch`](super::RayBatch)).
+    /// as no ray's interval begins there ([`RayBatch`](crate::accel::RayBatch)).
     #[inline(always)]
-    pub(super) fn new(node: u32, entry: Float, entered: Mask) -> Self {
+    pub(crate) fn new(node: u32, entry: Float, entered: Mask) -> Self {
         let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
         let keys = entered.select(keys, Int::splat(NONE));
         Self { keys, least: keys.least_lane(), node }
@@ -58,21 +58,21 @@ impl Frame {
 
     /// Takes out the nearest child where it is a node and entered up to `limit`.
     #[inline(always)]
-    pub(super) fn take_node(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
+    pub(crate) fn take_node(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
         let is_node = self.nearest(tree) & BlockRef::LEAF == 0;
         if is_node { self.take(tree, limit) } else { None }
     }
 
     /// The nearest child, or any if none is left.
     #[inline(always)]
-    pub(super) fn nearest(&self, tree: &WideTree) -> u32 {
+    pub(crate) fn nearest(&self, tree: &WideTree) -> u32 {
         tree.nodes[self.node as usize].children[(self.least & LANE) as usize]
     }
 }
 
 /// The frames of the nodes above, those that have children left.
 #[derive(Clone, Debug)]
-pub(super) struct Frames {
+pub(crate) struct Frames {
     keys: Vec<Int>,
     /// The least key, and the node.
     rest: Vec<(u32, u32)>,
@@ -81,19 +81,19 @@ pub(super) struct Frames {
 
 impl Frames {
     /// Frames for any way through `tree`.
-    pub(super) fn new(tree: &WideTree) -> Self {
+    pub(crate) fn new(tree: &WideTree) -> Self {
         Self { keys: vec![Int::ZERO; tree.depth], rest: vec![(0, 0); tree.depth], top: 0 }
     }
 
     #[inline(always)]
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.top = 0;
     }
 
     /// Keeps `frame` while its child is visited, and asks for the memory of the next if that
     /// is wanted.
     #[inline(always)]
-    pub(super) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
+    pub(crate) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
@@ -106,7 +106,7 @@ impl Frames {
     /// The nearest child left in `frame`, or in those above it, that is entered up to `limit`;
     /// `frame` becomes the one that it is in.
     #[inline(always)]
-    pub(super) fn next(&mut self, frame: &mut Frame, tree: &WideTree, limit: f32) -> Option<u32> {
+    pub(crate) fn next(&mut self, frame: &mut Frame, tree: &WideTree, limit: f32) -> Option<u32> {
         loop {
             if let Some(child) = frame.take(tree, limit) {
                 return Some(child);
@@ -126,8 +126,8 @@ impl Frames {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::blocks::Blocks;
-    use crate::accel::wide::WideNode;
+    use crate::accel::leaf::Blocks;
+    use crate::accel::tree::wide::WideNode;
     use crate::math::random::Stream;
     use crate::simd::{Lanes, first_bits};
 

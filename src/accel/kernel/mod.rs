@@ -1,4 +1,17 @@
-//! The ways of finding hits. All give the same bits.
+//! Kernels: the ways of finding hits. All give the same bits.
+
+pub(super) mod beam;
+mod descent;
+pub(super) mod flat;
+mod frames;
+pub(super) mod job;
+mod octants;
+mod one_ray;
+mod one_ray_blocks;
+mod packet;
+pub(super) mod pair_traversal;
+mod rays;
+pub(super) mod single;
 
 /// A way of finding what rays hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

@@ -1,28 +1,28 @@
 //! Packets: vectors of rays against one primitive.
 
-use super::batch::HitBatch;
-use super::blocks::{BlockRef, Blocks};
-use super::counters::Count;
 use super::rays::Rays;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::leaf::{BlockRef, Blocks};
 use crate::geometry::Shape;
 use crate::geometry::lanes::{self, HitLanes, QuadTest, RayLanes, SpecialQuad};
 use crate::simd::{Bits, Float, Int, LANES, Mask, Vec3x, first_bits};
 
 /// Vectors of rays in the packets of most kernels: 32 rays, which share a primitive's numbers and
 /// the questions that CPUs cannot foretell the answers of.
-pub(super) const VECTORS: usize = 32 / LANES;
+pub(crate) const VECTORS: usize = 32 / LANES;
 
 /// A packet on its way.
-pub(super) struct Packet<const V: usize> {
-    pub(super) vectors: [Rays; V],
+pub(crate) struct Packet<const V: usize> {
+    pub(crate) vectors: [Rays; V],
 }
 
 impl<const V: usize> Packet<V> {
-    pub(super) const NONE: Self = Self { vectors: [Rays::NONE; V] };
+    pub(crate) const NONE: Self = Self { vectors: [Rays::NONE; V] };
 
     /// Writes what was hit. Rays that hit nothing are left as they are.
     #[inline(always)]
-    pub(super) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
+    pub(crate) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
         for (vector, rays) in self.vectors.iter().enumerate() {
             let first = end.min(first + vector * LANES);
             let (old_t, old) = (&mut hits.t[first..end], &mut hits.primitive[first..end]);
@@ -47,7 +47,7 @@ impl<const V: usize> Packet<V> {
     /// What to ask before the costly part of a test changes nothing but speed: of quads whether
     /// any ray is near their plane (`NEAR`), of spheres whether rays leave them (`LEAVE`).
     #[inline(always)]
-    pub(super) fn test<const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    pub(crate) fn test<const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &mut self,
         blocks: &Blocks,
         block: BlockRef,
@@ -63,7 +63,7 @@ impl<const V: usize> Packet<V> {
         }
         match block.kind() {
             Shape::Sphere => {
-                let block = &blocks.spheres[block.place()];
+                let block = &blocks.spheres[block.index()];
                 let padded = lanes::padded_radius2(Float::new(block.radius)).to_array();
                 for lane in Bits(lanes) {
                     let center = Vec3x::splat_lane(&block.center, lane);
@@ -73,7 +73,7 @@ impl<const V: usize> Packet<V> {
                 }
             }
             Shape::MovingSphere => {
-                let block = &blocks.moving_spheres[block.place()];
+                let block = &blocks.moving_spheres[block.index()];
                 let padded = lanes::padded_radius2(Float::new(block.still.radius)).to_array();
                 for lane in Bits(lanes) {
                     let center = Vec3x::splat_lane(&block.still.center, lane);
@@ -87,7 +87,7 @@ impl<const V: usize> Packet<V> {
             }
             Shape::Quad => {
                 let (block, special) =
-                    (&blocks.quads[block.place()], &blocks.special[block.place()]);
+                    (&blocks.quads[block.index()], &blocks.special[block.index()]);
                 for lane in Bits(lanes) {
                     let primitive = block.primitive[lane];
                     // Told apart here, once for all vectors.
@@ -106,7 +106,7 @@ impl<const V: usize> Packet<V> {
                 }
             }
             Shape::Triangle => {
-                let block = &blocks.triangles[block.place()];
+                let block = &blocks.triangles[block.index()];
                 for lane in Bits(lanes) {
                     let primitive = block.primitive[lane];
                     for rays in &mut self.vectors {
@@ -185,7 +185,7 @@ impl<const V: usize> Packet<V> {
 
     /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
     #[inline(always)]
-    pub(super) fn farthest(&self, scales: &[Float; V]) -> Float {
+    pub(crate) fn farthest(&self, scales: &[Float; V]) -> Float {
         let mut farthest = Float::splat(f32::NEG_INFINITY);
         for (rays, scale) in self.vectors.iter().zip(scales) {
             farthest = (rays.t * *scale).max(farthest);

@@ -1,19 +1,19 @@
 //! Single rays through a wide tree: after its first levels one by one, or in turn from the root.
 
-use super::batch::HitBatch;
-use super::blocks::BlockRef;
-use super::counters::Count;
 use super::descent::Descent;
 use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::one_ray::{OneRay, Table};
 use super::one_ray_blocks::{BestLanes, test};
 use super::packet::Packet;
-use super::wide::WideTree;
+use crate::accel::batch::HitBatch;
+use crate::accel::counters::Count;
+use crate::accel::leaf::BlockRef;
+use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
 /// Takes rays through the tree one by one, or in turn. Returns the rays that it leaves to others.
-pub(super) fn trace<const ANY: bool, C: Count>(
+pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
     job: &Job<'_>,
     hits: &mut HitBatch,
@@ -26,22 +26,22 @@ pub(super) fn trace<const ANY: bool, C: Count>(
 }
 
 /// What is left to visit above: of every ray of a vector where they take turns, else of one.
-pub(super) struct Above(Vec<Frames>);
+pub(crate) struct Above(Vec<Frames>);
 
 impl Above {
-    pub(super) fn new(tree: &WideTree) -> Self {
+    pub(crate) fn new(tree: &WideTree) -> Self {
         Self(vec![Frames::new(tree); if tree.in_turn { LANES } else { 1 }])
     }
 
     /// For a ray, or a beam, that goes alone.
-    pub(super) fn first(&mut self) -> &mut Frames {
+    pub(crate) fn first(&mut self) -> &mut Frames {
         &mut self.0[0]
     }
 }
 
 /// Takes the rays of `packet` through the tree.
 #[inline(always)]
-pub(super) fn trace_each<const ANY: bool, const V: usize>(
+pub(crate) fn trace_each<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
     above: &mut Above,

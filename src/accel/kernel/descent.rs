@@ -2,17 +2,17 @@
 //! child, level by level, so that their waits for memory and for branches overlap. From there rays
 //! go alone ([`super::single`]), and visit what they would have visited.
 
-use super::counters::Count;
 use super::frames::{Frame, Frames};
 use super::one_ray::{OneRay, Table};
-use super::wide::WideTree;
+use crate::accel::counters::Count;
+use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, LANES, Lanes};
 
 /// Levels in large trees; in others the root alone (`profiling/`).
 const LEVELS: usize = 3;
 
 /// Where each ray is.
-pub(super) struct Descent {
+pub(crate) struct Descent {
     /// By level, what is left of the node's children.
     frames: [[Frame; LANES]; LEVELS],
     /// The lowest level that each ray has reached.
@@ -20,13 +20,13 @@ pub(super) struct Descent {
 }
 
 impl Descent {
-    pub(super) const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { frames: [[Frame::NONE; LANES]; LEVELS], lowest: [0; LANES] };
 
     /// Takes the rays of `lanes`, which look for hits up to `limits`, down from the root: once, from
     /// [`Self::NONE`]. In place, since large values that are returned are copied.
     #[inline(always)]
-    pub(super) fn descend(
+    pub(crate) fn descend(
         &mut self,
         tree: &WideTree,
         table: &Table,
@@ -60,7 +60,7 @@ impl Descent {
 
     /// The frame where the ray of `lane` is; those before it come to lie `above`.
     #[inline(always)]
-    pub(super) fn resume(&self, tree: &WideTree, lane: usize, above: &mut Frames) -> Frame {
+    pub(crate) fn resume(&self, tree: &WideTree, lane: usize, above: &mut Frames) -> Frame {
         let lowest = self.lowest[lane];
         above.clear();
         for frames in &self.frames[..lowest] {
@@ -74,10 +74,10 @@ impl Descent {
 mod tests {
     use super::*;
     use crate::accel::RayBatch;
-    use crate::accel::binary::BinaryTree;
-    use crate::accel::blocks::BlockRef;
     use crate::accel::counters::Counters;
+    use crate::accel::leaf::BlockRef;
     use crate::accel::setup::{Extent, Setup};
+    use crate::accel::tree::binary::BinaryTree;
     use crate::geometry::{Bounds, Geometry, Ray, Sphere};
     use crate::math::random::Stream;
     use crate::simd::first_bits;

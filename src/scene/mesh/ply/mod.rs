@@ -9,9 +9,9 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Property, PropertyAccess, PropertyAccessResult};
 
 use self::most::Most;
-use super::budget::Budget;
-use super::mesh::{Mesh, fan, in_range};
+use super::indexed::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
+use crate::scene::budget::Budget;
 
 /// Bytes that a header may have.
 const MAX_HEADER: usize = 1 << 16;

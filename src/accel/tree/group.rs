@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::geometry::Bounds;
 
 /// Primitives in the order of their groups.
-pub(super) struct Groups {
+pub(crate) struct Groups {
     primitives: Vec<u32>,
     ranges: Vec<Range<usize>>,
 }
@@ -17,7 +17,7 @@ pub(super) struct Groups {
 const MOST_SEPARATE: usize = 8;
 
 impl Groups {
-    pub(super) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
+    pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         let middle = |primitive: u32| {
             let b = boxes[primitive as usize];
             (b.min + b.max).to_array().map(f32::to_bits)
@@ -38,12 +38,12 @@ impl Groups {
         Self { primitives, ranges }
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.ranges.len()
     }
 
     /// The primitives of one group.
-    pub(super) fn members(&self, group: usize) -> &[u32] {
+    pub(crate) fn members(&self, group: usize) -> &[u32] {
         &self.primitives[self.ranges[group].clone()]
     }
 }

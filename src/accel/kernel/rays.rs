@@ -1,22 +1,22 @@
 //! A vector of rays and what they have hit.
 
-use super::batch::{HitBatch, RayVector};
-use super::counters::Count;
-use super::setup::{Extent, Setup};
+use crate::accel::batch::{HitBatch, RayVector};
+use crate::accel::counters::Count;
+use crate::accel::setup::{Extent, Setup};
 use crate::geometry::lanes::{self, HitLanes};
 use crate::geometry::shear_axes;
 use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, axes};
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
-pub(super) struct Rays {
-    pub(super) setup: Setup,
+pub(crate) struct Rays {
+    pub(crate) setup: Setup,
     views: Views,
     /// Distance of the closest hit, at first the end of the interval; −∞ for rays that look
     /// for nothing (more).
-    pub(super) t: Float,
+    pub(crate) t: Float,
     /// Its primitive; [`HitBatch::MISS`] before there is one, and where any hit will do.
-    pub(super) primitive: Int,
+    pub(crate) primitive: Int,
 }
 
 /// Rays that look along the same axis, as triangle tests see it.
@@ -55,13 +55,13 @@ impl Views {
 }
 
 impl Rays {
-    pub(super) const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
 
     /// Takes the rays whose bits are in `present`. Returns the bits of those that it leaves to
     /// others.
     #[inline(always)]
-    pub(super) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
+    pub(crate) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
         let wild = self.setup.load(rays, present, extent);
         self.t = self.only(rays.t_max, Float::splat(f32::NEG_INFINITY));
         self.primitive = Int::splat(HitBatch::MISS);
@@ -73,7 +73,7 @@ impl Rays {
 
     /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.
     #[inline(always)]
-    pub(super) fn test_triangle<const ANY: bool>(
+    pub(crate) fn test_triangle<const ANY: bool>(
         &mut self,
         vertices: &[[Lanes; 3]; 3],
         lane: usize,
@@ -101,13 +101,13 @@ impl Rays {
 
     /// The rays that look for hits: distances of such are above 0.
     #[inline(always)]
-    pub(super) fn looking(&self) -> u32 {
+    pub(crate) fn looking(&self) -> u32 {
         self.t.ge(Float::ZERO).bits()
     }
 
     /// The rays that have hit something.
     #[inline(always)]
-    pub(super) fn found<const ANY: bool>(&self) -> Mask {
+    pub(crate) fn found<const ANY: bool>(&self) -> Mask {
         if ANY {
             // −∞ is also the distance of rays that are not there.
             self.t.eq(Float::splat(f32::NEG_INFINITY)) & Mask::from_bits(self.setup.active)
@@ -118,14 +118,14 @@ impl Rays {
 
     /// Lets rays that have hit something, whatever it is, look for nothing more.
     #[inline(always)]
-    pub(super) fn end(&mut self, hit: Mask) {
+    pub(crate) fn end(&mut self, hit: Mask) {
         // No branch on whether there is one: no CPU could foretell it.
         self.t = hit.select(Float::splat(f32::NEG_INFINITY), self.t);
     }
 
     /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
     #[inline(always)]
-    pub(super) fn offer<const ANY: bool>(&mut self, hits: HitLanes, primitive: u32) {
+    pub(crate) fn offer<const ANY: bool>(&mut self, hits: HitLanes, primitive: u32) {
         let HitLanes { t, hit } = hits;
         let closer = hit & t.lt(self.t);
         if ANY {
@@ -151,7 +151,7 @@ impl Rays {
 impl Rays {
     /// The axis on which the first ray that is there goes fastest; `None` where none is.
     #[inline(always)]
-    pub(super) fn longest_axis_of_first(&self) -> Option<usize> {
+    pub(crate) fn longest_axis_of_first(&self) -> Option<usize> {
         let lane = Bits(self.setup.active).next()?;
         let speed = axes(|axis| self.setup.ray.direction[axis].to_array()[lane].abs());
         let most = if speed[0] > speed[1] { 0 } else { 1 };
@@ -160,30 +160,30 @@ impl Rays {
 
     /// How fast the rays go along `axis`, above 0; 1 for those that are not there.
     #[inline(always)]
-    pub(super) fn scale(&self, axis: usize) -> Float {
+    pub(crate) fn scale(&self, axis: usize) -> Float {
         let one = Float::splat(1.0);
         self.only(one / self.setup.slab.steepness[axis], one)
     }
 
     /// `value` of the rays that are there, else `none`.
     #[inline(always)]
-    pub(super) fn only(&self, value: Float, none: Float) -> Float {
+    pub(crate) fn only(&self, value: Float, none: Float) -> Float {
         Mask::from_bits(self.setup.active).select(value, none)
     }
 
     #[inline(always)]
-    pub(super) fn t_min(&self) -> Float {
+    pub(crate) fn t_min(&self) -> Float {
         self.setup.ray.t_min
     }
 
     #[inline(always)]
-    pub(super) fn steepness(&self, axis: usize) -> Float {
+    pub(crate) fn steepness(&self, axis: usize) -> Float {
         self.setup.slab.steepness[axis]
     }
 
     /// Origins on an axis of direction `sign`, ahead by the slack and back by it.
     #[inline(always)]
-    pub(super) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
+    pub(crate) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
         let origin = self.setup.ray.origin[axis] * sign;
         let slack = self.setup.slab.slack;
         (origin + slack, origin - slack)

@@ -9,7 +9,7 @@ use crate::geometry::lanes::{QuadLanes, SpecialQuad};
 use crate::geometry::{Geometry, Shape};
 use crate::simd::{Float, LANES, Lanes, Vec3x, prefetch};
 
-/// A block: its kind, the number of its primitives, and its place among the blocks of that
+/// A block: its kind, the number of its primitives, and its index among the blocks of that
 /// kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BlockRef(u32);
@@ -22,10 +22,10 @@ impl BlockRef {
     const KIND_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
 
-    fn new(kind: Shape, count: usize, place: usize) -> Self {
-        assert!(place < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
+    fn new(kind: Shape, count: usize, index: usize) -> Self {
+        assert!(index < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
-        Self(Self::LEAF | (kind as u32) << Self::KIND_SHIFT | count | place as u32)
+        Self(Self::LEAF | (kind as u32) << Self::KIND_SHIFT | count | index as u32)
     }
 
     pub(super) fn bits(self) -> u32 {
@@ -55,7 +55,7 @@ impl BlockRef {
     }
 
     #[inline(always)]
-    pub(super) fn place(self) -> usize {
+    pub(super) fn index(self) -> usize {
         (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize
     }
 }
@@ -149,7 +149,7 @@ impl Blocks {
         primitive[..primitives.len()].copy_from_slice(primitives);
         let kind = Shape::of(geometry.get(primitives[0]));
         let spheres = || primitives.iter().map(|&p| &geometry.spheres[p as usize]);
-        let place = match kind {
+        let index = match kind {
             Shape::Sphere => {
                 self.spheres.push(SphereBlock {
                     // 0 + −0 is 0, as where a motion of 0 is added.
@@ -196,7 +196,7 @@ impl Blocks {
                 self.triangles.len() - 1
             }
         };
-        BlockRef::new(kind, primitives.len(), place)
+        BlockRef::new(kind, primitives.len(), index)
     }
 
     /// Adds blocks of `primitives` in any number and mixture.
@@ -223,10 +223,10 @@ impl Blocks {
     #[inline(always)]
     pub(super) fn prefetch(&self, block: BlockRef) {
         match block.kind() {
-            Shape::Sphere => prefetch(&self.spheres[block.place()]),
-            Shape::MovingSphere => prefetch(&self.moving_spheres[block.place()]),
-            Shape::Quad => prefetch(&self.quads[block.place()]),
-            Shape::Triangle => prefetch(&self.triangles[block.place()]),
+            Shape::Sphere => prefetch(&self.spheres[block.index()]),
+            Shape::MovingSphere => prefetch(&self.moving_spheres[block.index()]),
+            Shape::Quad => prefetch(&self.quads[block.index()]),
+            Shape::Triangle => prefetch(&self.triangles[block.index()]),
         }
     }
 

@@ -14,19 +14,19 @@ use crate::math::random::Stream;
 /// A binary tree of boxes with one primitive a leaf. A node comes before its children, which
 /// are neighbours; node 0 is the root.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BinaryTree {
-    pub(super) nodes: Vec<BinaryNode>,
+pub(crate) struct BinaryTree {
+    pub(crate) nodes: Vec<BinaryNode>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BinaryNode {
-    pub(super) bounds: Bounds,
-    pub(super) below: Below,
+pub(crate) struct BinaryNode {
+    pub(crate) bounds: Bounds,
+    pub(crate) below: Below,
 }
 
 /// What is below a node.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Below {
+pub(crate) enum Below {
     /// The first of two children.
     Children(u32),
     /// A leaf's primitive.
@@ -47,12 +47,12 @@ const MANY: usize = 1 << 15;
 
 impl BinaryTree {
     /// Size in memory.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes)
     }
 
     /// The tree over `primitives`, whose boxes are `boxes[primitive]`.
-    pub(super) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
+    pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         if primitives.is_empty() {
             return Self::default();
         }
@@ -70,11 +70,11 @@ impl BinaryTree {
 
         let mut nodes = vec![BinaryNode::UNKNOWN];
         let mut open = vec![(0, Subtree::Built(0))];
-        while let Some((place, subtree)) = open.pop() {
+        while let Some((slot, subtree)) = open.pop() {
             let (left, right) = match subtree.resolve(&built, &groups) {
                 Subtree::Crowd(&[primitive]) => {
                     let bounds = boxes[primitive as usize].without_subnormals();
-                    nodes[place] = BinaryNode { bounds, below: Below::Primitive(primitive) };
+                    nodes[slot] = BinaryNode { bounds, below: Below::Primitive(primitive) };
                     continue;
                 }
                 Subtree::Crowd(members) => {
@@ -87,7 +87,7 @@ impl BinaryTree {
                 }
             };
             let children = nodes.len();
-            nodes[place].below = Below::Children(children as u32);
+            nodes[slot].below = Below::Children(children as u32);
             nodes.extend([BinaryNode::UNKNOWN; 2]);
             open.push((children + 1, right));
             open.push((children, left));
@@ -104,7 +104,7 @@ impl BinaryTree {
     /// Whether each subtree is best a leaf: where it holds at most `most` primitives of one kind,
     /// and testing them is expected to cost no more than visiting its nodes, each of which costs
     /// `node_cost` tests.
-    pub(super) fn leaves<K: Copy + PartialEq>(
+    pub(crate) fn leaves<K: Copy + PartialEq>(
         &self,
         node_cost: f32,
         most: u32,
@@ -132,7 +132,7 @@ impl BinaryTree {
     }
 
     /// The primitives below node `index`.
-    pub(super) fn primitives(&self, index: u32) -> Vec<u32> {
+    pub(crate) fn primitives(&self, index: u32) -> Vec<u32> {
         let (mut primitives, mut open) = (Vec::new(), vec![index]);
         while let Some(index) = open.pop() {
             match self.nodes[index as usize].below {

@@ -1,0 +1,67 @@
+//! The files that a scene names.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::budget::Budget;
+use super::place::Element;
+use crate::error::{Error, Result};
+use crate::image::Image;
+use crate::limits::{Limit, Limits};
+
+/// The path of `file` in `folder`. Files outside of it are an error unless the limits allow them.
+pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) -> Result<PathBuf> {
+    let path = folder.join(file);
+    let within = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    // The reader reports files that do not exist.
+    let real = |path: &Path| path.canonicalize().ok();
+    match (real(&path), real(within)) {
+        (Some(there), Some(folder)) if !limits.outside_files() && !there.starts_with(&folder) => {
+            let message = "is outside the folder of the scene: --outside-files allows it";
+            Err(e.error(Error::input(path.display().to_string(), "", message)))
+        }
+        _ => Ok(path),
+    }
+}
+
+/// Reads the images of a scene, each once.
+pub(crate) struct Images<'a> {
+    folder: &'a Path,
+    budget: &'a Budget,
+    images: HashMap<PathBuf, Arc<Image>>,
+}
+
+impl<'a> Images<'a> {
+    pub(super) fn new(folder: &'a Path, budget: &'a Budget) -> Self {
+        Self { folder, budget, images: HashMap::new() }
+    }
+
+    /// The image in `file`, whose pixels are albedos: in [0, 1].
+    pub(super) fn albedo_map(&mut self, e: &Element<'_>, file: &str) -> Result<Arc<Image>> {
+        let path = path(e, self.folder, file, &self.budget.limits)?;
+        if let Some(image) = self.images.get(&path) {
+            return Ok(Arc::clone(image));
+        }
+        let budget = self.budget;
+        let allow = |pixels: u64, memory: u64| {
+            let bytes = 12 * pixels;
+            let limited = budget.limits.check(Limit::TextureBytes, bytes);
+            limited.and_then(|()| budget.check(memory)).and_then(|()| budget.hold(bytes))
+        };
+        let image = Image::read_where(&path, &allow).map_err(|error| e.error(error))?;
+        let is_albedo = |pixel: &&[f32; 3]| pixel.iter().all(|c| (0.0..=1.0).contains(c));
+        if let Some(bad) = image.pixels().iter().find(|pixel| !is_albedo(pixel)) {
+            let message = format!("{file}: an albedo must be in [0, 1], a pixel is {bad:?}");
+            return Err(e.error(message));
+        }
+        let image = Arc::new(image);
+        self.images.insert(path, Arc::clone(&image));
+        Ok(image)
+    }
+
+    /// The files that were read.
+    pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
+        self.images.into_keys()
+    }
+}

@@ -1,0 +1,41 @@
+//! Triangle meshes that scene files name: one file for each format.
+
+mod indexed;
+mod obj;
+mod ply;
+
+use std::path::Path;
+
+use super::budget::Budget;
+use crate::error::{Error, Result};
+use crate::input::read_bytes;
+use crate::limits::Limit;
+pub(super) use indexed::{Mesh, Transform};
+
+/// Reads a `.obj` or `.ply` file. Polygons become fans of triangles; all but positions and
+/// faces is ignored.
+///
+/// # Errors
+/// Where it cannot be read, is beyond the limits, or its content is wrong: the message names file and
+/// line.
+pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let parse = match extension.as_deref() {
+        Some("obj") => obj::parse,
+        Some("ply") => ply::parse,
+        _ => {
+            let message = "no reader for this extension, meshes are .obj or .ply files";
+            return Err(Error::input(path.display().to_string(), "", message));
+        }
+    };
+    let name = path.display().to_string();
+    let bytes = read_bytes(path, |length| {
+        budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
+    })?;
+    let within = budget.with(bytes.len() as u64);
+    let mesh = parse(&name, &bytes, &within)?;
+    if mesh.triangles.is_empty() {
+        return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
+    }
+    Ok(mesh.without_stray_vertices())
+}
