@@ -8,7 +8,7 @@ use ptfast::{Engine, RenderSettings, Renderer, Scene};
 fn frames(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("frames");
     group.sample_size(10);
-    for name in ptfast::scene::BUILTIN_NAMES {
+    for name in ptfast::BUILTIN_NAMES {
         let scene = Scene::load(name).expect("built-in scenes are good");
         for engine in Engine::ALL {
             let settings = RenderSettings {

@@ -3,11 +3,11 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use ptfast::accel::{Accelerator, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
-use ptfast::rayset::{self, Query, RaySet};
-use ptfast::{RenderSettings, Scene};
+use ptfast::internals::{
+    Accelerator, Geometry, HitBatch, Quad, Query, Ray, RayBatch, RaySet, Sphere, Stream, Triangle,
+    record,
+};
+use ptfast::{Kernel, RenderSettings, Scene};
 
 /// Scenes whose rays are traced, one of each size.
 const SCENES: [&str; 4] = ["spheres", "cornell", "cloud:30000", "mesh:20480"];
@@ -18,7 +18,7 @@ const RAYS: u64 = 1 << 14;
 fn sets(scene: &str) -> (Geometry, Vec<RaySet>) {
     let scene = Scene::load(scene).expect("the scene is built in");
     let settings = RenderSettings { width: 160, height: 90, spp: 2, ..RenderSettings::of(&scene) };
-    let sets = rayset::record(&scene, &settings, RAYS).expect("the settings are in range");
+    let sets = record(&scene, &settings, RAYS).expect("the settings are in range");
     (sets.geometry, sets.sets)
 }
 

@@ -4,13 +4,13 @@
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use ptfast::engine::Stage;
+use ptfast::internals::Stage;
 use ptfast::{RenderSettings, Renderer, Scene};
 
 fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     group.sample_size(10).measurement_time(Duration::from_secs(2));
-    for name in ptfast::scene::BUILTIN_NAMES {
+    for name in ptfast::BUILTIN_NAMES {
         let scene = Scene::load(name).expect("built-in scenes are good");
         let settings = RenderSettings {
             width: 160,

@@ -87,7 +87,7 @@ fn signal_name(signal: &u8) -> &'static str {
 fn stop_name(signal: &Option<u8>) -> String {
     match signal {
         Some(signal) => format!("interrupted by {}", signal_name(signal)),
-        None => "stopped by --time-limit".to_owned(),
+        None => "stopped by the time limit".to_owned(),
     }
 }
 

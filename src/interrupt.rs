@@ -31,7 +31,7 @@ fn signals() -> &'static Signals {
 ///
 /// # Errors
 /// [`Error::Internal`] where the operating system refuses.
-pub fn watch() -> Result<()> {
+pub(crate) fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
     // nohup has them ignored. (Shells ignore SIGINT for what runs in the background: who sends it there means it.)
     let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
@@ -60,7 +60,7 @@ fn is_ignored(signal: i32) -> bool {
 ///
 /// # Errors
 /// [`Error::Internal`] where the operating system refuses.
-pub fn survive_large_files() -> Result<()> {
+pub(crate) fn survive_large_files() -> Result<()> {
     let registered = flag::register(SIGXFSZ, Arc::default());
     registered.map(|_| ()).map_err(refused)
 }
@@ -70,28 +70,28 @@ fn refused(error: std::io::Error) -> Error {
 }
 
 /// Whether signals end the process at once, because there is nothing to be kept.
-pub fn leave_at_once(leave: bool) {
+pub(crate) fn leave_at_once(leave: bool) {
     signals().leaves.store(leave, Ordering::Relaxed);
 }
 
 /// The number of the signal that is to end the run, if one has come.
-pub fn signal() -> Option<u8> {
+pub(crate) fn signal() -> Option<u8> {
     let last = signals().last.load(Ordering::Relaxed);
     (last != 0).then_some(last as u8)
 }
 
 /// Whether SIGUSR1 has come since this was asked last.
-pub fn take_request() -> bool {
+pub(crate) fn take_request() -> bool {
     signals().asked.swap(false, Ordering::Relaxed)
 }
 
 /// Whether SIGUSR1 has come.
-pub fn is_requested() -> bool {
+pub(crate) fn is_requested() -> bool {
     signals().asked.load(Ordering::Relaxed)
 }
 
 /// # Errors
 /// [`Error::Interrupted`] where a signal has come.
-pub fn check() -> Result<()> {
+pub(crate) fn check() -> Result<()> {
     signal().map_or(Ok(()), |number| Err(Error::Interrupted(number)))
 }

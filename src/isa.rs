@@ -87,7 +87,7 @@ pub fn missing_feature() -> Option<&'static str> {
 }
 
 /// The CPU's own name.
-pub fn cpu_name() -> String {
+pub(crate) fn cpu_name() -> String {
     #[cfg(target_arch = "x86_64")]
     {
         x86::brand()
@@ -100,7 +100,7 @@ pub fn cpu_name() -> String {
 
 /// Family, model and stepping: of different CPUs that a hypervisor gives one name to. Empty where the
 /// CPU does not tell.
-pub fn cpu_model() -> String {
+pub(crate) fn cpu_model() -> String {
     #[cfg(target_arch = "x86_64")]
     {
         x86::model()

@@ -26,26 +26,18 @@
 //! ```
 //! use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 //!
-//! use ptfast::engine::{Observer, Progress, Stop};
-//! use ptfast::scene::material::{Lambertian, Light, Sides};
-//! use ptfast::scene::{Background, CameraFile, PrimitiveFile, SceneFile};
-//! use ptfast::{RenderSettings, Renderer, Scene};
+//! use ptfast::material::{Lambertian, Light, Sides};
+//! use ptfast::{Background, CameraFile, Observer, Progress, RenderSettings, Renderer, Scene};
+//! use ptfast::{SceneFile, Stop};
 //!
 //! # fn main() -> ptfast::Result<()> {
 //! let mut file = SceneFile::new(CameraFile::new([0.0, 1.0, 5.0], [0.0, 0.5, 0.0], 40.0));
 //! file.background = Background::Constant { radiance: [0.2, 0.3, 0.5] };
 //! file.add_material("grey", Lambertian { albedo: [0.7; 3].into() });
 //! file.add_material("lamp", Light { radiance: [5.0; 3], sides: Sides::Both });
-//! file.primitives.push(PrimitiveFile::Sphere {
-//!     center: [0.0, 3.0, 0.0],
-//!     radius: 0.5,
-//!     material: "lamp".to_owned(),
-//! });
-//! file.primitives.push(PrimitiveFile::Triangles {
-//!     vertices: vec![[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [0.0, 0.0, -4.0], [0.0, 2.0, 0.0]],
-//!     indices: vec![[0, 1, 2], [0, 1, 3]],
-//!     material: "grey".to_owned(),
-//! });
+//! file.add_sphere([0.0, 3.0, 0.0], 0.5, "lamp");
+//! let vertices = [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [0.0, 0.0, -4.0], [0.0, 2.0, 0.0]];
+//! file.add_mesh(&vertices, &[[0, 1, 2], [0, 1, 3]], "grey");
 //! let scene = Scene::from_file(&file)?;
 //!
 //! /// Counts samples, and stops the render after so many.
@@ -94,52 +86,93 @@
 //! [`compiled_isa`] tells what it came to, [`detected_isa`] what the CPU has. The images are
 //! the same.
 //!
-//! # Where to find what
+//! # Features
 //!
-//! Data flows one way: scene file → [`scene`] → [`accel`] → [`engine`] → [`film`] →
-//! [`image`](mod@image). ARCHITECTURE.md has the table of files.
+//! `cli` (default) is the program `ptfast` with its benches, checkpoints and tables. A library that only
+//! renders does without: `ptfast = { version = "…", default-features = false }`.
+
+// The library alone does not call all that the program needs.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
 /// The README's example compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-pub mod accel;
+mod accel;
+#[cfg(feature = "cli")]
 mod bench;
-pub mod checkpoint;
-pub mod cli;
+#[cfg(feature = "cli")]
+mod checkpoint;
+#[cfg(feature = "cli")]
+mod cli;
+#[cfg(feature = "cli")]
 mod converge;
+#[cfg(feature = "cli")]
 mod dashboard;
-pub mod engine;
-pub mod error;
-pub mod film;
-pub mod geometry;
-pub mod image;
+mod engine;
+mod error;
+mod film;
+mod geometry;
+mod image;
 mod input;
-pub mod interrupt;
-pub mod isa;
-pub mod limits;
-pub mod machine;
-pub mod math;
-pub mod output;
-pub mod rayset;
+#[cfg(feature = "cli")]
+mod interrupt;
+mod isa;
+mod limits;
+#[cfg(feature = "cli")]
+mod machine;
+mod math;
+mod output;
+#[cfg(feature = "cli")]
+mod rayset;
 mod sampler;
-pub mod scene;
+mod scene;
 mod simd;
+#[cfg(feature = "cli")]
 mod statistics;
 
-pub use engine::{Engine, PreparedScene, Render, RenderSettings, Renderer};
+pub use accel::Kernel;
+pub use engine::{
+    Endings, Engine, NonFinite, Observer, Pin, Pinned, Plan, Planning, PreparedScene, Progress,
+    RayCounts, Render, RenderSettings, Renderer, Rendering, Seconds, SegmentPlan, Stop, Tally,
+};
 pub use error::{Error, Result};
 pub use image::{Image, Metadata, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
+pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
-pub use scene::{Sampling, Scene};
+pub use scene::{
+    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, PrimitiveFile,
+    RenderDefaults, Sampling, Scene, SceneFile, material, texture,
+};
 
-/// Reads the record of a bench, for fuzzing.
-///
-/// # Errors
-/// Where it is none.
+/// What the program, the benches, the tests and the fuzz targets of this package use. It is not part of the
+/// library: anything here may change at any time.
 #[doc(hidden)]
-pub fn check_record(path: &std::path::Path) -> Result<()> {
-    bench::Record::read(path).map(drop)
+pub mod internals {
+    pub use crate::accel::{Accelerator, Bvh2, Counters, HitBatch, RayBatch};
+    #[cfg(feature = "cli")]
+    pub use crate::checkpoint::{Checkpoint, Identity};
+    #[cfg(feature = "cli")]
+    pub use crate::cli::run;
+    pub use crate::engine::{BITS, Stage};
+    pub use crate::film::{Film, Tile};
+    pub use crate::geometry::{Bounds, Geometry, Hit, Quad, Ray, Sphere, Triangle};
+    pub use crate::isa::missing_feature;
+    pub use crate::math::random::Stream;
+    pub use crate::math::warp::uniform_sphere;
+    pub use crate::math::{cross, dot, length, min, normalize};
+    #[cfg(feature = "cli")]
+    pub use crate::rayset::{Query, RaySet, record};
+    pub use crate::scene::Source;
+
+    /// Reads the record of a bench.
+    ///
+    /// # Errors
+    /// If the file is no such record.
+    #[cfg(feature = "cli")]
+    pub fn check_record(path: &std::path::Path) -> crate::Result<()> {
+        crate::bench::Record::read(path).map(drop)
+    }
 }

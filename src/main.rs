@@ -5,10 +5,10 @@ use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    if let Some(feature) = ptfast::isa::missing_feature() {
+    if let Some(feature) = ptfast::internals::missing_feature() {
         refuse(feature);
     }
-    ptfast::cli::run()
+    ptfast::internals::run()
 }
 
 /// Only calls into std, which is compiled for any x86-64.

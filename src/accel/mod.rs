@@ -11,7 +11,7 @@ mod setup;
 mod slab;
 mod tree;
 
-pub use accelerator::{Accelerator, Layout};
+pub use accelerator::Accelerator;
 pub(crate) use batch::RayVector;
 pub use batch::{HitBatch, RayBatch};
 pub use counters::Counters;

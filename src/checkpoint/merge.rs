@@ -14,7 +14,7 @@ use crate::limits::{Limit, Limits};
 /// # Errors
 /// Where a file cannot be read, is of another render than the first, is not done or overlaps with another;
 /// where a part is missing.
-pub fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
+pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
     let parts = files.iter().map(|file| Part::read(file, limits));
     let mut parts = parts.collect::<Result<Vec<_>>>()?;
     let Some(first) = parts.first() else {

@@ -16,8 +16,8 @@ mod merge;
 mod shard;
 
 pub use identity::Identity;
-pub use merge::merge;
-pub use shard::Shard;
+pub(crate) use merge::merge;
+pub(crate) use shard::Shard;
 
 use std::ops::Range;
 

@@ -11,7 +11,7 @@ use super::limits::LimitArgs;
 use super::named::named;
 use super::{files, notice, say};
 use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
-use crate::engine::RenderSettings;
+use crate::engine::{Pin, RenderSettings};
 use crate::error::{Error, Result};
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::machine::Machine;
@@ -127,7 +127,8 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
             }
         }
     }
-    let base = RenderSettings::of(scene).with_size(Some(args.width), None);
+    let base = RenderSettings { pin: Pin::Auto, ..RenderSettings::of(scene) }
+        .with_size(Some(args.width), None);
     Options {
         settings: RenderSettings { seed: args.seed, threads: args.threads.unwrap_or(0), ..base },
         ways,

@@ -8,7 +8,7 @@ use super::args::FiguresArgs;
 use super::progress::{self, Telling};
 use super::{advise_on_build, say};
 use crate::checkpoint::Identity;
-use crate::engine::{RenderSettings, Renderer};
+use crate::engine::{Pin, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::image::Transfer;
 use crate::isa::Isa;
@@ -121,6 +121,7 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
         spp,
         sampling: figure.sampling,
         threads: args.threads.unwrap_or(0),
+        pin: Pin::Auto,
         ..RenderSettings::of(&scene)
     };
     let renderer = Renderer::new(&scene, settings.clone())?;

@@ -4,7 +4,7 @@ use bytesize::ByteSize;
 use clap::Args;
 
 use crate::error::Result;
-use crate::limits::{Limit, Limits};
+use crate::limits::{Limit, Limits, Refused};
 use crate::scene::Scene;
 
 const HEADING: &str = "Limits";
@@ -27,7 +27,7 @@ pub(super) struct LimitArgs {
 impl LimitArgs {
     pub(super) fn limits(&self) -> Limits {
         let memory = self.memory_limit.map(|size| (Limit::Memory, size));
-        let usual = Limits::default().with_outside_files(self.outside_files);
+        let usual = Limits::default().with_outside_files(self.outside_files).with_advice(advice);
         let given = self.limits.iter().copied().chain(memory);
         given.fold(usual, |limits, (limit, value)| limits.with(limit, value))
     }
@@ -44,6 +44,15 @@ impl LimitArgs {
     /// As [`Scene::load_within`].
     pub(super) fn load(&self, name_or_path: &str) -> Result<Scene> {
         Scene::load_within(name_or_path, &self.limits())
+    }
+}
+
+/// The flag that allows what was refused.
+fn advice(refused: Refused) -> String {
+    match refused {
+        Refused::Beyond(Limit::Memory, value) => format!("--memory-limit {value} raises it"),
+        Refused::Beyond(limit, value) => format!("--limit {}={value} raises it", limit.name()),
+        Refused::OutsideFile => "--outside-files allows it".to_owned(),
     }
 }
 

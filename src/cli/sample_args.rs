@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use super::limits::LimitArgs;
 use super::named::named;
-use crate::engine::RenderSettings;
+use crate::engine::{Pin, RenderSettings};
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
@@ -57,6 +57,7 @@ impl SampleArgs {
             sampling: self.sampling.unwrap_or(defaults.sampling),
             sampler: self.sampler,
             roulette: self.roulette == Switch::On,
+            pin: Pin::Auto,
             ..defaults
         }
     }

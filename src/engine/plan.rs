@@ -10,7 +10,7 @@ use crate::limits;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Most paths that a worker traces at once, where a pixel's are not more: 1 to [`limits::MAX_WAVE`].
+    /// Most paths that a worker traces at once, where a pixel's are not more: 1 to 262 144.
     pub wave_size: u32,
     /// Of segments 1, 2, …; the last holds for all that follow.
     pub segments: Vec<SegmentPlan>,

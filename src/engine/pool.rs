@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use core_affinity::CoreId;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{BroadcastContext, ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{Error, Result};
 
@@ -14,10 +14,10 @@ pub enum Pin {
     /// They do, or nothing is rendered.
     On,
     /// The operating system moves them.
+    #[default]
     Off,
     /// They do where there is one for each core that the process may use: two processes of fewer
     /// threads could else end up on the same cores.
-    #[default]
     Auto,
 }
 
@@ -73,7 +73,7 @@ fn cores() -> &'static [CoreId] {
     CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
 }
 
-/// How many threads are meant by `threads`, where 0 is for as many as the process may use.
+/// The number of threads that the setting `threads` stands for: 0 is as many as the process may use.
 pub(super) fn threads(threads: u32) -> usize {
     match threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -81,40 +81,78 @@ pub(super) fn threads(threads: u32) -> usize {
     }
 }
 
-/// So many threads, 0 for as many as the process may use.
-///
-/// # Errors
-/// [`Error::Internal`] if they cannot be started, or not be pinned with [`Pin::On`].
-pub(super) fn start(threads: u32, pin: Pin) -> Result<(ThreadPool, Pinned)> {
-    let threads = self::threads(threads);
-    let cores = cores();
-    let tried = pin.tries(threads, cores.len());
-    let failed = Arc::new(AtomicBool::new(cores.is_empty()));
-    let fails = Arc::clone(&failed);
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .start_handler(move |thread| {
-            if tried && !cores.is_empty() {
-                let core = cores[thread % cores.len()];
-                if !core_affinity::set_for_current(core) {
-                    fails.store(true, Ordering::Relaxed);
+/// The threads that a renderer works on.
+#[derive(Debug)]
+pub(super) enum Pool {
+    /// Threads of its own.
+    Own(ThreadPool, Pinned),
+    /// The rayon pool that it is called from, or else rayon's global one.
+    Caller,
+}
+
+impl Pool {
+    /// Starts threads: 0 for as many as the process may use.
+    ///
+    /// # Errors
+    /// [`Error::Internal`] if they cannot be started, or not be pinned with [`Pin::On`].
+    pub(super) fn start(threads: u32, pin: Pin) -> Result<Self> {
+        let threads = self::threads(threads);
+        let cores = cores();
+        let tried = pin.tries(threads, cores.len());
+        let failed = Arc::new(AtomicBool::new(cores.is_empty()));
+        let fails = Arc::clone(&failed);
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .start_handler(move |thread| {
+                if tried && !cores.is_empty() {
+                    let core = cores[thread % cores.len()];
+                    if !core_affinity::set_for_current(core) {
+                        fails.store(true, Ordering::Relaxed);
+                    }
                 }
+            })
+            .build()
+            .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
+        // Every thread has begun when all have answered.
+        pool.broadcast(|_| ());
+        let pinned = match (tried, failed.load(Ordering::Relaxed)) {
+            (false, _) => Pinned::No,
+            (true, false) => Pinned::Yes,
+            (true, true) if pin == Pin::On => {
+                let message = "threads cannot be pinned to cores here: pin auto goes on without";
+                return Err(Error::Internal(message.to_owned()));
             }
-        })
-        .build()
-        .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
-    // Every thread has begun when all have answered.
-    pool.broadcast(|_| ());
-    let pinned = match (tried, failed.load(Ordering::Relaxed)) {
-        (false, _) => Pinned::No,
-        (true, false) => Pinned::Yes,
-        (true, true) if pin == Pin::On => {
-            let message = "threads cannot be pinned to cores here: pin auto goes on without";
-            return Err(Error::Internal(message.to_owned()));
+            (true, true) => Pinned::Failed,
+        };
+        Ok(Self::Own(pool, pinned))
+    }
+
+    /// Calls `work` on every thread.
+    pub(super) fn broadcast<T: Send>(
+        &self,
+        work: impl Fn(BroadcastContext<'_>) -> T + Sync,
+    ) -> Vec<T> {
+        match self {
+            Self::Own(pool, _) => pool.broadcast(work),
+            Self::Caller => rayon::broadcast(work),
         }
-        (true, true) => Pinned::Failed,
-    };
-    Ok((pool, pinned))
+    }
+
+    /// Number of threads.
+    pub(super) fn threads(&self) -> usize {
+        match self {
+            Self::Own(pool, _) => pool.current_num_threads(),
+            Self::Caller => rayon::current_num_threads(),
+        }
+    }
+
+    /// Whether they are pinned to cores.
+    pub(super) fn pinned(&self) -> Pinned {
+        match self {
+            Self::Own(_, pinned) => *pinned,
+            Self::Caller => Pinned::No,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -129,11 +167,11 @@ mod tests {
         for (threads, cores) in [(1, 4), (4, 4), (9, 4), (1, 0)] {
             assert!(Pin::On.tries(threads, cores) && !Pin::Off.tries(threads, cores));
         }
-        let (pool, pinned) = start(3, Pin::Off).unwrap();
-        assert_eq!((pool.current_num_threads(), pinned), (3, Pinned::No));
+        let pool = Pool::start(3, Pin::Off).unwrap();
+        assert_eq!((pool.threads(), pool.pinned()), (3, Pinned::No));
         // More threads than cores share them.
         let cores_known = !cores().is_empty();
-        let pinned = start(cores().len() as u32 + 1, Pin::On).ok().map(|(_, pinned)| pinned);
+        let pinned = Pool::start(cores().len() as u32 + 1, Pin::On).ok().map(|pool| pool.pinned());
         assert_eq!(pinned, cores_known.then_some(Pinned::Yes));
     }
 }

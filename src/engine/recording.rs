@@ -10,7 +10,7 @@ use crate::geometry::{Hit, Ray};
 
 /// What a ray is traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RayKind {
+pub(crate) enum RayKind {
     /// From the camera, for the closest hit.
     Primary,
     /// From a surface or out of a medium, for the closest hit.
@@ -21,7 +21,7 @@ pub enum RayKind {
 
 /// A ray and what it hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TracedRay {
+pub(crate) struct TracedRay {
     /// What for.
     pub kind: RayKind,
     /// Segment of the path, from 1; of a shadow ray the one that it starts at the end of.
@@ -38,7 +38,7 @@ pub struct TracedRay {
 
 /// A path, and what arrives along it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TracedPath {
+pub(crate) struct TracedPath {
     /// In the order in which they are traced.
     pub rays: Vec<TracedRay>,
     /// Neither clamped nor counted as black.
@@ -47,18 +47,18 @@ pub struct TracedPath {
 
 /// Traces paths with the reference engine and tells their rays.
 #[derive(Debug)]
-pub struct PathRecorder(ScalarEngine);
+pub(crate) struct PathRecorder(ScalarEngine);
 
 impl PathRecorder {
     /// # Errors
     /// Where a setting is out of its range.
-    pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
+    pub(crate) fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
         Ok(Self(ScalarEngine::new(View::new(scene.into(), settings))))
     }
 
     /// Sample `sample` of pixel `(x, y)`.
-    pub fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
+    pub(crate) fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
         let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
         let (ray, key) = self.0.camera_ray(x, y, sample);
         let radiance = tracer.radiance(ray, key);

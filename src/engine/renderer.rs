@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rayon::{BroadcastContext, ThreadPool};
+use rayon::BroadcastContext;
 
 use super::plan::{Plan, Planning};
-use super::pool::{self, Pinned};
+use super::pool::{Pinned, Pool};
 use super::prepared::{PreparedScene, View};
 use super::rendering::{Progress, Rendering, Shared};
 use super::scalar::ScalarEngine;
@@ -29,8 +29,7 @@ pub struct Renderer {
     prepared: PreparedScene,
     settings: RenderSettings,
     engine: Box<dyn UnitEngine>,
-    pool: ThreadPool,
-    pinned: Pinned,
+    pool: Pool,
     seconds: Seconds,
 }
 
@@ -43,11 +42,12 @@ pub struct Render {
     pub tally: Tally,
     /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
     /// the work of its rays, without times.
+    #[doc(hidden)]
     pub waves: WaveStats,
     /// Time of each step.
     pub seconds: Seconds,
-    /// What each worker did when, if that was asked for; the first
-    /// [`MOST_EVENTS`](super::MOST_EVENTS).
+    /// What each worker did when, if the settings ask for it; the first two million events.
+    #[doc(hidden)]
     pub timeline: Vec<Event>,
 }
 
@@ -71,7 +71,7 @@ fn engine(
     prepared: &PreparedScene,
     settings: &RenderSettings,
     paths: u64,
-    pool: &ThreadPool,
+    pool: &Pool,
 ) -> Box<dyn UnitEngine> {
     let view = View::new(prepared.clone(), settings.clone());
     match settings.engine {
@@ -147,13 +147,38 @@ impl Renderer {
         settings: RenderSettings,
         paths: u64,
     ) -> Result<Self> {
-        let prepared = scene.into();
+        let start = |settings: &RenderSettings| Pool::start(settings.threads, settings.pin);
+        Self::on(scene.into(), settings, paths, start)
+    }
+
+    /// A renderer without threads of its own: it works on the rayon pool that it is called from, or else
+    /// on rayon's global pool. The settings `threads` and `pin` have no effect.
+    ///
+    /// # Errors
+    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
+    /// suffice.
+    pub fn in_current_pool(
+        scene: impl Into<PreparedScene>,
+        settings: RenderSettings,
+    ) -> Result<Self> {
+        let threads = rayon::current_num_threads() as u32;
+        let paths = settings.paths();
+        let settings = RenderSettings { threads, ..settings };
+        Self::on(scene.into(), settings, paths, |_| Ok(Pool::Caller))
+    }
+
+    fn on(
+        prepared: PreparedScene,
+        settings: RenderSettings,
+        paths: u64,
+        pool: impl FnOnce(&RenderSettings) -> Result<Pool>,
+    ) -> Result<Self> {
         check(&prepared, &settings)?;
         let start = Instant::now();
-        let (pool, pinned) = pool::start(settings.threads, settings.pin)?;
+        let pool = pool(&settings)?;
         let engine = engine(&prepared, &settings, paths, &pool);
         let seconds = Seconds::of_build(&*engine, start);
-        Ok(Self { prepared, settings, engine, pool, pinned, seconds })
+        Ok(Self { prepared, settings, engine, pool, seconds })
     }
 
     /// Changes the camera and the settings; trees, tables and threads are kept. Threads and pinning
@@ -195,12 +220,12 @@ impl Renderer {
 
     /// Worker threads.
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.pool.threads()
     }
 
     /// Whether they are pinned to cores.
     pub fn pinned(&self) -> Pinned {
-        self.pinned
+        self.pool.pinned()
     }
 
     /// Renders the image.

@@ -11,7 +11,7 @@ use crate::film::{Film, Part, Schedule, Tile};
 use crate::image::Image;
 
 /// Events of a timeline, at most: some hundred megabytes.
-pub const MOST_EVENTS: usize = 1 << 21;
+pub(crate) const MOST_EVENTS: usize = 1 << 21;
 
 /// Units that wait for another, at most, but for one a worker: each has some thousand paths.
 const MOST_EARLY: usize = 1000;
@@ -20,21 +20,22 @@ const MOST_EARLY: usize = 1000;
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// The samples so far.
+    #[doc(hidden)]
     pub film: Film,
     /// What was traced for them, and what came of it.
     pub tally: Tally,
     /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
     /// the work of its rays, without times.
-    pub waves: WaveStats,
+    pub(crate) waves: WaveStats,
     /// Wall-clock seconds that it took.
     pub seconds: f64,
-    /// What each worker did when, if that was asked for; the first [`MOST_EVENTS`].
-    pub timeline: Vec<Event>,
+    /// What each worker did when, if that was asked for; the first `MOST_EVENTS`.
+    pub(crate) timeline: Vec<Event>,
 }
 
 impl Rendering {
     /// Nothing but a film.
-    pub fn new(film: Film) -> Self {
+    pub(crate) fn new(film: Film) -> Self {
         Self {
             film,
             tally: Tally::default(),
@@ -45,7 +46,7 @@ impl Rendering {
     }
 
     /// Counts what was traced for another part of the render, too.
-    pub fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.tally.add(&other.tally);
         self.seconds += other.seconds;
     }

@@ -37,13 +37,13 @@ impl Engine {
 pub struct RenderSettings {
     /// The camera.
     pub camera: Camera,
-    /// Image width in pixels, 1 to [`limits::MAX_SIDE`].
+    /// Image width in pixels, 1 to 65 536.
     pub width: u32,
-    /// Image height in pixels, 1 to [`limits::MAX_SIDE`].
+    /// Image height in pixels, 1 to 65 536.
     pub height: u32,
-    /// Samples a pixel, 1 to [`limits::MAX_SPP`].
+    /// Samples a pixel, 1 to 16 777 216.
     pub spp: u32,
-    /// Largest number of segments of a path, 1 to [`limits::MAX_DEPTH`].
+    /// Largest number of segments of a path, 1 to 65 536.
     pub depth: u32,
     /// Seed of all random numbers.
     pub seed: u64,

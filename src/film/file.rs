@@ -12,7 +12,7 @@ impl Film {
     ///
     /// # Errors
     /// Those of `file`.
-    pub fn write(&self, file: &mut impl Write) -> io::Result<()> {
+    pub(crate) fn write(&self, file: &mut impl Write) -> io::Result<()> {
         self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
         for (number, sums) in self.sums.iter().enumerate() {
             for (sum, _) in sums.iter().zip(self.kept()).filter(|(_, (_, kept))| *kept > number) {
@@ -27,7 +27,7 @@ impl Film {
     /// # Errors
     /// Those of `file`; [`io::ErrorKind::InvalidData`] where it is no such film,
     /// [`io::ErrorKind::OutOfMemory`] where there is no memory for it.
-    pub fn read(area: Tile, samples: Range<u32>, file: &mut impl Read) -> io::Result<Self> {
+    pub(crate) fn read(area: Tile, samples: Range<u32>, file: &mut impl Read) -> io::Result<Self> {
         let memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
         let mut film = Self::new(area, samples).map_err(memory)?;
         let Range { start, end } = film.samples;

@@ -7,11 +7,11 @@ use super::{ABSENT, Film};
 use crate::error::Result;
 
 /// A sample: the pixel's place in the image, and its number.
-pub type Sample = (u32, u32, u32);
+pub(crate) type Sample = (u32, u32, u32);
 
 /// Why one film does not go on where another ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Conflict {
+pub(crate) enum Conflict {
     /// Both have this sample.
     Twice(Sample),
     /// None has this sample, and one has later ones of the pixel.
@@ -24,7 +24,7 @@ impl Film {
     ///
     /// # Errors
     /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
-    pub fn append(&mut self, film: &Self) -> Result<Option<Conflict>> {
+    pub(crate) fn append(&mut self, film: &Self) -> Result<Option<Conflict>> {
         let start = film.samples.start;
         let mut first = 0;
         while let Some(run) = self.next_run(film, first) {
@@ -40,13 +40,13 @@ impl Film {
     }
 
     /// The first sample that is not done, if there is one.
-    pub fn missing(&self) -> Option<Sample> {
+    pub(crate) fn missing(&self) -> Option<Sample> {
         let pixel = self.done.iter().position(|&done| done < self.samples.end)?;
         Some(self.sample(pixel, self.done[pixel]))
     }
 
     /// Whether the sample is done.
-    pub fn has(&self, (x, y, sample): Sample) -> bool {
+    pub(crate) fn has(&self, (x, y, sample): Sample) -> bool {
         let pixel =
             (y - self.area.y) as usize * self.area.width as usize + (x - self.area.x) as usize;
         let done = self.done[pixel];

@@ -8,10 +8,11 @@ mod sum;
 mod tests;
 mod tile;
 
-pub use merge::{Conflict, Sample};
-pub use schedule::{Schedule, Unit};
-pub use sum::CHUNK;
-pub use tile::{Grid, Tile};
+pub(crate) use merge::{Conflict, Sample};
+pub(crate) use schedule::{Schedule, Unit};
+pub(crate) use sum::CHUNK;
+pub(crate) use tile::Grid;
+pub use tile::Tile;
 
 use std::ops::Range;
 
@@ -20,7 +21,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 
 /// A value of each pixel, row by row.
-pub type Plane = Vec<[f32; 3]>;
+pub(crate) type Plane = Vec<[f32; 3]>;
 
 /// The sums of the samples of some pixels of an image.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ const ABSENT: u32 = u32::MAX;
 
 /// The result of a [`Unit`] of work.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub(crate) struct Part {
     /// The samples.
     pub unit: Unit,
     /// For each pixel, the sum of its chunk up to `unit.end`: the unit's samples, added in order to
@@ -53,18 +54,18 @@ impl Film {
     ///
     /// # Errors
     /// [`Error::Internal`] where there is no memory for it.
-    pub fn new(area: Tile, samples: Range<u32>) -> Result<Self> {
+    pub(crate) fn new(area: Tile, samples: Range<u32>) -> Result<Self> {
         let done = plane(area, samples.start)?;
         Ok(Self { area, samples, done, sums: Vec::new() })
     }
 
     /// Bytes of memory for it when it is complete, and for its means.
-    pub fn memory(area: Tile, samples: Range<u32>) -> u64 {
+    pub(crate) fn memory(area: Tile, samples: Range<u32>) -> u64 {
         Self::most_bytes(area, samples) + 12 * area.pixels()
     }
 
     /// Bytes that it has at most, in memory and in a file.
-    pub fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
+    pub(crate) fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
         let chunks = (samples.end - samples.start).div_ceil(CHUNK);
         // Of each level two nodes, or one where all begins with sample 0; and a chunk that is not complete.
         let levels = u64::from(u32::BITS - chunks.leading_zeros());
@@ -78,7 +79,7 @@ impl Film {
     }
 
     /// The samples that each of its pixels is to have.
-    pub fn samples(&self) -> Range<u32> {
+    pub(crate) fn samples(&self) -> Range<u32> {
         self.samples.clone()
     }
 
@@ -97,7 +98,7 @@ impl Film {
 
     /// For each pixel of `unit`, the sum of the samples before those of the unit in the same chunk.
     /// Empty if the unit begins a chunk.
-    pub fn open_sums(&self, unit: Unit) -> Plane {
+    pub(crate) fn open_sums(&self, unit: Unit) -> Plane {
         if unit.first.is_multiple_of(CHUNK) {
             return Plane::new();
         }
@@ -107,7 +108,7 @@ impl Film {
     }
 
     /// Whether each pixel of `unit` has exactly the samples before those of the unit.
-    pub fn is_next(&self, unit: Unit) -> bool {
+    pub(crate) fn is_next(&self, unit: Unit) -> bool {
         self.all(unit.tile, |done| done == unit.first)
     }
 
@@ -120,7 +121,7 @@ impl Film {
     ///
     /// # Errors
     /// [`Error::Internal`] where there is no memory for them.
-    pub fn add(&mut self, part: &Part) -> Result<()> {
+    pub(crate) fn add(&mut self, part: &Part) -> Result<()> {
         let Unit { tile, first, end } = part.unit;
         // The sum of an open chunk replaces what there was of it.
         let kept = sum::sums(&(self.samples.start..first / CHUNK * CHUNK));
@@ -186,7 +187,7 @@ impl Film {
 
     /// Leaves the pixels out for which `keep`, which is told their place in the image, says so. What there
     /// was of them is gone.
-    pub fn retain(&mut self, keep: impl Fn(u32, u32) -> bool) {
+    pub(crate) fn retain(&mut self, keep: impl Fn(u32, u32) -> bool) {
         for (pixel, done) in (0..).zip(&mut self.done) {
             let (x, y) = self.area.pixel(pixel);
             if !keep(x, y) {
@@ -196,7 +197,7 @@ impl Film {
     }
 
     /// Whether it has the pixels for which `has`, which is told their place in the image, says so, and no others.
-    pub fn is_of(&self, has: impl Fn(u32, u32) -> bool) -> bool {
+    pub(crate) fn is_of(&self, has: impl Fn(u32, u32) -> bool) -> bool {
         (0..).zip(&self.done).all(|(pixel, &done)| {
             let (x, y) = self.area.pixel(pixel);
             has(x, y) == (done != ABSENT)
@@ -204,7 +205,7 @@ impl Film {
     }
 
     /// Sets the end of its samples to `end`, unless it is later already.
-    pub fn grow(&mut self, end: u32) {
+    pub(crate) fn grow(&mut self, end: u32) {
         self.samples.end = self.samples.end.max(end);
     }
 

@@ -30,7 +30,7 @@ impl Unit {
 /// The units that a film still lacks, chunk after chunk over all pixels: whenever the work stops, the
 /// image is equally good everywhere. (More samples of fewer pixels at once are not faster.)
 #[derive(Debug)]
-pub struct Schedule {
+pub(crate) struct Schedule {
     area: Tile,
     /// Most paths of a unit, where a pixel's are not more.
     paths: u64,
@@ -47,7 +47,7 @@ pub struct Schedule {
 impl Schedule {
     /// For what `film` lacks of the samples before `end`, in units of at most `paths` paths or of one
     /// pixel.
-    pub fn new(film: &Film, end: u32, paths: u32) -> Self {
+    pub(crate) fn new(film: &Film, end: u32, paths: u32) -> Self {
         let (area, samples) = (film.area(), film.samples());
         let end = end.min(samples.end);
         let all = area.pixels() * u64::from(end.saturating_sub(samples.start));
@@ -77,7 +77,7 @@ impl Schedule {
 
     /// The next unit of `film`, for which this was made, and to which nothing was added since but what came
     /// of units from here.
-    pub fn next(&mut self, film: &Film) -> Option<Unit> {
+    pub(crate) fn next(&mut self, film: &Film) -> Option<Unit> {
         loop {
             let tile = self.rest.pop().or_else(|| self.next_tile())?;
             // Earlier chunks that other workers still have count as done.
@@ -100,7 +100,7 @@ impl Schedule {
     }
 
     /// Most paths that a unit has.
-    pub fn most_paths(&self) -> u64 {
+    pub(crate) fn most_paths(&self) -> u64 {
         self.paths.max(u64::from(self.end.saturating_sub(self.first)).min(u64::from(CHUNK)))
     }
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 /// Samples that are added one after the other; a split by samples goes by whole chunks.
-pub const CHUNK: u32 = 16;
+pub(crate) const CHUNK: u32 = 16;
 
 /// The chunks that are complete in a range of samples, which begins with a chunk.
 fn complete(samples: &Range<u32>) -> Range<u32> {

@@ -42,7 +42,7 @@ impl Tile {
 
 /// Parts of a tile, row by row: all about equally large, and about as wide as high.
 #[derive(Clone, Debug, Default)]
-pub struct Grid {
+pub(crate) struct Grid {
     whole: Tile,
     columns: u32,
     rows: u32,
@@ -51,7 +51,7 @@ pub struct Grid {
 
 impl Grid {
     /// Of parts of at most so many pixels, at least 1.
-    pub fn new(whole: Tile, pixels: u64) -> Self {
+    pub(crate) fn new(whole: Tile, pixels: u64) -> Self {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
         let columns = u64::from(width).div_ceil(pixels.isqrt()).max(1);
@@ -61,18 +61,12 @@ impl Grid {
     }
 
     /// Columns and rows.
-    pub fn size(&self) -> [u32; 2] {
+    pub(crate) fn size(&self) -> [u32; 2] {
         [self.columns, self.rows]
     }
 
-    /// Pixels of the largest part.
-    pub fn most_pixels(&self) -> u64 {
-        let Tile { width, height, .. } = self.whole;
-        u64::from(width.div_ceil(self.columns)) * u64::from(height.div_ceil(self.rows))
-    }
-
     /// The part in a column and a row.
-    pub fn part(&self, column: u32, row: u32) -> Tile {
+    pub(crate) fn part(&self, column: u32, row: u32) -> Tile {
         let cut = |begin: u32, length: u32, parts: u32, part: u32| {
             let at = |part: u32| (u64::from(length) * u64::from(part) / u64::from(parts)) as u32;
             (begin + at(part), at(part + 1) - at(part))
@@ -116,9 +110,10 @@ mod tests {
             let whole = Tile { x: 5, y: 8, width, height };
             for pixels in [0, 1, 2, 3, 16, 100, 512, 1 << 20] {
                 let grid = Grid::new(whole, pixels);
-                let most = grid.most_pixels();
-                assert!(most <= pixels.max(1), "{whole:?}: {most} of {pixels}");
-                assert!(grid.clone().all(|part| part.pixels() <= most));
+                assert!(
+                    grid.clone().all(|part| part.pixels() <= pixels.max(1)),
+                    "{whole:?} {pixels}"
+                );
                 cover(whole, grid);
             }
             if whole.pixels() > 1 {

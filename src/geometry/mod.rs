@@ -16,14 +16,15 @@ mod volume;
 
 pub use bounds::Bounds;
 pub use quad::Quad;
+pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;
-pub use ray::{Hit, PreparedRay, Ray};
+pub use ray::{Hit, Ray};
 pub(crate) use shape::Shape;
 pub use sphere::Sphere;
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::Surfaces;
 pub use triangle::Triangle;
-pub use volume::Volume;
+pub(crate) use volume::Volume;
 
 use glam::Vec3;
 
@@ -31,7 +32,7 @@ use crate::math::{Real, max};
 
 /// A point of a surface, as found by a ray, or one a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<R: Real = f32> {
+pub(crate) struct Surface<R: Real = f32> {
     /// The point, moved onto the primitive where that is more exact than `o + t d`.
     pub point: R::Vec3,
     /// Unit geometric normal on the primitive's front: outward of a sphere, `u × v` of a
@@ -47,7 +48,7 @@ impl<R: Real> Surface<R> {
     /// The distance bounds the rounding errors of the point and of the primitive's own
     /// test (Pharr et al., section 6.8), so that no ray meets the surface that it leaves.
     #[inline(always)]
-    pub fn spawn(&self, side: R::Vec3) -> R::Vec3 {
+    pub(crate) fn spawn(&self, side: R::Vec3) -> R::Vec3 {
         self.point + side * self.offset
     }
 }

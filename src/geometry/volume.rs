@@ -7,7 +7,7 @@ use crate::math::{Real, Vector, dot, max, min};
 
 /// A closed volume, without a surface that could be hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Volume {
+pub(crate) enum Volume {
     /// A ball.
     Sphere {
         /// Centre.
@@ -60,7 +60,7 @@ impl Volume {
     }
 
     /// Whether the two have more than their surfaces in common, and what rounding makes of these.
-    pub fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.reach() + other.reach());
         match (self, other) {
             (

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 
 /// How two images of the same size differ. Sums are in f64.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Whether all bits agree.
     pub identical: bool,
     /// Mean squared error over pixels and channels.
@@ -29,7 +29,11 @@ pub struct Comparison {
 ///
 /// # Errors
 /// [`Error::Usage`] where the sizes differ.
-pub fn compare(a: &Image, b: &Image, display: Option<Transfer>) -> Result<(Comparison, Image)> {
+pub(crate) fn compare(
+    a: &Image,
+    b: &Image,
+    display: Option<Transfer>,
+) -> Result<(Comparison, Image)> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::Usage(format!(
             "images of different size: {} × {} and {} × {}",

@@ -7,13 +7,14 @@ mod read;
 mod transfer;
 mod write;
 
-pub use compare::{Comparison, compare};
+pub(crate) use compare::compare;
 pub use transfer::Transfer;
-pub use write::{Format, Metadata};
+pub(crate) use write::Format;
+pub use write::Metadata;
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::output::Pending;
 
 /// A linear RGB image of 32-bit floats, row 0 on top.
@@ -28,20 +29,6 @@ impl Image {
     /// A black image.
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
-    }
-
-    /// A black image, or an error where there is no memory for it.
-    ///
-    /// # Errors
-    /// [`Error::Internal`] that names the size.
-    pub fn try_new(width: u32, height: u32) -> Result<Self> {
-        let length = width as usize * height as usize;
-        let mut pixels = Vec::new();
-        pixels.try_reserve_exact(length).map_err(|_| {
-            Error::Internal(format!("no memory for an image of {width} × {height} pixels"))
-        })?;
-        pixels.resize(length, [0.0; 3]);
-        Ok(Self { width, height, pixels })
     }
 
     /// An image of the given pixels, row by row from the top.
@@ -69,6 +56,7 @@ impl Image {
     ///
     /// # Errors
     /// As [`read`](Self::read), and with the message of `allow`.
+    #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
         read::read(path, allow)
     }
@@ -108,14 +96,8 @@ impl Image {
     }
 
     /// The rows from the top.
-    pub fn rows(&self) -> impl DoubleEndedIterator<Item = &[[f32; 3]]> {
+    pub(crate) fn rows(&self) -> impl DoubleEndedIterator<Item = &[[f32; 3]]> {
         self.pixels.chunks_exact(self.width.max(1) as usize)
-    }
-
-    /// Replaces the pixels from `(x, y)` rightwards by `row`.
-    pub fn put_row(&mut self, x: u32, y: u32, row: &[[f32; 3]]) {
-        let start = y as usize * self.width as usize + x as usize;
-        self.pixels[start..start + row.len()].copy_from_slice(row);
     }
 
     /// Mean of each channel, summed in f64.
@@ -165,8 +147,9 @@ mod tests {
 
     #[test]
     fn rows_and_mean() {
-        let mut image = Image::new(3, 2);
-        image.put_row(1, 1, &[[6.0, 0.0, 0.0], [0.0, 12.0, 0.0]]);
+        let mut pixels = vec![[0.0; 3]; 6];
+        (pixels[4], pixels[5]) = ([6.0, 0.0, 0.0], [0.0, 12.0, 0.0]);
+        let image = Image::from_pixels(3, 2, pixels);
         assert_eq!(image.mean(), [1.0, 2.0, 0.0]);
         assert_eq!(image.rows().nth(1).unwrap()[1], [6.0, 0.0, 0.0]);
     }

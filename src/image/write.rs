@@ -41,7 +41,7 @@ impl Metadata {
 
 /// The image formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// 8-bit PNG.
     Png,
     /// 32-bit float OpenEXR, ZIP compressed.
@@ -57,7 +57,7 @@ impl Format {
         [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
 
     /// Whether its files tell what they are of.
-    pub fn has_metadata(self) -> bool {
+    pub(crate) fn has_metadata(self) -> bool {
         matches!(self, Self::Png | Self::Exr)
     }
 
@@ -65,7 +65,7 @@ impl Format {
     ///
     /// # Errors
     /// Where no writer knows the extension.
-    pub fn of_path(path: &Path) -> Result<Self> {
+    pub(crate) fn of_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let format = Self::ALL.iter().find(|(name, _)| *name == extension);
         format.map(|(_, format)| *format).ok_or_else(|| {

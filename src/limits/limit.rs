@@ -71,27 +71,42 @@ impl Limit {
             Self::Pixels => MAX_SIDE as u64 * MAX_SIDE as u64,
         }
     }
+}
 
-    /// How the command line raises it to `value`.
-    fn flag(self, value: u64) -> String {
-        match self {
-            Self::Memory => format!("--memory-limit {value}"),
-            _ => format!("--limit {}={value}", self.name()),
-        }
+/// What a scene or a render was refused for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// It needs more than a limit allows, but not more than the limit can be raised to.
+    Beyond(Limit, u64),
+    /// The scene names a file outside its folder.
+    OutsideFile,
+}
+
+/// What error messages tell users to do, in the words of the program that they use.
+#[derive(Clone, Copy, Debug)]
+struct Advice(fn(Refused) -> String);
+
+/// Limits with other words are the same limits.
+impl PartialEq for Advice {
+    fn eq(&self, _: &Self) -> bool {
+        true
     }
 }
+
+impl Eq for Advice {}
 
 /// All limits, and whether a scene may read files from outside its folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
     values: [u64; Limit::ALL.len()],
     outside_files: bool,
+    advice: Option<Advice>,
 }
 
 impl Default for Limits {
     /// The usual ones; of memory, what the process may use.
     fn default() -> Self {
-        Self { values: Limit::ALL.map(Limit::usual), outside_files: false }
+        Self { values: Limit::ALL.map(Limit::usual), outside_files: false, advice: None }
     }
 }
 
@@ -114,9 +129,20 @@ impl Limits {
         Self { outside_files, ..self }
     }
 
-    /// Whether they may.
+    /// Whether textures and meshes may be outside the folder of the scene file.
     pub fn outside_files(&self) -> bool {
         self.outside_files
+    }
+
+    /// Ends error messages with what `advice` says, such as `--limit pixels=100 raises it`.
+    #[must_use]
+    pub fn with_advice(self, advice: fn(Refused) -> String) -> Self {
+        Self { advice: Some(Advice(advice)), ..self }
+    }
+
+    /// The end of an error message.
+    pub(crate) fn advice(&self, refused: Refused) -> String {
+        self.advice.map_or_else(String::new, |Advice(advice)| format!(": {}", advice(refused)))
     }
 
     /// `Err` where an image is of too many pixels, or reading it takes too many bytes of memory.
@@ -127,10 +153,10 @@ impl Limits {
         self.check(Limit::Pixels, pixels).and_then(|()| self.check(Limit::Memory, memory))
     }
 
-    /// `Err` says that `value` is beyond the limit, and how it is raised.
+    /// Checks `value` against the limit.
     ///
     /// # Errors
-    /// Where it is.
+    /// A message, if it is beyond the limit.
     pub fn check(&self, limit: Limit, value: u64) -> Result<(), String> {
         let allowed = self.get(limit);
         if value <= allowed {
@@ -140,7 +166,7 @@ impl Limits {
         // Memory is estimated step by step, and the next may need more.
         let least = if limit == Limit::Memory { "at least " } else { "" };
         let raise = match value <= limit.most() {
-            true => format!(": {} raises it", limit.flag(value)),
+            true => self.advice(Refused::Beyond(limit, value)),
             false => String::new(),
         };
         Err(format!("the limit of {name} is {allowed}, this needs {least}{value}{raise}"))
@@ -152,14 +178,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_say_how_they_are_raised() {
+    fn messages_name_the_limit_and_end_with_advice() {
         let limits = Limits::default().with(Limit::MeshBytes, 100).with(Limit::Memory, 1000);
         assert_eq!(limits.check(Limit::MeshBytes, 100), Ok(()));
-        let message =
-            "the limit of mesh-bytes is 100, this needs 101: --limit mesh-bytes=101 raises it";
+        let message = "the limit of mesh-bytes is 100, this needs 101";
         assert_eq!(limits.check(Limit::MeshBytes, 101), Err(message.to_owned()));
-        let message =
-            "the limit of memory is 1000, this needs at least 2000: --memory-limit 2000 raises it";
+        let limits = limits.with_advice(|refused| format!("{refused:?}"));
+        let message = "the limit of memory is 1000, this needs at least 2000: Beyond(Memory, 2000)";
         assert_eq!(limits.check(Limit::Memory, 2000), Err(message.to_owned()));
         let raised = limits.with(Limit::Nesting, 1 << 40);
         assert_eq!(raised.get(Limit::Nesting), 127);

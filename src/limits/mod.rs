@@ -3,30 +3,30 @@
 mod limit;
 mod memory;
 
-pub use limit::{Limit, Limits};
+pub use limit::{Limit, Limits, Refused};
 
 /// Largest width or height of an image, in pixels.
-pub const MAX_SIDE: u32 = 65_536;
+pub(crate) const MAX_SIDE: u32 = 65_536;
 /// Largest number of samples a pixel.
-pub const MAX_SPP: u32 = 1 << 24;
+pub(crate) const MAX_SPP: u32 = 1 << 24;
 /// Largest number of segments of a path.
-pub const MAX_DEPTH: u32 = 1 << 16;
+pub(crate) const MAX_DEPTH: u32 = 1 << 16;
 /// Largest number of primitives that a generated scene is asked for.
-pub const MAX_GENERATED: u32 = 1 << 24;
+pub(crate) const MAX_GENERATED: u32 = 1 << 24;
 /// Largest number of primitives of a scene: leaf blocks are told by 25 bits.
-pub const MAX_PRIMITIVES: usize = 1 << 25;
+pub(crate) const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.
-pub const MAX_MEDIA: usize = 64;
+pub(crate) const MAX_MEDIA: usize = 64;
 /// Largest file of the record of a bench, or the manifest of a ray set.
-pub const MAX_JSON: u64 = 1 << 24;
+pub(crate) const MAX_JSON: u64 = 1 << 24;
 /// Largest file of a plan, or of the record of a render that has one.
-pub const MAX_PLAN: u64 = 1 << 20;
+pub(crate) const MAX_PLAN: u64 = 1 << 20;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
-pub const MAX_RAYS: u64 = 1 << 28;
+pub(crate) const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of paths of a wave.
-pub const MAX_WAVE: u32 = 1 << 18;
+pub(crate) const MAX_WAVE: u32 = 1 << 18;
 /// Largest number of threads.
-pub const MAX_THREADS: u32 = 4096;
+pub(crate) const MAX_THREADS: u32 = 4096;
 
 /// `Err` says which side is out of range.
 pub(crate) fn check_image(width: u32, height: u32) -> Result<(), String> {

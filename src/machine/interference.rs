@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// What was taken from this process: by others, or by its own threads where they are more than cores.
 /// Zeros where the operating system does not tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Interference {
+pub(crate) struct Interference {
     /// Seconds that a hypervisor took from all cores of this machine (proc_stat(5), steal).
     pub stolen: f64,
     /// Seconds that threads of this process were ready and waited for a core, summed
@@ -32,14 +32,14 @@ impl Add for Interference {
 
 impl Interference {
     /// Since the machine, and the threads that are alive, began.
-    pub fn so_far() -> Self {
+    pub(crate) fn so_far() -> Self {
         let (waited, switches) = threads()
             .fold((0.0, 0), |(waited, switches), thread| (waited + thread.0, switches + thread.1));
         Self { stolen: stolen().unwrap_or(0.0), waited, switches }
     }
 
     /// What came after `earlier`, when no other threads were alive than are now.
-    pub fn since(self, earlier: Self) -> Self {
+    pub(crate) fn since(self, earlier: Self) -> Self {
         Self {
             stolen: (self.stolen - earlier.stolen).max(0.0),
             waited: (self.waited - earlier.waited).max(0.0),
@@ -60,7 +60,7 @@ fn stolen() -> Option<f64> {
 /// Seconds that other processes have kept cores busy since the machine began, summed over its cores, and
 /// how many these are, whether this process may use them or not. Others are all but this one and those of
 /// its children that have ended. `None` where the operating system does not tell.
-pub fn busy_seconds_of_others() -> Option<(f64, usize)> {
+pub(crate) fn busy_seconds_of_others() -> Option<(f64, usize)> {
     let (stat, own) =
         (fs::read_to_string("/proc/stat").ok()?, fs::read_to_string("/proc/self/stat").ok()?);
     Some(((busy(&stat)? - of_process(&own)?) / TICKS_PER_SECOND, cores(&stat)))

@@ -4,7 +4,7 @@ mod interference;
 
 use std::fs;
 
-pub use interference::{Interference, busy_seconds_of_others};
+pub(crate) use interference::{Interference, busy_seconds_of_others};
 use serde::{Deserialize, Serialize};
 
 use crate::isa::{compiled_isa, cpu_model, cpu_name};
@@ -12,7 +12,7 @@ use crate::simd::LANES;
 
 /// Where and with what a figure was measured.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// The CPU's name.
     pub cpu: String,
     /// Its family, model and stepping; empty where they are not known.
@@ -36,7 +36,7 @@ pub struct Machine {
 
 impl Machine {
     /// This machine and build.
-    pub fn this() -> Self {
+    pub(crate) fn this() -> Self {
         let kernel = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
         Self {
             cpu: cpu_name(),
@@ -54,7 +54,7 @@ impl Machine {
 
 /// Largest resident set of the process so far in bytes; `None` where the operating system
 /// does not tell.
-pub fn peak_rss_bytes() -> Option<u64> {
+pub(crate) fn peak_rss_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

@@ -6,7 +6,7 @@ use super::real::{Mask, Real};
 
 /// Reflectance of glass at the cosine of the angle of incidence (Schlick 1994).
 #[inline(always)]
-pub fn schlick<R: Real>(cos: R, ior: R) -> R {
+pub(crate) fn schlick<R: Real>(cos: R, ior: R) -> R {
     let r = (R::ONE - ior) / (R::ONE + ior);
     let r0 = r * r;
     let x = R::ONE - cos;
@@ -17,7 +17,7 @@ pub fn schlick<R: Real>(cos: R, ior: R) -> R {
 /// Reflectance of a dielectric, for light without polarisation. `eta` is the index of refraction
 /// beyond the surface over that before it, `cos` in `[0, 1]` that of the angle of incidence.
 #[inline(always)]
-pub fn dielectric<R: Real>(cos: R, eta: R) -> R {
+pub(crate) fn dielectric<R: Real>(cos: R, eta: R) -> R {
     let sin2 = (R::ONE - cos * cos) / (eta * eta);
     let refracted = max(R::ZERO, R::ONE - sin2).sqrt();
     let parallel = (eta * cos - refracted) / (eta * cos + refracted);
@@ -28,7 +28,7 @@ pub fn dielectric<R: Real>(cos: R, eta: R) -> R {
 
 /// Reflectance of a conductor of index `eta` + i `k`, a channel each, seen from air.
 #[inline(always)]
-pub fn conductor<V: Vector>(cos: V::Real, eta: V, k: V) -> V {
+pub(crate) fn conductor<V: Vector>(cos: V::Real, eta: V, k: V) -> V {
     V::new(channel(cos, eta[0], k[0]), channel(cos, eta[1], k[1]), channel(cos, eta[2], k[2]))
 }
 

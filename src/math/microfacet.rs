@@ -13,7 +13,7 @@ use super::{max, normalize};
 
 /// Microfacets of roughness α, in (0, 1]. With α = 0 every sample is the normal itself.
 #[derive(Clone, Copy, Debug)]
-pub struct Ggx<R = f32> {
+pub(crate) struct Ggx<R = f32> {
     /// α.
     pub alpha: R,
 }
@@ -21,7 +21,7 @@ pub struct Ggx<R = f32> {
 impl<R: Real> Ggx<R> {
     /// Density of the normal `m` over projected area, D.
     #[inline(always)]
-    pub fn density(self, m: R::Vec3) -> R {
+    pub(crate) fn density(self, m: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
         // 1 + (α² − 1) z² without its cancellation.
         let d = (m[0] * m[0] + m[1] * m[1]) + a2 * (m[2] * m[2]);
@@ -31,7 +31,7 @@ impl<R: Real> Ggx<R> {
     /// Length of `w` where the microfacets are stretched to those of a sphere. Smith's Λ is
     /// (length/|z| − 1)/2.
     #[inline(always)]
-    pub fn length(self, w: R::Vec3) -> R {
+    pub(crate) fn length(self, w: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
         (a2 * (w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]).sqrt()
     }
@@ -39,7 +39,7 @@ impl<R: Real> Ggx<R> {
     /// Share of the hemisphere's lower cap, as seen from `wo`, that can reflect upwards (Eto and
     /// Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). The whole is 1.
     #[inline(always)]
-    pub fn bound(self, wo: R::Vec3) -> R {
+    pub(crate) fn bound(self, wo: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
         let s = R::ONE + (wo[0] * wo[0] + wo[1] * wo[1]).sqrt();
         let s2 = s * s;
@@ -50,7 +50,7 @@ impl<R: Real> Ggx<R> {
     /// the stretched sphere uniform in a cap (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals
     /// with Spherical Caps").
     #[inline(always)]
-    pub fn sample(self, wo: R::Vec3, share: R, u: R, v: R) -> R::Vec3 {
+    pub(crate) fn sample(self, wo: R::Vec3, share: R, u: R, v: R) -> R::Vec3 {
         let stretched =
             R::Vec3::new(self.alpha * wo[0], self.alpha * wo[1], wo[2]) / self.length(wo);
         let lowest = share * stretched[2];

@@ -4,22 +4,21 @@
 //! operations in one written order, so that each function returns the same bits
 //! on every instruction set and thread count. See ARCHITECTURE.md, "The contract".
 
-pub mod fresnel;
-pub mod microfacet;
-pub mod powers;
-pub mod precise;
-pub mod random;
-pub mod real;
+pub(crate) mod fresnel;
+pub(crate) mod microfacet;
+pub(crate) mod powers;
+pub(crate) mod precise;
+pub(crate) mod random;
+pub(crate) mod real;
 mod scalar;
-pub mod sobol;
-pub mod trig;
-pub mod vector;
-pub mod warp;
+pub(crate) mod sobol;
+pub(crate) mod trig;
+pub(crate) mod vector;
+pub(crate) mod warp;
 
-pub use real::{Mask, Real, Row, Select, Vector, Word, row};
-pub use vector::{
-    Frame, cross, dot, face_forward, length, max_element, normalize, orthonormal_basis, reflect,
-};
+pub(crate) use real::{Mask, Real, Row, Select, Vector, Word, row};
+pub(crate) use vector::{Frame, face_forward, max_element, reflect};
+pub use vector::{cross, dot, length, normalize};
 
 /// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.
 #[inline(always)]
@@ -29,13 +28,13 @@ pub fn min<R: Real>(a: R, b: R) -> R {
 
 /// `if a > b { a } else { b }`: what `maxps` computes, NaN in either gives `b`.
 #[inline(always)]
-pub fn max<R: Real>(a: R, b: R) -> R {
+pub(crate) fn max<R: Real>(a: R, b: R) -> R {
     a.most(b)
 }
 
 /// `x` limited to `[lo, hi]`; NaN gives `lo`.
 #[inline(always)]
-pub fn clamp<R: Real>(x: R, lo: R, hi: R) -> R {
+pub(crate) fn clamp<R: Real>(x: R, lo: R, hi: R) -> R {
     min(max(x, lo), hi)
 }
 
@@ -50,7 +49,7 @@ fn polynomial<R: Real, const N: usize>(x: R, a: [f32; N]) -> R {
 }
 
 /// Unit roundoff of f32, 2^-24: the relative error of one rounded operation.
-pub const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+pub(crate) const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
 #[cfg(test)]
 mod tests {

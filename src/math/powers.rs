@@ -13,7 +13,7 @@ const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
 
 /// Cube root of `x` in `[0, 1]`, a multiple of 2^-24, within 2.3e-7 relative.
 #[inline(always)]
-pub fn cbrt<R: Real>(x: R) -> R {
+pub(crate) fn cbrt<R: Real>(x: R) -> R {
     // The bits of a float are about its logarithm, of which a third is taken: 3.3% off. Each of
     // Halley's steps cubes the error.
     let third = (x.to_bits() >> 16).wrapping_mul(R::Word::splat(0x5556));
@@ -27,7 +27,7 @@ pub fn cbrt<R: Real>(x: R) -> R {
 
 /// Natural logarithm of `x` in `[2^-24, 1]`, within 2.1e-7 relative.
 #[inline(always)]
-pub fn ln<R: Real>(x: R) -> R {
+pub(crate) fn ln<R: Real>(x: R) -> R {
     // x = m 2^e with m in [√½, √2).
     let (bits, one) = (x.to_bits(), R::Word::splat(ONE));
     let biased = bits.wrapping_sub(R::Word::splat(SQRT_HALF)).wrapping_add(one) >> 23;
@@ -42,7 +42,7 @@ pub fn ln<R: Real>(x: R) -> R {
 
 /// e^x for `x` in `[-87, 0]`, within 2.6e-7 relative; 0 below.
 #[inline(always)]
-pub fn exp<R: Real>(x: R) -> R {
+pub(crate) fn exp<R: Real>(x: R) -> R {
     // x = n ln 2 + r; 1.5·2^23 rounds to an integer, which is in its last bits.
     const MAGIC: f32 = 12_582_912.0;
     let shifted = x * std::f32::consts::LOG2_E + MAGIC;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// `(sin, cos)` of an angle in degrees, within 4 ulp of f64; exact at multiples of 90°.
 ///
 /// |degrees| up to 1e9; the reduction to [-45°, 45°] is exact.
-pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turn = degrees % 360.0; // exact, as fmod is
     let quadrant = (turn / 90.0).round();
     let x = (turn - 90.0 * quadrant) * (PI / 180.0);
@@ -30,7 +30,7 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 
 /// `point` turned about the axes x, y, z in this order, by angles of these sines and cosines.
 /// The turns are right-handed.
-pub fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
+pub(crate) fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
     for (axis, (sin, cos)) in turns.into_iter().enumerate() {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         (point[i], point[j]) = (cos * point[i] - sin * point[j], sin * point[i] + cos * point[j]);
@@ -39,13 +39,13 @@ pub fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
 }
 
 /// Tangent of an angle in degrees, `(-90, 90)`.
-pub fn tan_degrees(degrees: f64) -> f64 {
+pub(crate) fn tan_degrees(degrees: f64) -> f64 {
     let (sin, cos) = sin_cos_degrees(degrees);
     sin / cos
 }
 
 /// `x` to the power 12/5 for `x` in `[0, 2]`: the exponent 2.4 of sRGB without `pow`.
-pub fn pow_12_5(x: f64) -> f64 {
+pub(crate) fn pow_12_5(x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }
@@ -59,7 +59,7 @@ pub fn pow_12_5(x: f64) -> f64 {
 }
 
 /// Cube root of `x` ≥ 0, within 2 ulp of f64.
-pub fn cbrt(x: f64) -> f64 {
+pub(crate) fn cbrt(x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }

@@ -7,19 +7,19 @@ use super::real::{Real, Word};
 ///
 /// Two words, so that different paths share all their numbers with probability 2^-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathKey<W = u32> {
+pub(crate) struct PathKey<W = u32> {
     pub(crate) pixel_word: W,
     pub(crate) sample_word: W,
 }
 
 /// Key of a pixel, from which the keys of its samples are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelKey<W = u32>(pub(crate) W, pub(crate) W);
+pub(crate) struct PixelKey<W = u32>(pub(crate) W, pub(crate) W);
 
 impl PixelKey {
     /// `x` and `y` are in the full image, so crops and tiles agree.
     #[inline]
-    pub fn new(seed: u64, x: u32, y: u32) -> Self {
+    pub(crate) fn new(seed: u64, x: u32, y: u32) -> Self {
         let word = mix64(seed ^ mix64(u64::from(y) << 32 | u64::from(x)));
         Self(word as u32, (word >> 32) as u32)
     }
@@ -28,7 +28,7 @@ impl PixelKey {
 impl<W: Word> PixelKey<W> {
     /// Key of sample number `sample` of this pixel.
     #[inline(always)]
-    pub fn sample(self, sample: W) -> PathKey<W> {
+    pub(crate) fn sample(self, sample: W) -> PathKey<W> {
         PathKey {
             pixel_word: mix32(self.0.wrapping_add(sample.wrapping_mul(W::splat(GOLDEN)))),
             sample_word: mix32(self.1 ^ sample),
@@ -39,7 +39,7 @@ impl<W: Word> PixelKey<W> {
 impl<W: Word> PathKey<W> {
     /// 32 random bits for dimension `dimension` of this path.
     #[inline(always)]
-    pub fn bits(self, dimension: u32) -> W {
+    pub(crate) fn bits(self, dimension: u32) -> W {
         // `mix32` with the second key word entering between its two rounds.
         let x = self.pixel_word.wrapping_add(W::splat(dimension.wrapping_mul(GOLDEN)));
         let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1)) ^ self.sample_word;
@@ -49,14 +49,14 @@ impl<W: Word> PathKey<W> {
 
     /// Uniform number in `[0, 1)`, a multiple of 2^-24.
     #[inline(always)]
-    pub fn uniform<R: Real<Word = W>>(self, dimension: u32) -> R {
+    pub(crate) fn uniform<R: Real<Word = W>>(self, dimension: u32) -> R {
         unit_interval(self.bits(dimension))
     }
 }
 
 /// The upper 24 bits as a number in `[0, 1)`.
 #[inline(always)]
-pub fn unit_interval<R: Real>(bits: R::Word) -> R {
+pub(crate) fn unit_interval<R: Real>(bits: R::Word) -> R {
     R::from_word(bits >> 8) * (1.0 / 16_777_216.0)
 }
 
@@ -68,7 +68,7 @@ const MULTIPLIER_2: u32 = 0x735A_2D97;
 /// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
 /// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
 #[inline(always)]
-pub fn mix32<W: Word>(x: W) -> W {
+pub(crate) fn mix32<W: Word>(x: W) -> W {
     let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1));
     let x = (x ^ (x >> 15)).wrapping_mul(W::splat(MULTIPLIER_2));
     x ^ (x >> 15)

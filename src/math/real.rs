@@ -142,10 +142,10 @@ pub trait Vector:
 }
 
 /// Four words of a table that are read together: a vector and a number.
-pub type Row = [u32; 4];
+pub(crate) type Row = [u32; 4];
 
 /// The row of a vector and a number.
-pub fn row(vector: Vec3, number: f32) -> Row {
+pub(crate) fn row(vector: Vec3, number: f32) -> Row {
     vector.extend(number).to_array().map(f32::to_bits)
 }
 

@@ -23,7 +23,7 @@ const SPARE: u32 = 0xFF;
 impl<W: Word> PixelKey<W> {
     /// Key of sample number `sample`, below 2^24, for Sobol' points.
     #[inline(always)]
-    pub fn sobol_sample(self, sample: W) -> PathKey<W> {
+    pub(crate) fn sobol_sample(self, sample: W) -> PathKey<W> {
         let Self(pixel_word, other) = self;
         PathKey { pixel_word, sample_word: sample.reverse_bits() | other & W::splat(SPARE) }
     }
@@ -33,7 +33,7 @@ impl<W: Word> PathKey<W> {
     /// This path's point of the sequence for `dimension` and the next, in `[0, 1)`, multiples of
     /// 2^-24. The first coordinate alone serves a single dimension.
     #[inline(always)]
-    pub fn sobol<R: Real<Word = W>>(self, dimension: u32) -> (R, R) {
+    pub(crate) fn sobol<R: Real<Word = W>>(self, dimension: u32) -> (R, R) {
         let (x, y) = self.sobol_bits(dimension);
         (unit_interval(x), unit_interval(y))
     }

@@ -25,7 +25,7 @@ const ASIN: [f32; 6] =
 ///
 /// The argument is reduced in turns, where the reduction is exact.
 #[inline(always)]
-pub fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
+pub(crate) fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
     // 1.5 · 2²³: the sum is rounded to an integer, ties to even, which is in its last bits.
     const MAGIC: f32 = 12_582_912.0;
     let shifted = u * 4.0 + MAGIC;
@@ -44,13 +44,13 @@ pub fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
 
 /// `(sin x, cos x)` for `x` in radians, `[-4π, 4π]`, within 1.1e-7 + |x|·1.2e-7.
 #[inline(always)]
-pub fn sin_cos<R: Real>(x: R) -> (R, R) {
+pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
     sin_cos_turns(x * (1.0 / (2.0 * PI)))
 }
 
 /// `asin x` for `x` in `[-1, 1]`, within 3.6e-7 relative; arguments outside are clamped.
 #[inline(always)]
-pub fn asin<R: Real>(x: R) -> R {
+pub(crate) fn asin<R: Real>(x: R) -> R {
     let a = min(x.abs(), R::ONE);
     // Beyond 1/2: asin a = π/2 − 2 asin √((1 − a)/2).
     let steep = a.gt(R::splat(0.5));
@@ -62,13 +62,13 @@ pub fn asin<R: Real>(x: R) -> R {
 
 /// `acos x` for `x` in `[-1, 1]`, within 4e-7; arguments outside are clamped.
 #[inline(always)]
-pub fn acos<R: Real>(x: R) -> R {
+pub(crate) fn acos<R: Real>(x: R) -> R {
     R::splat(FRAC_PI_2) - asin(x)
 }
 
 /// Angle of the point (x, y) in `[-π, π]`, within 4e-7; 0 for the origin.
 #[inline(always)]
-pub fn atan2<R: Real>(y: R, x: R) -> R {
+pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     let (ax, ay) = (x.abs(), y.abs());
     let upright = ax.lt(ay);
     let (lo, hi) = (upright.select(ax, ay), upright.select(ay, ax));

@@ -31,14 +31,14 @@ pub fn normalize<V: Vector>(a: V) -> V {
 
 /// Largest component of `a`.
 #[inline(always)]
-pub fn max_element<V: Vector>(a: V) -> V::Real {
+pub(crate) fn max_element<V: Vector>(a: V) -> V::Real {
     a[0].most(a[1]).most(a[2])
 }
 
 /// `n` turned to the side that a ray of direction `d` comes from, and whether `n`
 /// pointed there already.
 #[inline(always)]
-pub fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
+pub(crate) fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
     let front = dot(d, n).lt(V::Real::ZERO);
     (front.select(n, -n), front)
 }
@@ -46,7 +46,7 @@ pub fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
 /// Two unit vectors that make a right-handed frame with the unit vector `n`, without
 /// branches (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 #[inline(always)]
-pub fn orthonormal_basis<V: Vector>(n: V) -> (V, V) {
+pub(crate) fn orthonormal_basis<V: Vector>(n: V) -> (V, V) {
     let one = V::Real::ONE;
     let sign = n[2].ge(V::Real::ZERO).select(one, -one);
     let a = -one / (sign + n[2]);
@@ -59,38 +59,38 @@ pub fn orthonormal_basis<V: Vector>(n: V) -> (V, V) {
 
 /// `direction` mirrored at a surface with normal `normal`.
 #[inline(always)]
-pub fn reflect<V: Vector>(direction: V, normal: V) -> V {
+pub(crate) fn reflect<V: Vector>(direction: V, normal: V) -> V {
     direction - normal * (dot(direction, normal) * 2.0)
 }
 
 /// A right-handed orthonormal frame about a normal, which is its z.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame<V = Vec3>([V; 3]);
+pub(crate) struct Frame<V = Vec3>([V; 3]);
 
 impl<V: Vector> Frame<V> {
     /// That of the unit vector `normal`.
     #[inline(always)]
-    pub fn new(normal: V) -> Self {
+    pub(crate) fn new(normal: V) -> Self {
         let (s, t) = orthonormal_basis(normal);
         Self([s, t, normal])
     }
 
     /// Its z.
     #[inline(always)]
-    pub fn normal(&self) -> V {
+    pub(crate) fn normal(&self) -> V {
         self.0[2]
     }
 
     /// `v`, given in the frame, in the world.
     #[inline(always)]
-    pub fn world(&self, v: V) -> V {
+    pub(crate) fn world(&self, v: V) -> V {
         let [s, t, n] = self.0;
         s * v[0] + t * v[1] + n * v[2]
     }
 
     /// `v`, given in the world, in the frame.
     #[inline(always)]
-    pub fn local(&self, v: V) -> V {
+    pub(crate) fn local(&self, v: V) -> V {
         let [s, t, n] = self.0;
         V::new(dot(s, v), dot(t, v), dot(n, v))
     }

@@ -11,7 +11,7 @@ use super::{Frame, max};
 
 /// Uniform point of the unit disk.
 #[inline(always)]
-pub fn uniform_disk<R: Real>(u: R, v: R) -> (R, R) {
+pub(crate) fn uniform_disk<R: Real>(u: R, v: R) -> (R, R) {
     let radius = u.sqrt();
     let (sin, cos) = sin_cos_turns(v);
     (radius * cos, radius * sin)
@@ -29,13 +29,13 @@ pub fn uniform_sphere<R: Real>(u: R, v: R) -> R::Vec3 {
 /// Uniform point of the unit ball: a uniform direction, and the share `w` of the ball that is no
 /// farther.
 #[inline(always)]
-pub fn uniform_ball<R: Real>(u: R, v: R, w: R) -> R::Vec3 {
+pub(crate) fn uniform_ball<R: Real>(u: R, v: R, w: R) -> R::Vec3 {
     uniform_sphere(u, v) * cbrt(w)
 }
 
 /// Unit vector about `n` with pdf cos θ/π, and cos θ (never 0).
 #[inline(always)]
-pub fn cosine_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
+pub(crate) fn cosine_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
     let (x, y) = uniform_disk(u, v);
     let z = (R::ONE - u).sqrt();
     (Frame::new(n).world(R::Vec3::new(x, y, z)), z)
@@ -43,7 +43,7 @@ pub fn cosine_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
 
 /// Unit vector about `n` with pdf 1/2π, and cos θ (never 0).
 #[inline(always)]
-pub fn uniform_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
+pub(crate) fn uniform_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
     let radius = (u * (R::splat(2.0) - u)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
     let z = R::ONE - u;
@@ -53,7 +53,7 @@ pub fn uniform_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R) {
 /// Uniform unit vector of the cone about `axis` whose half angle has
 /// `one_minus_cos` = 1 − cos θ; pdf [`uniform_cone_pdf`]. Precise for narrow cones.
 #[inline(always)]
-pub fn uniform_cone<R: Real>(axis: R::Vec3, one_minus_cos: R, u: R, v: R) -> R::Vec3 {
+pub(crate) fn uniform_cone<R: Real>(axis: R::Vec3, one_minus_cos: R, u: R, v: R) -> R::Vec3 {
     let x = u * one_minus_cos;
     let radius = max(R::ZERO, x * (R::splat(2.0) - x)).sqrt();
     let (sin, cos) = sin_cos_turns(v);
@@ -62,7 +62,7 @@ pub fn uniform_cone<R: Real>(axis: R::Vec3, one_minus_cos: R, u: R, v: R) -> R::
 
 /// Density of [`uniform_cone`] per unit solid angle.
 #[inline(always)]
-pub fn uniform_cone_pdf<R: Real>(one_minus_cos: R) -> R {
+pub(crate) fn uniform_cone_pdf<R: Real>(one_minus_cos: R) -> R {
     R::ONE / (one_minus_cos * (2.0 * PI))
 }
 

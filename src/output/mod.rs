@@ -19,7 +19,7 @@ const MOST_LINKS: usize = 40;
 ///
 /// # Errors
 /// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
-pub fn write_atomically(
+pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
 ) -> Result<()> {
@@ -89,7 +89,7 @@ impl Pending {
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub fn check_writable(path: &Path) -> Result<()> {
+pub(crate) fn check_writable(path: &Path) -> Result<()> {
     let temporary = resolve(path).and_then(|target| Temporary::in_folder(folder_of(&target)));
     temporary.map(drop).map_err(Error::io(path, "write"))
 }
@@ -99,7 +99,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// Where they cannot.
-pub fn check_folder(folder: &Path) -> Result<()> {
+pub(crate) fn check_folder(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
     Temporary::in_folder(there).map(drop).map_err(Error::io(folder, "make the folder"))
 }

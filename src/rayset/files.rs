@@ -49,7 +49,7 @@ const TRIANGLES: &str = "triangles.f32";
 const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
 
 /// All files that there may be of ray sets in `folder`.
-pub fn files(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
     let fixed = [MANIFEST, SPHERES, QUADS, TRIANGLES].into_iter().map(|name| folder.join(name));
     fixed.chain(files_of_sets(folder)).collect()
 }
@@ -64,7 +64,7 @@ fn files_of_sets(folder: &Path) -> impl Iterator<Item = PathBuf> {
 ///
 /// # Errors
 /// Where the folder cannot be written.
-pub fn write(sets: &RaySets, folder: &Path) -> Result<()> {
+pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
@@ -142,7 +142,7 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// # Errors
 /// Where a file is missing, has not the length that the manifest says, or holds a primitive that
 /// cannot be, and where the manifest names no set, or one that cannot be.
-pub fn read(folder: &Path) -> Result<RaySets> {
+pub(crate) fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
     let manifest: Manifest = read_json(&path, "a manifest", MAX_JSON)?;
     check_counts(&manifest.counts)

@@ -31,9 +31,9 @@ mod record;
 mod replay;
 mod select;
 
-pub use files::{files, read, write};
+pub(crate) use files::{files, read, write};
 pub use record::record;
-pub use replay::{Replay, replay};
+pub(crate) use replay::{Replay, replay};
 
 use serde::{Deserialize, Serialize};
 

@@ -8,7 +8,7 @@ use crate::statistics::{middle, sorted};
 
 /// How a kernel did on a set.
 #[derive(Clone, Debug)]
-pub struct Replay {
+pub(crate) struct Replay {
     /// The kernel.
     pub kernel: Kernel,
     /// Millions of rays a second on one thread: the median over the repetitions.
@@ -23,7 +23,7 @@ pub struct Replay {
 const BATCH: usize = 16_384;
 
 /// Traces `set` through each of `kernels`, `repetitions` (1 or more) times in turn.
-pub fn replay(
+pub(crate) fn replay(
     accelerator: &Accelerator,
     set: &RaySet,
     kernels: &[Kernel],

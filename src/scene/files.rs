@@ -8,7 +8,7 @@ use super::budget::Budget;
 use super::place::Element;
 use crate::error::{Error, Result};
 use crate::image::Image;
-use crate::limits::{Limit, Limits};
+use crate::limits::{Limit, Limits, Refused};
 
 /// The path of `file` in `folder`. Files outside of it are an error unless the limits allow them.
 pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) -> Result<PathBuf> {
@@ -18,7 +18,8 @@ pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) 
     let real = |path: &Path| path.canonicalize().ok();
     match (real(&path), real(within)) {
         (Some(there), Some(folder)) if !limits.outside_files() && !there.starts_with(&folder) => {
-            let message = "is outside the folder of the scene: --outside-files allows it";
+            let advice = limits.advice(Refused::OutsideFile);
+            let message = format!("is outside the folder of the scene{advice}");
             Err(e.error(Error::input(path.display().to_string(), "", message)))
         }
         _ => Ok(path),

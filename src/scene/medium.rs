@@ -18,6 +18,7 @@ use crate::sampler::{Dimension, Randoms};
 /// A medium in a volume whose boundary is invisible, as a scene file has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum MediumFile {
     /// In a ball.
     Sphere {
@@ -48,7 +49,7 @@ pub enum MediumFile {
 
 /// A medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Medium {
+pub(crate) struct Medium {
     /// What it fills.
     pub volume: Volume,
     /// Extinction coefficient: collisions per unit of length.

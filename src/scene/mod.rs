@@ -29,23 +29,23 @@ pub mod texture;
 
 pub use background::Background;
 pub use builtin::BUILTIN_NAMES;
-pub use camera::{Camera, CameraFrame};
+pub use camera::Camera;
+pub(crate) use camera::CameraFrame;
 pub use description::{CameraFile, PrimitiveFile, RenderDefaults, Sampling, SceneFile};
-pub use generate::Generated;
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
 pub(crate) use light::LightSample;
-pub use load::{Form, Parsed, Source};
+pub use load::Source;
 pub(crate) use looks::{Key, Looks};
-pub use material::Material;
+pub(crate) use material::Material;
 #[cfg(test)]
 pub(crate) use material::MaterialTables;
 #[cfg(test)]
 pub(crate) use medium::Isotropic;
-pub use medium::{Medium, MediumFile};
+pub(crate) use medium::Medium;
+pub use medium::MediumFile;
 pub use named::Named;
 pub(crate) use tables::SceneTables;
-pub use texture::{Color, Texture};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -131,7 +131,7 @@ impl Scene {
     }
 
     /// [`Scene::hash`] with another camera.
-    pub fn hash_with(&self, camera: &Camera) -> String {
+    pub(crate) fn hash_with(&self, camera: &Camera) -> String {
         hash::hash(self, camera)
     }
 
@@ -151,12 +151,13 @@ impl Scene {
     }
 
     /// All primitives.
+    #[doc(hidden)]
     pub fn geometry(&self) -> &Arc<Geometry> {
         &self.0.geometry
     }
 
     /// All materials.
-    pub fn materials(&self) -> &[Material] {
+    pub(crate) fn materials(&self) -> &[Material] {
         &self.0.materials
     }
 
@@ -170,7 +171,7 @@ impl Scene {
     }
 
     /// How many pixels its textures have.
-    pub fn texels(&self) -> u64 {
+    pub(crate) fn texels(&self) -> u64 {
         let mut images: Vec<_> = self.materials().iter().flat_map(Material::images).collect();
         images.sort_unstable_by_key(Arc::as_ptr);
         images.dedup_by_key(|image| Arc::as_ptr(image));
@@ -183,17 +184,17 @@ impl Scene {
     }
 
     /// What it was loaded within.
-    pub fn limits(&self) -> &Limits {
+    pub(crate) fn limits(&self) -> &Limits {
         &self.0.limits
     }
 
     /// The media, none of which overlaps another.
-    pub fn media(&self) -> &[Medium] {
+    pub(crate) fn media(&self) -> &[Medium] {
         &self.0.media
     }
 
     /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.
-    pub fn default_sampling(&self) -> Sampling {
+    pub(crate) fn default_sampling(&self) -> Sampling {
         let by_lights = if self.0.lights == 0 { Sampling::Bsdf } else { Sampling::Mis };
         self.0.defaults.sampling.unwrap_or(by_lights)
     }

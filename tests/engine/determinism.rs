@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::common::{SAMPLINGS, render};
-use ptfast::engine::BITS;
-use ptfast::{RenderSettings, Sampler, Scene};
+use ptfast::internals::BITS;
+use ptfast::{RenderSettings, Renderer, Sampler, Scene};
 
 /// Small settings with a last chunk of samples that is not full.
 fn small(scene: &Scene) -> RenderSettings {
@@ -13,7 +13,7 @@ fn small(scene: &Scene) -> RenderSettings {
 
 #[test]
 fn threads_and_waves_do_not_matter() {
-    for name in ptfast::scene::BUILTIN_NAMES {
+    for name in ptfast::BUILTIN_NAMES {
         let scene = Scene::load(name).unwrap();
         let base = RenderSettings { threads: 1, ..small(&scene) };
         let want = render(&scene, base.clone()).hash();
@@ -31,12 +31,24 @@ fn threads_and_waves_do_not_matter() {
     }
 }
 
+#[test]
+fn renders_on_the_pool_of_the_caller() {
+    let scene = Scene::load("cornell").unwrap();
+    let want = render(&scene, small(&scene)).hash();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let (hash, threads) = pool.install(|| {
+        let renderer = Renderer::in_current_pool(&scene, small(&scene)).unwrap();
+        (renderer.render().unwrap().image.hash(), renderer.threads())
+    });
+    assert_eq!((hash, threads), (want, 3));
+}
+
 /// Hashes that every build and machine must give. A change of them is a change of the
 /// images: it needs a line in CHANGELOG.md, and another version of the arithmetic.
 #[test]
 fn every_build_gives_the_pinned_hashes() {
     let mut hashes = String::new();
-    for name in ptfast::scene::BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron"]) {
+    for name in ptfast::BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron"]) {
         let scene = Scene::load(name).unwrap();
         // Without lights all three are one.
         let modes = if scene.lights() == 0 { &SAMPLINGS[..1] } else { &SAMPLINGS };

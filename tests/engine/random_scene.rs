@@ -1,16 +1,12 @@
 //! Scenes made up at random: everything that a scene file can say, mixed.
 
-use ptfast::Sampling;
-use ptfast::math::min;
-use ptfast::math::random::Stream;
-use ptfast::scene::material::{
+use ptfast::internals::{Stream, min};
+use ptfast::material::{
     Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
     Sides,
 };
-use ptfast::scene::texture::{Checker, Color, Image, Solid, Texture};
-use ptfast::scene::{
-    Background, CameraFile, MediumFile, Named, PrimitiveFile, RenderDefaults, SceneFile,
-};
+use ptfast::texture::{Checker, Color, Image, Solid, Texture};
+use ptfast::{Background, CameraFile, MediumFile, Named, PrimitiveFile, Sampling, SceneFile};
 
 /// The scene number `seed`; some are tiny, some are huge.
 pub(crate) fn random_scene(seed: u64) -> SceneFile {
@@ -55,6 +51,7 @@ fn scale(scene: &mut SceneFile, by: f32) {
                 *density = min(*density / by, 1e6);
                 points.extend([lo, hi]);
             }
+            _ => unreachable!("the maker makes no other"),
         }
     }
     points.into_iter().flatten().for_each(|coordinate| *coordinate *= by);
@@ -87,21 +84,18 @@ impl Maker {
             _ => 3 + self.below(20),
         };
         let primitives = (0..count).map(|_| self.primitive(materials.len() as u64)).collect();
-        SceneFile {
-            camera: self.camera(),
-            background: self.background(),
-            render: RenderDefaults {
-                width: 1 + self.below(20) as u32,
-                height: 1 + self.below(20) as u32,
-                spp: 1 + self.below(20) as u32,
-                depth: if self.one_in(8) { 1 } else { 1 + self.below(12) as u32 },
-                sampling: Some(Sampling::ALL[self.below(3) as usize]),
-            },
-            textures,
-            materials: Named(materials),
-            primitives,
-            media: (0..self.below(3)).map(|i| self.medium(i as f32)).collect(),
-        }
+        let mut scene = SceneFile::new(self.camera());
+        scene.background = self.background();
+        scene.render.width = 1 + self.below(20) as u32;
+        scene.render.height = 1 + self.below(20) as u32;
+        scene.render.spp = 1 + self.below(20) as u32;
+        scene.render.depth = if self.one_in(8) { 1 } else { 1 + self.below(12) as u32 };
+        scene.render.sampling = Some(Sampling::ALL[self.below(3) as usize]);
+        scene.textures = textures;
+        scene.materials = Named(materials);
+        scene.primitives = primitives;
+        scene.media = (0..self.below(3)).map(|i| self.medium(i as f32)).collect();
+        scene
     }
 
     /// Those of different places lie side by side.
@@ -121,15 +115,13 @@ impl Maker {
 
     fn camera(&mut self) -> CameraFile {
         let (open, length) = (self.0.between(0.0, 0.5), self.0.between(0.0, 0.5));
-        CameraFile {
-            look_from: self.vector(-5.0, 5.0),
-            look_at: self.vector(-1.0, 1.0),
-            up: [0.1, 1.0, 0.2],
-            vfov: self.0.between(20.0, 120.0),
-            defocus_angle: if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) },
-            focus_distance: self.0.between(1.0, 8.0),
-            shutter: if self.one_in(3) { (open, open) } else { (open, open + length) },
-        }
+        let (from, at) = (self.vector(-5.0, 5.0), self.vector(-1.0, 1.0));
+        let mut camera = CameraFile::new(from, at, self.0.between(20.0, 120.0));
+        camera.up = [0.1, 1.0, 0.2];
+        camera.defocus_angle = if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) };
+        camera.focus_distance = self.0.between(1.0, 8.0);
+        camera.shutter = if self.one_in(3) { (open, open) } else { (open, open + length) };
+        camera
     }
 
     fn background(&mut self) -> Background {

@@ -3,9 +3,8 @@
 use std::fs;
 
 use crate::common::{Estimate, render};
-use ptfast::limits::Limits;
-use ptfast::scene::{BUILTIN_NAMES, Source};
-use ptfast::{RenderSettings, Sampling, Scene};
+use ptfast::internals::Source;
+use ptfast::{BUILTIN_NAMES, Limits, RenderSettings, Sampling, Scene};
 
 /// The built-in scenes hold exactly the primitives, materials and camera of the flat files
 /// that other programs read.

@@ -4,11 +4,11 @@ use std::sync::Mutex;
 
 use crate::common::SAMPLINGS;
 use crate::random_scene::random_scene;
-use ptfast::accel::Kernel;
-use ptfast::engine::{Observer, Plan, Progress, SegmentPlan, Stage};
-use ptfast::math::random::Stream;
-use ptfast::scene::BUILTIN_NAMES;
-use ptfast::{Engine, Render, RenderSettings, Renderer, Sampler, Scene};
+use ptfast::internals::{Stage, Stream};
+use ptfast::{
+    BUILTIN_NAMES, Engine, Kernel, Observer, Plan, Progress, Render, RenderSettings, Renderer,
+    Sampler, Scene, SegmentPlan,
+};
 
 fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
     let settings = RenderSettings { engine, ..settings.clone() };

@@ -6,10 +6,8 @@
 use std::fs;
 use std::path::Path;
 
-use ptfast::checkpoint::Checkpoint;
-use ptfast::limits::{Limit, Limits};
-use ptfast::scene::Source;
-use ptfast::{Engine, Image, Metadata, RenderSettings, Renderer, Sampling, Scene};
+use ptfast::internals::{Checkpoint, Source};
+use ptfast::{Engine, Image, Limit, Limits, Metadata, RenderSettings, Renderer, Sampling, Scene};
 
 /// Takes bytes.
 pub type Subject = fn(&[u8]);
@@ -146,7 +144,7 @@ pub fn checkpoint(bytes: &[u8]) {
 /// A record of a bench.
 pub fn record(bytes: &[u8]) {
     in_file("a.json", bytes, |path| {
-        let _ = ptfast::check_record(path);
+        let _ = ptfast::internals::check_record(path);
     });
 }
 

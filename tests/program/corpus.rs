@@ -8,7 +8,7 @@ use std::fs;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 
-use ptfast::math::random::Stream;
+use ptfast::internals::Stream;
 
 /// How often each is run, at least.
 const RUNS: usize = 2000;

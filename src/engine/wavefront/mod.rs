@@ -18,9 +18,8 @@ mod wave;
 
 use std::time::Instant;
 
-use rayon::ThreadPool;
-
 use super::plan::{Plan, Planning};
+use super::pool::Pool;
 use super::prepared::View;
 use super::unit::{UnitEngine, UnitWorker};
 use wave::Worker;
@@ -36,7 +35,7 @@ pub(super) struct WavefrontEngine {
 
 impl WavefrontEngine {
     /// For a render of `paths` paths.
-    pub(super) fn new(view: View, paths: u64, pool: &ThreadPool) -> Self {
+    pub(super) fn new(view: View, paths: u64, pool: &Pool) -> Self {
         view.prepared.tables();
         let start = Instant::now();
         let (plan, planning) = match &view.settings.plan {

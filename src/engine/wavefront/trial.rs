@@ -2,12 +2,11 @@
 
 use std::sync::Mutex;
 
-use rayon::ThreadPool;
-
 use super::choice::{PLANNED, Tried, fastest, fastest_segment, without_those_behind};
 use super::wave::Worker;
 use crate::accel::Kernel;
 use crate::engine::plan::{Plan, Planning, SegmentPlan};
+use crate::engine::pool::Pool;
 use crate::engine::prepared::View;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
@@ -35,12 +34,12 @@ const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
 /// The fastest plan on waves from all over the image; in renders of few `paths` the usual one. And whether it was
 /// measured.
-pub(super) fn find_plan(view: &View, paths: u64, pool: &ThreadPool) -> (Plan, Planning) {
+pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning) {
     // Counting takes time.
     let settings = RenderSettings { count: false, ..view.settings.clone() };
     let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
     let primitives = view.scene().geometry().len();
-    let usual = Plan::usual(primitives, paths, pool.current_num_threads(), settings.wave_size);
+    let usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);
@@ -79,12 +78,12 @@ fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
 fn try_all<'a>(
     view: &View,
     all_paths: u64,
-    pool: &ThreadPool,
+    pool: &Pool,
     plans: &'a [Plan],
     effort: Effort,
 ) -> Vec<Tried<'a>> {
     let Some(largest) = plans.iter().max_by_key(|plan| plan.wave_size) else { return Vec::new() };
-    let threads = pool.current_num_threads() as u64;
+    let threads = pool.threads() as u64;
     let paths = u64::from(largest.wave_size);
     let paths_a_thread = all_paths / threads;
     let Some(rounds) = effort.rounds(paths_a_thread, plans.len() as u64 * paths, threads) else {
@@ -171,7 +170,7 @@ fn units(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::pool::{self, Pin};
+    use crate::engine::pool::Pin;
     use crate::scene::Scene;
 
     #[test]
@@ -224,7 +223,7 @@ mod tests {
 
         let scene = Scene::load("cornell").unwrap();
         let render = |spp| RenderSettings { spp, threads: 1, depth: 2, ..large.clone() };
-        let (pool, _) = pool::start(1, Pin::Off).unwrap();
+        let pool = Pool::start(1, Pin::Off).unwrap();
         let tried = |spp| {
             let settings = render(spp);
             let view = View::new((&scene).into(), settings.clone());

@@ -17,6 +17,7 @@ pub use primitive::PrimitiveFile;
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct SceneFile {
     /// The viewer.
     pub camera: CameraFile,
@@ -54,15 +55,41 @@ impl SceneFile {
         }
     }
 
-    /// Adds a material; primitives refer to it by its name, which no other may have.
+    /// Adds a texture. Materials refer to it by its name, which no other texture may have.
+    pub fn add_texture(&mut self, name: impl Into<String>, texture: impl Into<Texture>) {
+        self.textures.0.push((name.into(), texture.into()));
+    }
+
+    /// Adds a material. Primitives refer to it by its name, which no other material may have.
     pub fn add_material(&mut self, name: impl Into<String>, material: impl Into<Material>) {
         self.materials.0.push((name.into(), material.into()));
+    }
+
+    /// Adds a sphere.
+    pub fn add_sphere(&mut self, center: [f32; 3], radius: f32, material: impl Into<String>) {
+        self.primitives.push(PrimitiveFile::Sphere { center, radius, material: material.into() });
+    }
+
+    /// Adds a triangle mesh. `triangles` has three indices into `vertices` for each triangle,
+    /// counter-clockwise as seen from its front.
+    pub fn add_mesh(
+        &mut self,
+        vertices: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        material: impl Into<String>,
+    ) {
+        self.primitives.push(PrimitiveFile::Triangles {
+            vertices: vertices.to_vec(),
+            indices: triangles.to_vec(),
+            material: material.into(),
+        });
     }
 }
 
 /// A thin-lens camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct CameraFile {
     /// Centre of the lens.
     pub look_from: [f32; 3],
@@ -111,6 +138,7 @@ impl CameraFile {
 /// Defaults of `render`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct RenderDefaults {
     /// Image width in pixels.
     pub width: u32,

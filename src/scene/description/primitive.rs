@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A primitive, or a group that is expanded into primitives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum PrimitiveFile {
     /// A still sphere.
     Sphere {

@@ -1,9 +1,8 @@
 //! Kernels beside an oracle.
 
 use glam::Vec3;
-use ptfast::accel::{Accelerator, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Hit, Ray};
-use ptfast::math::random::Stream;
+use ptfast::Kernel;
+use ptfast::internals::{Accelerator, Geometry, Hit, HitBatch, Ray, RayBatch, Stream};
 use rayon::prelude::*;
 
 use super::rays::{Bundles, adversarial};

@@ -1,9 +1,10 @@
 //! Counters count: where the work is known beforehand, and where it must add up.
 
 use glam::Vec3;
-use ptfast::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
+use ptfast::Kernel;
+use ptfast::internals::{
+    Accelerator, Counters, Geometry, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
+};
 
 use super::rays::{adversarial, soup};
 

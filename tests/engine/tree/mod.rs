@@ -10,10 +10,11 @@ mod odd_rays;
 mod rays;
 
 use glam::Vec3;
-use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
-use ptfast::math::warp::uniform_sphere;
+use ptfast::Kernel;
+use ptfast::internals::{
+    Accelerator, Bvh2, Geometry, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
+    uniform_sphere,
+};
 
 use self::check::{RAYS, ROUND, bits, check, check_kernels};
 use self::rays::{Bundles, adversarial, soup, vector};
@@ -40,7 +41,7 @@ fn random_and_adversarial_rays() {
 
 #[test]
 fn built_in_scenes() {
-    for name in ptfast::scene::BUILTIN_NAMES {
+    for name in ptfast::BUILTIN_NAMES {
         let scene = ptfast::Scene::load(name).unwrap();
         let (scale, shift) = match name {
             "cornell" => (300.0, Vec3::splat(278.0)),

@@ -1,9 +1,10 @@
 //! Geometry that trees are hard to build of: none, crowds, rows, nests, primitives without area.
 
 use glam::Vec3;
-use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Hit, Quad, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
+use ptfast::Kernel;
+use ptfast::internals::{
+    Accelerator, Bvh2, Geometry, Hit, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
+};
 
 use super::check::{RAYS, check};
 use super::rays::vector;

@@ -1,10 +1,11 @@
 //! Rays at the ends of what a ray may be: of intervals, ranges, magnitudes.
 
 use glam::Vec3;
-use ptfast::accel::{Accelerator, Bvh2, HitBatch, Kernel, RayBatch};
-use ptfast::geometry::{Geometry, Hit, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
-use ptfast::math::warp::uniform_sphere;
+use ptfast::Kernel;
+use ptfast::internals::{
+    Accelerator, Bvh2, Geometry, Hit, HitBatch, Ray, RayBatch, Sphere, Stream, Triangle,
+    uniform_sphere,
+};
 
 use super::check::{RAYS, bits, check_kernels};
 use super::rays::{Bundles, adversarial, soup, vector};

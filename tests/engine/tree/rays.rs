@@ -1,10 +1,10 @@
 //! Primitives that are hard to lay out, and rays that are hard to trace.
 
 use glam::Vec3;
-use ptfast::geometry::{Bounds, Geometry, Quad, Ray, Sphere, Triangle};
-use ptfast::math::random::Stream;
-use ptfast::math::warp::uniform_sphere;
-use ptfast::math::{cross, dot, length, normalize};
+use ptfast::internals::{
+    Bounds, Geometry, Quad, Ray, Sphere, Stream, Triangle, cross, dot, length, normalize,
+    uniform_sphere,
+};
 
 pub(crate) fn vector(random: &mut Stream, size: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.between(-size, size)))

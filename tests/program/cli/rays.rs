@@ -100,7 +100,7 @@ fn the_rays_of_a_render_are_recorded_all() {
         spp: 5,
         ..ptfast::RenderSettings::of(&scene)
     };
-    let sets = ptfast::rayset::record(&scene, &settings, u64::MAX).unwrap();
+    let sets = ptfast::internals::record(&scene, &settings, u64::MAX).unwrap();
     let counts: Vec<u64> = sets.sets.iter().map(|set| set.rays.len() as u64).collect();
     let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().tally.rays;
     assert_eq!(counts, [rays.primary, rays.bounce, rays.shadow]);

@@ -4,8 +4,7 @@ use std::fs;
 use std::process::Output;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use ptfast::engine::{Observer, Progress};
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, Observer, Progress, RenderSettings, Renderer, Scene};
 use tempfile::TempDir;
 
 use super::{RENDER, shell};

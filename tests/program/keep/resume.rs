@@ -3,11 +3,10 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use ptfast::checkpoint::{Checkpoint, Identity};
-use ptfast::engine::{Observer, Progress, Rendering, Stop};
-use ptfast::limits::Limits;
-use ptfast::math::random::Stream;
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::internals::{Checkpoint, Identity, Stream};
+use ptfast::{
+    Engine, Limits, Observer, Progress, RenderSettings, Renderer, Rendering, Scene, Stop,
+};
 use serde_json::Value;
 
 use super::{hash, refusal, with};
@@ -290,7 +289,7 @@ fn limits_of_time_end_a_render() {
     // After the first work that is done, whatever the machine.
     let limited = with(&SMALL, &["a.pfm", "--spp", "40", "--time-limit", "1ms"]);
     let says = refusal(here, &limited, 75);
-    assert!(says.contains("stopped by --time-limit after"), "{says}");
+    assert!(says.contains("stopped by the time limit after"), "{says}");
     assert!(says.contains("go on with --resume a.partial.film, a.partial.pfm shows it"), "{says}");
     assert!(!here.join("a.pfm").exists() && here.join("a.partial.pfm").exists());
     let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", "40"]));

@@ -5,8 +5,8 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use ptfast::checkpoint::Checkpoint;
-use ptfast::limits::Limits;
+use ptfast::Limits;
+use ptfast::internals::Checkpoint;
 use serde_json::Value;
 
 use super::{hash, with};
