@@ -7,6 +7,7 @@ mod huge_pages;
 mod kernel;
 mod leaf;
 mod probe;
+mod ray;
 mod setup;
 mod slab;
 mod tree;

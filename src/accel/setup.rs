@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::batch::RayVector;
 use super::slab::SLACK;
-use crate::geometry::lanes::RayLanes;
+use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::{Bounds, Geometry};
 use crate::math::{UNIT_ROUNDOFF, max_element};
 use crate::simd::{Float, Mask, Vec3x, axes};

@@ -5,13 +5,13 @@
 //! acceleration structure enters the definition.
 
 mod bounds;
-pub(crate) mod lanes;
-mod quad;
+pub(crate) mod quad;
 mod ray;
+pub(crate) mod ray_lanes;
 mod shape;
-mod sphere;
+pub(crate) mod sphere;
 mod surfaces;
-mod triangle;
+pub(crate) mod triangle;
 mod volume;
 
 pub use bounds::Bounds;
@@ -19,7 +19,7 @@ pub use quad::Quad;
 pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;
 pub use ray::{Hit, Ray};
-pub(crate) use shape::Shape;
+pub(crate) use shape::{Shape, shapes};
 pub use sphere::Sphere;
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::Surfaces;

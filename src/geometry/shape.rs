@@ -4,20 +4,38 @@ use glam::Vec3;
 
 use super::Primitive;
 
-/// A shape of primitives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shape {
-    Sphere,
-    MovingSphere,
-    Quad,
-    Triangle,
+/// Hands the list of shapes to the macro `$list`: the variant of [`Shape`], and the module that has its
+/// code in each layer.
+macro_rules! shapes {
+    ($list:ident) => {
+        $list! {
+            Sphere in sphere,
+            MovingSphere in moving_sphere,
+            Quad in quad,
+            Triangle in triangle,
+        }
+    };
+}
+pub(crate) use shapes;
+
+macro_rules! shape {
+    ($($name:ident in $module:ident,)*) => {
+        /// A shape of primitives.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Shape {
+            $($name,)*
+        }
+
+        impl Shape {
+            /// All shapes, by number.
+            pub(crate) const ALL: &[Self] = &[$(Self::$name,)*];
+        }
+    };
 }
 
-impl Shape {
-    /// All shapes, by number.
-    pub(crate) const ALL: [Self; 4] =
-        [Self::Sphere, Self::MovingSphere, Self::Quad, Self::Triangle];
+shapes!(shape);
 
+impl Shape {
     pub(crate) fn of(primitive: Primitive<'_>) -> Self {
         match primitive {
             Primitive::Sphere(sphere) if sphere.motion() == Vec3::ZERO => Self::Sphere,

@@ -14,15 +14,14 @@
 use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::octants::Octants;
-use super::packet::Packet;
-use super::rays::Rays;
 use super::single::{Above, trace_each};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::ray::packet::Packet;
+use crate::accel::ray::rays::Rays;
 use crate::accel::slab::near_and_far;
 use crate::accel::tree::wide::WideTree;
-use crate::geometry::Shape;
 use crate::simd::{Float, LANES, Mask, axes};
 
 /// The intervals of a packet, each in every lane.
@@ -132,23 +131,7 @@ impl<const V: usize> Beam<V> {
         limit: Float,
         count: &mut impl Count,
     ) -> u32 {
-        let (low, high) = match block.kind() {
-            Shape::Sphere => {
-                let block = &blocks.spheres[block.index()];
-                let radius = Float::new(block.radius);
-                let center = |axis: usize| Float::new(block.center[axis]);
-                (axes(|axis| center(axis) - radius), axes(|axis| center(axis) + radius))
-            }
-            Shape::Triangle => {
-                let block = &blocks.triangles[block.index()];
-                let vertex = |i: usize, axis: usize| Float::new(block.vertices[i][axis]);
-                (
-                    axes(|axis| vertex(0, axis).min(vertex(1, axis)).min(vertex(2, axis))),
-                    axes(|axis| vertex(0, axis).max(vertex(1, axis)).max(vertex(2, axis))),
-                )
-            }
-            Shape::MovingSphere | Shape::Quad => return block.valid(),
-        };
+        let Some([low, high]) = blocks.bounds(block) else { return block.valid() };
         let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
         let (_, entered) =
             self.enter(axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])), limit);
@@ -220,7 +203,7 @@ fn traverse<const ANY: bool, const V: usize>(
             let block = BlockRef::from_bits(child);
             let candidates = beam.candidates(&tree.blocks, block, limit, count);
             if candidates != 0 {
-                packet.test::<ANY, true, false>(&tree.blocks, block, candidates, count);
+                tree.blocks.test_packet::<V, ANY, true, false>(block, candidates, packet, count);
                 limit = packet.farthest(&beam.scales);
             }
         } else {

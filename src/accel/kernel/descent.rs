@@ -3,8 +3,8 @@
 //! go alone ([`super::single`]), and visit what they would have visited.
 
 use super::frames::{Frame, Frames};
-use super::one_ray::{OneRay, Table};
 use crate::accel::counters::Count;
+use crate::accel::ray::one_ray::{OneRay, Table};
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, LANES, Lanes};
 

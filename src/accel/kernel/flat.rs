@@ -1,10 +1,10 @@
 //! Packets against every primitive, without boxes: the kernel `flat`.
 
 use super::job::Job;
-use super::packet::VECTORS;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::ray::packet::VECTORS;
 use crate::accel::setup::Extent;
 use crate::geometry::{Bounds, Geometry};
 

@@ -1,9 +1,9 @@
 //! The loop over packets, whatever is done with each.
 
-use super::packet::Packet;
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::ray::packet::Packet;
 use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
@@ -58,7 +58,7 @@ impl Job<'_> {
         }
         for &block in self.spanning {
             // Mostly huge: they are near many rays, and leave the filter no choice.
-            packet.test::<ANY, ANY, true>(self.blocks, block, block.valid(), count);
+            self.blocks.test_packet::<V, ANY, ANY, true>(block, block.valid(), packet, count);
         }
         search(packet, count);
     }

@@ -2,15 +2,12 @@
 
 pub(super) mod beam;
 mod descent;
+mod enter;
 pub(super) mod flat;
 mod frames;
 pub(super) mod job;
 mod octants;
-mod one_ray;
-mod one_ray_blocks;
-mod packet;
 pub(super) mod pair_traversal;
-mod rays;
 pub(super) mod single;
 
 /// A way of finding what rays hit.

@@ -1,7 +1,7 @@
 //! Which way rays go.
 
-use super::packet::Packet;
-use super::rays::Rays;
+use crate::accel::ray::packet::Packet;
+use crate::accel::ray::rays::Rays;
 use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions.

@@ -4,10 +4,10 @@ use std::cell::Cell;
 
 use super::job::Job;
 use super::octants::Octants;
-use super::packet::{Packet, VECTORS};
-use super::rays::Rays;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
+use crate::accel::ray::packet::{Packet, VECTORS};
+use crate::accel::ray::rays::Rays;
 use crate::accel::setup::SlabLanes;
 use crate::accel::slab::near_and_far;
 use crate::accel::tree::pair::PairTree;
@@ -106,9 +106,19 @@ impl<const V: usize> Packet<V> {
         loop {
             if let Some(block) = PairTree::block(next) {
                 if ANY || WAY == ALIKE {
-                    self.test::<ANY, true, false>(&tree.blocks, block, block.valid(), count);
+                    tree.blocks.test_packet::<V, ANY, true, false>(
+                        block,
+                        block.valid(),
+                        self,
+                        count,
+                    );
                 } else {
-                    self.test::<ANY, false, false>(&tree.blocks, block, block.valid(), count);
+                    tree.blocks.test_packet::<V, ANY, false, false>(
+                        block,
+                        block.valid(),
+                        self,
+                        count,
+                    );
                 }
             } else {
                 let nodes = if WAY == MIXED { &tree.middles } else { &tree.nodes };

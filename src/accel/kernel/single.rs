@@ -3,12 +3,12 @@
 use super::descent::Descent;
 use super::frames::{Frame, Frames};
 use super::job::Job;
-use super::one_ray::{OneRay, Table};
-use super::one_ray_blocks::{BestLanes, test};
-use super::packet::Packet;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::BlockRef;
+use crate::accel::ray::best::BestLanes;
+use crate::accel::ray::one_ray::{OneRay, Table};
+use crate::accel::ray::packet::Packet;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
@@ -86,7 +86,7 @@ fn trace_one_by_one<const ANY: bool>(
         while let Some(block) =
             next_block(&mut frame, tree, &one, closest.t, above, tree.is_large, count)
         {
-            test(&tree.blocks, block, &one, &mut closest, count);
+            tree.blocks.test_one(block, &one, &mut closest, count);
             if ANY && closest.found() {
                 break;
             }
@@ -127,7 +127,7 @@ fn trace_in_turn<const ANY: bool>(
             let Waiting { lane, mut frame, block } = waiting[i];
             let one = OneRay::new(table, lane);
             let (mut closest, above) = (best.lane(lane), &mut above.0[lane]);
-            test(&tree.blocks, block, &one, &mut closest, count);
+            tree.blocks.test_one(block, &one, &mut closest, count);
             best.set(lane, closest);
             if ANY && closest.found() {
                 continue;

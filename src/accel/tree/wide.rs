@@ -5,7 +5,7 @@ use super::binary::BinaryTree;
 use super::collapse::Collapse;
 use crate::accel::huge_pages::settle;
 use crate::accel::leaf::{BlockRef, Blocks};
-use crate::geometry::{Bounds, Geometry};
+use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::{LANES, Lanes, prefetch};
 
 /// A node: the boxes of its children, and what they are.
@@ -101,8 +101,8 @@ impl WideTree {
         layout.blocks.settle();
         layout.is_large = layout.bytes() > LARGE;
         let blocks = &layout.blocks;
-        let others = blocks.spheres.len() + blocks.moving_spheres.len() + blocks.quads.len();
-        layout.in_turn = layout.is_large && blocks.triangles.len() > others;
+        let triangles = blocks.count(Shape::Triangle);
+        layout.in_turn = layout.is_large && 2 * triangles > blocks.len();
         layout
     }
 

@@ -52,6 +52,13 @@ macro_rules! lights {
             $($name,)*
         }
 
+        /// A primitive as a light.
+        fn shone(primitive: Primitive<'_>) -> Shone {
+            match primitive {
+                $(Primitive::$name(primitive) => $module::shone(primitive),)*
+            }
+        }
+
         impl<R: Real> Chosen<'_, R> {
             /// Directions to the lights as seen from `from`.
             #[inline(always)]
@@ -102,15 +109,6 @@ struct Shone {
     flags: u32,
     point: Vec3,
     rows: [Row; 3],
-}
-
-/// A primitive as a light.
-fn shone(primitive: Primitive<'_>) -> Shone {
-    match primitive {
-        Primitive::Sphere(sphere) => sphere::shone(sphere),
-        Primitive::Quad(quad) => quad::shone(quad),
-        Primitive::Triangle(triangle) => triangle::shone(triangle),
-    }
 }
 
 /// The lights of a scene in the order of their primitives.

@@ -1,11 +1,10 @@
 //! A vector of rays and what they have hit.
 
 use crate::accel::batch::{HitBatch, RayVector};
-use crate::accel::counters::Count;
 use crate::accel::setup::{Extent, Setup};
-use crate::geometry::lanes::{self, HitLanes};
+use crate::geometry::ray_lanes::HitLanes;
 use crate::geometry::shear_axes;
-use crate::simd::{Bits, Float, Int, LANES, Lanes, Mask, axes};
+use crate::simd::{Bits, Float, Int, Mask, axes};
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
@@ -21,9 +20,9 @@ pub(crate) struct Rays {
 
 /// Rays that look along the same axis, as triangle tests see it.
 #[derive(Clone, Copy)]
-struct View {
-    axes: [usize; 3],
-    rays: u32,
+pub(crate) struct View {
+    pub(crate) axes: [usize; 3],
+    pub(crate) rays: u32,
 }
 
 /// The views of a vector's rays.
@@ -71,32 +70,10 @@ impl Rays {
         wild
     }
 
-    /// Tests a triangle, the rays that look along one axis after the other: mostly there is one.
+    /// The rays by the axis that they look along: mostly all look along one.
     #[inline(always)]
-    pub(crate) fn test_triangle<const ANY: bool>(
-        &mut self,
-        vertices: &[[Lanes; 3]; 3],
-        lane: usize,
-        primitive: u32,
-        count: &mut impl Count,
-    ) {
-        let looking = self.looking();
-        let (mut t, mut decided) = (Float::ZERO, 0);
-        for view in &self.views.views[..self.views.count] {
-            count.leaf(LANES as u32, (looking & view.rays).count_ones());
-            let origin = axes(|axis| self.setup.ray.origin[view.axes[axis]]);
-            let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
-            let sheared = lanes::shear_triangles(origin, self.setup.shear.shear, vertices);
-            let candidates = sheared.candidates(view.rays);
-            if candidates != 0 {
-                t = Mask::from_bits(candidates).select(sheared.distances(candidates), t);
-                decided |= candidates;
-            }
-        }
-        if decided != 0 {
-            let hit = Mask::from_bits(decided) & t.gt(self.setup.ray.t_min);
-            self.offer::<ANY>(HitLanes { t, hit }, primitive);
-        }
+    pub(crate) fn views(&self) -> &[View] {
+        &self.views.views[..self.views.count]
     }
 
     /// The rays that look for hits: distances of such are above 0.

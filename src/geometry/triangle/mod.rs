@@ -1,5 +1,7 @@
 //! Triangles, watertight at shared edges and vertices.
 
+pub(crate) mod lanes;
+
 use glam::{DVec3, Vec3};
 
 use super::{Bounds, PreparedRay, Ray, Surface};

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::RayLanes;
-use crate::geometry::Quad;
+use super::Quad;
+use crate::geometry::ray_lanes::RayLanes;
 use crate::simd::{Float, Int, Mask, Vec3x};
 
 /// Quads by what their test needs.

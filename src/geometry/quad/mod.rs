@@ -1,5 +1,7 @@
 //! Quads: parallelograms `q + a u + b v` with a and b in [0, 1].
 
+pub(crate) mod lanes;
+
 use glam::{DVec3, Vec3};
 
 use super::{Bounds, PreparedRay, Ray, Surface};

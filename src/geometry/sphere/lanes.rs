@@ -1,6 +1,6 @@
 //! Spheres over lanes.
 
-use super::{HitLanes, RayLanes};
+use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Float, Vec3x};
 
@@ -8,9 +8,9 @@ use crate::simd::{Float, Vec3x};
 /// lane comes near.
 ///
 /// With `ASK`, rays that are outside and go away are ruled out before a root is taken: worth it
-/// where [`misses_sphere`]'s margin has not done so, that is for huge spheres, or without it.
+/// where [`misses`]'s margin has not done so, that is for huge spheres, or without it.
 #[inline(always)]
-pub(crate) fn sphere<const ASK: bool>(
+pub(crate) fn hits<const ASK: bool>(
     ray: &RayLanes,
     center: Vec3x,
     radius: Float,
@@ -38,7 +38,7 @@ pub(crate) fn sphere<const ASK: bool>(
     Some(HitLanes { t, hit: real & t.gt(ray.t_min) })
 }
 
-/// Lanes whose rays surely miss spheres: most of those for which [`sphere`] has no hit. In free
+/// Lanes whose rays surely miss spheres: most of those for which [`hits`] has no hit. In free
 /// arithmetic, half the work of the test: for lanes of which mostly none comes near. Of the spheres
 /// it takes [`padded_radius2`].
 ///
@@ -48,7 +48,7 @@ pub(crate) fn sphere<const ASK: bool>(
 /// (f·d)²/d·d is below 9u² f·f. A ray that is surely outside and goes away hits nothing at distances
 /// above 0.
 #[inline(always)]
-pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
+pub(crate) fn misses(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let toward = away.min(Float::ZERO);
@@ -58,15 +58,9 @@ pub(crate) fn misses_sphere(ray: &RayLanes, center: Vec3x, padded_radius2: Float
     discriminant.lt(Float::ZERO).bits()
 }
 
-/// r² and the margin of [`misses_sphere`].
+/// r² and the margin of [`misses`].
 #[inline(always)]
 pub(crate) fn padded_radius2(radius: Float) -> Float {
     // The tiny number is for underflow.
     radius * (radius * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)) + Float::splat(1e-36)
-}
-
-/// 1/d·d and the margin of [`misses_sphere`].
-#[inline(always)]
-pub(super) fn padded_inv_length2(inv_length2: Float) -> Float {
-    inv_length2 * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)
 }

@@ -1,6 +1,6 @@
 //! Triangles over lanes.
 
-use crate::geometry::triangle;
+use super::{distance, distance_by_select};
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
@@ -17,7 +17,7 @@ pub(crate) struct ShearedTriangles {
 /// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear`
 /// is what takes the rays' directions to (0, 0, 1) there.
 #[inline(always)]
-pub(crate) fn shear_triangles(
+pub(crate) fn shear(
     origin: [Float; 3],
     shear: Vec3x,
     vertices: [[Float; 3]; 3],
@@ -59,11 +59,11 @@ impl ShearedTriangles {
         let mut distances = [0.0; LANES];
         if candidates.count_ones() > MOST_ALONE {
             for (lane, t) in distances.iter_mut().enumerate() {
-                *t = triangle::distance_by_select(sheared(lane));
+                *t = distance_by_select(sheared(lane));
             }
         } else {
             for lane in Bits(candidates) {
-                distances[lane] = triangle::distance(sheared(lane));
+                distances[lane] = distance(sheared(lane));
             }
         }
         Float::new(distances)
@@ -75,7 +75,7 @@ impl ShearedTriangles {
         let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));
         for lane in Bits(candidates) {
             let sheared = axes(|i| axes(|axis| lanes[i][axis][lane]));
-            visit(lane, triangle::distance(sheared));
+            visit(lane, distance(sheared));
         }
     }
 }

@@ -1,13 +1,10 @@
-//! One ray, against N boxes of a node.
+//! One ray of a vector.
 
-use super::frames::Frame;
-use crate::accel::counters::Count;
 use crate::accel::setup::Setup;
 use crate::accel::slab::near_and_far;
-use crate::accel::tree::wide::WideTree;
-use crate::geometry::lanes::RayLanes;
+use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
-use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
+use crate::simd::{Float, Lanes, Vec3x, axes};
 
 /// Rays made ready, to be taken lane by lane.
 pub(crate) struct Table {
@@ -17,9 +14,9 @@ pub(crate) struct Table {
     pub(crate) t_min: Lanes,
     length2: Lanes,
     inv_length2: Lanes,
-    inverse: [Lanes; 3],
-    near_offset: [Lanes; 3],
-    far_offset: [Lanes; 3],
+    pub(crate) inverse: [Lanes; 3],
+    pub(crate) near_offset: [Lanes; 3],
+    pub(crate) far_offset: [Lanes; 3],
     pub(crate) shear: [Lanes; 3],
     longest: [u32; 2],
     negative: u32,
@@ -57,8 +54,8 @@ pub(crate) struct OneRay<'a> {
     pub(crate) table: &'a Table,
     pub(crate) lane: usize,
     /// The planes of a node that the ray meets first on each axis, and last.
-    near: [usize; 3],
-    far: [usize; 3],
+    pub(crate) near: [usize; 3],
+    pub(crate) far: [usize; 3],
     /// The order of axes in which triangles are seen.
     pub(crate) axes: [usize; 3],
 }
@@ -101,30 +98,5 @@ impl<'a> OneRay<'a> {
             // For many rays and one sphere; infinite, it would rule nothing out.
             padded_inv_length2: Float::INFINITY,
         }
-    }
-
-    /// The children of a node that the ray enters up to `limit`.
-    #[inline(always)]
-    pub(crate) fn enter(
-        &self,
-        tree: &WideTree,
-        index: u32,
-        limit: f32,
-        count: &mut impl Count,
-    ) -> Frame {
-        let (table, node) = (self.table, &tree.nodes[index as usize]);
-        let meet = |planes: [usize; 3], offset: &[Lanes; 3]| {
-            axes(|axis| {
-                let plane = Float::new(node.planes[planes[axis]]);
-                plane.free_mul_sub(self.splat(&table.inverse[axis]), self.splat(&offset[axis]))
-            })
-        };
-        let [x, y, z] = meet(self.near, &table.near_offset);
-        let entry = x.max(y).max(z.max(self.splat(&table.t_min)));
-        let [x, y, z] = meet(self.far, &table.far_offset);
-        let exit = x.min(y).min(z.min(Float::splat(limit)));
-        let entered = entry.le(exit);
-        count.node(LANES as u32, entered.bits().count_ones());
-        Frame::new(index, entry, entered)
     }
 }

@@ -1,18 +1,11 @@
-//! The primitive tests over lanes: many rays against one primitive, or one ray against many.
+//! Rays over lanes, for the primitive tests over lanes: many rays against one primitive, or one ray
+//! against many.
 //!
-//! Each function finds what the scalar test of the same primitive finds, to the bit: by the same
-//! operations in the same order, with branches turned into masks, or it says why others do. Lanes
-//! that hold NaN miss.
+//! Each test finds what the scalar test of the same primitive finds, to the bit: by the same operations
+//! in the same order, with branches turned into masks, or it says why others do. Lanes that hold NaN
+//! miss.
 
-mod quad;
-mod sphere;
-mod triangle;
-
-pub(crate) use quad::{QuadLanes, QuadTest, SpecialQuad};
-use sphere::padded_inv_length2;
-pub(crate) use sphere::{misses_sphere, padded_radius2, sphere};
-pub(crate) use triangle::shear_triangles;
-
+use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Float, Mask, Vec3x};
 
 /// What the sphere and quad tests need of rays: [`super::PreparedRay`] without the shear.
@@ -56,9 +49,18 @@ pub(crate) struct HitLanes {
     pub(crate) hit: Mask,
 }
 
+/// 1/d·d and the margin of [`misses`](super::sphere::lanes::misses).
+#[inline(always)]
+fn padded_inv_length2(inv_length2: Float) -> Float {
+    inv_length2 * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
+    use crate::geometry::sphere::lanes::{hits, misses, padded_radius2};
+    use crate::geometry::triangle::lanes::shear;
     use crate::geometry::{Geometry, PreparedRay, Primitive, Quad, Ray, Sphere, Triangle};
     use crate::math::random::Stream;
     use crate::simd::{LANES, axes};
@@ -113,11 +115,11 @@ mod tests {
         let centers: Vec<Vec3> = (0..LANES).map(|i| spheres[i].center_at(rays[i].time)).collect();
         let radius = float(&|i| spheres[i].radius);
         let one = |lane: usize| Primitive::Sphere(&spheres[lane]);
-        compare(sphere::<false>(&ray, lanes(&centers), radius), &one);
-        compare(sphere::<true>(&ray, lanes(&centers), radius), &one);
-        let near = !Mask::from_bits(misses_sphere(&ray, lanes(&centers), padded_radius2(radius)));
-        let hits = sphere::<false>(&ray, lanes(&centers), radius);
-        compare(hits.map(|HitLanes { t, hit }| HitLanes { t, hit: hit & near }), &one);
+        compare(hits::<false>(&ray, lanes(&centers), radius), &one);
+        compare(hits::<true>(&ray, lanes(&centers), radius), &one);
+        let near = !Mask::from_bits(misses(&ray, lanes(&centers), padded_radius2(radius)));
+        let found = hits::<false>(&ray, lanes(&centers), radius);
+        compare(found.map(|HitLanes { t, hit }| HitLanes { t, hit: hit & near }), &one);
 
         let of = |f: &dyn Fn(&Quad) -> Vec3| lanes(&quads.iter().map(f).collect::<Vec<_>>());
         let quad_lanes = QuadLanes {
@@ -126,31 +128,31 @@ mod tests {
             dual_u: of(&|quad| quad.duals()[0]),
             dual_v: of(&|quad| quad.duals()[1]),
         };
-        let hits = |quad: &dyn QuadTest| {
+        let crossed = |quad: &dyn QuadTest| {
             let t = quad.distance(&ray);
             Some(HitLanes { t, hit: t.gt(ray.t_min) & quad.contains(&ray, t) })
         };
-        compare(hits(&quad_lanes), &|lane| Primitive::Quad(&quads[lane]));
+        compare(crossed(&quad_lanes), &|lane| Primitive::Quad(&quads[lane]));
         // One special quad, all rays.
         for one in quads {
-            let hits = match &SpecialQuad::new(one) {
-                Some(SpecialQuad::Aligned(quad)) => hits(quad),
-                Some(SpecialQuad::Level(quad)) => hits(quad),
-                Some(SpecialQuad::Upright(quad)) => hits(quad),
+            let found = match &SpecialQuad::new(one) {
+                Some(SpecialQuad::Aligned(quad)) => crossed(quad),
+                Some(SpecialQuad::Level(quad)) => crossed(quad),
+                Some(SpecialQuad::Upright(quad)) => crossed(quad),
                 None => continue,
             };
-            compare(hits, &|_| Primitive::Quad(one));
+            compare(found, &|_| Primitive::Quad(one));
         }
 
         // The axes are shared: one ray, all triangles.
-        let PreparedRay { axes: order, shear, .. } = prepared[0];
+        let PreparedRay { axes: order, shear: turned, .. } = prepared[0];
         let splat = |v: Vec3| axes(|axis| Float::splat(v[axis]));
         let vertices = axes(|i| {
             let vertex = lanes(&triangles.iter().map(|t| t.vertices[i]).collect::<Vec<_>>());
             axes(|axis| vertex[order[axis]])
         });
         let origin = axes(|axis| splat(rays[0].origin)[order[axis]]);
-        let sheared = shear_triangles(origin, Vec3x(splat(shear)), vertices);
+        let sheared = shear(origin, Vec3x(splat(turned)), vertices);
         let mut distances = [f32::NAN; LANES];
         let all = crate::simd::first_bits(LANES);
         sheared.decide(sheared.candidates(all), |lane, t| distances[lane] = t);

@@ -1,5 +1,7 @@
 //! Spheres, still or moving linearly.
 
+pub(crate) mod lanes;
+
 use glam::Vec3;
 use std::f32::consts::PI;
 

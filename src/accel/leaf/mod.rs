@@ -1,0 +1,245 @@
+//! Leaf blocks: up to [`LANES`] primitives of one shape, structure-of-arrays. One file for each shape.
+
+mod moving_sphere;
+mod quad;
+mod sphere;
+mod triangle;
+
+use glam::Vec3;
+
+use super::counters::Count;
+use super::ray::best::Best;
+use super::ray::one_ray::OneRay;
+use super::ray::packet::Packet;
+use crate::geometry::{Geometry, Shape, shapes};
+use crate::simd::{Float, LANES, Lanes};
+
+/// A block: its shape, the number of its primitives, and its index among the blocks of that
+/// shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct BlockRef(u32);
+
+impl BlockRef {
+    /// Set in every reference, so that a node's children can be told from blocks.
+    pub(super) const LEAF: u32 = 1 << 31;
+    /// For places that no block is in yet.
+    pub(super) const NONE: Self = Self(Self::LEAF);
+    const SHAPE_SHIFT: u32 = 29;
+    const COUNT_SHIFT: u32 = 25;
+
+    fn new(shape: Shape, count: usize, index: usize) -> Self {
+        assert!(index < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
+        let count = (count as u32 - 1) << Self::COUNT_SHIFT;
+        Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
+    }
+
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The reference with these bits, among them [`BlockRef::LEAF`].
+    #[inline(always)]
+    pub(super) fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    #[inline(always)]
+    pub(super) fn shape(self) -> Shape {
+        Shape::ALL[(self.0 >> Self::SHAPE_SHIFT & 3) as usize]
+    }
+
+    #[inline(always)]
+    pub(super) fn count(self) -> u32 {
+        (self.0 >> Self::COUNT_SHIFT & 15) + 1
+    }
+
+    /// The lanes that hold a primitive: the first ones, by ascending index.
+    #[inline(always)]
+    pub(super) fn valid(self) -> u32 {
+        (2 << (self.0 >> Self::COUNT_SHIFT & 15)) - 1
+    }
+
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize
+    }
+}
+
+/// The blocks of one shape. A block has a number among them.
+trait Leaf: Default {
+    /// Adds a block of `primitives`, at most [`LANES`]. Lanes without a primitive hold NaN.
+    fn push(&mut self, geometry: &Geometry, primitives: &[u32]);
+
+    /// Number of blocks.
+    fn len(&self) -> usize;
+
+    /// Moves them to huge pages, once all are there.
+    fn settle(&mut self);
+
+    /// Asks for the memory of a block.
+    fn prefetch(&self, block: usize);
+
+    /// Size in memory.
+    fn bytes(&self) -> usize;
+
+    /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
+    #[inline(always)]
+    fn bounds(&self, block: usize) -> Option<[[Float; 3]; 2]> {
+        let _ = block;
+        None
+    }
+
+    /// Tests one ray against all primitives of a block, of which `valid` has the lanes.
+    fn test_one(&self, block: usize, valid: u32, one: &OneRay<'_>, best: &mut Best);
+
+    /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
+    ///
+    /// What to ask before the costly part of a test changes nothing but speed: of quads whether any ray
+    /// is near their plane (`NEAR`), of spheres whether rays leave them (`LEAVE`).
+    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+        &self,
+        block: usize,
+        lanes: u32,
+        packet: &mut Packet<V>,
+        count: &mut impl Count,
+    );
+}
+
+macro_rules! blocks {
+    ($($name:ident in $module:ident,)*) => {
+        /// The blocks of a layout, a table for each shape.
+        #[derive(Clone, Debug, Default)]
+        pub(super) struct Blocks {
+            $($module: $module::Blocks,)*
+        }
+
+        impl Blocks {
+            /// Adds a block of `primitives`: 1 to [`LANES`], of one shape.
+            pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
+                // Ties go to the lowest index, and so to the lowest lane.
+                primitives.sort_unstable();
+                let shape = Shape::of(geometry.get(primitives[0]));
+                let index = match shape {
+                    $(Shape::$name => {
+                        self.$module.push(geometry, primitives);
+                        self.$module.len() - 1
+                    })*
+                };
+                BlockRef::new(shape, primitives.len(), index)
+            }
+
+            /// Number of blocks of `shape`.
+            pub(super) fn count(&self, shape: Shape) -> usize {
+                match shape {
+                    $(Shape::$name => self.$module.len(),)*
+                }
+            }
+
+            /// To be called when all blocks are there.
+            pub(super) fn settle(&mut self) {
+                $(self.$module.settle();)*
+            }
+
+            /// Asks for the memory of a block.
+            #[inline(always)]
+            pub(super) fn prefetch(&self, block: BlockRef) {
+                match block.shape() {
+                    $(Shape::$name => self.$module.prefetch(block.index()),)*
+                }
+            }
+
+            /// Size in memory.
+            pub(super) fn bytes(&self) -> usize {
+                0 $(+ self.$module.bytes())*
+            }
+
+            /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
+            #[inline(always)]
+            pub(super) fn bounds(&self, block: BlockRef) -> Option<[[Float; 3]; 2]> {
+                match block.shape() {
+                    $(Shape::$name => self.$module.bounds(block.index()),)*
+                }
+            }
+
+            /// Tests one ray against all primitives of a block.
+            #[inline(always)]
+            pub(super) fn test_one(
+                &self,
+                block: BlockRef,
+                one: &OneRay<'_>,
+                best: &mut Best,
+                count: &mut impl Count,
+            ) {
+                count.leaf(LANES as u32, block.count());
+                match block.shape() {
+                    $(Shape::$name => {
+                        self.$module.test_one(block.index(), block.valid(), one, best);
+                    })*
+                }
+            }
+
+            /// Tests the rays of `packet` against the primitives of a block in `lanes`, as
+            /// [`Leaf::test_packet`].
+            #[inline(always)]
+            pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+                &self,
+                block: BlockRef,
+                lanes: u32,
+                packet: &mut Packet<V>,
+                count: &mut impl Count,
+            ) {
+                match block.shape() {
+                    $(Shape::$name => {
+                        self.$module.test_packet::<V, ANY, NEAR, LEAVE>(block.index(), lanes, packet, count);
+                    })*
+                }
+            }
+        }
+    };
+}
+
+shapes!(blocks);
+
+impl Blocks {
+    /// Number of blocks.
+    pub(super) fn len(&self) -> usize {
+        Shape::ALL.iter().map(|&shape| self.count(shape)).sum()
+    }
+
+    /// Adds blocks of `primitives` in any number and mixture.
+    pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
+        let mut primitives = primitives.to_vec();
+        primitives.sort_by_key(|&p| (Shape::of(geometry.get(p)) as u32, p));
+        primitives
+            .chunk_by_mut(|&a, &b| Shape::of(geometry.get(a)) == Shape::of(geometry.get(b)))
+            .flat_map(|run| run.chunks_mut(LANES))
+            .map(|block| self.push(geometry, block))
+            .collect()
+    }
+}
+
+/// Counts tests of as many primitives as `lanes` has, each against all rays of `packet`.
+#[inline(always)]
+fn count_tests<const V: usize>(packet: &Packet<V>, lanes: u32, count: &mut impl Count) {
+    for rays in &packet.vectors {
+        let looking = rays.looking().count_ones();
+        (0..lanes.count_ones()).for_each(|_| count.leaf(LANES as u32, looking));
+    }
+}
+
+/// The primitives of a block by lane.
+fn numbers(primitives: &[u32]) -> Lanes<u32> {
+    let mut numbers = [u32::MAX; LANES];
+    numbers[..primitives.len()].copy_from_slice(primitives);
+    numbers
+}
+
+fn gather(values: impl Iterator<Item = f32>) -> Lanes {
+    let mut lanes = [f32::NAN; LANES];
+    lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
+    lanes
+}
+
+fn transpose(vectors: impl Iterator<Item = Vec3> + Clone) -> [Lanes; 3] {
+    [0, 1, 2].map(|axis| gather(vectors.clone().map(|v| v[axis])))
+}

@@ -1,0 +1,169 @@
+//! Blocks of quads.
+
+use std::mem::take;
+
+use super::{Leaf, count_tests, numbers, transpose};
+use crate::accel::counters::Count;
+use crate::accel::huge_pages::settle;
+use crate::accel::ray::best::Best;
+use crate::accel::ray::one_ray::OneRay;
+use crate::accel::ray::packet::Packet;
+use crate::accel::ray::rays::Rays;
+use crate::geometry::Geometry;
+use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
+use crate::geometry::ray_lanes::HitLanes;
+use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, prefetch};
+
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+struct Block {
+    q: [Lanes; 3],
+    normal: [Lanes; 3],
+    dual_u: [Lanes; 3],
+    dual_v: [Lanes; 3],
+    primitive: Lanes<u32>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    blocks: Vec<Block>,
+    /// For each block the quads that need less work, for packets: single rays have no use for them, and
+    /// should not wait for their memory.
+    special: Vec<[Option<SpecialQuad>; LANES]>,
+}
+
+impl Block {
+    /// A quad in each lane.
+    #[inline(always)]
+    fn lanes(&self) -> QuadLanes {
+        self.with(Vec3x::of_lanes)
+    }
+
+    /// One quad in every lane.
+    #[inline(always)]
+    fn splat(&self, lane: usize) -> QuadLanes {
+        self.with(|lanes| Vec3x::splat_lane(lanes, lane))
+    }
+
+    #[inline(always)]
+    fn with(&self, vector: impl Fn(&[Lanes; 3]) -> Vec3x) -> QuadLanes {
+        QuadLanes {
+            q: vector(&self.q),
+            normal: vector(&self.normal),
+            dual_u: vector(&self.dual_u),
+            dual_v: vector(&self.dual_v),
+        }
+    }
+}
+
+impl Leaf for Blocks {
+    fn push(&mut self, geometry: &Geometry, primitives: &[u32]) {
+        let first = geometry.spheres.len();
+        let quads = || primitives.iter().map(|&p| &geometry.quads[p as usize - first]);
+        self.blocks.push(Block {
+            q: transpose(quads().map(|quad| quad.q)),
+            normal: transpose(quads().map(|quad| quad.normal)),
+            dual_u: transpose(quads().map(|quad| quad.duals()[0])),
+            dual_v: transpose(quads().map(|quad| quad.duals()[1])),
+            primitive: numbers(primitives),
+        });
+        let mut special = [const { None }; LANES];
+        special.iter_mut().zip(quads()).for_each(|(to, quad)| *to = SpecialQuad::new(quad));
+        self.special.push(special);
+    }
+
+    fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn settle(&mut self) {
+        self.blocks = settle(take(&mut self.blocks));
+        self.special = settle(take(&mut self.special));
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, block: usize) {
+        prefetch(&self.blocks[block]);
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&*self.blocks) + size_of_val(&*self.special)
+    }
+
+    #[inline(always)]
+    fn test_one(&self, block: usize, _: u32, one: &OneRay<'_>, best: &mut Best) {
+        let block = &self.blocks[block];
+        let (ray, quads) = (one.ray(), block.lanes());
+        let t = quads.distance(&ray);
+        let near = t.gt(ray.t_min) & t.le(Float::splat(best.t));
+        if near.any() {
+            let hit = near & quads.contains(&ray, t);
+            best.offer_lanes(Some(HitLanes { t, hit }), &block.primitive);
+        }
+    }
+
+    #[inline(always)]
+    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+        &self,
+        block: usize,
+        lanes: u32,
+        packet: &mut Packet<V>,
+        count: &mut impl Count,
+    ) {
+        count_tests(packet, lanes, count);
+        let (block, special) = (&self.blocks[block], &self.special[block]);
+        for lane in Bits(lanes) {
+            let primitive = block.primitive[lane];
+            // Told apart here, once for all vectors.
+            match &special[lane] {
+                Some(SpecialQuad::Aligned(quad)) => {
+                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                }
+                Some(SpecialQuad::Level(quad)) => {
+                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                }
+                Some(SpecialQuad::Upright(quad)) => {
+                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                }
+                None => test_packet::<V, ANY, NEAR>(packet, &block.splat(lane), primitive),
+            }
+        }
+    }
+}
+
+/// Tests a quad against the rays of a packet.
+#[inline(always)]
+fn test_packet<const V: usize, const ANY: bool, const NEAR: bool>(
+    packet: &mut Packet<V>,
+    quad: &(impl QuadTest + Copy),
+    primitive: u32,
+) {
+    // A copy stays in registers while vectors change.
+    let quad = *quad;
+    // Only `offer` looks at what is closest so far: asked in here, each quad would wait for the
+    // one before.
+    let offer = |rays: &mut Rays, t: Float| {
+        let ray = &rays.setup.ray;
+        let hit = t.gt(ray.t_min) & quad.contains(ray, t);
+        rays.offer::<ANY>(HitLanes { t, hit }, primitive);
+    };
+    if !NEAR {
+        // Dividing first, as below, loses where nothing is asked.
+        for rays in &mut packet.vectors {
+            let t = quad.distance(&rays.setup.ray);
+            offer(rays, t);
+        }
+        return;
+    }
+    // All divisions first, then one question for all: no vector waits for another.
+    let (mut distances, mut near) = ([Float::ZERO; V], Mask::NONE);
+    for (t, rays) in distances.iter_mut().zip(&packet.vectors) {
+        *t = quad.distance(&rays.setup.ray);
+        near = near | (t.gt(rays.setup.ray.t_min) & t.le(rays.t));
+    }
+    if near.any() {
+        for (rays, t) in packet.vectors.iter_mut().zip(distances) {
+            offer(rays, t);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The closest hits of rays that are traced one by one.
+
+use crate::accel::batch::HitBatch;
+use crate::geometry::ray_lanes::HitLanes;
+use crate::simd::{Bits, Float, Lanes};
+
+/// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
+/// found before, and has a lower index.
+#[derive(Clone, Copy)]
+pub(crate) struct Best {
+    pub(crate) t: f32,
+    /// [`HitBatch::MISS`] before there is one.
+    pub(crate) primitive: u32,
+}
+
+impl Best {
+    #[inline(always)]
+    pub(crate) fn found(&self) -> bool {
+        self.primitive != HitBatch::MISS
+    }
+
+    #[inline(always)]
+    pub(crate) fn offer(&mut self, t: f32, primitive: u32) {
+        if t < self.t || (t == self.t && self.found() && primitive < self.primitive) {
+            *self = Self { t, primitive };
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn offer_lanes(&mut self, hits: Option<HitLanes>, primitive: &Lanes<u32>) {
+        let Some(HitLanes { t, hit }) = hits else { return };
+        let closer = (hit & t.le(Float::splat(self.t))).bits();
+        if closer != 0 {
+            let t = t.to_array();
+            for lane in Bits(closer) {
+                self.offer(t[lane], primitive[lane]);
+            }
+        }
+    }
+}
+
+/// The closest hits so far of a vector of rays.
+pub(crate) struct BestLanes {
+    pub(crate) t: Lanes,
+    pub(crate) primitive: Lanes<u32>,
+}
+
+impl BestLanes {
+    #[inline(always)]
+    pub(crate) fn lane(&self, lane: usize) -> Best {
+        Best { t: self.t[lane], primitive: self.primitive[lane] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, best: Best) {
+        (self.t[lane], self.primitive[lane]) = (best.t, best.primitive);
+    }
+}

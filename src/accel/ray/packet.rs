@@ -1,0 +1,50 @@
+//! Packets: vectors of rays that are traced together.
+
+use super::rays::Rays;
+use crate::accel::batch::HitBatch;
+use crate::simd::{Bits, Float, Int, LANES, first_bits};
+
+/// Vectors of rays in the packets of most kernels: 32 rays, which share a primitive's numbers and
+/// the questions that CPUs cannot foretell the answers of.
+pub(crate) const VECTORS: usize = 32 / LANES;
+
+/// A packet on its way.
+pub(crate) struct Packet<const V: usize> {
+    pub(crate) vectors: [Rays; V],
+}
+
+impl<const V: usize> Packet<V> {
+    pub(crate) const NONE: Self = Self { vectors: [Rays::NONE; V] };
+
+    /// Writes what was hit. Rays that hit nothing are left as they are.
+    #[inline(always)]
+    pub(crate) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
+        for (vector, rays) in self.vectors.iter().enumerate() {
+            let first = end.min(first + vector * LANES);
+            let (old_t, old) = (&mut hits.t[first..end], &mut hits.primitive[first..end]);
+            let hit = rays.found::<ANY>();
+            let (t, primitive) =
+                if ANY { (Float::ZERO, Int::splat(0)) } else { (rays.t, rays.primitive) };
+            if old.len() >= LANES {
+                hit.select(primitive, Int::load(old)).store(old);
+                hit.select(t, Float::load(old_t)).store(old_t);
+            } else {
+                let (t, primitive) = (t.to_array(), primitive.to_array());
+                for lane in Bits(hit.bits() & first_bits(old.len())) {
+                    old_t[lane] = t[lane];
+                    old[lane] = primitive[lane];
+                }
+            }
+        }
+    }
+
+    /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
+    #[inline(always)]
+    pub(crate) fn farthest(&self, scales: &[Float; V]) -> Float {
+        let mut farthest = Float::splat(f32::NEG_INFINITY);
+        for (rays, scale) in self.vectors.iter().zip(scales) {
+            farthest = (rays.t * *scale).max(farthest);
+        }
+        farthest.largest_lane()
+    }
+}
