@@ -6,7 +6,6 @@ use super::sample_args::SampleArgs;
 use super::say;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
-use crate::geometry::Primitive;
 use crate::limits::MAX_SPP;
 use crate::scene::Scene;
 
@@ -82,11 +81,7 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         }
         (_, _, None) => "leaves the scene".to_owned(),
         (_, _, Some(hit)) => {
-            let shape = match scene.geometry().get(hit.primitive) {
-                Primitive::Sphere(_) => "sphere",
-                Primitive::Quad(_) => "quad",
-                Primitive::Triangle(_) => "triangle",
-            };
+            let shape = scene.geometry().get(hit.primitive).name();
             let material = scene.material(hit.primitive).name();
             format!("hits primitive {}, a {shape} of {material}, at {}", hit.primitive, hit.t)
         }

@@ -53,52 +53,112 @@ impl<R: Real> Surface<R> {
     }
 }
 
-/// All primitives of a scene. A primitive's index is its position in the order spheres,
-/// quads, triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Geometry {
-    /// Still and moving spheres.
-    pub spheres: Vec<Sphere>,
-    /// Parallelograms.
-    pub quads: Vec<Quad>,
-    /// Triangles.
-    pub triangles: Vec<Triangle>,
+/// What a kind of primitive is.
+pub(crate) trait PrimitiveModel {
+    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of the
+    /// ray's direction.
+    fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
+
+    /// A box around it over all times, `[0, 1]`.
+    fn bounds(&self) -> Bounds;
+
+    /// How it is tested and shaded.
+    fn shape(&self) -> Shape;
+
+    /// The vectors that define it, for the scene's hash.
+    fn identity(&self) -> [Vec3; 3];
 }
 
-/// A reference to one primitive.
-#[derive(Clone, Copy, Debug)]
-pub enum Primitive<'a> {
-    /// A sphere.
-    Sphere(&'a Sphere),
-    /// A quad.
-    Quad(&'a Quad),
-    /// A triangle.
-    Triangle(&'a Triangle),
+macro_rules! primitives {
+    ($($(#[doc = $doc:literal])* $name:ident in $list:ident called $word:literal,)*) => {
+        /// All primitives of a scene. A primitive's index is its position in the order of these lists.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Geometry {
+            $($(#[doc = $doc])* pub $list: Vec<$name>,)*
+        }
+
+        /// A reference to one primitive.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Primitive<'a> {
+            $($(#[doc = $doc])* $name(&'a $name),)*
+        }
+
+        impl Geometry {
+            /// Number of primitives.
+            pub fn len(&self) -> usize {
+                0 $(+ self.$list.len())*
+            }
+
+            /// Primitive number `index`.
+            ///
+            /// # Panics
+            /// If `index` is not below [`Geometry::len`].
+            #[inline(always)]
+            pub fn get(&self, index: u32) -> Primitive<'_> {
+                let mut left = index as usize;
+                $(
+                    if let Some(primitive) = self.$list.get(left) {
+                        return Primitive::$name(primitive);
+                    }
+                    left = left.wrapping_sub(self.$list.len());
+                )*
+                panic!("no primitive has the number {index}")
+            }
+        }
+
+        impl Primitive<'_> {
+            /// Its name in messages, which is part of the scene's hash.
+            pub(crate) fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name(_) => $word,)*
+                }
+            }
+
+            /// [`PrimitiveModel::intersect`].
+            #[inline(always)]
+            pub(crate) fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+                match self {
+                    $(Self::$name(primitive) => primitive.intersect(ray, t_min, t_max),)*
+                }
+            }
+
+            /// [`PrimitiveModel::bounds`].
+            pub fn bounds(self) -> Bounds {
+                match self {
+                    $(Self::$name(primitive) => primitive.bounds(),)*
+                }
+            }
+
+            /// [`PrimitiveModel::shape`].
+            pub(crate) fn shape(self) -> Shape {
+                match self {
+                    $(Self::$name(primitive) => primitive.shape(),)*
+                }
+            }
+
+            /// [`PrimitiveModel::identity`].
+            pub(crate) fn identity(self) -> [Vec3; 3] {
+                match self {
+                    $(Self::$name(primitive) => primitive.identity(),)*
+                }
+            }
+        }
+    };
+}
+
+primitives! {
+    /// Spheres, still or moving.
+    Sphere in spheres called "sphere",
+    /// Parallelograms.
+    Quad in quads called "quad",
+    /// Triangles.
+    Triangle in triangles called "triangle",
 }
 
 impl Geometry {
-    /// Number of primitives.
-    pub fn len(&self) -> usize {
-        self.spheres.len() + self.quads.len() + self.triangles.len()
-    }
-
     /// Whether there is no primitive.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Primitive number `index`, which must be below [`Geometry::len`].
-    #[inline(always)]
-    pub fn get(&self, index: u32) -> Primitive<'_> {
-        let index = index as usize;
-        if let Some(sphere) = self.spheres.get(index) {
-            return Primitive::Sphere(sphere);
-        }
-        let index = index - self.spheres.len();
-        match self.quads.get(index) {
-            Some(quad) => Primitive::Quad(quad),
-            None => Primitive::Triangle(&self.triangles[index - self.quads.len()]),
-        }
     }
 
     /// A box around each primitive over all times.
@@ -131,27 +191,5 @@ impl Geometry {
             }
         }
         best
-    }
-}
-
-impl Primitive<'_> {
-    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the
-    /// length of the ray's direction.
-    #[inline(always)]
-    pub fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        match self {
-            Self::Sphere(sphere) => sphere.intersect(ray, t_min, t_max),
-            Self::Quad(quad) => quad.intersect(ray, t_min, t_max),
-            Self::Triangle(triangle) => triangle.intersect(ray, t_min, t_max),
-        }
-    }
-
-    /// A box around the primitive over all times, `[0, 1]`.
-    pub fn bounds(self) -> Bounds {
-        match self {
-            Self::Sphere(sphere) => sphere.bounds(),
-            Self::Quad(quad) => quad.bounds(),
-            Self::Triangle(triangle) => triangle.bounds(),
-        }
     }
 }

@@ -39,7 +39,7 @@ impl Hit {
 
 /// A ray with the values that the primitive tests share.
 #[derive(Clone, Copy, Debug)]
-pub struct PreparedRay {
+pub(crate) struct PreparedRay {
     /// The ray itself.
     pub ray: Ray,
     /// Squared length of the direction.
@@ -54,7 +54,7 @@ pub struct PreparedRay {
 
 impl PreparedRay {
     /// Prepares `ray` for any number of primitive tests.
-    pub fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let length2 = dot(d, d);
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());

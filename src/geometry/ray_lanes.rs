@@ -61,7 +61,9 @@ mod tests {
     use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
     use crate::geometry::sphere::lanes::{hits, misses, padded_radius2};
     use crate::geometry::triangle::lanes::shear;
-    use crate::geometry::{Geometry, PreparedRay, Primitive, Quad, Ray, Sphere, Triangle};
+    use crate::geometry::{
+        Geometry, PreparedRay, Primitive, PrimitiveModel, Quad, Ray, Sphere, Triangle,
+    };
     use crate::math::random::Stream;
     use crate::simd::{LANES, axes};
     use glam::Vec3;

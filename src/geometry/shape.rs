@@ -1,9 +1,5 @@
 //! The shapes that have code of their own in tests, leaf blocks and shading.
 
-use glam::Vec3;
-
-use super::Primitive;
-
 /// Hands the list of shapes to the macro `$list`: the variant of [`Shape`], and the module that has its
 /// code in each layer.
 macro_rules! shapes {
@@ -34,14 +30,3 @@ macro_rules! shape {
 }
 
 shapes!(shape);
-
-impl Shape {
-    pub(crate) fn of(primitive: Primitive<'_>) -> Self {
-        match primitive {
-            Primitive::Sphere(sphere) if sphere.motion() == Vec3::ZERO => Self::Sphere,
-            Primitive::Sphere(_) => Self::MovingSphere,
-            Primitive::Quad(_) => Self::Quad,
-            Primitive::Triangle(_) => Self::Triangle,
-        }
-    }
-}

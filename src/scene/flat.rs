@@ -14,16 +14,16 @@
 //! ```
 //!
 //! Materials are numbered from 0 in the order in which they appear. Empty lines and lines
-//! that begin with `#` are skipped.
+//! that begin with `#` are skipped. Records become the JSON form of scene files.
 
 use std::str::SplitWhitespace;
 
-use super::background::Background;
-use super::description::{CameraFile, PrimitiveFile, SceneFile};
-use super::material::{Dielectric, Fresnel, Lambertian, Light, Material, Metal, Sides};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use super::description::SceneFile;
 use super::named::Named;
 use super::place::Places;
-use super::texture::{Checker, Color, Texture};
 use crate::error::{Error, Result, suggestion};
 
 const RECORDS: [&str; 6] = ["size", "camera", "background", "mat", "sphere", "quad"];
@@ -31,11 +31,8 @@ const MATERIALS: [&str; 5] = ["lambert", "metal", "dielectric", "emissive", "che
 
 /// Reads the flat form; the places are the lines of materials and primitives.
 pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
-    let mut camera = None;
-    let mut background = Background::default();
-    let mut render = super::RenderDefaults::default();
-    let mut textures = Named::default();
-    let mut materials = Named::default();
+    let (mut camera, mut background, mut size) = (None, None, None);
+    let (mut textures, mut materials) = (Named::default(), Named::default());
     let mut primitives = Vec::new();
     let mut places = Places::lines();
     let mut uses = Vec::new();
@@ -47,45 +44,54 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
         match record {
             "size" => {
                 w.only_once(record, &mut places.render)?;
-                (render.width, render.height) = (w.integer()?, w.integer()?);
+                let (width, height) = (w.integer()?, w.integer()?);
+                size = Some(w.parsed(json!({ "width": width, "height": height }))?);
             }
             "camera" => {
                 w.only_once(record, &mut places.camera)?;
-                camera = Some(CameraFile {
-                    look_from: w.vector()?,
-                    look_at: w.vector()?,
-                    up: w.vector()?,
-                    vfov: w.number()?,
-                    defocus_angle: w.number()?,
-                    focus_distance: w.number()?,
-                    shutter: (w.number()?, w.number()?),
+                let value = json!({
+                    "look_from": w.vector()?,
+                    "look_at": w.vector()?,
+                    "up": w.vector()?,
+                    "vfov": w.number()?,
+                    "defocus_angle": w.number()?,
+                    "focus_distance": w.number()?,
+                    "shutter": [w.number()?, w.number()?],
                 });
+                camera = Some(w.parsed(value)?);
             }
             "background" => {
                 w.only_once(record, &mut places.background)?;
-                background = Background::Constant { radiance: w.vector()? };
+                let value = json!({ "constant": { "radiance": w.vector()? } });
+                background = Some(w.parsed(value)?);
             }
             "mat" => {
                 let name = format!("m{}", materials.0.len());
                 let (material, texture) = w.material(&name)?;
-                textures.0.extend(texture.map(|texture| (name.clone(), texture)));
-                materials.0.push((name, material));
+                if let Some(texture) = texture {
+                    textures.0.push((name.clone(), w.parsed(texture)?));
+                }
+                materials.0.push((name, w.parsed(material)?));
                 places.materials.push(w.line);
             }
             "sphere" => {
                 let (center, center1, radius) = (w.vector()?, w.vector()?, w.number()?);
                 let material = w.material_use(&mut uses)?;
-                primitives.push(if center == center1 {
-                    PrimitiveFile::Sphere { center, radius, material }
+                let value = if center == center1 {
+                    json!({ "sphere": { "center": center, "radius": radius, "material": material } })
                 } else {
-                    PrimitiveFile::MovingSphere { center, center1, radius, material }
-                });
+                    json!({ "moving_sphere": {
+                        "center": center, "center1": center1, "radius": radius, "material": material
+                    } })
+                };
+                primitives.push(w.parsed(value)?);
                 places.primitives.push(w.line);
             }
             "quad" => {
                 let (q, u, v) = (w.vector()?, w.vector()?, w.vector()?);
                 let material = w.material_use(&mut uses)?;
-                primitives.push(PrimitiveFile::Quad { q, u, v, material });
+                let value = json!({ "quad": { "q": q, "u": u, "v": v, "material": material } });
+                primitives.push(w.parsed(value)?);
                 places.primitives.push(w.line);
             }
             other => {
@@ -104,8 +110,11 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
         return Err(Error::input(file, line.to_string(), message));
     }
     let camera = camera.ok_or_else(|| Error::input(file, "", "the record `camera` is missing"))?;
-    let media = Vec::new();
-    Ok((SceneFile { camera, background, render, textures, materials, primitives, media }, places))
+    let mut scene = SceneFile::new(camera);
+    (scene.textures, scene.materials, scene.primitives) = (textures, materials, primitives);
+    scene.background = background.unwrap_or_default();
+    scene.render = size.unwrap_or_default();
+    Ok((scene, places))
 }
 
 /// The values of one record.
@@ -118,6 +127,11 @@ struct Words<'a> {
 impl Words<'_> {
     fn error(&self, message: String) -> Error {
         Error::input(self.file, self.line.to_string(), message)
+    }
+
+    /// What `value`, in the JSON form of scene files, stands for.
+    fn parsed<T: DeserializeOwned>(&self, value: Value) -> Result<T> {
+        serde_json::from_value(value).map_err(|error| self.error(error.to_string()))
     }
 
     /// Notes the record's line, or refuses it where `line` says that there was one before.
@@ -138,9 +152,9 @@ impl Words<'_> {
 
     fn number(&mut self) -> Result<f32> {
         let word = self.word("a number")?;
-        match word.parse() {
-            Ok(number) => Ok(number),
-            Err(_) => {
+        match word.parse::<f32>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => {
                 let message = format!("`{word}` is not a number");
                 Err(self.error(message))
             }
@@ -170,18 +184,18 @@ impl Words<'_> {
     }
 
     /// A material and, for the checker, its texture, which gets the same name.
-    fn material(&mut self, name: &str) -> Result<(Material, Option<Texture>)> {
+    fn material(&mut self, name: &str) -> Result<(Value, Option<Value>)> {
         let kind = self.word("a kind of material")?.to_owned();
         let mut texture = None;
         let material = match kind.as_str() {
-            "lambert" => Lambertian { albedo: self.vector()?.into() }.into(),
-            "metal" => Metal { albedo: self.vector()?.into(), fuzz: self.number()? }.into(),
-            "dielectric" => Dielectric { ior: self.number()?, fresnel: Fresnel::Schlick }.into(),
-            "emissive" => Light { radiance: self.vector()?, sides: Sides::Both }.into(),
+            "lambert" => json!({ "lambertian": { "albedo": self.vector()? } }),
+            "metal" => json!({ "metal": { "albedo": self.vector()?, "fuzz": self.number()? } }),
+            "dielectric" => json!({ "dielectric": { "ior": self.number()? } }),
+            "emissive" => json!({ "light": { "radiance": self.vector()? } }),
             "checker" => {
                 let (odd, even, scale) = (self.vector()?, self.vector()?, self.number()?);
-                texture = Some(Checker { odd, even, scale }.into());
-                Lambertian { albedo: Color::Named(name.to_owned()) }.into()
+                texture = Some(json!({ "checker": { "odd": odd, "even": even, "scale": scale } }));
+                json!({ "lambertian": { "albedo": name } })
             }
             other => {
                 let message = format!("unknown material `{other}`{}", suggestion(other, MATERIALS));

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 
 use super::{Camera, Medium, Scene};
-use crate::geometry::{Primitive, Volume};
+use crate::geometry::Volume;
 
 /// BLAKE3 over camera, background, primitives with their materials, and media, in a canonical form:
 /// JSON of what the parameters are once names are looked up, and the bytes of coordinates.
@@ -22,13 +22,8 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         .map(|material| blake3::hash(&canonical(json!(material))))
         .collect();
     for primitive in 0..scene.geometry().len() as u32 {
-        match scene.geometry().get(primitive) {
-            Primitive::Sphere(s) => {
-                hasher.shape("sphere", &[s.center, s.motion(), Vec3::splat(s.radius)]);
-            }
-            Primitive::Quad(q) => hasher.shape("quad", &[q.q, q.u, q.v]),
-            Primitive::Triangle(t) => hasher.shape("triangle", &t.vertices),
-        }
+        let shape = scene.geometry().get(primitive);
+        hasher.shape(shape.name(), &shape.identity());
         let material = scene.material_map().get(primitive);
         hasher.0.update(materials[material as usize].as_bytes());
     }

@@ -101,7 +101,7 @@ impl Looks {
         // The primitives `begin..=last`, of one shape, with material number `material`.
         let mut light = 0;
         let mut range = |begin: u32, last: u32, material: u32| {
-            let shape = Shape::of(geometry.get(begin));
+            let shape = geometry.get(begin).shape();
             let entry = entries[material as usize];
             let material = &scene.materials()[material as usize];
             let emission = material.emission();

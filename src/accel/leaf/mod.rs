@@ -118,7 +118,7 @@ macro_rules! blocks {
             pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
                 // Ties go to the lowest index, and so to the lowest lane.
                 primitives.sort_unstable();
-                let shape = Shape::of(geometry.get(primitives[0]));
+                let shape = geometry.get(primitives[0]).shape();
                 let index = match shape {
                     $(Shape::$name => {
                         self.$module.push(geometry, primitives);
@@ -209,9 +209,9 @@ impl Blocks {
     /// Adds blocks of `primitives` in any number and mixture.
     pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
         let mut primitives = primitives.to_vec();
-        primitives.sort_by_key(|&p| (Shape::of(geometry.get(p)) as u32, p));
+        primitives.sort_by_key(|&p| (geometry.get(p).shape() as u32, p));
         primitives
-            .chunk_by_mut(|&a, &b| Shape::of(geometry.get(a)) == Shape::of(geometry.get(b)))
+            .chunk_by_mut(|&a, &b| geometry.get(a).shape() == geometry.get(b).shape())
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()

@@ -39,7 +39,7 @@ impl<'a> Collapse<'a> {
                 Below::Primitive(primitive) => Subtree {
                     costs: [area; SHARES],
                     count: 1,
-                    kind: Some(Shape::of(geometry.get(primitive))),
+                    kind: Some(geometry.get(primitive).shape()),
                     is_leaf: true,
                 },
                 Below::Children(first) => collapse.join(first, area),
@@ -163,7 +163,7 @@ mod tests {
             let collapse = Collapse::new(&geometry, &tree);
             let kind_of = |leaf: u32| {
                 let mut kinds: Vec<Shape> =
-                    tree.primitives(leaf).iter().map(|&p| Shape::of(geometry.get(p))).collect();
+                    tree.primitives(leaf).iter().map(|&p| geometry.get(p).shape()).collect();
                 kinds.dedup();
                 assert_eq!(kinds.len(), 1);
                 kinds[0]

@@ -4,7 +4,7 @@ use super::binary::{Below, BinaryTree};
 use crate::accel::leaf::{BlockRef, Blocks};
 use crate::accel::setup::Extent;
 use crate::accel::slab::{Planes, planes};
-use crate::geometry::{Bounds, Geometry, Shape};
+use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
 /// A node: the boxes of its two children, in one of two forms, and what they are.
@@ -46,7 +46,7 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 impl PairTree {
     /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
-        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| Shape::of(geometry.get(primitive)));
+        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| geometry.get(primitive).shape());
         let mut layout = Self {
             nodes: Vec::new(),
             middles: Vec::new(),

@@ -39,7 +39,7 @@ const FROM: [Vec3; 6] = [
 /// The primitives that are lights, and which light each is.
 fn lights(scene: &Scene, tables: &SceneTables) -> Vec<(u32, u32)> {
     let light = |primitive: u32| {
-        let shape = crate::geometry::Shape::of(scene.geometry().get(primitive));
+        let shape = scene.geometry().get(primitive).shape();
         let (light, is_light) = tables.looks.lights::<f32>(shape, primitive);
         is_light.then_some((primitive, light))
     };

@@ -4,7 +4,7 @@ pub(crate) mod lanes;
 
 use glam::{DVec3, Vec3};
 
-use super::{Bounds, PreparedRay, Ray, Surface};
+use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
 use crate::math::{Real, Row, UNIT_ROUNDOFF, Vector, dot, length, row};
 
 /// A two-sided parallelogram, with what its test needs precomputed.
@@ -70,22 +70,6 @@ impl Quad {
         (dot(p, self.dual_u), dot(p, self.dual_v))
     }
 
-    #[inline]
-    pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        let t = self.plane_distance(&prepared.ray);
-        // NaN fails here, and with it every parallel ray.
-        if !(t > t_min && t < t_max) {
-            return None;
-        }
-        let (a, b) = self.coordinates(&prepared.ray, t);
-        ((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b)).then_some(t)
-    }
-
-    pub(super) fn bounds(&self) -> Bounds {
-        let Self { q, u, v, .. } = *self;
-        Bounds::of([q, q + u, q + v, q + u + v]).widened(4)
-    }
-
     /// 1/sin of the angle between the edges: by how much the errors of (a, b) are magnified.
     pub fn condition(&self) -> f32 {
         length(self.u) * length(self.v) / self.area()
@@ -104,6 +88,32 @@ impl Quad {
     /// Whether the edges are perpendicular to within f32 rounding.
     pub fn is_rectangle(&self) -> bool {
         dot(self.u, self.v).abs() <= 16.0 * UNIT_ROUNDOFF * length(self.u) * length(self.v)
+    }
+}
+
+impl PrimitiveModel for Quad {
+    #[inline]
+    fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+        let t = self.plane_distance(&prepared.ray);
+        // NaN fails here, and with it every parallel ray.
+        if !(t > t_min && t < t_max) {
+            return None;
+        }
+        let (a, b) = self.coordinates(&prepared.ray, t);
+        ((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b)).then_some(t)
+    }
+
+    fn bounds(&self) -> Bounds {
+        let Self { q, u, v, .. } = *self;
+        Bounds::of([q, q + u, q + v, q + u + v]).widened(4)
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Quad
+    }
+
+    fn identity(&self) -> [Vec3; 3] {
+        [self.q, self.u, self.v]
     }
 }
 

@@ -5,7 +5,7 @@ pub(crate) mod lanes;
 use glam::Vec3;
 use std::f32::consts::PI;
 
-use super::{Bounds, PreparedRay, Ray, Surface};
+use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
 use crate::math::trig::{acos, atan2};
 use crate::math::{
     Mask, Real, Row, UNIT_ROUNDOFF, Vector, clamp, dot, max, max_element, normalize, row,
@@ -39,7 +39,9 @@ impl Sphere {
     pub fn center_at(&self, time: f32) -> Vec3 {
         self.center + self.motion() * time
     }
+}
 
+impl PrimitiveModel for Sphere {
     /// First root in the open interval.
     ///
     /// With `f` from the centre to the origin and `l` the part of it perpendicular to the
@@ -48,7 +50,7 @@ impl Sphere {
     /// terms would cancel is taken as the product of the roots over the other, which is no
     /// nearer to 0: along a tangent from the surface both are rounding, and so is their quotient.
     #[inline(always)]
-    pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+    fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let ray = &prepared.ray;
         let f = ray.origin - self.center_at(ray.time);
         let b = -dot(f, ray.direction);
@@ -67,10 +69,18 @@ impl Sphere {
         (t > t_min && t < t_max).then_some(t)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
+    fn bounds(&self) -> Bounds {
         // The centre's components are monotonic in time, rounding included.
         let centers = Bounds::of([self.center_at(0.0), self.center_at(1.0)]);
         Bounds { min: centers.min - self.radius, max: centers.max + self.radius }.widened(1)
+    }
+
+    fn shape(&self) -> Shape {
+        if self.motion() == Vec3::ZERO { Shape::Sphere } else { Shape::MovingSphere }
+    }
+
+    fn identity(&self) -> [Vec3; 3] {
+        [self.center, self.motion(), Vec3::splat(self.radius)]
     }
 }
 

@@ -4,7 +4,7 @@ pub(crate) mod lanes;
 
 use glam::{DVec3, Vec3};
 
-use super::{Bounds, PreparedRay, Ray, Surface};
+use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
 use crate::math::{UNIT_ROUNDOFF, length, max, max_element};
 
 /// A two-sided triangle; its front is where the vertices run counter-clockwise.
@@ -78,12 +78,6 @@ impl Triangle {
     }
 
     #[inline]
-    pub(super) fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        let t = distance(self.sheared(prepared));
-        (t > t_min && t < t_max).then_some(t)
-    }
-
-    #[inline]
     fn barycentric(&self, ray: &Ray) -> Vec3 {
         let [u, v, w] = weights(self.sheared(&PreparedRay::new(ray)));
         let sum = u + v + w;
@@ -118,14 +112,30 @@ impl Triangle {
         (w.y, w.z)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
-        Bounds::of(self.vertices)
-    }
-
     /// Whether the vertices are on a line, so that there is no normal. Such a triangle must
     /// not be part of a scene.
     pub fn is_degenerate(&self) -> bool {
         !(self.scaled_normal().length_squared() > 0.0)
+    }
+}
+
+impl PrimitiveModel for Triangle {
+    #[inline]
+    fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+        let t = distance(self.sheared(prepared));
+        (t > t_min && t < t_max).then_some(t)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::of(self.vertices)
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Triangle
+    }
+
+    fn identity(&self) -> [Vec3; 3] {
+        self.vertices
     }
 }
 
