@@ -144,7 +144,7 @@ pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
     BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, PrimitiveFile,
-    RenderDefaults, Sampling, Scene, SceneFile, material, texture,
+    RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
 };
 
 /// What the program, the benches, the tests and the fuzz targets of this package use. It is not part of the

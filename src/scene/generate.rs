@@ -10,9 +10,10 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::background::Background;
-use super::description::{CameraFile, PrimitiveFile, RenderDefaults, SceneFile};
+use super::description::{CameraFile, SceneFile};
 use super::material::{Dielectric, Fresnel, Lambertian, Material, Metal};
 use super::named::Named;
+use super::primitive::{PrimitiveFile, SphereFile, TrianglesFile};
 use crate::error::{Error, Result};
 use crate::limits::MAX_GENERATED;
 use crate::math::normalize;
@@ -67,23 +68,10 @@ fn scene(
     materials: Named<Material>,
     primitives: Vec<PrimitiveFile>,
 ) -> SceneFile {
-    SceneFile {
-        camera: CameraFile {
-            look_from,
-            look_at: [0.0; 3],
-            up: [0.0, 1.0, 0.0],
-            vfov,
-            defocus_angle: 0.0,
-            focus_distance: 10.0,
-            shutter: (0.0, 0.0),
-        },
-        background: Background::Constant { radiance: [0.70, 0.80, 1.00] },
-        render: RenderDefaults::default(),
-        textures: Named::default(),
-        materials,
-        primitives,
-        media: Vec::new(),
-    }
+    let mut scene = SceneFile::new(CameraFile::new(look_from, [0.0; 3], vfov));
+    scene.background = Background::Constant { radiance: [0.70, 0.80, 1.00] };
+    (scene.materials, scene.primitives) = (materials, primitives);
+    scene
 }
 
 /// Spheres of radius 0.1 to 0.5, uniform in a ball whose density does not depend on their
@@ -111,11 +99,12 @@ fn cloud(count: u32) -> SceneFile {
         if x * x + y * y + z * z >= 1.0 {
             continue;
         }
-        primitives.push(PrimitiveFile::Sphere {
+        let sphere = SphereFile {
             center: [x * radius, y * radius, z * radius],
             radius: 0.1 + 0.4 * random.uniform(),
             material: format!("m{}", random.bits() % 64),
-        });
+        };
+        primitives.push(sphere.into());
     }
     scene([0.0, 40.0, 260.0], 45.0, materials, primitives)
 }
@@ -145,7 +134,7 @@ fn mesh(count: u32) -> SceneFile {
     let gray = Lambertian { albedo: [0.7; 3].into() }.into();
     let material = "gray".to_owned();
     let materials = Named(vec![(material.clone(), gray)]);
-    let primitives = vec![PrimitiveFile::Triangles { vertices, indices, material }];
+    let primitives = vec![TrianglesFile { vertices, indices, material }.into()];
     scene([0.0, 9.0, 22.0], 35.0, materials, primitives)
 }
 

@@ -1,7 +1,6 @@
 //! Scenes: from a name or file to checked, index-based data.
 
 mod background;
-mod boxes;
 mod bsdf;
 mod budget;
 mod builtin;
@@ -23,6 +22,7 @@ mod named;
 mod nesting;
 mod parse;
 mod place;
+pub mod primitive;
 mod resolve;
 mod tables;
 pub mod texture;
@@ -31,7 +31,7 @@ pub use background::Background;
 pub use builtin::BUILTIN_NAMES;
 pub use camera::Camera;
 pub(crate) use camera::CameraFrame;
-pub use description::{CameraFile, PrimitiveFile, RenderDefaults, Sampling, SceneFile};
+pub use description::{CameraFile, RenderDefaults, Sampling, SceneFile};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
 pub(crate) use light::LightSample;
@@ -45,6 +45,7 @@ pub(crate) use medium::Isotropic;
 pub(crate) use medium::Medium;
 pub use medium::MediumFile;
 pub use named::Named;
+pub use primitive::PrimitiveFile;
 pub(crate) use tables::SceneTables;
 
 use std::collections::BTreeSet;

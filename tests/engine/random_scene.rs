@@ -5,6 +5,7 @@ use ptfast::material::{
     Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
     Sides,
 };
+use ptfast::primitive::{BoxFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile};
 use ptfast::texture::{Checker, Color, Image, Solid, Texture};
 use ptfast::{Background, CameraFile, MediumFile, Named, PrimitiveFile, Sampling, SceneFile};
 
@@ -26,17 +27,17 @@ fn scale(scene: &mut SceneFile, by: f32) {
     let mut points = vec![&mut camera.look_from, &mut camera.look_at];
     for primitive in &mut scene.primitives {
         match primitive {
-            PrimitiveFile::Sphere { center, radius, .. } => {
+            PrimitiveFile::Sphere(SphereFile { center, radius, .. }) => {
                 *radius *= by;
                 points.push(center);
             }
-            PrimitiveFile::MovingSphere { center, center1, radius, .. } => {
+            PrimitiveFile::MovingSphere(MovingSphereFile { center, center1, radius, .. }) => {
                 *radius *= by;
                 points.extend([center, center1]);
             }
-            PrimitiveFile::Quad { q, u, v, .. } => points.extend([q, u, v]),
-            PrimitiveFile::Box { min, max, .. } => points.extend([min, max]),
-            PrimitiveFile::Triangles { vertices, .. } => points.extend(vertices),
+            PrimitiveFile::Quad(QuadFile { q, u, v, .. }) => points.extend([q, u, v]),
+            PrimitiveFile::Box(BoxFile { min, max, .. }) => points.extend([min, max]),
+            PrimitiveFile::Triangles(TrianglesFile { vertices, .. }) => points.extend(vertices),
             _ => unreachable!("the maker makes no other"),
         }
     }
@@ -186,41 +187,45 @@ impl Maker {
         // Now and then far larger, so that it holds the camera.
         let size = if self.one_in(12) { 20.0 } else { 1.0 };
         match self.below(7) {
-            0 | 1 => PrimitiveFile::Sphere {
+            0 | 1 => SphereFile {
                 center: self.vector(-3.0, 3.0),
                 radius: size * self.0.between(0.05, 1.0),
                 material,
-            },
-            2 => PrimitiveFile::MovingSphere {
+            }
+            .into(),
+            2 => MovingSphereFile {
                 center: self.vector(-3.0, 3.0),
                 center1: self.vector(-3.0, 3.0),
                 radius: self.0.between(0.05, 1.0),
                 material,
-            },
-            3 => PrimitiveFile::Quad {
+            }
+            .into(),
+            3 => QuadFile {
                 q: self.vector(-3.0, 3.0),
                 u: self.vector(-size, size),
                 v: self.vector(-size, size),
                 material,
-            },
+            }
+            .into(),
             // Along the axes: a rectangle.
-            4 => PrimitiveFile::Quad {
+            4 => QuadFile {
                 q: self.vector(-3.0, 3.0),
                 u: [0.0, 0.0, self.0.between(0.1, 3.0)],
                 v: [self.0.between(0.1, 3.0), 0.0, 0.0],
                 material,
-            },
+            }
+            .into(),
             5 => {
                 let min = self.vector(-3.0, 2.0);
                 let edges = self.vector(0.1, 1.5);
                 let max = [0, 1, 2].map(|axis| min[axis] + edges[axis]);
                 let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
-                PrimitiveFile::Box { min, max, rotation, material }
+                BoxFile { min, max, rotation, material }.into()
             }
             _ => {
                 let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
                 let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
-                PrimitiveFile::Triangles { vertices, indices, material }
+                TrianglesFile { vertices, indices, material }.into()
             }
         }
     }

@@ -3,16 +3,14 @@
 //! Lengths are in the scene's unit, angles in degrees, colours linear RGB. Numbers are
 //! checked in [`super::resolve`], which knows what they mean.
 
-mod primitive;
-
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 use super::material::Material;
 use super::medium::MediumFile;
 use super::named::Named;
+use super::primitive::{PrimitiveFile, SphereFile, TrianglesFile};
 use super::texture::Texture;
-pub use primitive::PrimitiveFile;
 
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,7 +65,7 @@ impl SceneFile {
 
     /// Adds a sphere.
     pub fn add_sphere(&mut self, center: [f32; 3], radius: f32, material: impl Into<String>) {
-        self.primitives.push(PrimitiveFile::Sphere { center, radius, material: material.into() });
+        self.primitives.push(SphereFile { center, radius, material: material.into() }.into());
     }
 
     /// Adds a triangle mesh. `triangles` has three indices into `vertices` for each triangle,
@@ -78,11 +76,9 @@ impl SceneFile {
         triangles: &[[u32; 3]],
         material: impl Into<String>,
     ) {
-        self.primitives.push(PrimitiveFile::Triangles {
-            vertices: vertices.to_vec(),
-            indices: triangles.to_vec(),
-            material: material.into(),
-        });
+        let (vertices, indices) = (vertices.to_vec(), triangles.to_vec());
+        let mesh = TrianglesFile { vertices, indices, material: material.into() };
+        self.primitives.push(mesh.into());
     }
 }
 

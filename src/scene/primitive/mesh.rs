@@ -1,0 +1,61 @@
+//! Meshes from files.
+
+use std::collections::hash_map;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Builder, Entry};
+use crate::error::Result;
+use crate::scene::files;
+use crate::scene::mesh::{self, Transform};
+use crate::scene::place::{Element, MAX_COORDINATE};
+
+/// The triangles of an OBJ or PLY file: its positions and faces, nothing else. Polygons become fans;
+/// triangles without area are left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// Path, relative to the scene file.
+    pub file: String,
+    /// Factor about the origin, above 0, before the rotation.
+    #[serde(default = "unit")]
+    pub scale: f32,
+    /// Right-handed angles about x, then y, then z, through the origin.
+    #[serde(default)]
+    pub rotation: [f32; 3],
+    /// Added last.
+    #[serde(default)]
+    pub translation: [f32; 3],
+    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    pub material: String,
+}
+
+fn unit() -> f32 {
+    1.0
+}
+
+impl Entry for MeshFile {
+    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+        let &Self { ref file, scale, rotation, translation, .. } = self;
+        let ok = scale > 0.0 && scale <= MAX_COORDINATE;
+        e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
+        e.rotation(rotation)?;
+        e.point("translation", translation)?;
+        let path = files::path(e, to.folder, file, &to.budget.limits)?;
+        let before = to.geometry.len();
+        let mesh = match to.meshes.entry(path) {
+            hash_map::Entry::Occupied(there) => there.into_mut(),
+            hash_map::Entry::Vacant(new) => {
+                let mesh = mesh::read(new.key(), to.budget).map_err(|error| e.error(error))?;
+                to.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
+                new.insert(mesh)
+            }
+        };
+        let room = to.budget.hold_primitives(before, mesh.triangles.len());
+        room.map_err(|message| e.error(message))?;
+        let transformed = mesh.transformed(&Transform { scale, rotation, translation }, to.budget);
+        let triangles = transformed.map_err(|message| e.error(format!("{file}: {message}")))?;
+        to.geometry.triangles.extend(triangles);
+        Ok(())
+    }
+}

@@ -1,0 +1,32 @@
+//! Spheres that move linearly.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Builder, Entry, radius};
+use crate::error::Result;
+use crate::geometry::Sphere;
+use crate::scene::place::Element;
+
+/// A sphere that moves linearly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MovingSphereFile {
+    /// Centre at time 0.
+    pub center: [f32; 3],
+    /// Centre at time 1.
+    pub center1: [f32; 3],
+    /// Radius, above 0.
+    pub radius: f32,
+    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    pub material: String,
+}
+
+impl Entry for MovingSphereFile {
+    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+        let center = e.point("center", self.center)?;
+        let center1 = e.point("center1", self.center1)?;
+        to.room(e, 1)?;
+        to.geometry.spheres.push(Sphere { center, center1, radius: radius(e, self.radius)? });
+        Ok(())
+    }
+}

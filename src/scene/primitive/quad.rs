@@ -1,0 +1,31 @@
+//! Parallelograms.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Builder, Entry};
+use crate::error::Result;
+use crate::scene::place::Element;
+
+/// The parallelogram q + a u + b v, a and b in [0, 1]; its front is the side of u × v.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QuadFile {
+    /// Corner.
+    pub q: [f32; 3],
+    /// Edge.
+    pub u: [f32; 3],
+    /// Edge.
+    pub v: [f32; 3],
+    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    pub material: String,
+}
+
+impl Entry for QuadFile {
+    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+        to.room(e, 1)?;
+        for (name, vector) in [("q", self.q), ("u", self.u), ("v", self.v)] {
+            e.point(name, vector)?;
+        }
+        to.quad(e, [self.q, self.u, self.v])
+    }
+}

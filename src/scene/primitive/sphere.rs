@@ -1,0 +1,29 @@
+//! Spheres that do not move.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Builder, Entry, radius};
+use crate::error::Result;
+use crate::geometry::Sphere;
+use crate::scene::place::Element;
+
+/// A sphere that does not move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereFile {
+    /// Centre.
+    pub center: [f32; 3],
+    /// Radius, above 0.
+    pub radius: f32,
+    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    pub material: String,
+}
+
+impl Entry for SphereFile {
+    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+        let center = e.point("center", self.center)?;
+        to.room(e, 1)?;
+        to.geometry.spheres.push(Sphere::still(center, radius(e, self.radius)?));
+        Ok(())
+    }
+}

@@ -1,0 +1,47 @@
+//! Lists of triangles.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Builder, Entry};
+use crate::error::Result;
+use crate::geometry::Triangle;
+use crate::scene::place::Element;
+
+/// A list of triangles; their front is where they run counter-clockwise. Those without area are left
+/// out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrianglesFile {
+    /// Points.
+    pub vertices: Vec<[f32; 3]>,
+    /// Three positions in `vertices` each, from 0.
+    pub indices: Vec<[u32; 3]>,
+    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    pub material: String,
+}
+
+impl Entry for TrianglesFile {
+    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+        let Self { vertices, indices, .. } = self;
+        to.room(e, indices.len())?;
+        for (i, vertex) in vertices.iter().enumerate() {
+            e.point(&format!("vertices[{i}]"), *vertex)?;
+        }
+        for (i, corner) in indices.iter().enumerate() {
+            let vertex = |k: u32| vertices.get(k as usize).map(|v| Vec3::from_array(*v));
+            let [Some(a), Some(b), Some(c)] = corner.map(vertex) else {
+                return Err(e.error(format!(
+                    "indices[{i}] must be below the number of vertices {}, is {corner:?}",
+                    vertices.len()
+                )));
+            };
+            let triangle = Triangle { vertices: [a, b, c] };
+            // Meshes have some; they have no normal.
+            if !triangle.is_degenerate() {
+                to.geometry.triangles.push(triangle);
+            }
+        }
+        Ok(())
+    }
+}
