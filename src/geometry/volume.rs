@@ -9,7 +9,7 @@ use crate::math::{Real, Vector, dot, max, min};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Volume {
     /// A ball.
-    Sphere {
+    Ball {
         /// Centre.
         center: Vec3,
         /// Radius, above 0.
@@ -33,7 +33,7 @@ impl Volume {
     pub(crate) fn interval<R: Real>(&self, ray: &Ray<R>) -> (R, R) {
         let vector = |v: Vec3| <R::Vec3 as Vector>::splat(v);
         let (near, far) = match *self {
-            Self::Sphere { center, radius } => {
+            Self::Ball { center, radius } => {
                 let (f, radius) = (ray.origin - vector(center), R::splat(radius));
                 let b = -dot(f, ray.direction);
                 let l = f + ray.direction * b;
@@ -64,14 +64,14 @@ impl Volume {
         let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.reach() + other.reach());
         match (self, other) {
             (
-                Self::Sphere { center, radius },
-                Self::Sphere { center: other_center, radius: other_radius },
+                Self::Ball { center, radius },
+                Self::Ball { center: other_center, radius: other_radius },
             ) => {
                 let apart = (center.as_dvec3() - other_center.as_dvec3()).length();
                 apart < f64::from(*radius) + f64::from(*other_radius) - slack
             }
-            (sphere @ Self::Sphere { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(sphere),
-            (Self::Box { .. }, Self::Sphere { center: other_center, radius }) => {
+            (sphere @ Self::Ball { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(sphere),
+            (Self::Box { .. }, Self::Ball { center: other_center, radius }) => {
                 let (center, edges) = self.half_edges();
                 let from = other_center.as_dvec3() - center;
                 let nearest: DVec3 = edges
@@ -112,7 +112,7 @@ impl Volume {
     /// Middle and half edges; of a sphere those of its box.
     fn half_edges(&self) -> (DVec3, [DVec3; 3]) {
         match self {
-            Self::Sphere { center, radius } => {
+            Self::Ball { center, radius } => {
                 (center.as_dvec3(), [DVec3::X, DVec3::Y, DVec3::Z].map(|e| e * f64::from(*radius)))
             }
             Self::Box { center, axes, half } => {
@@ -131,7 +131,7 @@ mod tests {
     use crate::math::warp::uniform_sphere;
 
     fn sphere(x: f32, radius: f32) -> Volume {
-        Volume::Sphere { center: Vec3::new(x, 0.0, 0.0), radius }
+        Volume::Ball { center: Vec3::new(x, 0.0, 0.0), radius }
     }
 
     /// Turned by 45 degrees about z.
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn rays_are_inside_where_their_points_are() {
         let inside = |volume: &Volume, p: Vec3| match *volume {
-            Volume::Sphere { center, radius } => (p - center).length_squared() < radius * radius,
+            Volume::Ball { center, radius } => (p - center).length_squared() < radius * radius,
             Volume::Box { center, axes, half } => {
                 (0..3).all(|axis| dot(axes[axis], p - center).abs() < half[axis])
             }

@@ -29,9 +29,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     }
     for Medium { volume, density, albedo } in scene.media() {
         match *volume {
-            Volume::Sphere { center, radius } => {
-                hasher.shape("ball", &[center, Vec3::splat(radius)])
-            }
+            Volume::Ball { center, radius } => hasher.shape("ball", &[center, Vec3::splat(radius)]),
             Volume::Box { center, axes: [x, y, z], half } => {
                 hasher.shape("box", &[center, x, y, z, half]);
             }

@@ -21,7 +21,8 @@ use crate::sampler::{Dimension, Randoms};
 #[non_exhaustive]
 pub enum MediumFile {
     /// In a ball.
-    Sphere {
+    #[serde(rename = "sphere")]
+    Ball {
         /// Centre.
         center: [f32; 3],
         /// Radius, above 0 to 1e9.
@@ -62,11 +63,11 @@ impl Medium {
     /// Checks what a file says of one.
     pub(super) fn new(e: &Element<'_>, file: &MediumFile) -> Result<Self> {
         let (volume, density, albedo) = match file {
-            MediumFile::Sphere { center, radius, density, albedo } => {
+            MediumFile::Ball { center, radius, density, albedo } => {
                 let center = e.point("center", *center)?;
                 let ok = *radius > 0.0 && *radius <= MAX_COORDINATE;
                 e.check(ok, "radius", "above 0 and at most 1e9", radius)?;
-                (Volume::Sphere { center, radius: *radius }, density, albedo)
+                (Volume::Ball { center, radius: *radius }, density, albedo)
             }
             MediumFile::Box { min, max, rotation, density, albedo } => {
                 e.bounds(*min, *max)?;

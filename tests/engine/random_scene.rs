@@ -43,7 +43,7 @@ fn scale(scene: &mut SceneFile, by: f32) {
     }
     for medium in &mut scene.media {
         match medium {
-            MediumFile::Sphere { center, radius, density, .. } => {
+            MediumFile::Ball { center, radius, density, .. } => {
                 *radius *= by;
                 *density = min(*density / by, 1e6);
                 points.push(center);
@@ -106,7 +106,7 @@ impl Maker {
         let center = [3.0 * place - 2.0, self.0.between(-1.0, 1.0), self.0.between(-1.0, 1.0)];
         let radius = self.0.between(0.2, 1.4);
         if self.one_in(2) {
-            return MediumFile::Sphere { center, radius, density, albedo };
+            return MediumFile::Ball { center, radius, density, albedo };
         }
         let half = 0.57 * radius;
         let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };

@@ -1,4 +1,4 @@
-//! Metal by its index of refraction, smooth or of GGX microfacets.
+//! A metal given by its index of refraction, smooth or of GGX microfacets.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::TextureTables;
 
-/// Metal by its complex index of refraction, smooth or with GGX microfacets.
+/// A metal given by its complex index of refraction, smooth or with GGX microfacets.
 ///
 /// f = F D G/(4 |cos θo cos θi|), with height-correlated masking and shadowing (Heitz 2014, equation 99).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

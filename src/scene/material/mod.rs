@@ -189,7 +189,7 @@ materials! {
     Dielectric in dielectric,
     /// Frosted glass.
     RoughDielectric in rough_dielectric,
-    /// Metal by its index of refraction.
+    /// A metal given by its index of refraction.
     Conductor in conductor,
     /// A light, which absorbs what hits it.
     Light in light,

@@ -14,7 +14,7 @@ use crate::scene::texture::TextureTables;
 
 /// Frosted glass in air: GGX microfacets, exact Fresnel equations.
 ///
-/// Each visible microfacet is a smooth piece of glass. As in [`super::Dielectric`], paths carry basic
+/// Each visible microfacet is a smooth piece of glass. As in smooth glass, paths carry basic
 /// radiance. Masking and shadowing from opposite sides are taken as independent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
