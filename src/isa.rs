@@ -8,6 +8,7 @@ use std::fmt;
 
 /// Instruction sets by what they mean for ptfast, from narrow to wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Isa {
     /// Not x86-64: what the compiler makes of it.
     Portable,

@@ -66,7 +66,8 @@
 //! // It can go on, to the bits of a render that was never stopped ...
 //! renderer.advance_to(&mut rendering, 32, &())?;
 //! // ... or make way for another view of the same trees.
-//! renderer.set(RenderSettings { spp: 1, seed: 2, ..settings })?;
+//! let camera = (&CameraFile::new([4.0, 2.0, 3.0], [0.0, 0.5, 0.0], 40.0)).try_into()?;
+//! renderer.set(RenderSettings { camera, spp: 1, seed: 2, ..settings })?;
 //! renderer.render()?;
 //! # Ok(())
 //! # }
@@ -138,6 +139,7 @@ pub use engine::{
     RayCounts, Render, RenderSettings, Renderer, Rendering, Seconds, SegmentPlan, Stop, Tally,
 };
 pub use error::{Error, Result};
+pub use glam;
 pub use image::{Image, Metadata, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};

@@ -1,4 +1,6 @@
 //! The command line: parse, run, and say what went wrong in one line.
+// Help texts have defaults in brackets, which are no links.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 mod args;
 mod bench;

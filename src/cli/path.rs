@@ -81,9 +81,9 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         }
         (_, _, None) => "leaves the scene".to_owned(),
         (_, _, Some(hit)) => {
-            let shape = scene.geometry().get(hit.primitive).name();
+            let primitive = scene.geometry().get(hit.primitive).name();
             let material = scene.material(hit.primitive).name();
-            format!("hits primitive {}, a {shape} of {material}, at {}", hit.primitive, hit.t)
+            format!("hits primitive {}, a {primitive} of {material}, at {}", hit.primitive, hit.t)
         }
     };
     let kind = match kind {

@@ -70,8 +70,10 @@ pub struct RenderSettings {
     /// How the wavefront engine works, waves included; `None` for its own.
     pub plan: Option<Plan>,
     /// Whether kernels count their work, which costs them some time.
+    #[doc(hidden)]
     pub count: bool,
     /// Whether it is kept what each worker did when.
+    #[doc(hidden)]
     pub timeline: bool,
     /// How many pixels there may be, and how much memory.
     pub limits: Limits,
@@ -137,6 +139,7 @@ impl RenderSettings {
     }
 
     /// All pixels.
+    #[doc(hidden)]
     pub fn image(&self) -> Tile {
         Tile { x: 0, y: 0, width: self.width, height: self.height }
     }

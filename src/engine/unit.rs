@@ -32,7 +32,7 @@ pub(super) trait UnitWorker {
 #[derive(Debug)]
 pub(super) struct Task {
     pub(super) unit: Unit,
-    /// [`Film::open_sums`].
+    /// [`Film::open_sums`](crate::film::Film::open_sums).
     pub(super) open: Plane,
 }
 

@@ -1,7 +1,6 @@
 //! The shapes that have code of their own in tests, leaf blocks and shading.
 
-/// Hands the list of shapes to the macro `$list`: the variant of [`Shape`], and the module that has its
-/// code in each layer.
+/// Hands the list of shapes to the macro `$list`: the variant of [`Shape`], and its module in `accel/leaf`.
 macro_rules! shapes {
     ($list:ident) => {
         $list! {

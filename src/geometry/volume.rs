@@ -70,7 +70,7 @@ impl Volume {
                 let apart = (center.as_dvec3() - other_center.as_dvec3()).length();
                 apart < f64::from(*radius) + f64::from(*other_radius) - slack
             }
-            (sphere @ Self::Ball { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(sphere),
+            (ball @ Self::Ball { .. }, boxed @ Self::Box { .. }) => boxed.overlaps(ball),
             (Self::Box { .. }, Self::Ball { center: other_center, radius }) => {
                 let (center, edges) = self.half_edges();
                 let from = other_center.as_dvec3() - center;
@@ -109,7 +109,7 @@ impl Volume {
         self.half_edges().0.abs().max_element()
     }
 
-    /// Middle and half edges; of a sphere those of its box.
+    /// Middle and half edges; of a ball those of its box.
     fn half_edges(&self) -> (DVec3, [DVec3; 3]) {
         match self {
             Self::Ball { center, radius } => {

@@ -10,13 +10,11 @@ use png::text_metadata::ITXtChunk;
 
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
+use super::transfer::TRANSFER_KEY;
 use super::{Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::limits::MAX_SIDE;
-
-/// PNG text key under which ptfast notes the transfer curve.
-pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 
 /// Bytes that a decoder may allocate besides the pixels.
 const MAX_BESIDES: u64 = 1 << 23;

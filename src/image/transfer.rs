@@ -6,6 +6,9 @@ use std::sync::LazyLock;
 use crate::math::precise::pow_12_5;
 use crate::math::{max, min};
 
+/// PNG text key under which ptfast notes the transfer curve.
+pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
+
 /// How linear values become display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {

@@ -110,7 +110,7 @@ fn write_png(
     for (key, value) in &metadata.0 {
         encoder.add_itxt_chunk(key.clone(), value.clone())?;
     }
-    encoder.add_itxt_chunk(super::read::TRANSFER_KEY.into(), transfer.name().into())?;
+    encoder.add_itxt_chunk(super::transfer::TRANSFER_KEY.into(), transfer.name().into())?;
     let codes: Vec<u8> =
         image.pixels().iter().flatten().map(|&value| transfer.encode(value)).collect();
     let mut writer = encoder.write_header()?;

@@ -5,6 +5,7 @@ use super::{MAX_PRIMITIVES, MAX_SIDE};
 
 /// What there may be only so much of, unless the user allows more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Limit {
     /// Bytes of a scene file.
     SceneBytes,
@@ -75,6 +76,7 @@ impl Limit {
 
 /// What a scene or a render was refused for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Refused {
     /// It needs more than a limit allows, but not more than the limit can be raised to.
     Beyond(Limit, u64),

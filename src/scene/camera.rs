@@ -2,6 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
+use super::description::CameraFile;
+use super::place::{Element, MAX_COORDINATE};
+use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::math::precise::tan_degrees;
 use crate::math::warp::uniform_disk;
@@ -27,7 +30,7 @@ pub struct Camera {
 
 /// A camera with an image size: makes rays. Rounded once from f64.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CameraFrame {
+pub(crate) struct CameraFrame {
     pub(crate) origin: Vec3,
     /// From the lens's centre to the upper left corner of the image in the plane of focus.
     pub(crate) corner: Vec3,
@@ -39,9 +42,54 @@ pub struct CameraFrame {
     shutter_duration: f32,
 }
 
+impl TryFrom<&CameraFile> for Camera {
+    type Error = Error;
+
+    /// # Errors
+    /// [`Error::Input`] that names the first parameter out of range.
+    fn try_from(camera: &CameraFile) -> Result<Self> {
+        Self::new(&Element { file: "scene", place: String::new(), kind: "camera" }, camera)
+    }
+}
+
 impl Camera {
+    /// Checks `camera`, which is the element `e` of a scene file.
+    pub(super) fn new(e: &Element<'_>, camera: &CameraFile) -> Result<Self> {
+        let from = e.point("look_from", camera.look_from)?.as_dvec3();
+        let at = e.point("look_at", camera.look_at)?.as_dvec3();
+        let up = e.point("up", camera.up)?.as_dvec3();
+        let (vfov, defocus) = (camera.vfov, camera.defocus_angle);
+        e.check(vfov > 0.0 && vfov < 180.0, "vfov", "in (0, 180) degrees", vfov)?;
+        let defocus_ok = (0.0..180.0).contains(&defocus);
+        e.check(defocus_ok, "defocus_angle", "in [0, 180) degrees", defocus)?;
+        let focus = camera.focus_distance;
+        let focus_ok = focus > 0.0 && focus <= MAX_COORDINATE;
+        e.check(focus_ok, "focus_distance", "above 0 and at most 1e9", focus)?;
+        let (open, close) = camera.shutter;
+        let shutter_ok = (0.0..=close).contains(&open) && close <= 1.0;
+        e.check(shutter_ok, "shutter", "two times with 0 <= open <= close <= 1", (open, close))?;
+        let unit = |v: DVec3| v / v.dot(v).sqrt();
+        let back = unit(from - at);
+        if !back.is_finite() {
+            return Err(e.error("look_from and look_at must differ, the camera looks at itself"));
+        }
+        let right = up.cross(back);
+        if !(right.dot(right) > 1e-12 * up.dot(up)) {
+            return Err(e.error("up must not be zero or parallel to the view direction"));
+        }
+        let right = unit(right);
+        Ok(Self {
+            look_from: from,
+            frame: [right, back.cross(right), back],
+            vfov: f64::from(vfov),
+            defocus_angle: f64::from(defocus),
+            focus_distance: f64::from(focus),
+            shutter: camera.shutter,
+        })
+    }
+
     /// The camera of an image of `width × height` pixels.
-    pub fn frame(&self, width: u32, height: u32) -> CameraFrame {
+    pub(crate) fn frame(&self, width: u32, height: u32) -> CameraFrame {
         let [right, up, back] = self.frame;
         let (width, height) = (f64::from(width), f64::from(height));
         let image_height = 2.0 * tan_degrees(self.vfov / 2.0) * self.focus_distance;

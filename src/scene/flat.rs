@@ -155,7 +155,7 @@ impl Words<'_> {
         match word.parse::<f32>() {
             Ok(number) if number.is_finite() => Ok(number),
             _ => {
-                let message = format!("`{word}` is not a number");
+                let message = format!("`{word}` is not a finite number");
                 Err(self.error(message))
             }
         }
@@ -190,8 +190,10 @@ impl Words<'_> {
         let material = match kind.as_str() {
             "lambert" => json!({ "lambertian": { "albedo": self.vector()? } }),
             "metal" => json!({ "metal": { "albedo": self.vector()?, "fuzz": self.number()? } }),
-            "dielectric" => json!({ "dielectric": { "ior": self.number()? } }),
-            "emissive" => json!({ "light": { "radiance": self.vector()? } }),
+            "dielectric" => {
+                json!({ "dielectric": { "ior": self.number()?, "fresnel": "schlick" } })
+            }
+            "emissive" => json!({ "light": { "radiance": self.vector()?, "sides": "both" } }),
             "checker" => {
                 let (odd, even, scale) = (self.vector()?, self.vector()?, self.number()?);
                 texture = Some(json!({ "checker": { "odd": odd, "even": even, "scale": scale } }));

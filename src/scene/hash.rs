@@ -22,19 +22,21 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         .map(|material| blake3::hash(&canonical(json!(material))))
         .collect();
     for primitive in 0..scene.geometry().len() as u32 {
-        let shape = scene.geometry().get(primitive);
-        hasher.shape(shape.name(), &shape.identity());
         let material = scene.material_map().get(primitive);
+        let primitive = scene.geometry().get(primitive);
+        hasher.vectors(primitive.name(), &primitive.identity());
         hasher.0.update(materials[material as usize].as_bytes());
     }
     for Medium { volume, density, albedo } in scene.media() {
         match *volume {
-            Volume::Ball { center, radius } => hasher.shape("ball", &[center, Vec3::splat(radius)]),
+            Volume::Ball { center, radius } => {
+                hasher.vectors("ball", &[center, Vec3::splat(radius)])
+            }
             Volume::Box { center, axes: [x, y, z], half } => {
-                hasher.shape("box", &[center, x, y, z, half]);
+                hasher.vectors("box", &[center, x, y, z, half]);
             }
         }
-        hasher.shape("medium", &[Vec3::splat(*density), *albedo]);
+        hasher.vectors("medium", &[Vec3::splat(*density), *albedo]);
     }
     hasher.0.finalize().to_hex().to_string()
 }
@@ -51,7 +53,7 @@ impl Hasher {
         self.0.update(&canonical(value));
     }
 
-    fn shape(&mut self, name: &str, vectors: &[Vec3]) {
+    fn vectors(&mut self, name: &str, vectors: &[Vec3]) {
         self.text(name);
         for value in vectors.iter().flat_map(Vec3::to_array) {
             self.0.update(&(value + 0.0).to_le_bytes());

@@ -93,7 +93,8 @@ impl Scene {
     /// too.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and where a limit is exceeded: it is named, and how it is raised.
+    /// As [`load`](Self::load), and where a limit is exceeded. The message names the limit, and ends with the advice of
+    /// [`Limits::with_advice`], if there is any.
     pub fn load_within(name_or_path: &str, limits: &Limits) -> Result<Self> {
         Source::find(name_or_path)?.read(limits)?.resolve()
     }

@@ -15,6 +15,7 @@ mod indices;
 mod int;
 mod mask;
 mod prefetch;
+mod real;
 mod rows;
 mod vec3x;
 

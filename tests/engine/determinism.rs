@@ -1,10 +1,12 @@
 //! Same seed, same bits: whatever the threads, the waves and the build.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::sync::Mutex;
 
 use crate::common::{SAMPLINGS, render};
 use ptfast::internals::BITS;
-use ptfast::{RenderSettings, Renderer, Sampler, Scene};
+use ptfast::{Observer, Progress, RenderSettings, Renderer, Sampler, Scene};
 
 /// Small settings with a last chunk of samples that is not full.
 fn small(scene: &Scene) -> RenderSettings {
@@ -35,12 +37,27 @@ fn threads_and_waves_do_not_matter() {
 fn renders_on_the_pool_of_the_caller() {
     let scene = Scene::load("cornell").unwrap();
     let want = render(&scene, small(&scene)).hash();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-    let (hash, threads) = pool.install(|| {
+    /// Collects the names of the threads that render.
+    #[derive(Default)]
+    struct Names(Mutex<BTreeSet<String>>);
+
+    impl Observer for Names {
+        fn progressed(&self, _: Progress) {
+            let name = std::thread::current().name().unwrap_or_default().to_owned();
+            self.0.lock().unwrap().insert(name);
+        }
+    }
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).thread_name(|i| format!("mine {i}"));
+    let (names, hash) = pool.build().unwrap().install(|| {
         let renderer = Renderer::in_current_pool(&scene, small(&scene)).unwrap();
-        (renderer.render().unwrap().image.hash(), renderer.threads())
+        assert_eq!(renderer.threads(), 3);
+        let (mut rendering, names) = (renderer.begin().unwrap(), Names::default());
+        renderer.advance(&mut rendering, &names).unwrap();
+        (names.0.into_inner().unwrap(), rendering.image().unwrap().hash())
     });
-    assert_eq!((hash, threads), (want, 3));
+    assert_eq!(hash, want);
+    assert!(!names.is_empty() && names.iter().all(|name| name.starts_with("mine ")), "{names:?}");
 }
 
 /// Hashes that every build and machine must give. A change of them is a change of the

@@ -1,5 +1,5 @@
 //! Tests of the library that depend on the instruction set: images, proofs and kernels. `.ci/run` repeats them for
-//! each instruction set.
+//! each instruction set, without the proofs and the scenes of other programs.
 
 mod common;
 mod determinism;

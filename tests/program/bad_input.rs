@@ -115,7 +115,7 @@ fn faults_in_the_flat_form() {
     flat("0 0 0 1 0\n", "0 0 0 1 7\n", ":4", &["unknown material 7, the file defines 1"]);
     flat("40 0 5 0 0", "40 0 5 0", ":2", &["the line ends where a number should follow"]);
     flat("40 0 5 0 0", "40 0 5 0 0 9", ":2", &["`9` is one value too many"]);
-    flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a number"]);
+    flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a finite number"]);
     flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
     flat("size 8 8", "size 8 -8", ":1", &["`-8` is not a whole number"]);
     flat("camera 0 0 5 0 0 0", "camera 0 0 5 0 0 5", ":2", &["camera: look_from and look_at"]);

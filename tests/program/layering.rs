@@ -91,12 +91,16 @@ fn tree(text: &str) -> (Vec<Vec<String>>, &str) {
         loop {
             let (more, after) = tree(inside.trim_start());
             paths.extend(more);
-            let after = after.trim_start();
-            rest = after.strip_prefix('}').unwrap_or(after);
-            match after.strip_prefix(',').map(str::trim_start) {
-                Some(next) if !next.starts_with('}') => inside = next,
-                Some(next) => break rest = &next[1..],
-                None => break,
+            // What follows the name: `as another`, a comma, or the end.
+            let end = after.find([',', '}']).unwrap_or(after.len());
+            let (mark, next) = after[end..].split_at(after[end..].len().min(1));
+            (rest, inside) = (next, next.trim_start());
+            if mark != "," {
+                break;
+            }
+            if let Some(after) = inside.strip_prefix('}') {
+                rest = after;
+                break;
             }
         }
     } else if let Some(after) = rest.strip_prefix("::") {
@@ -117,8 +121,8 @@ fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     let code = lines.collect::<Vec<_>>().join("\n");
     let mut found = Vec::new();
     for (start, root) in code.match_indices("crate::").chain(code.match_indices("super::")) {
-        if code[..start].ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | ':' | '(')) {
-            continue; // a longer path, or a visibility
+        if code[..start].ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | ':')) {
+            continue; // a longer path
         }
         let mut rest = &code[start + root.len()..];
         let mut base = if root == "crate::" { &[][..] } else { &module[..module.len() - 1] };
@@ -135,6 +139,39 @@ fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     found
 }
 
+/// Module → names that its `mod.rs` imports from modules in its folder → those modules.
+fn re_exports(files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, String>> {
+    let mut all = BTreeMap::new();
+    for file in files.iter().filter(|file| file.ends_with("mod.rs")) {
+        let text = fs::read_to_string(file).unwrap();
+        let mut names = BTreeMap::new();
+        for (start, _) in text.match_indices("use ") {
+            for path in tree(&format!("_::{}", &text[start + 4..])).0 {
+                if let [_, child, .., name] = &path[..] {
+                    names.insert(name.clone(), child.clone());
+                }
+            }
+        }
+        all.insert(path_of(file), names);
+    }
+    all
+}
+
+/// The entries of `imports` that are in a circle, or lead to one.
+fn circles(mut imports: BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
+    // Take away what imports nothing that is left.
+    loop {
+        let left: BTreeSet<String> = imports.keys().cloned().collect();
+        imports.retain(|_, to| !to.is_disjoint(&left));
+        if imports.len() == left.len() {
+            return imports;
+        }
+    }
+}
+
+/// Folders whose types are defined by each other: a vector of floats has bits, and those are integers.
+const ONE_VOCABULARY: [&str; 1] = ["simd"];
+
 /// Modules of one folder import each other in no circle.
 #[test]
 fn imports_have_no_circles() {
@@ -143,30 +180,40 @@ fn imports_have_no_circles() {
     // Folder → module in it → modules beside it that its files import.
     let mut folders: BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
     let modules: BTreeSet<Vec<String>> = files.iter().map(|file| path_of(file)).collect();
+    let re_exports = re_exports(&files);
     for file in &files {
         let module = path_of(file);
         for path in named_paths(&module, &fs::read_to_string(file).unwrap()) {
             let common = module.iter().zip(&path).take_while(|(a, b)| a == b).count();
             let (Some(from), Some(to)) = (module.get(common), path.get(common)) else { continue };
-            if modules.contains(&path[..=common]) {
-                let folder = folders.entry(module[..common].to_vec()).or_default();
+            let there = &path[..common];
+            let direct = modules.contains(&path[..=common]).then_some(to);
+            let to = direct.or_else(|| re_exports.get(there)?.get(to));
+            if let Some(to) = to.filter(|to| *to != from) {
+                let folder = folders.entry(there.to_vec()).or_default();
                 folder.entry(from.clone()).or_default().insert(to.clone());
             }
         }
     }
     assert!(folders.len() > 10, "imports were not found");
-    for (folder, mut imports) in folders {
-        // Take away what imports nothing that is left, until nothing is left or only circles.
-        loop {
-            let left: BTreeSet<String> = imports.keys().cloned().collect();
-            let before = imports.len();
-            imports.retain(|_, to| !to.is_disjoint(&left));
-            if imports.len() == before {
-                break;
-            }
-        }
-        assert!(imports.is_empty(), "circles in src/{}: {imports:?}", folder.join("/"));
+    for (folder, imports) in folders {
+        let (folder, circles) = (folder.join("/"), circles(imports));
+        let allowed = ONE_VOCABULARY.contains(&&*folder);
+        assert!(allowed || circles.is_empty(), "circles in src/{folder}: {circles:?}");
     }
+}
+
+#[test]
+fn circles_are_found() {
+    let imports = |all: &[(&str, &str)]| {
+        let mut imports: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (from, to) in all {
+            imports.entry((*from).to_owned()).or_default().insert((*to).to_owned());
+        }
+        circles(imports).len()
+    };
+    assert_eq!(imports(&[("a", "b"), ("b", "c"), ("a", "c")]), 0);
+    assert_eq!(imports(&[("a", "b"), ("b", "c"), ("c", "b"), ("b", "d")]), 3);
 }
 
 /// The first line of a file says what it is for.
@@ -183,7 +230,7 @@ fn every_file_says_what_it_is_for() {
 
 #[test]
 fn the_paths_of_a_file_are_seen() {
-    let text = "use crate::math::{dot, trig::{sin, cos}};\npub(super) fn f() { super::g::h() }\n\
+    let text = "use crate::math::{dot as d, trig::{sin, cos,}};\npub(super) fn f() { super::g::h() }\n\
                 use super::super::x;\n// crate::cli\n";
     let module = ["a", "b"].map(str::to_owned);
     let paths: Vec<String> =

@@ -13,6 +13,7 @@ pub(super) mod single;
 /// A way of finding what rays hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Kernel {
     /// Packets of rays against the boxes of a binary tree, one by one.
     Packet,

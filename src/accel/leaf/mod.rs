@@ -26,8 +26,11 @@ impl BlockRef {
     pub(super) const NONE: Self = Self(Self::LEAF);
     const SHAPE_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
+    /// 2 bits for the shape, 4 for the count.
+    const FITS: () = assert!(Shape::ALL.len() <= 4 && LANES <= 16);
 
     fn new(shape: Shape, count: usize, index: usize) -> Self {
+        let () = Self::FITS;
         assert!(index < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
         Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
@@ -73,7 +76,7 @@ trait Leaf: Default {
     /// Number of blocks.
     fn len(&self) -> usize;
 
-    /// Moves them to huge pages, once all are there.
+    /// Moves the blocks to huge pages, once all are there.
     fn settle(&mut self);
 
     /// Asks for the memory of a block.
@@ -84,8 +87,7 @@ trait Leaf: Default {
 
     /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
     #[inline(always)]
-    fn bounds(&self, block: usize) -> Option<[[Float; 3]; 2]> {
-        let _ = block;
+    fn bounds(&self, _block: usize) -> Option<[[Float; 3]; 2]> {
         None
     }
 
@@ -94,8 +96,8 @@ trait Leaf: Default {
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// What to ask before the costly part of a test changes nothing but speed: of quads whether any ray
-    /// is near their plane (`NEAR`), of spheres whether rays leave them (`LEAVE`).
+    /// `NEAR` and `LEAVE` add an early test: whether any ray is near a quad's plane, and whether rays
+    /// leave a sphere. They change nothing but speed.
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
         block: usize,

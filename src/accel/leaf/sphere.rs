@@ -2,8 +2,6 @@
 
 use std::mem::take;
 
-use glam::Vec3;
-
 use super::{Leaf, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::huge_pages::settle;
@@ -41,7 +39,7 @@ impl Leaf for Blocks {
     fn push(&mut self, geometry: &Geometry, primitives: &[u32]) {
         let mut block = Block::new(geometry, primitives);
         // 0 + −0 is 0, as where a motion of 0 is added.
-        block.center = block.center.map(|lanes| lanes.map(|x| x + Vec3::ZERO.x));
+        block.center = block.center.map(|lanes| lanes.map(|x| x + 0.0));
         self.0.push(block);
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry};
+use super::{Builder, Expand};
 use crate::error::Result;
 use crate::math::precise::rotate;
 use crate::scene::place::{Element, angles};
@@ -22,8 +22,8 @@ pub struct BoxFile {
     pub material: String,
 }
 
-impl Entry for BoxFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for BoxFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         e.bounds(self.min, self.max)?;
         e.rotation(self.rotation)?;
         to.room(e, 6)?;

@@ -4,7 +4,7 @@ use std::collections::hash_map;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry};
+use super::{Builder, Expand};
 use crate::error::Result;
 use crate::scene::files;
 use crate::scene::mesh::{self, Transform};
@@ -34,8 +34,8 @@ fn unit() -> f32 {
     1.0
 }
 
-impl Entry for MeshFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for MeshFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         let &Self { ref file, scale, rotation, translation, .. } = self;
         let ok = scale > 0.0 && scale <= MAX_COORDINATE;
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;

@@ -1,6 +1,6 @@
 //! Primitives of scene files, and groups of primitives: one file each.
 //!
-//! The list in `primitives!` makes the enum of scene files and the dispatch.
+//! The list in `primitive_files!` makes the enum of scene files and the dispatch.
 
 mod boxes;
 mod mesh;
@@ -20,10 +20,10 @@ use super::place::{Element, MAX_COORDINATE};
 use crate::error::Result;
 use crate::geometry::{Geometry, Quad};
 
-/// What an entry of a scene file's list of primitives is.
-trait Entry {
+/// An entry in the list of primitives of a scene file.
+trait Expand {
     /// Checks the parameters, and adds the primitives that they stand for.
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()>;
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()>;
 }
 
 /// A geometry while it grows.
@@ -63,7 +63,7 @@ fn radius(e: &Element<'_>, radius: f32) -> Result<f32> {
     e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
 }
 
-macro_rules! primitives {
+macro_rules! primitive_files {
     ($($(#[doc = $doc:literal])* $name:ident($file:ident) in $module:ident called $word:literal,)*) => {
         $(pub use $module::$file;)*
 
@@ -97,16 +97,16 @@ macro_rules! primitives {
             }
 
             /// Checks the parameters, and adds the primitives that they stand for.
-            pub(super) fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+            pub(super) fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
                 match self {
-                    $(Self::$name(primitive) => primitive.add(e, to),)*
+                    $(Self::$name(primitive) => primitive.expand(e, to),)*
                 }
             }
         }
     };
 }
 
-primitives! {
+primitive_files! {
     /// A sphere that does not move.
     Sphere(SphereFile) in sphere called "sphere",
     /// A sphere that moves linearly.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry, radius};
+use super::{Builder, Expand, radius};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::scene::place::Element;
@@ -21,8 +21,8 @@ pub struct MovingSphereFile {
     pub material: String,
 }
 
-impl Entry for MovingSphereFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for MovingSphereFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         let center1 = e.point("center1", self.center1)?;
         to.room(e, 1)?;

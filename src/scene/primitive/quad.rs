@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry};
+use super::{Builder, Expand};
 use crate::error::Result;
 use crate::scene::place::Element;
 
@@ -20,8 +20,8 @@ pub struct QuadFile {
     pub material: String,
 }
 
-impl Entry for QuadFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for QuadFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         to.room(e, 1)?;
         for (name, vector) in [("q", self.q), ("u", self.u), ("v", self.v)] {
             e.point(name, vector)?;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry, radius};
+use super::{Builder, Expand, radius};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::scene::place::Element;
@@ -19,8 +19,8 @@ pub struct SphereFile {
     pub material: String,
 }
 
-impl Entry for SphereFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for SphereFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         to.room(e, 1)?;
         to.geometry.spheres.push(Sphere::still(center, radius(e, self.radius)?));

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Entry};
+use super::{Builder, Expand};
 use crate::error::Result;
 use crate::geometry::Triangle;
 use crate::scene::place::Element;
@@ -21,8 +21,8 @@ pub struct TrianglesFile {
     pub material: String,
 }
 
-impl Entry for TrianglesFile {
-    fn add(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl Expand for TrianglesFile {
+    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         let Self { vertices, indices, .. } = self;
         to.room(e, indices.len())?;
         for (i, vertex) in vertices.iter().enumerate() {

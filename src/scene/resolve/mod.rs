@@ -7,14 +7,12 @@ mod primitives;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
-
 use super::budget::Budget;
 use super::camera::Camera;
-use super::description::{CameraFile, SceneFile};
+use super::description::SceneFile;
 use super::files::Images;
 use super::medium::Medium;
-use super::place::{Element, MAX_COORDINATE, Places};
+use super::place::{Element, Places};
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
@@ -29,7 +27,8 @@ pub(super) fn resolve(
     budget: Budget,
 ) -> Result<Scene> {
     let resolver = Resolver { name, file, places, budget };
-    let camera = resolver.camera(&file.camera)?;
+    let e = resolver.element(Places::section(places.camera), "camera");
+    let camera = Camera::new(&e, &file.camera)?;
     file.background.check(&resolver.element(Places::section(places.background), "background"))?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
@@ -77,41 +76,6 @@ struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     fn element(&self, place: String, kind: &'a str) -> Element<'a> {
         Element { file: self.name, place, kind }
-    }
-
-    fn camera(&self, camera: &CameraFile) -> Result<Camera> {
-        let e = self.element(Places::section(self.places.camera), "camera");
-        let from = e.point("look_from", camera.look_from)?.as_dvec3();
-        let at = e.point("look_at", camera.look_at)?.as_dvec3();
-        let up = e.point("up", camera.up)?.as_dvec3();
-        let (vfov, defocus) = (camera.vfov, camera.defocus_angle);
-        e.check(vfov > 0.0 && vfov < 180.0, "vfov", "in (0, 180) degrees", vfov)?;
-        let defocus_ok = (0.0..180.0).contains(&defocus);
-        e.check(defocus_ok, "defocus_angle", "in [0, 180) degrees", defocus)?;
-        let focus = camera.focus_distance;
-        let focus_ok = focus > 0.0 && focus <= MAX_COORDINATE;
-        e.check(focus_ok, "focus_distance", "above 0 and at most 1e9", focus)?;
-        let (open, close) = camera.shutter;
-        let shutter_ok = (0.0..=close).contains(&open) && close <= 1.0;
-        e.check(shutter_ok, "shutter", "two times with 0 <= open <= close <= 1", (open, close))?;
-        let unit = |v: DVec3| v / v.dot(v).sqrt();
-        let back = unit(from - at);
-        if !back.is_finite() {
-            return Err(e.error("look_from and look_at must differ, the camera looks at itself"));
-        }
-        let right = up.cross(back);
-        if !(right.dot(right) > 1e-12 * up.dot(up)) {
-            return Err(e.error("up must not be zero or parallel to the view direction"));
-        }
-        let right = unit(right);
-        Ok(Camera {
-            look_from: from,
-            frame: [right, back.cross(right), back],
-            vfov: f64::from(vfov),
-            defocus_angle: f64::from(defocus),
-            focus_distance: f64::from(focus),
-            shutter: camera.shutter,
-        })
     }
 
     fn render_defaults(&self) -> Result<()> {

@@ -27,7 +27,7 @@ impl Resolver<'_> {
                 let known = self.file.materials.names();
                 e.error(format!("unknown material `{material}`{}", suggestion(material, known)))
             })?;
-            primitive.add(&e, &mut builder)?;
+            primitive.expand(&e, &mut builder)?;
             let geometry = &builder.geometry;
             for (list, count) in
                 solids.iter_mut().zip([geometry.spheres.len(), geometry.quads.len()])

@@ -115,15 +115,16 @@ pub(super) fn cases() -> Vec<Case> {
         ("size 8 8", "size 8", "the line ends"),
         ("size 8 8", "size 65536 65536", "the limit of pixels"),
         ("size 8 8", "size 8 8\nsize 8 8", "a second `size`"),
-        ("camera 0", "camera nan", "`nan` is not a number"),
+        ("camera 0", "camera nan", "`nan` is not a finite number"),
         ("camera", "camra", "did you mean `camera`"),
         ("1 0\n", "1 1\n", "unknown material 1"),
         ("1 0\n", "1 4294967295\n", "unknown material 4294967295"),
-        ("1 0\n", "inf 0\n", "`inf` is not a number"),
+        ("1 0\n", "inf 0\n", "`inf` is not a finite number"),
         ("1 0\n", "1 0 0\n", "one value too many"),
         ("lambert 0.5", "lambert 2", "albedo must be"),
         ("lambert", "chrome", "unknown material"),
-        ("sphere 0 0 0", "sphere 0 0 x", "is not a number"),
+        ("sphere 0 0 0", "sphere 0 0 x", "`x` is not a finite number"),
+        ("sphere 0 0 0", "sphere 0 0 1e39", "`1e39` is not a finite number"),
     ] {
         flat(from, to, says);
     }
