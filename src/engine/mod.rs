@@ -2,12 +2,14 @@
 
 mod contract;
 mod memory;
+mod observer;
 mod plan;
 mod pool;
 mod prepared;
 #[cfg(test)]
 mod proof;
 mod recording;
+mod render;
 mod renderer;
 mod rendering;
 mod scalar;
@@ -22,11 +24,13 @@ mod unit;
 mod wavefront;
 
 pub use contract::BITS;
+pub use observer::{Observer, Stop};
 pub use plan::{Plan, Planning, SegmentPlan};
 pub use pool::{Pin, Pinned};
 pub use prepared::PreparedScene;
 pub(crate) use recording::{PathRecorder, RayKind, TracedPath, TracedRay};
-pub use renderer::{Observer, Render, Renderer, Seconds, Stop};
+pub use render::{Render, Seconds};
+pub use renderer::Renderer;
 pub(crate) use rendering::MOST_EVENTS;
 pub use rendering::{Progress, Rendering};
 pub use settings::{Engine, RenderSettings};

@@ -8,20 +8,19 @@ use std::time::{Duration, Instant};
 
 use rayon::BroadcastContext;
 
+use super::observer::{Observer, Stop};
 use super::plan::{Plan, Planning};
 use super::pool::{Pinned, Pool};
 use super::prepared::{PreparedScene, View};
-use super::rendering::{Progress, Rendering, Shared};
+use super::render::{Render, Seconds};
+use super::rendering::{Rendering, Shared};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
-use super::stats::WaveStats;
-use super::tally::Tally;
-use super::timeline::{Activity, Event, Lap};
+use super::timeline::{Activity, Lap};
 use super::unit::UnitEngine;
 use super::wavefront::WavefrontEngine;
 use crate::error::Result;
 use crate::film::{Film, Schedule};
-use crate::image::Image;
 
 /// A prepared scene, the settings of a render, and threads.
 #[derive(Debug)]
@@ -31,35 +30,6 @@ pub struct Renderer {
     engine: Box<dyn UnitEngine>,
     pool: Pool,
     seconds: Seconds,
-}
-
-/// A finished render.
-#[derive(Clone, Debug)]
-pub struct Render {
-    /// The linear image.
-    pub image: Image,
-    /// What was traced, and what came of it.
-    pub tally: Tally,
-    /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
-    /// the work of its rays, without times.
-    #[doc(hidden)]
-    pub waves: WaveStats,
-    /// Time of each step.
-    pub seconds: Seconds,
-    /// What each worker did when, if the settings ask for it; the first two million events.
-    #[doc(hidden)]
-    pub timeline: Vec<Event>,
-}
-
-/// Wall-clock seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seconds {
-    /// Building the acceleration structure and starting the threads.
-    pub build: f64,
-    /// Finding the plan, and making what its trials need.
-    pub plan: f64,
-    /// Rendering.
-    pub render: f64,
 }
 
 fn check(prepared: &PreparedScene, settings: &RenderSettings) -> Result<()> {
@@ -78,42 +48,6 @@ fn engine(
         Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool)),
         Engine::Scalar => Box::new(ScalarEngine::new(view)),
     }
-}
-
-impl Seconds {
-    /// What it took since `start` to make `engine`.
-    fn of_build(engine: &dyn UnitEngine, start: Instant) -> Self {
-        let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
-        Self { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 }
-    }
-}
-
-/// Is told how far a render is, and may stop it.
-pub trait Observer: Sync {
-    /// `progress` is the state now; reports of several threads may arrive out of order.
-    fn progressed(&self, progress: Progress);
-
-    /// Whether the render is to go on. Is asked often, from any thread.
-    fn stop(&self) -> Stop {
-        Stop::No
-    }
-}
-
-/// Whether a render is to go on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stop {
-    /// It is.
-    #[default]
-    No,
-    /// Workers finish what they are at, a few thousand paths.
-    Soon,
-    /// Workers leave what they are at.
-    Now,
-}
-
-/// Nobody watches.
-impl Observer for () {
-    fn progressed(&self, _: Progress) {}
 }
 
 /// Tells the other workers when one fails, by an error or a panic: what they do would be in vain.
