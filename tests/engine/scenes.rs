@@ -4,7 +4,9 @@ use std::fs;
 
 use crate::common::{Estimate, render};
 use ptfast::internals::Source;
-use ptfast::{BUILTIN_NAMES, Limits, RenderSettings, Sampling, Scene};
+use ptfast::{
+    BUILTIN_NAMES, Camera, CameraFile, Limits, RenderSettings, Sampling, Scene, SceneFile,
+};
 
 /// The built-in scenes hold exactly the primitives, materials and camera of the flat files
 /// that other programs read.
@@ -70,6 +72,16 @@ fn scenes_round_trip_through_ron_and_json() {
             );
         }
     }
+}
+
+#[test]
+fn cameras_are_made_in_code() {
+    let mut file = CameraFile::new([3.0, 2.0, 4.0], [0.0; 3], 40.0);
+    let scene = Scene::from_file(&SceneFile::new(file.clone())).unwrap();
+    assert_eq!(&Camera::try_from(&file).unwrap(), scene.camera());
+    file.vfov = 180.0;
+    let error = Camera::try_from(&file).unwrap_err().to_string();
+    assert_eq!(error, "scene: camera: vfov must be in (0, 180) degrees, is 180.0");
 }
 
 /// Mean linear RGB by two independent loops around Embree, last digit ±1, without direct
