@@ -92,8 +92,17 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     Ok(to_linear(decoded, transfer))
 }
 
-/// What a PNG or EXR file says of itself.
-pub(super) fn metadata(path: &Path) -> Result<Metadata> {
+impl Metadata {
+    /// The metadata of the file `path`: PNG and EXR files have some, if ptfast wrote them.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is no such image.
+    pub fn read(path: &Path) -> Result<Self> {
+        metadata(path)
+    }
+}
+
+fn metadata(path: &Path) -> Result<Metadata> {
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
     input::length(path)?;
     let mut file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;

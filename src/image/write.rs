@@ -29,14 +29,6 @@ impl Metadata {
         let entry = self.0.iter().find(|(name, _)| name == key);
         entry.map(|(_, value)| value.as_str())
     }
-
-    /// What the file `path` says of itself: PNG and EXR files do, if ptfast wrote them.
-    ///
-    /// # Errors
-    /// Where the file cannot be read, or is no such image.
-    pub fn read(path: &Path) -> Result<Self> {
-        super::read::metadata(path)
-    }
 }
 
 /// The image formats that can be written.
