@@ -2,30 +2,30 @@
 
 use super::rendering::Progress;
 
-/// Is told how far a render is, and may stop it.
+/// Watches the progress of a render, and may stop it.
 pub trait Observer: Sync {
-    /// `progress` is the state now; reports of several threads may arrive out of order.
+    /// Reports progress. Reports of several threads may arrive out of order.
     fn progressed(&self, progress: Progress);
 
-    /// Whether the render is to go on. Is asked often, from any thread.
+    /// Returns whether the render must stop. The workers call this often, from any thread.
     fn stop(&self) -> Stop {
         Stop::No
     }
 }
 
-/// Whether a render is to go on.
+/// Whether, and how fast, a render must stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stop {
-    /// It is.
+    /// It continues.
     #[default]
     No,
-    /// Workers finish what they are at, a few thousand paths.
+    /// Workers finish their current unit of work, a few thousand paths.
     Soon,
-    /// Workers leave what they are at.
+    /// Workers abandon their current unit of work.
     Now,
 }
 
-/// Nobody watches.
+/// Watches nothing and never stops a render.
 impl Observer for () {
     fn progressed(&self, _: Progress) {}
 }

@@ -20,9 +20,9 @@ use crate::simd::{Float, LANES, Lanes};
 pub(super) struct BlockRef(u32);
 
 impl BlockRef {
-    /// Set in every reference, so that a node's children can be told from blocks.
+    /// The bit that distinguishes a reference to a block from the index of a node.
     pub(super) const LEAF: u32 = 1 << 31;
-    /// For places that no block is in yet.
+    /// A placeholder that refers to no block.
     pub(super) const NONE: Self = Self(Self::LEAF);
     const SHAPE_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
@@ -68,7 +68,7 @@ impl BlockRef {
     }
 }
 
-/// The blocks of one shape. A block has a number among them.
+/// The blocks of one shape, which are numbered from 0.
 trait Leaf: Default {
     /// Adds a block of `primitives`, at most [`LANES`]. Lanes without a primitive hold NaN.
     fn push(&mut self, geometry: &Geometry, primitives: &[u32]);
