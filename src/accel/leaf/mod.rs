@@ -5,14 +5,17 @@ mod quad;
 mod sphere;
 mod triangle;
 
+use std::mem::take;
+
 use glam::Vec3;
 
 use super::counters::Count;
+use super::huge_pages::settle;
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
 use crate::geometry::{Geometry, Shape, shapes};
-use crate::simd::{Float, LANES, Lanes};
+use crate::simd::{Float, LANES, Lanes, prefetch};
 
 /// A block: its shape, the number of its primitives, and its index among the blocks of that
 /// shape.
@@ -68,31 +71,19 @@ impl BlockRef {
     }
 }
 
-/// The blocks of one shape, which are numbered from 0.
-trait Leaf: Default {
-    /// Adds a block of `primitives`, at most [`LANES`]. Lanes without a primitive hold NaN.
-    fn push(&mut self, geometry: &Geometry, primitives: &[u32]);
+/// Up to [`LANES`] primitives of one shape, structure-of-arrays.
+trait Leaf: Sized {
+    /// The block of these primitives. Lanes without a primitive hold NaN.
+    fn new(geometry: &Geometry, primitives: &[u32]) -> Self;
 
-    /// Number of blocks.
-    fn len(&self) -> usize;
-
-    /// Moves the blocks to huge pages, once all are there.
-    fn settle(&mut self);
-
-    /// Asks for the memory of a block.
-    fn prefetch(&self, block: usize);
-
-    /// Size in memory.
-    fn bytes(&self) -> usize;
-
-    /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
+    /// The boxes of the primitives, if they are cheaper to test than the primitives.
     #[inline(always)]
-    fn bounds(&self, _block: usize) -> Option<[[Float; 3]; 2]> {
+    fn bounds(&self) -> Option<[[Float; 3]; 2]> {
         None
     }
 
-    /// Tests one ray against all primitives of a block, of which `valid` has the lanes.
-    fn test_one(&self, block: usize, valid: u32, one: &OneRay<'_>, best: &mut Best);
+    /// Tests one ray against all primitives, of which `valid` has the lanes.
+    fn test_one(&self, valid: u32, one: &OneRay<'_>, best: &mut Best);
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
@@ -100,7 +91,6 @@ trait Leaf: Default {
     /// leave a sphere. They change nothing but speed.
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
-        block: usize,
         lanes: u32,
         packet: &mut Packet<V>,
         count: &mut impl Count,
@@ -112,7 +102,7 @@ macro_rules! blocks {
         /// The blocks of a layout, a table for each shape.
         #[derive(Clone, Debug, Default)]
         pub(super) struct Blocks {
-            $($module: $module::Blocks,)*
+            $($module: Vec<$module::Block>,)*
         }
 
         impl Blocks {
@@ -123,7 +113,7 @@ macro_rules! blocks {
                 let shape = geometry.get(primitives[0]).shape();
                 let index = match shape {
                     $(Shape::$name => {
-                        self.$module.push(geometry, primitives);
+                        self.$module.push(Leaf::new(geometry, primitives));
                         self.$module.len() - 1
                     })*
                 };
@@ -137,29 +127,29 @@ macro_rules! blocks {
                 }
             }
 
-            /// To be called when all blocks are there.
+            /// Moves the blocks to huge pages, once all are there.
             pub(super) fn settle(&mut self) {
-                $(self.$module.settle();)*
+                $(self.$module = settle(take(&mut self.$module));)*
             }
 
             /// Asks for the memory of a block.
             #[inline(always)]
             pub(super) fn prefetch(&self, block: BlockRef) {
                 match block.shape() {
-                    $(Shape::$name => self.$module.prefetch(block.index()),)*
+                    $(Shape::$name => prefetch(&self.$module[block.index()]),)*
                 }
             }
 
             /// Size in memory.
             pub(super) fn bytes(&self) -> usize {
-                0 $(+ self.$module.bytes())*
+                0 $(+ size_of_val(&*self.$module))*
             }
 
             /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
             #[inline(always)]
             pub(super) fn bounds(&self, block: BlockRef) -> Option<[[Float; 3]; 2]> {
                 match block.shape() {
-                    $(Shape::$name => self.$module.bounds(block.index()),)*
+                    $(Shape::$name => self.$module[block.index()].bounds(),)*
                 }
             }
 
@@ -175,7 +165,7 @@ macro_rules! blocks {
                 count.leaf(LANES as u32, block.count());
                 match block.shape() {
                     $(Shape::$name => {
-                        self.$module.test_one(block.index(), block.valid(), one, best);
+                        self.$module[block.index()].test_one(block.valid(), one, best);
                     })*
                 }
             }
@@ -192,7 +182,8 @@ macro_rules! blocks {
             ) {
                 match block.shape() {
                     $(Shape::$name => {
-                        self.$module.test_packet::<V, ANY, NEAR, LEAVE>(block.index(), lanes, packet, count);
+                        let block = &self.$module[block.index()];
+                        block.test_packet::<V, ANY, NEAR, LEAVE>(lanes, packet, count);
                     })*
                 }
             }

@@ -1,10 +1,7 @@
 //! Blocks of quads.
 
-use std::mem::take;
-
 use super::{Leaf, count_tests, numbers, transpose};
 use crate::accel::counters::Count;
-use crate::accel::huge_pages::settle;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
@@ -12,24 +9,18 @@ use crate::accel::ray::rays::Rays;
 use crate::geometry::Geometry;
 use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
 use crate::geometry::ray_lanes::HitLanes;
-use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, prefetch};
+use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-struct Block {
+pub(super) struct Block {
     q: [Lanes; 3],
     normal: [Lanes; 3],
     dual_u: [Lanes; 3],
     dual_v: [Lanes; 3],
     primitive: Lanes<u32>,
-}
-
-#[derive(Clone, Debug, Default)]
-pub(super) struct Blocks {
-    blocks: Vec<Block>,
-    /// For each block the quads that need less work, for packets: single rays have no use for them, and
-    /// should not wait for their memory.
-    special: Vec<[Option<SpecialQuad>; LANES]>,
+    /// The quads that need less work, for packets.
+    special: [Option<SpecialQuad>; LANES],
 }
 
 impl Block {
@@ -56,66 +47,45 @@ impl Block {
     }
 }
 
-impl Leaf for Blocks {
-    fn push(&mut self, geometry: &Geometry, primitives: &[u32]) {
+impl Leaf for Block {
+    fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.spheres.len();
         let quads = || primitives.iter().map(|&p| &geometry.quads[p as usize - first]);
-        self.blocks.push(Block {
+        let mut special = [const { None }; LANES];
+        special.iter_mut().zip(quads()).for_each(|(to, quad)| *to = SpecialQuad::new(quad));
+        Self {
             q: transpose(quads().map(|quad| quad.q)),
             normal: transpose(quads().map(|quad| quad.normal)),
             dual_u: transpose(quads().map(|quad| quad.duals()[0])),
             dual_v: transpose(quads().map(|quad| quad.duals()[1])),
             primitive: numbers(primitives),
-        });
-        let mut special = [const { None }; LANES];
-        special.iter_mut().zip(quads()).for_each(|(to, quad)| *to = SpecialQuad::new(quad));
-        self.special.push(special);
-    }
-
-    fn len(&self) -> usize {
-        self.blocks.len()
-    }
-
-    fn settle(&mut self) {
-        self.blocks = settle(take(&mut self.blocks));
-        self.special = settle(take(&mut self.special));
+            special,
+        }
     }
 
     #[inline(always)]
-    fn prefetch(&self, block: usize) {
-        prefetch(&self.blocks[block]);
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&*self.blocks) + size_of_val(&*self.special)
-    }
-
-    #[inline(always)]
-    fn test_one(&self, block: usize, _: u32, one: &OneRay<'_>, best: &mut Best) {
-        let block = &self.blocks[block];
-        let (ray, quads) = (one.ray(), block.lanes());
+    fn test_one(&self, _: u32, one: &OneRay<'_>, best: &mut Best) {
+        let (ray, quads) = (one.ray(), self.lanes());
         let t = quads.distance(&ray);
         let near = t.gt(ray.t_min) & t.le(Float::splat(best.t));
         if near.any() {
             let hit = near & quads.contains(&ray, t);
-            best.offer_lanes(Some(HitLanes { t, hit }), &block.primitive);
+            best.offer_lanes(Some(HitLanes { t, hit }), &self.primitive);
         }
     }
 
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
-        block: usize,
         lanes: u32,
         packet: &mut Packet<V>,
         count: &mut impl Count,
     ) {
         count_tests(packet, lanes, count);
-        let (block, special) = (&self.blocks[block], &self.special[block]);
         for lane in Bits(lanes) {
-            let primitive = block.primitive[lane];
+            let primitive = self.primitive[lane];
             // Told apart here, once for all vectors.
-            match &special[lane] {
+            match &self.special[lane] {
                 Some(SpecialQuad::Aligned(quad)) => {
                     test_packet::<V, ANY, NEAR>(packet, quad, primitive);
                 }
@@ -125,7 +95,7 @@ impl Leaf for Blocks {
                 Some(SpecialQuad::Upright(quad)) => {
                     test_packet::<V, ANY, NEAR>(packet, quad, primitive);
                 }
-                None => test_packet::<V, ANY, NEAR>(packet, &block.splat(lane), primitive),
+                None => test_packet::<V, ANY, NEAR>(packet, &self.splat(lane), primitive),
             }
         }
     }

@@ -1,17 +1,14 @@
 //! Blocks of spheres that do not move.
 
-use std::mem::take;
-
 use super::{Leaf, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;
-use crate::accel::huge_pages::settle;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::sphere::lanes::{hits, misses, padded_radius2};
-use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes, first_bits, prefetch};
+use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes, first_bits};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
@@ -21,75 +18,43 @@ pub(super) struct Block {
     pub(super) primitive: Lanes<u32>,
 }
 
-#[derive(Clone, Debug, Default)]
-pub(super) struct Blocks(Vec<Block>);
-
-impl Block {
-    pub(super) fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
+impl Leaf for Block {
+    fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let spheres = || primitives.iter().map(|&p| &geometry.spheres[p as usize]);
         Self {
-            center: transpose(spheres().map(|sphere| sphere.center)),
+            // The contract adds a motion, even of 0, and −0 + 0 is 0.
+            center: transpose(spheres().map(|sphere| sphere.center_at(0.0))),
             radius: gather(spheres().map(|sphere| sphere.radius)),
             primitive: numbers(primitives),
         }
     }
-}
-
-impl Leaf for Blocks {
-    fn push(&mut self, geometry: &Geometry, primitives: &[u32]) {
-        let mut block = Block::new(geometry, primitives);
-        // 0 + −0 is 0, as where a motion of 0 is added.
-        block.center = block.center.map(|lanes| lanes.map(|x| x + 0.0));
-        self.0.push(block);
-    }
-
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn settle(&mut self) {
-        self.0 = settle(take(&mut self.0));
-    }
 
     #[inline(always)]
-    fn prefetch(&self, block: usize) {
-        prefetch(&self.0[block]);
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&*self.0)
-    }
-
-    #[inline(always)]
-    fn bounds(&self, block: usize) -> Option<[[Float; 3]; 2]> {
-        let block = &self.0[block];
-        let radius = Float::new(block.radius);
-        let center = |axis: usize| Float::new(block.center[axis]);
+    fn bounds(&self) -> Option<[[Float; 3]; 2]> {
+        let radius = Float::new(self.radius);
+        let center = |axis: usize| Float::new(self.center[axis]);
         Some([axes(|axis| center(axis) - radius), axes(|axis| center(axis) + radius)])
     }
 
     #[inline(always)]
-    fn test_one(&self, block: usize, _: u32, one: &OneRay<'_>, best: &mut Best) {
-        let block = &self.0[block];
-        let (center, radius) = (Vec3x::of_lanes(&block.center), Float::new(block.radius));
-        best.offer_lanes(hits::<true>(&one.ray(), center, radius), &block.primitive);
+    fn test_one(&self, _: u32, one: &OneRay<'_>, best: &mut Best) {
+        let (center, radius) = (Vec3x::of_lanes(&self.center), Float::new(self.radius));
+        best.offer_lanes(hits::<true>(&one.ray(), center, radius), &self.primitive);
     }
 
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
-        block: usize,
         lanes: u32,
         packet: &mut Packet<V>,
         count: &mut impl Count,
     ) {
         count_tests(packet, lanes, count);
-        let block = &self.0[block];
-        let padded = padded_radius2(Float::new(block.radius)).to_array();
+        let padded = padded_radius2(Float::new(self.radius)).to_array();
         for lane in Bits(lanes) {
-            let center = Vec3x::splat_lane(&block.center, lane);
-            let radius = Float::splat(block.radius[lane]);
-            let (padded, primitive) = (Float::splat(padded[lane]), block.primitive[lane]);
+            let center = Vec3x::splat_lane(&self.center, lane);
+            let radius = Float::splat(self.radius[lane]);
+            let (padded, primitive) = (Float::splat(padded[lane]), self.primitive[lane]);
             test_packet::<V, ANY, LEAVE>(packet, |_| center, radius, padded, primitive);
         }
     }

@@ -1,10 +1,7 @@
 //! Blocks of triangles.
 
-use std::mem::take;
-
 use super::{Leaf, numbers, transpose};
 use crate::accel::counters::Count;
-use crate::accel::huge_pages::settle;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
@@ -12,49 +9,28 @@ use crate::accel::ray::rays::Rays;
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::HitLanes;
 use crate::geometry::triangle::lanes::shear;
-use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes, prefetch};
+use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-struct Block {
+pub(super) struct Block {
     vertices: [[Lanes; 3]; 3],
     primitive: Lanes<u32>,
 }
 
-#[derive(Clone, Debug, Default)]
-pub(super) struct Blocks(Vec<Block>);
-
-impl Leaf for Blocks {
-    fn push(&mut self, geometry: &Geometry, primitives: &[u32]) {
+impl Leaf for Block {
+    fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.spheres.len() + geometry.quads.len();
         let vertex = |i: usize| {
             let of = |&p: &u32| geometry.triangles[p as usize - first].vertices[i];
             transpose(primitives.iter().map(of))
         };
-        let vertices = [vertex(0), vertex(1), vertex(2)];
-        self.0.push(Block { vertices, primitive: numbers(primitives) });
-    }
-
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn settle(&mut self) {
-        self.0 = settle(take(&mut self.0));
+        Self { vertices: axes(vertex), primitive: numbers(primitives) }
     }
 
     #[inline(always)]
-    fn prefetch(&self, block: usize) {
-        prefetch(&self.0[block]);
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&*self.0)
-    }
-
-    #[inline(always)]
-    fn bounds(&self, block: usize) -> Option<[[Float; 3]; 2]> {
-        let vertex = |i: usize, axis: usize| Float::new(self.0[block].vertices[i][axis]);
+    fn bounds(&self) -> Option<[[Float; 3]; 2]> {
+        let vertex = |i: usize, axis: usize| Float::new(self.vertices[i][axis]);
         Some([
             axes(|axis| vertex(0, axis).min(vertex(1, axis)).min(vertex(2, axis))),
             axes(|axis| vertex(0, axis).max(vertex(1, axis)).max(vertex(2, axis))),
@@ -62,17 +38,16 @@ impl Leaf for Blocks {
     }
 
     #[inline(always)]
-    fn test_one(&self, block: usize, valid: u32, one: &OneRay<'_>, best: &mut Best) {
-        let block = &self.0[block];
+    fn test_one(&self, valid: u32, one: &OneRay<'_>, best: &mut Best) {
         let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));
-        let vertices = axes(|i| axes(|axis| Float::new(block.vertices[i][one.axes[axis]])));
+        let vertices = axes(|i| axes(|axis| Float::new(self.vertices[i][one.axes[axis]])));
         let sheared = shear(origin, one.vector(&one.table.shear), vertices);
         let candidates = sheared.candidates(valid);
         if candidates != 0 {
             let t_min = one.table.t_min[one.lane];
             sheared.decide(candidates, |lane, t| {
                 if t > t_min {
-                    best.offer(t, block.primitive[lane]);
+                    best.offer(t, self.primitive[lane]);
                 }
             });
         }
@@ -82,16 +57,14 @@ impl Leaf for Blocks {
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
-        block: usize,
         lanes: u32,
         packet: &mut Packet<V>,
         count: &mut impl Count,
     ) {
-        let block = &self.0[block];
         for lane in Bits(lanes) {
-            let primitive = block.primitive[lane];
+            let primitive = self.primitive[lane];
             for rays in &mut packet.vectors {
-                test_rays::<ANY>(rays, &block.vertices, lane, primitive, count);
+                test_rays::<ANY>(rays, &self.vertices, lane, primitive, count);
             }
         }
     }

@@ -4,8 +4,8 @@ pub(crate) mod lanes;
 
 use glam::{DVec3, Vec3};
 
-use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
-use crate::math::{Real, Row, UNIT_ROUNDOFF, Vector, dot, length, row};
+use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape};
+use crate::math::{Row, UNIT_ROUNDOFF, dot, length, row};
 
 /// A two-sided parallelogram, with what its test needs precomputed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,37 +123,12 @@ pub(super) fn rows(quad: &Quad) -> [Row; 5] {
     [row(q, offset), row(u, x), row(v, y), row(dual_u, z), row(dual_v, 0.0)]
 }
 
-/// (a, b) of the points at distance `t`.
-#[inline(always)]
-pub(super) fn uv<R: Real>(table: &[[Row; 5]], index: R::Index, ray: &Ray<R>, t: R) -> (R, R) {
-    let (q, _) = R::gather(table, index, |rows| &rows[0]);
-    let (dual_u, _) = R::gather(table, index, |rows| &rows[3]);
-    let (dual_v, _) = R::gather(table, index, |rows| &rows[4]);
-    let p = (ray.origin - q) + ray.direction * t;
-    (dot(p, dual_u), dot(p, dual_v))
-}
-
-/// The points at distance `t`.
-#[inline(always)]
-pub(super) fn surface<R: Real>(
-    table: &[[Row; 5]],
-    index: R::Index,
-    ray: &Ray<R>,
-    t: R,
-) -> Surface<R> {
-    let (q, offset) = R::gather(table, index, |rows| &rows[0]);
-    let (u, x) = R::gather(table, index, |rows| &rows[1]);
-    let (v, y) = R::gather(table, index, |rows| &rows[2]);
-    let (dual_u, z) = R::gather(table, index, |rows| &rows[3]);
-    let (dual_v, _) = R::gather(table, index, |rows| &rows[4]);
-    let p = (ray.origin - q) + ray.direction * t;
-    let (a, b) = (dot(p, dual_u), dot(p, dual_v));
-    Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::geometry::{Geometry, Surfaces};
     use crate::math::normalize;
     use crate::math::random::Stream;
     use crate::math::warp::uniform_hemisphere;
@@ -205,13 +180,15 @@ mod tests {
             Quad::new(Vec3::new(0.1, 0.2, 0.3), Vec3::X * 1e-4, Vec3::new(1e-5, 300.0, 7.0)),
         ] {
             let quad = quad.unwrap();
+            let geometry = Geometry { quads: vec![quad], ..Geometry::default() };
+            let surfaces = Surfaces::new(&Arc::new(geometry));
             for _ in 0..200_000 {
                 let target = quad.q + quad.u * random.uniform() + quad.v * random.uniform();
                 let out = uniform_hemisphere(quad.normal, random.uniform(), random.uniform()).0;
                 let start = target + out * 1000.0 * random.uniform();
                 let first = ray(start, normalize(target - start));
                 let Some(t) = hit(&quad, &first) else { continue };
-                let surface = surface::<f32>(&[rows(&quad)], 0, &first, t);
+                let surface = surfaces.find::<f32>(Shape::Quad, 0, &first, t);
                 let u = random.uniform();
                 for side in [surface.normal, -surface.normal] {
                     let out = uniform_hemisphere(side, 1.0 - u * u * u, random.uniform()).0;

@@ -1,0 +1,59 @@
+//! Points on quads.
+
+use std::sync::Arc;
+
+use crate::geometry::quad::rows;
+use crate::geometry::{Geometry, Ray, Surface};
+use crate::math::{Real, Row, Vector, Word, dot};
+
+/// [`rows`] of all quads.
+#[derive(Debug)]
+pub(super) struct Table {
+    /// The first quad's number among primitives.
+    first: u32,
+    quads: Vec<[Row; 5]>,
+}
+
+impl Table {
+    #[inline(always)]
+    fn index<R: Real>(&self, primitive: R::Word) -> R::Index {
+        R::index(primitive.wrapping_sub(R::Word::splat(self.first)), self.quads.len())
+    }
+
+    /// Row `number` of the quads.
+    #[inline(always)]
+    fn row<R: Real>(&self, index: R::Index, number: usize) -> (R::Vec3, R) {
+        R::gather(&self.quads, index, |rows| &rows[number])
+    }
+}
+
+impl super::Table for Table {
+    fn new(geometry: &Arc<Geometry>) -> Self {
+        let quads = geometry.quads.iter().map(rows).collect();
+        Self { first: geometry.spheres.len() as u32, quads }
+    }
+
+    #[inline(always)]
+    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
+        let index = self.index::<R>(primitive);
+        let (q, offset) = self.row::<R>(index, 0);
+        let (u, x) = self.row::<R>(index, 1);
+        let (v, y) = self.row::<R>(index, 2);
+        let (dual_u, z) = self.row::<R>(index, 3);
+        let (dual_v, _) = self.row::<R>(index, 4);
+        let p = (ray.origin - q) + ray.direction * t;
+        let (a, b) = (dot(p, dual_u), dot(p, dual_v));
+        Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
+    }
+
+    /// The quads' coordinates (a, b).
+    #[inline(always)]
+    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
+        let index = self.index::<R>(primitive);
+        let (q, _) = self.row::<R>(index, 0);
+        let (dual_u, _) = self.row::<R>(index, 3);
+        let (dual_v, _) = self.row::<R>(index, 4);
+        let p = (ray.origin - q) + ray.direction * t;
+        (dot(p, dual_u), dot(p, dual_v))
+    }
+}

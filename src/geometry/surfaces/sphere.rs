@@ -1,0 +1,29 @@
+//! Points on spheres that do not move.
+
+use std::sync::Arc;
+
+use crate::geometry::sphere::{row_at_start, surface, uv};
+use crate::geometry::{Geometry, Ray, Surface};
+use crate::math::{Real, Row};
+
+/// [`row_at_start`] of all spheres, moving ones too: rows are found by number.
+#[derive(Debug)]
+pub(super) struct Table(Vec<Row>);
+
+impl super::Table for Table {
+    fn new(geometry: &Arc<Geometry>) -> Self {
+        Self(geometry.spheres.iter().map(row_at_start).collect())
+    }
+
+    #[inline(always)]
+    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
+        let index = R::index(primitive, self.0.len());
+        let (center, radius) = R::gather(&self.0, index, |row| row);
+        surface(center, radius, ray, t)
+    }
+
+    #[inline(always)]
+    fn uv<R: Real>(&self, _: R::Word, _: &Ray<R>, surface: &Surface<R>, _: R) -> (R, R) {
+        uv(surface.normal)
+    }
+}
