@@ -9,7 +9,7 @@ use crate::geometry::{Bounds, Geometry};
 use crate::math::{UNIT_ROUNDOFF, max_element};
 use crate::simd::{Float, Mask, Vec3x, axes};
 
-/// What a layout says of its scene that rays must know.
+/// The scene's bounds and error constants, which the set-up of rays needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     /// Of a box around all that is in boxes the middle, ...

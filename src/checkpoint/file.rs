@@ -135,7 +135,8 @@ impl Checkpoint {
         if !film.is_of(has) {
             return Err(bad("damaged: its pixels are not those of its shard".to_owned()));
         }
-        let rendering = Rendering { tally, seconds, ..Rendering::new(film) };
+        let mut rendering = Rendering::new(film);
+        (rendering.tally, rendering.seconds) = (tally, seconds);
         Ok(Self { scene, identity, shard, rendering })
     }
 }

@@ -26,8 +26,8 @@ pub(super) fn power_heuristic<R: Real>(of: R, other: R) -> R {
     R::ONE / (R::ONE + ratio * ratio)
 }
 
-/// What of a sample's radiance is added to its pixel: none where it is not finite; no component above
-/// `clamp`, to which the whole is scaled down. Tells whether it was.
+/// The radiance that a sample adds to its pixel, and whether it was clamped: scaled down so that its
+/// largest component is `clamp`. `None` if it is not finite.
 #[inline]
 pub(super) fn counted(radiance: Vec3, clamp: f32) -> Option<(Vec3, bool)> {
     if !radiance.is_finite() {

@@ -6,14 +6,12 @@ use super::settings::RenderSettings;
 use super::timeline::Event;
 use crate::error::{Error, Result};
 use crate::limits::Limit;
-use crate::scene::Scene;
+use crate::scene::{LIGHT_BYTES, Scene};
 
 /// The program itself.
 const PROGRAM: u64 = 16 << 20;
 /// Bytes for each primitive, trees and their making included: 350 were measured.
 const PRIMITIVE: u64 = 400;
-/// Bytes for each light: 160 were measured.
-const LIGHT: u64 = 200;
 /// Paths of the largest waves that are tried.
 const PATHS: u64 = 1 << 15;
 /// Bytes for each path of a wave where there are many kinds of materials.
@@ -31,7 +29,7 @@ impl RenderSettings {
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
             + PRIMITIVE * scene.geometry().len() as u64
-            + LIGHT * u64::from(scene.lights())
+            + LIGHT_BYTES * u64::from(scene.lights())
             + 12 * scene.texels()
             + PATH * paths
             + events as u64

@@ -1,10 +1,11 @@
-//! The threads of a render, pinned to cores.
+//! The threads of a render, which may be pinned to cores.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use core_affinity::CoreId;
-use rayon::{BroadcastContext, ThreadPool, ThreadPoolBuilder};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{Error, Result};
 
@@ -127,14 +128,15 @@ impl Pool {
         Ok(Self::Own(pool, pinned))
     }
 
-    /// Calls `work` on every thread.
-    pub(super) fn broadcast<T: Send>(
-        &self,
-        work: impl Fn(BroadcastContext<'_>) -> T + Sync,
-    ) -> Vec<T> {
+    /// Calls `work` once for each thread, with its number. Threads of the caller's pool that are busy
+    /// with other things do not take part: others do their share.
+    pub(super) fn broadcast<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
         match self {
-            Self::Own(pool, _) => pool.broadcast(work),
-            Self::Caller => rayon::broadcast(work),
+            Self::Own(pool, _) => pool.broadcast(|thread| work(thread.index())),
+            // rayon's broadcast would wait for all threads.
+            Self::Caller => {
+                (0..self.threads()).into_par_iter().with_max_len(1).map(&work).collect()
+            }
         }
     }
 

@@ -6,8 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rayon::BroadcastContext;
-
 use super::observer::{Observer, Stop};
 use super::plan::{Plan, Planning};
 use super::pool::{Pinned, Pool};
@@ -42,10 +40,11 @@ fn engine(
     settings: &RenderSettings,
     paths: u64,
     pool: &Pool,
+    measured: Option<Plan>,
 ) -> Box<dyn UnitEngine> {
     let view = View::new(prepared.clone(), settings.clone());
     match settings.engine {
-        Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool)),
+        Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool, measured)),
         Engine::Scalar => Box::new(ScalarEngine::new(view)),
     }
 }
@@ -110,13 +109,14 @@ impl Renderer {
         check(&prepared, &settings)?;
         let start = Instant::now();
         let pool = pool(&settings)?;
-        let engine = engine(&prepared, &settings, paths, &pool);
+        let engine = engine(&prepared, &settings, paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
         Ok(Self { prepared, settings, engine, pool, seconds })
     }
 
-    /// Changes the camera and the settings; trees, tables and threads are kept. Threads and pinning
-    /// stay as they are. After an error nothing has changed.
+    /// Changes the camera and the settings. Trees, tables, threads and their pinning stay as they are, and
+    /// so does a plan that was found by measuring, unless the engine, the plan or the size of waves is to
+    /// be another. After an error nothing has changed.
     ///
     /// # Errors
     /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
@@ -126,10 +126,18 @@ impl Renderer {
         let settings = RenderSettings { threads, pin, ..settings };
         check(&self.prepared, &settings)?;
         let start = Instant::now();
-        self.engine = engine(&self.prepared, &settings, settings.paths(), &self.pool);
+        let measured = self.measured_plan(&settings);
+        self.engine = engine(&self.prepared, &settings, settings.paths(), &self.pool, measured);
         self.seconds = Seconds::of_build(&*self.engine, start);
         self.settings = settings;
         Ok(())
+    }
+
+    /// The plan that was found by measuring, if it serves `settings`, too.
+    fn measured_plan(&self, settings: &RenderSettings) -> Option<Plan> {
+        let serves = settings.wave_size == self.settings.wave_size && settings.plan.is_none();
+        let (plan, planning, _) = self.engine.plan()?;
+        (serves && planning == Planning::Measured).then(|| plan.clone())
     }
 
     /// The prepared scene.
@@ -186,7 +194,7 @@ impl Renderer {
     /// Renders what is left of `rendering`, or until `observer` stops it.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where memory runs out.
+    /// Those of [`advance_to`](Self::advance_to).
     pub fn advance(&self, rendering: &mut Rendering, observer: &dyn Observer) -> Result<()> {
         let end = rendering.film.samples().end;
         self.advance_to(rendering, end, observer)
@@ -196,13 +204,16 @@ impl Renderer {
     /// Passes of any size give the same image.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where memory runs out.
+    /// [`Error::Usage`](crate::Error::Usage) if `rendering` has samples of another scene or view, or with
+    /// other settings that decide the image; [`Error::Internal`](crate::Error::Internal) where memory runs
+    /// out.
     pub fn advance_to(
         &self,
         rendering: &mut Rendering,
         end: u32,
         observer: &dyn Observer,
     ) -> Result<()> {
+        rendering.claim(self.prepared.scene(), &self.settings)?;
         let start = Instant::now();
         let schedule = Schedule::new(&rendering.film, end, self.engine.unit_paths());
         let most_paths = schedule.most_paths();
@@ -223,7 +234,7 @@ impl Renderer {
             None
         };
         let abandon = || stop() == Stop::Now;
-        let work = |thread: BroadcastContext<'_>| {
+        let work = |thread: usize| {
             let alarm = Alarm(&failed);
             // None for threads that find no work.
             let mut worker = None;
@@ -240,7 +251,7 @@ impl Renderer {
                         activity: Activity::Unit(task.unit),
                     });
                 }
-                let progress = lock().add(taken, thread.index())?;
+                let progress = lock().add(taken, thread)?;
                 observer.progressed(progress);
             }
             mem::forget(alarm);

@@ -2,13 +2,15 @@
 
 use std::time::Instant;
 
+use super::settings::RenderSettings;
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
 use super::unit::{Taken, Task};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::film::{Film, Part, Schedule, Tile};
 use crate::image::Image;
+use crate::scene::Scene;
 
 /// Events of a timeline, at most: some hundred megabytes.
 pub(crate) const MOST_EVENTS: usize = 1 << 21;
@@ -31,6 +33,8 @@ pub struct Rendering {
     pub seconds: f64,
     /// What each worker did when, if that was asked for; the first `MOST_EVENTS`.
     pub(crate) timeline: Vec<Event>,
+    /// The scene and the settings of the samples, once there are any.
+    source: Option<(Scene, RenderSettings)>,
 }
 
 impl Rendering {
@@ -42,6 +46,24 @@ impl Rendering {
             waves: WaveStats::default(),
             seconds: 0.0,
             timeline: Vec::new(),
+            source: None,
+        }
+    }
+
+    /// Notes that samples of `scene` with `settings` are to come.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there are samples of another scene, or with other settings that decide the image.
+    pub(super) fn claim(&mut self, scene: &Scene, settings: &RenderSettings) -> Result<()> {
+        match &self.source {
+            Some((other, with)) if other != scene || !with.same_image(settings) => {
+                let message = "the rendering has samples of another scene, camera or setting: begin a new one";
+                Err(Error::Usage(message.to_owned()))
+            }
+            _ => {
+                self.source = Some((scene.clone(), settings.clone()));
+                Ok(())
+            }
         }
     }
 

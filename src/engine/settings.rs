@@ -138,6 +138,17 @@ impl RenderSettings {
             .map_err(Error::Usage)
     }
 
+    /// Whether samples with either settings belong to one image. Their number may differ.
+    pub(super) fn same_image(&self, other: &Self) -> bool {
+        let size =
+            |settings: &Self| (settings.width, settings.height, settings.depth, settings.seed);
+        let light = |settings: &Self| (settings.sampling, settings.sampler, settings.roulette);
+        self.camera == other.camera
+            && size(self) == size(other)
+            && light(self) == light(other)
+            && self.clamp == other.clamp
+    }
+
     /// All pixels.
     #[doc(hidden)]
     pub fn image(&self) -> Tile {

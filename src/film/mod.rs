@@ -170,8 +170,7 @@ impl Film {
         Ok(means)
     }
 
-    /// Of each pixel the end of its samples, which is the beginning where it has none, and how many sums are kept of
-    /// them.
+    /// For each pixel, one past its last finished sample, and the number of sums that it keeps.
     fn kept(&self) -> impl Iterator<Item = (u32, usize)> {
         let begin = self.samples.start;
         // Most pixels are as far as the one before.

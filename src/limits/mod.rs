@@ -13,7 +13,7 @@ pub(crate) const MAX_SPP: u32 = 1 << 24;
 pub(crate) const MAX_DEPTH: u32 = 1 << 16;
 /// Largest number of primitives that a generated scene is asked for.
 pub(crate) const MAX_GENERATED: u32 = 1 << 24;
-/// Largest number of primitives of a scene: leaf blocks are told by 25 bits.
+/// Largest number of primitives of a scene: `BlockRef` stores the index of a block in 25 bits.
 pub(crate) const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.
 pub(crate) const MAX_MEDIA: usize = 64;

@@ -24,8 +24,8 @@ pub struct Emission {
 }
 
 impl Emission {
-    /// Whether it is not black.
-    pub(crate) fn is_some(&self) -> bool {
+    /// Whether the radiance is not black.
+    pub(crate) fn shines(&self) -> bool {
         self.radiance != Vec3::ZERO
     }
 }

@@ -3,6 +3,8 @@
 use glam::Vec3;
 use serde_json::{Value, json};
 
+use super::material::Material;
+use super::texture::Color;
 use super::{Camera, Medium, Scene};
 use crate::geometry::Volume;
 
@@ -16,11 +18,8 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         hasher.0.update(&(number + 0.0).to_le_bytes());
     }
     hasher.value(json!(scene.background()));
-    let materials: Vec<_> = scene
-        .materials()
-        .iter()
-        .map(|material| blake3::hash(&canonical(json!(material))))
-        .collect();
+    let materials: Vec<_> =
+        scene.materials().iter().map(|material| blake3::hash(&identity(material))).collect();
     for primitive in 0..scene.geometry().len() as u32 {
         let material = scene.material_map().get(primitive);
         let primitive = scene.geometry().get(primitive);
@@ -39,6 +38,18 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         hasher.vectors("medium", &[Vec3::splat(*density), *albedo]);
     }
     hasher.0.finalize().to_hex().to_string()
+}
+
+/// The parameters of a material, with what its textures are in place of their names and files.
+fn identity(material: &Material) -> Vec<u8> {
+    let mut material = material.clone();
+    for color in material.colors() {
+        if let Color::Texture(texture) = color {
+            let texture = canonical(texture.identity());
+            *color = Color::Named(String::from_utf8(texture).expect("JSON is UTF-8"));
+        }
+    }
+    canonical(json!(material))
 }
 
 struct Hasher(blake3::Hasher);

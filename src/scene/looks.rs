@@ -108,7 +108,7 @@ impl Looks {
             let emits = emission.is_some();
             let key = number(Key::Surface { shape, kind: material.kind(), emits });
             let first = light;
-            if let Some(emission) = emission.filter(Emission::is_some) {
+            if let Some(emission) = emission.filter(Emission::shines) {
                 (begin..=last).for_each(|primitive| shine(primitive, emission));
                 light += last - begin + 1;
             }

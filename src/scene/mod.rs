@@ -46,6 +46,7 @@ pub(crate) use medium::Medium;
 pub use medium::MediumFile;
 pub use named::Named;
 pub use primitive::PrimitiveFile;
+pub(crate) use resolve::LIGHT_BYTES;
 pub(crate) use tables::SceneTables;
 
 use std::collections::BTreeSet;
@@ -61,8 +62,15 @@ use crate::limits::Limits;
 /// A scene that can be rendered: names are resolved to indices, and every number is in its range.
 ///
 /// Scenes do not change, and clones share their data.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Scene(Arc<SceneData>);
+
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        // Soon known of clones, however large they are.
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
 
 #[derive(Debug, PartialEq)]
 struct SceneData {
@@ -107,13 +115,22 @@ impl Scene {
         parse::from_ron("scene", text, &Limits::default()).and_then(|file| Self::from_file(&file))
     }
 
-    /// The scene that `file` describes; textures are relative to the current folder.
+    /// The scene that `file` describes; meshes and textures are in the current folder.
     ///
     /// # Errors
-    /// Where a number is out of range or a name unknown.
+    /// Where a number is out of range, or a name is unknown or used twice.
     pub fn from_file(file: &SceneFile) -> Result<Self> {
-        let budget = budget::Budget::new(&Limits::default(), 0);
-        resolve::resolve("scene", Path::new(""), file, &place::Places::default(), budget)
+        Self::from_file_within(file, Path::new(""), &Limits::default())
+    }
+
+    /// As [`from_file`](Self::from_file), with meshes and textures in `folder`, and within other limits than
+    /// the usual ones.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file), and where a limit is exceeded.
+    pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
+        let budget = budget::Budget::new(limits, 0);
+        resolve::resolve("scene", folder, file, &place::Places::default(), budget)
     }
 
     /// The built-in name, or the path as given.

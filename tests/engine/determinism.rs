@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::sync::Mutex;
+use std::sync::{Mutex, mpsc};
 
 use crate::common::{SAMPLINGS, render};
 use ptfast::internals::BITS;
-use ptfast::{Observer, Progress, RenderSettings, Renderer, Sampler, Scene};
+use ptfast::{Engine, Observer, Progress, RenderSettings, Renderer, Sampler, Scene};
 
 /// Small settings with a last chunk of samples that is not full.
 fn small(scene: &Scene) -> RenderSettings {
@@ -58,6 +58,52 @@ fn renders_on_the_pool_of_the_caller() {
     });
     assert_eq!(hash, want);
     assert!(!names.is_empty() && names.iter().all(|name| name.starts_with("mine ")), "{names:?}");
+}
+
+/// A thread that the host keeps busy is not waited for.
+#[test]
+fn busy_threads_of_the_caller_are_not_waited_for() {
+    let scene = Scene::load("cornell").unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let (begun, has_begun) = mpsc::channel();
+    let (rendered, is_rendered) = mpsc::channel();
+    pool.spawn(move || {
+        begun.send(()).unwrap();
+        is_rendered.recv().unwrap();
+    });
+    has_begun.recv().unwrap();
+    let hash = pool.install(|| {
+        let renderer = Renderer::in_current_pool(&scene, small(&scene)).unwrap();
+        renderer.render().unwrap().image.hash()
+    });
+    rendered.send(()).unwrap();
+    assert_eq!(hash, render(&scene, small(&scene)).hash());
+}
+
+/// A rendering takes no samples of another camera, setting or scene.
+#[test]
+fn renderings_belong_to_a_view() {
+    let [scene, other] = ["cornell", "checker"].map(|name| Scene::load(name).unwrap());
+    let base = small(&scene);
+    let mut renderer = Renderer::new(&scene, base.clone()).unwrap();
+    let mut rendering = renderer.begin().unwrap();
+    renderer.advance_to(&mut rendering, 1, &()).unwrap();
+    for settings in [
+        RenderSettings { seed: 2, ..base.clone() },
+        RenderSettings { camera: other.camera().clone(), ..base.clone() },
+        RenderSettings { width: base.width + 1, ..base.clone() },
+        RenderSettings { depth: base.depth + 1, ..base.clone() },
+        RenderSettings { clamp: 1.0, ..base.clone() },
+    ] {
+        renderer.set(settings).unwrap();
+        let refused = renderer.advance(&mut rendering, &()).unwrap_err();
+        assert!(refused.to_string().contains("of another scene, camera or setting"), "{refused}");
+    }
+    let elsewhere = Renderer::new(&other, base.clone()).unwrap();
+    assert!(elsewhere.advance(&mut rendering, &()).is_err());
+    renderer.set(RenderSettings { engine: Engine::Scalar, ..base.clone() }).unwrap();
+    renderer.advance(&mut rendering, &()).unwrap();
+    assert_eq!(rendering.image().unwrap().hash(), render(&scene, base).hash());
 }
 
 /// Hashes that every build and machine must give. A change of them is a change of the

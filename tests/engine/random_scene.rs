@@ -225,7 +225,7 @@ impl Maker {
             _ => {
                 let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
                 let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
-                TrianglesFile { vertices, indices, material }.into()
+                TrianglesFile::new(vertices, indices, material).into()
             }
         }
     }

@@ -2,10 +2,14 @@
 
 use std::fs;
 
+use ron::extensions::Extensions;
+
 use crate::common::{Estimate, render};
 use ptfast::internals::Source;
+use ptfast::material::Lambertian;
+use ptfast::texture::{Checker, Image, Texture};
 use ptfast::{
-    BUILTIN_NAMES, Camera, CameraFile, Limits, RenderSettings, Sampling, Scene, SceneFile,
+    BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, RenderSettings, Sampling, Scene, SceneFile,
 };
 
 /// The built-in scenes hold exactly the primitives, materials and camera of the flat files
@@ -137,4 +141,44 @@ fn means_are_those_of_other_programs() {
             });
         }
     }
+}
+
+/// A scene in code whose material has a texture of its own.
+fn with_texture(texture: impl Into<Texture>) -> SceneFile {
+    let mut file = SceneFile::new(CameraFile::new([0.0, 0.0, 5.0], [0.0; 3], 40.0));
+    file.add_material("a", Lambertian { albedo: texture.into().into() });
+    file.add_sphere([0.0; 3], 1.0, "a");
+    file
+}
+
+#[test]
+fn textures_without_names_are_written_and_read() {
+    let checker = Checker { odd: [0.0; 3], even: [1.0; 3], scale: 2.0 };
+    for file in [with_texture(checker), with_texture(Image::from_file("tests/data/picture.png"))] {
+        let hash = Scene::from_file(&file).unwrap().hash();
+        let json = serde_json::to_string(&file).unwrap();
+        let again: SceneFile = serde_json::from_str(&json).unwrap();
+        assert_eq!(again, file);
+        let options = ron::Options::default();
+        let options = options.with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES);
+        let ron = options.to_string(&file).unwrap();
+        assert_eq!(Scene::from_ron(&ron).unwrap().hash(), hash, "{ron}");
+    }
+}
+
+#[test]
+fn names_used_twice_are_refused() {
+    let mut file = with_texture(Image::from_file("tests/data/picture.png"));
+    file.add_material("a", Lambertian { albedo: [0.5; 3].into() });
+    let refused = Scene::from_file(&file).unwrap_err().to_string();
+    assert_eq!(refused, "scene:materials: material: the name `a` is used twice");
+}
+
+#[test]
+fn scenes_in_code_have_folders_and_limits() {
+    let file = with_texture(Image::from_file("picture.png"));
+    let load = |limits: &Limits| Scene::from_file_within(&file, "tests/data".as_ref(), limits);
+    assert!(load(&Limits::default()).is_ok() && Scene::from_file(&file).is_err());
+    let refused = load(&Limits::default().with(Limit::TextureBytes, 1)).unwrap_err().to_string();
+    assert!(refused.contains("the limit of texture-bytes is 1"), "{refused}");
 }

@@ -149,6 +149,7 @@ const FEW: usize = 2;
 /// Takes packets through the tree as beams, those whose rays differ in octant, or spread too much, ray
 /// by ray.
 /// Returns the rays that it leaves to others.
+#[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
     job: &Job<'_>,

@@ -31,6 +31,7 @@ impl Flat {
     }
 
     /// Tests the rays of `job` against all. Returns the rays that it leaves to others.
+    #[inline(never)] // so that profilers find it
     pub(crate) fn trace<const ANY: bool, C: Count>(
         &self,
         job: &Job<'_>,

@@ -184,6 +184,7 @@ fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
 type Stack = Vec<(u32, [Float; VECTORS])>;
 
 /// Takes packets through the tree. Returns the rays that it leaves to others.
+#[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &PairTree,
     job: &Job<'_>,

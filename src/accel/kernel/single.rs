@@ -13,6 +13,7 @@ use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
 /// Takes rays through the tree one by one, or in turn. Returns the rays that it leaves to others.
+#[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
     job: &Job<'_>,

@@ -132,7 +132,7 @@ macro_rules! blocks {
                 $(self.$module = settle(take(&mut self.$module));)*
             }
 
-            /// Asks for the memory of a block.
+            /// Prefetches a block.
             #[inline(always)]
             pub(super) fn prefetch(&self, block: BlockRef) {
                 match block.shape() {

@@ -175,7 +175,7 @@ impl Bvh2 {
         count: &mut impl Count,
         mut visit: impl FnMut(u32, f32) -> f32,
     ) {
-        // Rays that are none hit nothing; they must not visit every leaf to find out.
+        // Non-finite rays hit nothing, and need not visit every leaf to find out.
         if self.nodes.is_empty() || !ray.is_finite() || ray.direction == Vec3::ZERO {
             return;
         }

@@ -6,6 +6,7 @@
 
 mod bsdf;
 mod camera;
+mod glow;
 mod light;
 mod medium;
 

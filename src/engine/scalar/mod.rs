@@ -1,4 +1,4 @@
-//! The scalar reference engine: one ray, one loop, written from the report and the papers.
+//! The scalar reference engine: one ray, one loop. It shares the formulas of `scene` and `math`.
 
 mod intersect;
 mod path;

@@ -34,13 +34,14 @@ pub(super) struct WavefrontEngine {
 }
 
 impl WavefrontEngine {
-    /// For a render of `paths` paths.
-    pub(super) fn new(view: View, paths: u64, pool: &Pool) -> Self {
+    /// For a render of `paths` paths, by the plan of its settings, or the one that was `measured` before.
+    pub(super) fn new(view: View, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
         view.prepared.tables();
         let start = Instant::now();
-        let (plan, planning) = match &view.settings.plan {
-            Some(plan) => (plan.clone(), Planning::Given),
-            None => trial::find_plan(&view, paths, pool),
+        let (plan, planning) = match (&view.settings.plan, measured) {
+            (Some(plan), _) => (plan.clone(), Planning::Given),
+            (None, Some(plan)) => (plan, Planning::Measured),
+            (None, None) => trial::find_plan(&view, paths, pool),
         };
         let plan_seconds = start.elapsed().as_secs_f64();
         for segment in &plan.segments {

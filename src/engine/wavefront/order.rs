@@ -13,7 +13,7 @@ pub(super) type Next = Columns<2>;
 #[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
     if by_cell {
-        sort(next, rays);
+        sort_by_cell(next, rays);
     } else {
         rays.paths.clear();
         rays.paths.extend_from_slice(next.column(0));
@@ -22,7 +22,7 @@ pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) 
 }
 
 /// Sorts the paths by cell, by counting.
-fn sort(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
+fn sort_by_cell(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
     let bits = Cells::bits_for(next.len());
     let leave_out = Cells::BITS - bits;
     starts.clear();

@@ -90,14 +90,14 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
 fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], spans: &mut [(u32, u32)]) {
     // Neighbours often have the same key: with one table each count would wait for the last.
     let mut counts = [[0; 256]; 4];
-    let (quads, rest) = primitives.as_chunks::<4>();
-    for (these, keys) in quads.iter().zip(keys.as_chunks_mut::<4>().0) {
+    let (fours, rest) = primitives.as_chunks::<4>();
+    for (these, keys) in fours.iter().zip(keys.as_chunks_mut::<4>().0) {
         for (lane, counts) in counts.iter_mut().enumerate() {
             keys[lane] = looks.key(these[lane]);
             counts[usize::from(keys[lane])] += 1;
         }
     }
-    for (&primitive, key) in rest.iter().zip(&mut keys[4 * quads.len()..]) {
+    for (&primitive, key) in rest.iter().zip(&mut keys[4 * fours.len()..]) {
         *key = looks.key(primitive);
         counts[0][usize::from(*key)] += 1;
     }

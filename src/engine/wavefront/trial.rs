@@ -99,9 +99,9 @@ fn try_all<'a>(
     // All threads take their waves by the same plan at the same time.
     let take = |plan: &'a Plan, round: u64| {
         let paths = if round == 0 { paths.div_ceil(effort.first) } else { paths };
-        pool.broadcast(|thread| {
-            let number = round * threads + thread.index() as u64;
-            let mut worker = workers[thread.index()].lock().expect("no thread panicked");
+        pool.broadcast(|thread: usize| {
+            let number = round * threads + thread as u64;
+            let mut worker = workers[thread].lock().expect("no thread panicked");
             let worker = worker.get_or_insert_with(|| Worker::new(view, largest, room));
             worker.plan = plan;
             let units = units(&view.settings, plan, number, paths);

@@ -11,7 +11,7 @@ use super::{Geometry, Ray, Shape, Surface, shapes};
 use crate::math::Real;
 
 /// The primitives of one shape in rows.
-trait Table {
+trait SurfaceTable {
     fn new(geometry: &Arc<Geometry>) -> Self;
 
     /// The points that `ray` hits at distance `t`.
@@ -31,7 +31,7 @@ macro_rules! surfaces {
 
         impl Surfaces {
             pub(crate) fn new(geometry: &Arc<Geometry>) -> Self {
-                Self { $($module: Table::new(geometry),)* }
+                Self { $($module: SurfaceTable::new(geometry),)* }
             }
 
             /// The points that `ray` hits at distance `t`, on primitives of one shape.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::SurfaceTable;
 use crate::geometry::sphere::{row_at_start, surface, uv};
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row, row};
@@ -10,7 +11,7 @@ use crate::math::{Real, Row, row};
 #[derive(Debug)]
 pub(super) struct Table(Vec<[Row; 2]>);
 
-impl super::Table for Table {
+impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
         let spheres = if geometry.moves() { &geometry.spheres[..] } else { &[] };
         let rows = spheres.iter().map(|sphere| [row_at_start(sphere), row(sphere.motion(), 0.0)]);

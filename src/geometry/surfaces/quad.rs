@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::SurfaceTable;
 use crate::geometry::quad::rows;
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row, Vector, Word, dot};
@@ -27,7 +28,7 @@ impl Table {
     }
 }
 
-impl super::Table for Table {
+impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
         let quads = geometry.quads.iter().map(rows).collect();
         Self { first: geometry.spheres.len() as u32, quads }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::SurfaceTable;
 use crate::geometry::sphere::{row_at_start, surface, uv};
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row};
@@ -10,7 +11,7 @@ use crate::math::{Real, Row};
 #[derive(Debug)]
 pub(super) struct Table(Vec<Row>);
 
-impl super::Table for Table {
+impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
         Self(geometry.spheres.iter().map(row_at_start).collect())
     }

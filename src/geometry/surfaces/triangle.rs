@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::SurfaceTable;
 use crate::geometry::triangle::Triangle;
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Vector};
@@ -33,7 +34,7 @@ impl Table {
     }
 }
 
-impl super::Table for Table {
+impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
         let first = (geometry.spheres.len() + geometry.quads.len()) as u32;
         Self { first, geometry: Arc::clone(geometry) }

@@ -22,7 +22,7 @@ pub struct SceneFile {
     /// What rays that leave the scene see.
     #[serde(default)]
     pub background: Background,
-    /// Image size and sampling where the command line names none.
+    /// Default image size and sampling.
     #[serde(default)]
     pub render: RenderDefaults,
     /// Textures by name.
@@ -65,7 +65,7 @@ impl SceneFile {
 
     /// Adds a sphere.
     pub fn add_sphere(&mut self, center: [f32; 3], radius: f32, material: impl Into<String>) {
-        self.primitives.push(SphereFile { center, radius, material: material.into() }.into());
+        self.add(SphereFile { center, radius, material: material.into() });
     }
 
     /// Adds a triangle mesh. `triangles` has three indices into `vertices` for each triangle,
@@ -76,9 +76,12 @@ impl SceneFile {
         triangles: &[[u32; 3]],
         material: impl Into<String>,
     ) {
-        let (vertices, indices) = (vertices.to_vec(), triangles.to_vec());
-        let mesh = TrianglesFile { vertices, indices, material: material.into() };
-        self.primitives.push(mesh.into());
+        self.add(TrianglesFile::new(vertices.to_vec(), triangles.to_vec(), material));
+    }
+
+    /// Adds a primitive of any kind: see [`primitive`](crate::primitive).
+    pub fn add(&mut self, primitive: impl Into<PrimitiveFile>) {
+        self.primitives.push(primitive.into());
     }
 }
 

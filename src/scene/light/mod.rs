@@ -1,6 +1,7 @@
 //! Lights that paths look for: one file each.
 //!
-//! The list in `lights!` makes the kinds, the dispatch, and the code by which a row tells its kind.
+//! The list in `lights!` makes the kinds, the dispatch, and the code by which a row tells its kind. `from`
+//! names the primitive that is such a light when it emits; lights without one need not be primitives.
 
 mod alias;
 mod quad;
@@ -41,12 +42,12 @@ const KIND_SHIFT: u32 = 8;
 /// Shapes are sampled by solid angle above this: below it the sum of the corners' angles has lost too
 /// many digits.
 const MIN_SOLID_ANGLE: f32 = 1e-3;
-/// And above this sine of the angle under which the farthest corner is seen above the shape's plane:
-/// below it the map from angles to places has lost too many digits.
+/// And above this sine of the elevation of the farthest corner over the shape's plane: below it the mapping
+/// from angles to points has lost too many digits.
 const MIN_SINE: f32 = 2.5e-3;
 
 macro_rules! lights {
-    ($($name:ident in $module:ident,)*) => {
+    ($($name:ident in $module:ident $(from $primitive:ident)?,)*) => {
         #[derive(Clone, Copy)]
         enum LightKind {
             $($name,)*
@@ -55,7 +56,7 @@ macro_rules! lights {
         /// A primitive as a light.
         fn shone(primitive: Primitive<'_>) -> Shone {
             match primitive {
-                $(Primitive::$name(primitive) => $module::shone(primitive),)*
+                $($(Primitive::$primitive(primitive) => $module::shone(primitive),)?)*
             }
         }
 
@@ -97,9 +98,9 @@ macro_rules! lights {
 }
 
 lights! {
-    Sphere in sphere,
-    Quad in quad,
-    Triangle in triangle,
+    Sphere in sphere from Sphere,
+    Quad in quad from Quad,
+    Triangle in triangle from Triangle,
 }
 
 /// A kind of light, its area, the flags of its kind, its point, and its other rows.
@@ -164,12 +165,12 @@ pub(super) struct LightsBuilder {
 
 impl LightsBuilder {
     /// Adds a primitive that emits light.
-    pub(super) fn push(
-        &mut self,
-        primitive: Primitive<'_>,
-        Emission { radiance, sides }: Emission,
-    ) {
-        let Shone { kind, area, flags, point, rows: [a, b, c] } = shone(primitive);
+    pub(super) fn push(&mut self, primitive: Primitive<'_>, emission: Emission) {
+        self.add(shone(primitive), emission);
+    }
+
+    fn add(&mut self, light: Shone, Emission { radiance, sides }: Emission) {
+        let Shone { kind, area, flags, point, rows: [a, b, c] } = light;
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
         let flags = (kind as u32) << KIND_SHIFT | flags | one_sided;
         self.powers.push(power(radiance, sides, area));

@@ -6,6 +6,8 @@
 mod conductor;
 mod dielectric;
 mod diffuse;
+#[cfg(test)]
+mod glow;
 mod lambertian;
 mod light;
 mod metal;
@@ -85,18 +87,19 @@ impl<E> Default for MaterialTable<E> {
 }
 
 macro_rules! materials {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
-        $(pub use $module::$name;)*
+    ($($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $name:ident in $module:ident,)*) => {
+        $($(#[cfg($cfg)])? pub use $module::$name;)*
 
         /// How a surface scatters and emits light.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
         #[non_exhaustive]
         pub enum Material {
-            $($(#[doc = $doc])* $name($name),)*
+            $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($name),)*
         }
 
-        $(impl From<$name> for Material {
+        $($(#[cfg($cfg)])?
+        impl From<$name> for Material {
             fn from(material: $name) -> Self {
                 Self::$name(material)
             }
@@ -105,45 +108,45 @@ macro_rules! materials {
         /// The kinds of materials.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum MaterialKind {
-            $($name,)*
+            $($(#[cfg($cfg)])? $name,)*
         }
 
         /// The materials of a scene, a table a kind.
         #[derive(Debug, Default)]
         pub(crate) struct MaterialTables {
-            $($module: MaterialTable<<$name as MaterialModel>::Entry>,)*
+            $($(#[cfg($cfg)])? $module: MaterialTable<<$name as MaterialModel>::Entry>,)*
         }
 
         impl Material {
             pub(super) fn colors(&mut self) -> Vec<&mut Color> {
                 match self {
-                    $(Self::$name(material) => material.colors(),)*
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.colors(),)*
                 }
             }
 
             pub(super) fn check(&self, e: &Element<'_>) -> Result<()> {
                 match self {
-                    $(Self::$name(material) => material.check(e),)*
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.check(e),)*
                 }
             }
 
             /// The light that it emits, if any.
             pub fn emission(&self) -> Option<Emission> {
                 match self {
-                    $(Self::$name(material) => material.emission(),)*
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.emission(),)*
                 }
             }
 
             /// The name of its kind in scene files.
             pub fn name(&self) -> &'static str {
                 match self {
-                    $(Self::$name(_) => stringify!($module),)*
+                    $($(#[cfg($cfg)])? Self::$name(_) => stringify!($module),)*
                 }
             }
 
             pub(crate) fn kind(&self) -> MaterialKind {
                 match self {
-                    $(Self::$name(_) => MaterialKind::$name,)*
+                    $($(#[cfg($cfg)])? Self::$name(_) => MaterialKind::$name,)*
                 }
             }
         }
@@ -152,7 +155,7 @@ macro_rules! materials {
             /// Adds a material; returns its place in the table of its kind.
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
-                    $(Material::$name(material) => {
+                    $($(#[cfg($cfg)])? Material::$name(material) => {
                         let before = textures.uses();
                         let table = &mut self.$module;
                         table.entries.push(material.entry(textures));
@@ -171,7 +174,7 @@ macro_rules! materials {
                 visitor: V,
             ) -> V::Output {
                 match kind {
-                    $(MaterialKind::$name => visitor.visit::<$name>(&self.$module),)*
+                    $($(#[cfg($cfg)])? MaterialKind::$name => visitor.visit::<$name>(&self.$module),)*
                 }
             }
         }
@@ -193,6 +196,9 @@ materials! {
     Conductor in conductor,
     /// A light, which absorbs what hits it.
     Light in light,
+    /// Scatters and emits, for tests.
+    #[cfg(test)]
+    Glow in glow,
 }
 
 impl Material {

@@ -14,6 +14,7 @@ use crate::scene::place::{Element, MAX_COORDINATE};
 /// triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct MeshFile {
     /// Path, relative to the scene file.
     pub file: String,
@@ -28,6 +29,19 @@ pub struct MeshFile {
     pub translation: [f32; 3],
     /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
+}
+
+impl MeshFile {
+    /// The mesh in `file` as it is, with the material of that name.
+    pub fn new(file: impl Into<String>, material: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            scale: unit(),
+            rotation: [0.0; 3],
+            translation: [0.0; 3],
+            material: material.into(),
+        }
+    }
 }
 
 fn unit() -> f32 {

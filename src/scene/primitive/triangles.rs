@@ -12,6 +12,7 @@ use crate::scene::place::Element;
 /// out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct TrianglesFile {
     /// Points.
     pub vertices: Vec<[f32; 3]>,
@@ -19,6 +20,17 @@ pub struct TrianglesFile {
     pub indices: Vec<[u32; 3]>,
     /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
+}
+
+impl TrianglesFile {
+    /// Triangles of three positions in `vertices` each, with the material of that name.
+    pub fn new(
+        vertices: Vec<[f32; 3]>,
+        indices: Vec<[u32; 3]>,
+        material: impl Into<String>,
+    ) -> Self {
+        Self { vertices, indices, material: material.into() }
+    }
 }
 
 impl Expand for TrianglesFile {

@@ -4,6 +4,7 @@
 mod materials;
 mod primitives;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,6 +33,8 @@ pub(super) fn resolve(
     file.background.check(&resolver.element(Places::section(places.background), "background"))?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
+    resolver.check_names("texture", file.textures.names())?;
+    resolver.check_names("material", file.materials.names())?;
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
     let mut images = Images::new(folder, &resolver.budget);
@@ -41,10 +44,10 @@ pub(super) fn resolve(
     let media = resolver.media()?;
     let shines = |primitive: &u32| {
         let material = &materials[material_map.get(*primitive) as usize];
-        material.emission().is_some_and(|emission| emission.is_some())
+        material.emission().is_some_and(|emission| emission.shines())
     };
     let lights = (0..geometry.len() as u32).filter(shines).count() as u32;
-    let room = resolver.budget.hold(LIGHT * u64::from(lights));
+    let room = resolver.budget.hold(LIGHT_BYTES * u64::from(lights));
     room.map_err(|message| Error::input(name, "", message))?;
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
@@ -64,7 +67,7 @@ pub(super) fn resolve(
 /// Bytes of memory for each texture and material besides their text: 60 were measured.
 const ENTRY: u64 = 100;
 /// Bytes of memory for each light: 160 were measured.
-const LIGHT: u64 = 200;
+pub(crate) const LIGHT_BYTES: u64 = 200;
 
 struct Resolver<'a> {
     name: &'a str,
@@ -76,6 +79,18 @@ struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     fn element(&self, place: String, kind: &'a str) -> Element<'a> {
         Element { file: self.name, place, kind }
+    }
+
+    /// Refuses names that are used twice, which the readers of files refuse, too.
+    fn check_names(&self, kind: &'a str, names: impl Iterator<Item = &'a str>) -> Result<()> {
+        let mut seen = HashSet::new();
+        for name in names {
+            if !seen.insert(name) {
+                let e = self.element(format!("{kind}s"), kind);
+                return Err(e.error(format!("the name `{name}` is used twice")));
+            }
+        }
+        Ok(())
     }
 
     fn render_defaults(&self) -> Result<()> {

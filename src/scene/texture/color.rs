@@ -3,8 +3,11 @@
 use std::fmt;
 use std::sync::Arc;
 
-use serde::de::{Error, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use super::Texture;
 use crate::error::Result;
@@ -57,7 +60,10 @@ impl Serialize for Color {
         match self {
             Self::Rgb(rgb) => rgb.serialize(serializer),
             Self::Named(name) => name.serialize(serializer),
-            Self::Texture(texture) => texture.identity().serialize(serializer),
+            // A map in any format, which `visit_map` reads.
+            Self::Texture(texture) => {
+                serde_json::to_value(&**texture).map_err(S::Error::custom)?.serialize(serializer)
+            }
         }
     }
 }
@@ -71,6 +77,12 @@ impl<'de> Deserialize<'de> for Color {
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a colour of three numbers or the name of a texture in quotes")
+            }
+
+            // A texture without a name, as `Serialize` writes it.
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Color, A::Error> {
+                let value = Value::deserialize(MapAccessDeserializer::new(map))?;
+                serde_json::from_value(value).map(Texture::into).map_err(A::Error::custom)
             }
 
             fn visit_str<E: Error>(self, name: &str) -> std::result::Result<Color, E> {

@@ -62,7 +62,7 @@ impl Shading<'_> {
                 Key::Surface { shape, kind, emits } => self
                     .tables
                     .materials
-                    .visit(kind, Surfaces { shading: self, shape, emits, queue, shaded }),
+                    .visit(kind, ShadeSurfaces { shading: self, shape, emits, queue, shaded }),
             };
             if done {
                 paths += queue.len();
@@ -83,7 +83,7 @@ impl Shading<'_> {
 }
 
 /// Shades the paths that have hit surfaces of one shape and one kind of material.
-struct Surfaces<'s, 'a> {
+struct ShadeSurfaces<'s, 'a> {
     shading: &'s Shading<'s>,
     shape: Shape,
     emits: bool,
@@ -91,7 +91,7 @@ struct Surfaces<'s, 'a> {
     shaded: &'s mut Shaded<'a>,
 }
 
-impl MaterialVisitor for Surfaces<'_, '_> {
+impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     /// Whether more was done than to end the paths.
     type Output = bool;
 

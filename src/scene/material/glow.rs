@@ -1,0 +1,54 @@
+//! A surface that scatters and emits light, which no other material does yet: for tests of the engines.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::lambertian::Lambertian;
+use super::{Emission, MaterialModel, Sides};
+use crate::error::Result;
+use crate::math::Real;
+use crate::scene::interaction::Interaction;
+use crate::scene::place::Element;
+use crate::scene::texture::{Color, TextureTables};
+
+/// A Lambertian surface that shines on both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Glow {
+    /// How it scatters.
+    pub base: Lambertian,
+    /// Linear RGB radiance.
+    pub radiance: [f32; 3],
+}
+
+impl MaterialModel for Glow {
+    type Entry = <Lambertian as MaterialModel>::Entry;
+    type Bsdf<R: Real> = <Lambertian as MaterialModel>::Bsdf<R>;
+
+    const TEXTURED: bool = true;
+
+    fn colors(&mut self) -> Vec<&mut Color> {
+        self.base.colors()
+    }
+
+    fn emission(&self) -> Option<Emission> {
+        Some(Emission { radiance: Vec3::from(self.radiance), sides: Sides::Both })
+    }
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        self.base.check(e)
+    }
+
+    fn entry(&self, textures: &mut TextureTables) -> Self::Entry {
+        self.base.entry(textures)
+    }
+
+    #[inline(always)]
+    fn bsdf<R: Real>(
+        table: &[Self::Entry],
+        index: R::Index,
+        at: &Interaction<'_, R>,
+    ) -> Self::Bsdf<R> {
+        Lambertian::bsdf(table, index, at)
+    }
+}
