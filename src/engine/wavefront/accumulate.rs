@@ -16,22 +16,23 @@ pub(super) fn accumulate(
 ) -> Part {
     let unit = task.unit;
     let samples = unit.samples() as usize;
-    let mut sum = |pixel: u32| {
+    let pixels = unit.tile.pixels() as u32;
+    let mut sums = Vec::with_capacity(pixels as usize);
+    for pixel in 0..pixels {
         let open = task.open_sum(pixel);
         let first = pixel as usize * samples;
         let radiances = paths.radiances(first..first + samples);
-        // Nearly always.
-        if settings.clamp == f32::INFINITY && radiances.clone().all(|radiance| radiance.is_finite())
-        {
-            return radiances.fold(open, |sum, radiance| sum + radiance).to_array();
+        let mut sum = radiances.clone().fold(open, |sum, radiance| sum + radiance);
+        // A sample that is not finite makes a sum that is not.
+        if settings.clamp < f32::INFINITY || !sum.is_finite() {
+            let (x, y) = unit.tile.pixel(pixel);
+            sum = (unit.first..).zip(radiances).fold(open, |sum, (sample, radiance)| {
+                sum + tally.counted(radiance, settings.clamp, (x, y, sample))
+            });
         }
-        let (x, y) = unit.tile.pixel(pixel);
-        let counted = (unit.first..)
-            .zip(radiances)
-            .map(|(sample, radiance)| tally.counted(radiance, settings.clamp, (x, y, sample)));
-        counted.fold(open, |sum, radiance| sum + radiance).to_array()
-    };
-    Part { unit, sums: (0..unit.tile.pixels() as u32).map(&mut sum).collect() }
+        sums.push(sum.to_array());
+    }
+    Part { unit, sums }
 }
 
 #[cfg(test)]

@@ -27,6 +27,9 @@ fn sort_by_cell(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
     let leave_out = Cells::BITS - bits;
     starts.clear();
     starts.resize(1 << bits, 0);
+    paths.resize(next.len(), 0);
+    // Slices: a vector's pointer would be loaded again after each write.
+    let (starts, paths) = (&mut starts[..], &mut paths[..]);
     for &cell in next.column(1) {
         starts[(cell >> leave_out) as usize] += 1;
     }
@@ -34,7 +37,6 @@ fn sort_by_cell(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
     for start in starts.iter_mut() {
         sum += std::mem::replace(start, sum);
     }
-    paths.resize(next.len(), 0);
     for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
         let next = &mut starts[(cell >> leave_out) as usize];
         paths[*next as usize] = path;
