@@ -76,7 +76,7 @@ impl Rendering {
     /// The image as far as it is; black where nothing is done.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
+    /// [`Error::Internal`] where there is no memory for it.
     pub fn image(&self) -> Result<Image> {
         let Tile { width, height, .. } = self.film.area();
         Ok(Image::from_pixels(width, height, self.film.means()?))
