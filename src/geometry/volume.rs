@@ -27,6 +27,14 @@ pub(crate) enum Volume {
 }
 
 impl Volume {
+    /// Its name and the vectors that define it, for the scene's hash.
+    pub(crate) fn identity(&self) -> (&'static str, Vec<Vec3>) {
+        match *self {
+            Self::Ball { center, radius } => ("ball", vec![center, Vec3::splat(radius)]),
+            Self::Box { center, axes: [x, y, z], half } => ("box", vec![center, x, y, z, half]),
+        }
+    }
+
     /// The part of `ray`, whose direction is of unit length, that is inside, from distance 0 on. Empty
     /// if the first distance is not below the second.
     #[inline(always)]

@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 use super::material::Material;
 use super::texture::Color;
 use super::{Camera, Medium, Scene};
-use crate::geometry::Volume;
 
 /// BLAKE3 over camera, background, primitives with their materials, and media, in a canonical form:
 /// JSON of what the parameters are once names are looked up, and the bytes of coordinates.
@@ -27,14 +26,8 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         hasher.0.update(materials[material as usize].as_bytes());
     }
     for Medium { volume, density, albedo } in scene.media() {
-        match *volume {
-            Volume::Ball { center, radius } => {
-                hasher.vectors("ball", &[center, Vec3::splat(radius)])
-            }
-            Volume::Box { center, axes: [x, y, z], half } => {
-                hasher.vectors("box", &[center, x, y, z, half]);
-            }
-        }
+        let (name, vectors) = volume.identity();
+        hasher.vectors(name, &vectors);
         hasher.vectors("medium", &[Vec3::splat(*density), *albedo]);
     }
     hasher.0.finalize().to_hex().to_string()
