@@ -75,12 +75,6 @@ impl<V: Vector> Frame<V> {
         Self([s, t, normal])
     }
 
-    /// Its z.
-    #[inline(always)]
-    pub(crate) fn normal(&self) -> V {
-        self.0[2]
-    }
-
     /// `v`, given in the frame, in the world.
     #[inline(always)]
     pub(crate) fn world(&self, v: V) -> V {

@@ -26,8 +26,8 @@ pub(crate) trait Bsdf<R: Real> {
 pub(crate) struct Scatter<R: Real> {
     /// Of unit length.
     pub(crate) direction: R::Vec3,
-    /// The normal on whose side the path leaves.
-    pub(crate) side: R::Vec3,
+    /// Whether the path leaves on the side of the surface that it did not come from.
+    pub(crate) transmitted: R::Mask,
     /// f·|cos θ|/pdf.
     pub(crate) weight: R::Vec3,
     /// Density of the direction per unit solid angle, or [`SPECULAR`].

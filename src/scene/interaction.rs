@@ -17,8 +17,10 @@ pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) shape: Shape,
     pub(crate) primitive: R::Word,
     pub(crate) surface: Surface<R>,
-    /// The surface's normal, turned to the side that was hit.
+    /// The surface's geometric normal, turned to the side that was hit: paths leave along it.
     pub(crate) normal: R::Vec3,
+    /// The normal by which the material scatters. No shape has another than the geometric one yet.
+    pub(crate) shading: R::Vec3,
     /// Whether that is the front.
     pub(crate) front: R::Mask,
 }

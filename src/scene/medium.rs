@@ -12,7 +12,7 @@ use crate::geometry::{Ray, Volume};
 use crate::math::powers::{exp, ln};
 use crate::math::precise::rotate;
 use crate::math::warp::uniform_sphere;
-use crate::math::{Mask, Real, Row, Vector, Word, max, min, row};
+use crate::math::{Mask, Real, Row, Word, max, min, row};
 use crate::sampler::{Dimension, Randoms};
 
 /// A medium in a volume whose boundary is invisible, as a scene file has it.
@@ -173,7 +173,7 @@ impl<R: Real> Bsdf<R> for Isotropic<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         Scatter {
             direction: uniform_sphere(u, v),
-            side: R::Vec3::zero(),
+            transmitted: R::Mask::NONE,
             weight: self.albedo,
             pdf: R::splat(0.25 / PI),
             scattered: R::Mask::ALL,

@@ -48,6 +48,18 @@ impl SceneTables {
         let (normal, front) = face_forward(surface.normal, ray.direction);
         let textures = textured.then_some(&self.textures);
         let surfaces = &self.surfaces;
-        Interaction { surfaces, textures, ray, t, shape, primitive, surface, normal, front }
+        let shading = normal;
+        Interaction {
+            surfaces,
+            textures,
+            ray,
+            t,
+            shape,
+            primitive,
+            surface,
+            normal,
+            shading,
+            front,
+        }
     }
 }

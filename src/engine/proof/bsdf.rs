@@ -64,6 +64,7 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         primitive: 0,
         surface: Surface { point: direction, normal, offset: 0.0 },
         normal,
+        shading: normal,
         front,
     };
     let mut materials = MaterialTables::default();
@@ -75,6 +76,8 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
 struct Case {
     name: String,
     bsdf: Scattering,
+    /// On the side from which light comes; `None` in media.
+    normal: Option<Vec3>,
     /// About which cells are finer.
     middle: Vec3,
 }
@@ -118,19 +121,20 @@ fn cases() -> Vec<Case> {
                 let bsdf = scattering(&material, direction, normal, front);
                 let side = if front { "" } else { " inside" };
                 let name = format!("{name} {cos}{side}");
-                cases.push(Case { name, bsdf, middle: reflect(direction, normal) });
+                let middle = reflect(direction, normal);
+                cases.push(Case { name, bsdf, normal: Some(normal), middle });
             }
         }
     }
     let phase = Scattering::new(Isotropic { albedo: Vec3::from(ALBEDO) });
-    cases.push(Case { name: "phase".to_owned(), bsdf: phase, middle: Vec3::Y });
+    cases.push(Case { name: "phase".to_owned(), bsdf: phase, normal: None, middle: Vec3::Y });
     cases
 }
 
 #[test]
 fn samples_have_their_density() {
     let mut table = Table::new("scattered directions");
-    for (index, Case { name, bsdf, middle }) in cases().into_iter().enumerate() {
+    for (index, Case { name, bsdf, middle, .. }) in cases().into_iter().enumerate() {
         let sample = |sample| Some(bsdf.sample(&randoms(index, sample))?.direction);
         let pdf = |direction| f64::from(bsdf.evaluate(direction).1);
         table.directions(&name, &Cone::all(middle), sample, pdf);
@@ -138,23 +142,25 @@ fn samples_have_their_density() {
     table.check();
 }
 
-/// The weight of a sample is f·|cos θ|/pdf, its density that of its direction, its side that on which
-/// it leaves.
+/// The weight of a sample is f·|cos θ|/pdf, its density is that of its direction, and it is transmitted if
+/// its direction is on the other side of the surface.
 #[test]
 fn samples_are_as_evaluated() {
-    for (index, Case { name, bsdf, .. }) in cases().into_iter().enumerate() {
+    for (index, Case { name, bsdf, normal, .. }) in cases().into_iter().enumerate() {
         let samples: Vec<_> =
             (0..20_000).filter_map(|sample| bsdf.sample(&randoms(index, sample))).collect();
         for scatter in samples {
             let (f_cos, pdf) = bsdf.evaluate(scatter.direction);
             // Rounded directions see other microfacets, and other shadows where they graze.
-            let cos = dot(scatter.side, scatter.direction).abs();
-            let near = |a: f32, b: f32| (a - b).abs() <= (1e-2 + f32::EPSILON / cos) * b.abs();
+            let cos = normal.map_or(1.0, |normal| dot(normal, scatter.direction));
+            let near =
+                |a: f32, b: f32| (a - b).abs() <= (1e-2 + f32::EPSILON / cos.abs()) * b.abs();
             assert!(near(pdf, scatter.pdf), "{name}: {pdf} {}", scatter.pdf);
             for (f, weight) in f_cos.to_array().into_iter().zip(scatter.weight.to_array()) {
                 assert!(near(f, weight * scatter.pdf), "{name}: {f} {weight} {pdf}");
             }
-            assert!(!(dot(scatter.side, scatter.direction) < 0.0), "{name}");
+            let outside = if scatter.transmitted { cos <= 0.0 } else { cos >= 0.0 };
+            assert!(outside, "{name}");
         }
     }
 }
@@ -162,7 +168,7 @@ fn samples_are_as_evaluated() {
 /// The mean weight of samples is the integral of f·|cos θ|: what of even light is scattered.
 #[test]
 fn weights_are_what_is_scattered() {
-    for (index, Case { name, bsdf, middle }) in cases().into_iter().enumerate() {
+    for (index, Case { name, bsdf, middle, .. }) in cases().into_iter().enumerate() {
         let (mut sum, mut squares) = (0.0, 0.0);
         for sample in 0..SAMPLES {
             let weight =

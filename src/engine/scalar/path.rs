@@ -122,13 +122,15 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             let direct = self.direct(bsdf, vertex, path);
             path.radiance += direct.map_or(Vec3::ZERO, |light| path.beta * light);
         }
-        let Scatter { direction, side, weight, pdf, scattered } = bsdf.sample(vertex.randoms);
+        let Scatter { direction, transmitted, weight, pdf, scattered } =
+            bsdf.sample(vertex.randoms);
         if !scattered {
             self.endings.absorbed += 1;
             return false;
         }
         path.beta *= weight;
         path.pdf = pdf;
+        let side = if transmitted { -vertex.normal } else { vertex.normal };
         path.ray = Ray { origin: vertex.surface.spawn(side), direction, time: path.ray.time };
 
         // Paths that can add nothing end; those that can add little mostly do.

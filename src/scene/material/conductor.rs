@@ -55,7 +55,7 @@ impl MaterialModel for Conductor {
     ) -> ConductorBsdf<R> {
         let (eta, alpha) = R::gather(table, index, |entry| &entry[0]);
         let (k, _) = R::gather(table, index, |entry| &entry[1]);
-        let (frame, ggx) = (Frame::new(at.normal), Ggx { alpha });
+        let (frame, ggx) = (Frame::new(at.shading), Ggx { alpha });
         let wo = frame.local(-at.ray.direction);
         ConductorBsdf { frame, wo, eta, k, ggx, bound: ggx.bound(wo) }
     }
@@ -107,7 +107,7 @@ impl<R: Real> Bsdf<R> for ConductorBsdf<R> {
         let wi = normalize(m * (cos * 2.0) - self.wo);
         Scatter {
             direction: self.frame.world(wi),
-            side: self.frame.normal(),
+            transmitted: R::Mask::NONE,
             weight: self.reflectance(cos) * self.weight(wi),
             pdf: self.specular().select(R::splat(SPECULAR), self.pdf(m)),
             // False for NaN too.

@@ -53,7 +53,7 @@ impl MaterialModel for Dielectric {
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> DielectricBsdf<R> {
         let (flags, ior) = R::gather(table, index, |row| row);
         let (exact, front) = (flags[0].gt(R::ZERO), at.front);
-        DielectricBsdf { direction: at.ray.direction, normal: at.normal, front, ior, exact }
+        DielectricBsdf { direction: at.ray.direction, normal: at.shading, front, ior, exact }
     }
 }
 
@@ -91,7 +91,7 @@ impl<R: Real> Bsdf<R> for DielectricBsdf<R> {
         let next = reflected.select(reflect(direction, normal), refraction);
         Scatter {
             direction: normalize(next),
-            side: reflected.select(normal, -normal),
+            transmitted: !reflected,
             weight: R::Vec3::gray(R::ONE),
             pdf: R::splat(SPECULAR),
             scattered: R::Mask::ALL,

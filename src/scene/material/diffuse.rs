@@ -42,7 +42,7 @@ impl MaterialModel for Diffuse {
 
     #[inline(always)]
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> DiffuseBsdf<R> {
-        DiffuseBsdf { normal: at.normal, albedo: at.color(R::gather(table, index, |row| row)) }
+        DiffuseBsdf { normal: at.shading, albedo: at.color(R::gather(table, index, |row| row)) }
     }
 }
 
@@ -58,7 +58,7 @@ impl<R: Real> Bsdf<R> for DiffuseBsdf<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         Scatter {
             direction: uniform_hemisphere(self.normal, u, v).0,
-            side: self.normal,
+            transmitted: R::Mask::NONE,
             weight: self.albedo,
             pdf: R::splat(0.5 / PI),
             scattered: R::Mask::ALL,

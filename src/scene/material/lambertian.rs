@@ -43,7 +43,7 @@ impl MaterialModel for Lambertian {
     #[inline(always)]
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> LambertianBsdf<R> {
         let albedo = at.color(R::gather(table, index, |row| row));
-        LambertianBsdf { normal: at.normal, albedo }
+        LambertianBsdf { normal: at.shading, albedo }
     }
 }
 
@@ -60,7 +60,7 @@ impl<R: Real> Bsdf<R> for LambertianBsdf<R> {
         let (direction, cos) = cosine_hemisphere(self.normal, u, v);
         Scatter {
             direction,
-            side: self.normal,
+            transmitted: R::Mask::NONE,
             weight: self.albedo,
             pdf: cos * (1.0 / PI),
             scattered: R::Mask::ALL,

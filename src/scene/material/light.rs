@@ -52,7 +52,7 @@ impl<R: Real> Bsdf<R> for Black {
     fn sample(&self, _: &Randoms<R>) -> Scatter<R> {
         Scatter {
             direction: R::Vec3::zero(),
-            side: R::Vec3::zero(),
+            transmitted: R::Mask::NONE,
             weight: R::Vec3::zero(),
             pdf: R::ZERO,
             scattered: R::Mask::NONE,

@@ -49,8 +49,8 @@ impl MaterialModel for Metal {
     fn bsdf<R: Real>(table: &[[Row; 2]], index: R::Index, at: &Interaction<'_, R>) -> MetalBsdf<R> {
         let albedo = at.color(R::gather(table, index, |entry| &entry[0]));
         let (_, fuzz) = R::gather(table, index, |entry| &entry[1]);
-        let mirror = reflect(at.ray.direction, at.normal);
-        MetalBsdf { normal: at.normal, mirror, albedo, fuzz }
+        let mirror = reflect(at.ray.direction, at.shading);
+        MetalBsdf { normal: at.shading, mirror, albedo, fuzz }
     }
 }
 
@@ -93,7 +93,7 @@ impl<R: Real> Bsdf<R> for MetalBsdf<R> {
         let direction = normalize(self.mirror + blur * self.fuzz);
         Scatter {
             direction,
-            side: self.normal,
+            transmitted: R::Mask::NONE,
             weight: self.albedo,
             pdf: self.specular().select(R::splat(SPECULAR), self.pdf(direction)),
             // False for NaN too, where the blur undoes the mirror direction exactly.

@@ -49,7 +49,7 @@ impl MaterialModel for RoughDielectric {
         at: &Interaction<'_, R>,
     ) -> RoughDielectricBsdf<R> {
         let (ior, alpha) = R::gather(table, index, |row| row);
-        let frame = Frame::new(at.normal);
+        let frame = Frame::new(at.shading);
         let wo = frame.local(-at.ray.direction);
         let eta = at.front.select(ior[0], R::ONE / ior[0]);
         RoughDielectricBsdf { frame, wo, eta, ggx: Ggx { alpha } }
@@ -108,10 +108,9 @@ impl<R: Real> Bsdf<R> for RoughDielectricBsdf<R> {
         let (weight, pdf, possible) = self.weight_and_pdf(wi, m);
         // Where the microfacet turns the path to the other side it is lost.
         let right_side = !(wi[2].gt(R::ZERO) ^ reflected);
-        let normal = self.frame.normal();
         Scatter {
             direction: self.frame.world(wi),
-            side: reflected.select(normal, -normal),
+            transmitted: !reflected,
             weight: R::Vec3::gray(weight),
             pdf,
             scattered: possible & right_side,

@@ -63,7 +63,8 @@ impl Shading<'_> {
         if self.settings.samples_lights(self.scene) {
             self.direct(vertex, surface, normal, bsdf, shaded.shadows);
         }
-        let Scatter { direction, side, weight, pdf, scattered } = bsdf.sample(&vertex.randoms);
+        let Scatter { direction, transmitted, weight, pdf, scattered } =
+            bsdf.sample(&vertex.randoms);
         let mut beta = vertex.history.beta * weight;
         // Paths that can add nothing end; those that can add little mostly do.
         let mut survival = max_element(beta);
@@ -81,6 +82,7 @@ impl Shading<'_> {
             goes_on &= !ended;
             beta = beta / survival;
         }
+        let side = transmitted.select(-normal, normal);
         let ray = Ray { origin: surface.spawn(side), direction, time: vertex.segment.ray.time };
         shaded.paths.set_segments(&vertex.path, &Segment { ray, pdf });
         shaded.paths.set_beta(&vertex.path, &History { beta, ..vertex.history });
