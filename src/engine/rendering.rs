@@ -60,7 +60,8 @@ impl Rendering {
                 let message = "the rendering has samples of another scene, camera or setting: begin a new one";
                 Err(Error::Usage(message.to_owned()))
             }
-            _ => {
+            Some(_) => Ok(()),
+            None => {
                 self.source = Some((scene.clone(), settings.clone()));
                 Ok(())
             }
