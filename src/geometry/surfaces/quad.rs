@@ -42,8 +42,7 @@ impl SurfaceTable for Table {
         let (v, y) = self.row::<R>(index, 2);
         let (dual_u, z) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
-        let p = (ray.origin - q) + ray.direction * t;
-        let (a, b) = (dot(p, dual_u), dot(p, dual_v));
+        let (a, b) = coordinates([q, dual_u, dual_v], ray, t);
         Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
     }
 
@@ -54,7 +53,13 @@ impl SurfaceTable for Table {
         let (q, _) = self.row::<R>(index, 0);
         let (dual_u, _) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
-        let p = (ray.origin - q) + ray.direction * t;
-        (dot(p, dual_u), dot(p, dual_v))
+        coordinates([q, dual_u, dual_v], ray, t)
     }
+}
+
+/// (a, b) of the points at distance `t`, of quads with this corner and these dual edges.
+#[inline(always)]
+fn coordinates<R: Real>([q, dual_u, dual_v]: [R::Vec3; 3], ray: &Ray<R>, t: R) -> (R, R) {
+    let p = (ray.origin - q) + ray.direction * t;
+    (dot(p, dual_u), dot(p, dual_v))
 }
