@@ -11,7 +11,7 @@ use super::record::KINDS;
 use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
-use crate::geometry::{Geometry, Quad, Ray, Sphere, Triangle};
+use crate::geometry::{Geometry, PrimitiveModel, Ray, primitives};
 use crate::input::{self, read_json};
 use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
@@ -29,28 +29,70 @@ struct Manifest {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-struct Counts {
-    spheres: usize,
-    quads: usize,
-    triangles: usize,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
 struct SetEntry {
     name: String,
     kind: Query,
     rays: usize,
 }
 
-const SPHERES: &str = "spheres.f32";
-const QUADS: &str = "quads.f32";
-const TRIANGLES: &str = "triangles.f32";
 /// Of each set.
 const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
 
+macro_rules! geometry_files {
+    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
+        /// How many primitives there are.
+        #[derive(Debug, Serialize, Deserialize)]
+        struct Counts {
+            $($list: usize,)*
+        }
+
+        impl Counts {
+            fn of(geometry: &Geometry) -> Self {
+                Self { $($list: geometry.$list.len(),)* }
+            }
+
+            fn all(&self) -> usize {
+                [$(self.$list,)*].into_iter().fold(0, usize::saturating_add)
+            }
+        }
+
+        /// The files of the primitives.
+        const PRIMITIVES: &[&str] = &[$(concat!(stringify!($list), ".f32"),)*];
+
+        fn write_geometry(folder: &Path, geometry: &Geometry) -> Result<()> {
+            $(
+                let file = folder.join(concat!(stringify!($list), ".f32"));
+                write_floats(&file, geometry.$list.iter().flat_map(PrimitiveModel::record))?;
+            )*
+            Ok(())
+        }
+
+        fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
+            let mut geometry = Geometry::default();
+            $(
+                let file = concat!(stringify!($list), ".f32");
+                for (index, record) in read_records(folder, file, counts.$list)?.iter().enumerate() {
+                    let primitive = match record.iter().all(|number| number.is_finite()) {
+                        true => PrimitiveModel::from_record(record),
+                        false => Err("a coordinate is not finite"),
+                    };
+                    geometry.$list.push(primitive.map_err(|message| {
+                        let file = folder.join(file).display().to_string();
+                        Error::input(file, format!("[{index}]"), message)
+                    })?);
+                }
+            )*
+            Ok(geometry)
+        }
+    };
+}
+
+primitives!(geometry_files);
+
 /// All files that there may be of ray sets in `folder`.
 pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
-    let fixed = [MANIFEST, SPHERES, QUADS, TRIANGLES].into_iter().map(|name| folder.join(name));
+    let fixed =
+        [MANIFEST].into_iter().chain(PRIMITIVES.iter().copied()).map(|name| folder.join(name));
     fixed.chain(files_of_sets(folder)).collect()
 }
 
@@ -69,16 +111,7 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
     files_of_sets(folder).try_for_each(|file| remove(&file))?;
-    let Geometry { spheres, quads, triangles } = &sets.geometry;
-    let spheres_f32 = spheres.iter().flat_map(|s| {
-        let ([x, y, z], [x1, y1, z1]) = (s.center.to_array(), s.center1.to_array());
-        [x, y, z, s.radius, x1, y1, z1, 0.0]
-    });
-    write_floats(&folder.join(SPHERES), spheres_f32)?;
-    let quads_f32 = quads.iter().flat_map(|q| [q.q, q.u, q.v]).flat_map(|v| v.to_array());
-    write_floats(&folder.join(QUADS), quads_f32)?;
-    let triangles_f32 = triangles.iter().flat_map(|t| t.vertices).flat_map(|v| v.to_array());
-    write_floats(&folder.join(TRIANGLES), triangles_f32)?;
+    write_geometry(folder, &sets.geometry)?;
     let moving = sets.geometry.moves();
     for set in &sets.sets {
         let file = |extension: &str| folder.join(format!("{}.{extension}", set.name));
@@ -109,7 +142,7 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     let content = Manifest {
         scene: sets.scene.clone(),
         seed: sets.seed,
-        counts: Counts { spheres: spheres.len(), quads: quads.len(), triangles: triangles.len() },
+        counts: Counts::of(&sets.geometry),
         sets: sets.sets.iter().map(entry).collect(),
         image: sets.image,
     };
@@ -157,8 +190,7 @@ pub(crate) fn read(folder: &Path) -> Result<RaySets> {
 
 /// `Err` says which place of the manifest is wrong, and what would be right.
 fn check_counts(counts: &Counts) -> Result<(), (String, String)> {
-    let Counts { spheres, quads, triangles } = *counts;
-    let all = spheres.saturating_add(quads).saturating_add(triangles);
+    let all = counts.all();
     match all <= MAX_PRIMITIVES {
         true => Ok(()),
         false => Err((
@@ -187,45 +219,6 @@ fn check_entries(sets: &[SetEntry]) -> Result<(), (String, String)> {
         return Err((format!("sets[{index}]"), message.to_owned()));
     }
     Ok(())
-}
-
-fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
-    let bad = |file: &str, index: usize, message: &str| {
-        Error::input(folder.join(file).display().to_string(), format!("[{index}]"), message)
-    };
-    let finite = |file: &str, index: usize, values: &[f32]| match values
-        .iter()
-        .all(|value| value.is_finite())
-    {
-        true => Ok(()),
-        false => Err(bad(file, index, "a coordinate is not finite")),
-    };
-    let mut geometry = Geometry::default();
-    let file = SPHERES;
-    for (index, sphere) in read_records::<8>(folder, file, counts.spheres)?.iter().enumerate() {
-        finite(file, index, sphere)?;
-        let &[x, y, z, radius, x1, y1, z1, _] = sphere;
-        if radius <= 0.0 {
-            return Err(bad(file, index, "the radius must be above 0"));
-        }
-        let (center, center1) = (Vec3::new(x, y, z), Vec3::new(x1, y1, z1));
-        geometry.spheres.push(Sphere { center, center1, radius });
-    }
-    let vectors =
-        |values: &[f32; 9]| [0, 3, 6].map(|i| Vec3::new(values[i], values[i + 1], values[i + 2]));
-    let file = QUADS;
-    for (index, quad) in read_records::<9>(folder, file, counts.quads)?.iter().enumerate() {
-        finite(file, index, quad)?;
-        let [q, u, v] = vectors(quad);
-        let quad = Quad::new(q, u, v).ok_or_else(|| bad(file, index, "the quad has no area"))?;
-        geometry.quads.push(quad);
-    }
-    let file = TRIANGLES;
-    for (index, triangle) in read_records::<9>(folder, file, counts.triangles)?.iter().enumerate() {
-        finite(file, index, triangle)?;
-        geometry.triangles.push(Triangle { vertices: vectors(triangle) });
-    }
-    Ok(geometry)
 }
 
 fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RaySet> {

@@ -4,6 +4,7 @@ pub(crate) mod lanes;
 
 use glam::{DVec3, Vec3};
 
+use super::primitive::{components, vectors};
 use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape};
 use crate::math::{Row, UNIT_ROUNDOFF, dot, length, row};
 
@@ -92,6 +93,9 @@ impl Quad {
 }
 
 impl PrimitiveModel for Quad {
+    /// Corner, edges.
+    type Record = [f32; 9];
+
     #[inline]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let t = self.plane_distance(&prepared.ray);
@@ -114,6 +118,15 @@ impl PrimitiveModel for Quad {
 
     fn identity(&self) -> [Vec3; 3] {
         [self.q, self.u, self.v]
+    }
+
+    fn record(&self) -> [f32; 9] {
+        components(self.identity())
+    }
+
+    fn from_record(record: &[f32; 9]) -> Result<Self, &'static str> {
+        let [q, u, v] = vectors(record);
+        Self::new(q, u, v).ok_or("the quad has no area")
     }
 }
 

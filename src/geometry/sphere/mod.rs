@@ -42,6 +42,9 @@ impl Sphere {
 }
 
 impl PrimitiveModel for Sphere {
+    /// Centre at time 0, radius; centre at time 1, 0.
+    type Record = [f32; 8];
+
     /// First root in the open interval.
     ///
     /// With `f` from the centre to the origin and `l` the part of it perpendicular to the
@@ -81,6 +84,17 @@ impl PrimitiveModel for Sphere {
 
     fn identity(&self) -> [Vec3; 3] {
         [self.center, self.motion(), Vec3::splat(self.radius)]
+    }
+
+    fn record(&self) -> [f32; 8] {
+        let ([x, y, z], [x1, y1, z1]) = (self.center.to_array(), self.center1.to_array());
+        [x, y, z, self.radius, x1, y1, z1, 0.0]
+    }
+
+    fn from_record(&[x, y, z, radius, x1, y1, z1, _]: &[f32; 8]) -> Result<Self, &'static str> {
+        let (center, center1) = (Vec3::new(x, y, z), Vec3::new(x1, y1, z1));
+        let sphere = Self { center, center1, radius };
+        (radius > 0.0).then_some(sphere).ok_or("the radius must be above 0")
     }
 }
 

@@ -4,6 +4,7 @@ pub(crate) mod lanes;
 
 use glam::{DVec3, Vec3};
 
+use super::primitive::{components, vectors};
 use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
 use crate::math::{UNIT_ROUNDOFF, length, max, max_element};
 
@@ -120,6 +121,9 @@ impl Triangle {
 }
 
 impl PrimitiveModel for Triangle {
+    /// Vertices.
+    type Record = [f32; 9];
+
     #[inline]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let t = distance(self.sheared(prepared));
@@ -136,6 +140,14 @@ impl PrimitiveModel for Triangle {
 
     fn identity(&self) -> [Vec3; 3] {
         self.vertices
+    }
+
+    fn record(&self) -> [f32; 9] {
+        components(self.vertices)
+    }
+
+    fn from_record(record: &[f32; 9]) -> Result<Self, &'static str> {
+        Ok(Self { vertices: vectors(record) })
     }
 }
 

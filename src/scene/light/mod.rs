@@ -1,43 +1,53 @@
-//! Lights that paths look for: one file each.
+//! Lights that paths look for: one file each, with its table and its samples.
 //!
-//! The list in `lights!` makes the kinds, the dispatch, and the code by which a row tells its kind. `from`
-//! names the primitive that is such a light when it emits; lights without one need not be primitives.
+//! The list in `lights!` makes the kinds, the tables, and the dispatch.
 
 mod alias;
 mod quad;
+mod sample;
 mod sphere;
 mod spherical_rectangle;
 mod spherical_triangle;
 mod triangle;
 
-use alias::AliasTable;
+use std::fmt::Debug;
 
 use glam::Vec3;
 
+use self::alias::AliasTable;
+pub(crate) use self::sample::LightSample;
 use super::emission::{Emission, Sides};
 use crate::geometry::{Primitive, Ray};
-use crate::math::{Mask, Real, Row, Select, Vector, Word, dot, row};
+use crate::math::{Mask, Real, Row, Vector, Word, row};
 use crate::sampler::{Dimension, Randoms};
 
-/// How a kind of light is sampled, uniformly in its solid angle where that can be computed.
-pub(crate) trait LightModel {
-    /// A direction from `from` to the light.
-    fn sample<R: Real>(light: &Chosen<'_, R>, from: R::Vec3, time: R, uv: (R, R))
-    -> LightSample<R>;
+/// A kind of light: an entry in the table of its kind. It is sampled uniformly in its solid angle where that
+/// can be computed.
+pub(crate) trait LightModel: Copy + Debug {
+    /// A primitive as a light of this kind, and its area. Lights that are no primitives have none.
+    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)>;
+
+    /// Directions from `from` to the entries at `index`.
+    fn sample<R: Real>(
+        table: &[Self],
+        index: R::Index,
+        from: R::Vec3,
+        time: R,
+        uv: (R, R),
+    ) -> LightSample<R>;
 
     /// Density with which [`LightModel::sample`] at `ray.origin` draws `ray.direction`, which meets the
-    /// light at distance `t`.
-    fn pdf<R: Real>(light: &Chosen<'_, R>, ray: &Ray<R>, t: R) -> R;
+    /// entries at distance `t`.
+    fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, t: R) -> R;
 }
 
-/// A light's rows: what it emits, and its flags; a point, and the chance of being chosen; three of its
-/// kind.
-type LightRows = [Row; 5];
+/// What every light has: what it emits, and its flags; the chance of being chosen, and its place in the
+/// table of its kind.
+type LightRows = [Row; 2];
 
-/// Flags: shines on its front only; of a quad, is a rectangle. Above them is the kind.
+/// The flag of lights that shine on their front only. Above it is the kind.
 const FRONT_ONLY: u32 = 1;
-const RECTANGLE: u32 = 2;
-const KIND_SHIFT: u32 = 8;
+const KIND_SHIFT: u32 = 1;
 
 /// Shapes are sampled by solid angle above this: below it the sum of the corners' angles has lost too
 /// many digits.
@@ -47,16 +57,26 @@ const MIN_SOLID_ANGLE: f32 = 1e-3;
 const MIN_SINE: f32 = 2.5e-3;
 
 macro_rules! lights {
-    ($($name:ident in $module:ident $(from $primitive:ident)?,)*) => {
+    ($($name:ident in $module:ident,)*) => {
         #[derive(Clone, Copy)]
         enum LightKind {
             $($name,)*
         }
 
-        /// A primitive as a light.
-        fn shone(primitive: Primitive<'_>) -> Shone {
-            match primitive {
-                $($(Primitive::$primitive(primitive) => $module::shone(primitive),)?)*
+        /// The lights of a scene, a table for each kind.
+        #[derive(Debug, Default)]
+        struct LightTables {
+            $($module: Vec<$module::$name>,)*
+        }
+
+        impl LightTables {
+            /// Adds a primitive: its kind, its place in the table of that kind, and its area.
+            fn push(&mut self, primitive: Primitive<'_>) -> (LightKind, u32, f64) {
+                $(if let Some((light, area)) = LightModel::of(primitive) {
+                    self.$module.push(light);
+                    return (LightKind::$name, self.$module.len() as u32 - 1, area);
+                })*
+                unreachable!("every primitive can be a light")
             }
         }
 
@@ -74,7 +94,10 @@ macro_rules! lights {
                 $(
                     let here = self.is(LightKind::$name);
                     if here.any() {
-                        found = here.select($module::$name::sample(self, from, time, uv), found);
+                        let table = &self.lights.tables.$module[..];
+                        let index = self.place(here, table.len());
+                        let sample = $module::$name::sample(table, index, from, time, uv);
+                        found = here.select(sample, found);
                     }
                 )*
                 found
@@ -88,7 +111,9 @@ macro_rules! lights {
                 $(
                     let here = self.is(LightKind::$name);
                     if here.any() {
-                        pdf = here.select($module::$name::pdf(self, ray, t), pdf);
+                        let table = &self.lights.tables.$module[..];
+                        let index = self.place(here, table.len());
+                        pdf = here.select($module::$name::pdf(table, index, ray, t), pdf);
                     }
                 )*
                 pdf
@@ -98,93 +123,56 @@ macro_rules! lights {
 }
 
 lights! {
-    Sphere in sphere from Sphere,
-    Quad in quad from Quad,
-    Triangle in triangle from Triangle,
-}
-
-/// A kind of light, its area, the flags of its kind, its point, and its other rows.
-struct Shone {
-    kind: LightKind,
-    area: f64,
-    flags: u32,
-    point: Vec3,
-    rows: [Row; 3],
+    SphereLight in sphere,
+    QuadLight in quad,
+    TriangleLight in triangle,
 }
 
 /// The lights of a scene in the order of their primitives.
 #[derive(Debug, Default)]
 pub(crate) struct Lights {
     rows: Vec<LightRows>,
-    table: Option<AliasTable>,
+    tables: LightTables,
+    choice: Option<AliasTable>,
 }
 
 /// One light, or one a lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Chosen<'a, R: Real> {
-    rows: &'a [LightRows],
+    lights: &'a Lights,
     index: R::Index,
     emission: R::Vec3,
     flags: R::Word,
 }
 
-/// A direction from a point to a light.
-#[derive(Clone, Copy)]
-pub(crate) struct LightSample<R: Real> {
-    /// Of unit length.
-    pub(crate) direction: R::Vec3,
-    /// How far the light is.
-    pub(crate) distance: R,
-    /// Density of the direction per unit solid angle.
-    pub(crate) pdf: R,
-    /// Whether the direction meets the light's front.
-    pub(crate) front: R::Mask,
-    /// Whether the light can be seen at all; where it cannot, the rest means nothing.
-    pub(crate) visible: R::Mask,
-}
-
-impl<R: Real> Select<R::Mask> for LightSample<R> {
-    #[inline(always)]
-    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
-        Self {
-            direction: mask.select(yes.direction, no.direction),
-            distance: mask.select(yes.distance, no.distance),
-            pdf: mask.select(yes.pdf, no.pdf),
-            front: mask.select(yes.front, no.front),
-            visible: mask.select(yes.visible, no.visible),
-        }
-    }
-}
-
 /// Collects the lights of a scene.
 #[derive(Default)]
 pub(super) struct LightsBuilder {
-    rows: Vec<LightRows>,
+    lights: Lights,
     powers: Vec<f64>,
 }
 
 impl LightsBuilder {
     /// Adds a primitive that emits light.
     pub(super) fn push(&mut self, primitive: Primitive<'_>, emission: Emission) {
-        self.add(shone(primitive), emission);
-    }
-
-    fn add(&mut self, light: Shone, Emission { radiance, sides }: Emission) {
-        let Shone { kind, area, flags, point, rows: [a, b, c] } = light;
+        let Emission { radiance, sides } = emission;
+        let (kind, place, area) = self.lights.tables.push(primitive);
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
-        let flags = (kind as u32) << KIND_SHIFT | flags | one_sided;
+        let flags = (kind as u32) << KIND_SHIFT | one_sided;
+        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, place, 0, 0]]);
         self.powers.push(power(radiance, sides, area));
-        self.rows.push([row(radiance, f32::from_bits(flags)), row(point, 1.0), a, b, c]);
     }
 
     pub(super) fn finish(self) -> Lights {
-        let Self { mut rows, powers } = self;
-        let table = (!rows.is_empty()).then(|| AliasTable::new(&powers));
-        for (rows, index) in rows.iter_mut().zip(0..) {
-            let share = table.as_ref().map_or(0, |table| table.share(index));
-            rows[1][3] = (share as f32 * (1.0 / 4_294_967_296.0)).to_bits();
+        let Self { mut lights, powers } = self;
+        if !powers.is_empty() {
+            let table = AliasTable::new(&powers);
+            for ([_, chance], index) in lights.rows.iter_mut().zip(0..) {
+                chance[0] = (table.share(index) as f32 * (1.0 / 4_294_967_296.0)).to_bits();
+            }
+            lights.choice = Some(table);
         }
-        Lights { rows, table }
+        lights
     }
 }
 
@@ -200,7 +188,7 @@ impl Lights {
     /// If there is none.
     #[inline(always)]
     pub(crate) fn choose<R: Real>(&self, randoms: &Randoms<R>) -> Chosen<'_, R> {
-        match &self.table {
+        match &self.choice {
             Some(table) if self.rows.len() > 1 => {
                 self.get(table.choose::<R>(randoms.bits(Dimension::LIGHT_CHOICE)))
             }
@@ -213,37 +201,39 @@ impl Lights {
     pub(crate) fn get<R: Real>(&self, light: R::Word) -> Chosen<'_, R> {
         let index = R::index_of_few(light, self.rows.len());
         let (emission, flags) = R::gather(&self.rows, index, |rows| &rows[0]);
-        Chosen { rows: &self.rows, index, emission, flags: flags.to_bits() }
+        Chosen { lights: self, index, emission, flags: flags.to_bits() }
     }
 }
 
 impl<R: Real> Chosen<'_, R> {
-    /// Row `place`.
-    #[inline(always)]
-    fn row(&self, place: usize) -> (R::Vec3, R) {
-        R::gather(self.rows, self.index, |rows| &rows[place])
-    }
-
-    #[inline(always)]
-    fn has(&self, flag: u32) -> R::Mask {
-        (self.flags & R::Word::splat(flag)).eq(R::Word::splat(flag))
-    }
-
     #[inline(always)]
     fn is(&self, kind: LightKind) -> R::Mask {
         (self.flags >> KIND_SHIFT).eq(R::Word::splat(kind as u32))
     }
 
+    /// Places in the table of their kind, which has `len` entries, of the lights in `here`.
+    #[inline(always)]
+    fn place(&self, here: R::Mask, len: usize) -> R::Index {
+        let place = self.chance_and_place()[1].to_bits();
+        R::index_of_few(here.select(place, R::Word::splat(0)), len)
+    }
+
+    #[inline(always)]
+    fn chance_and_place(&self) -> R::Vec3 {
+        R::gather(&self.lights.rows, self.index, |rows| &rows[1]).0
+    }
+
     /// Chance of being chosen.
     #[inline(always)]
     pub(crate) fn chance(&self) -> R {
-        self.row(1).1
+        self.chance_and_place()[0]
     }
 
     /// Radiance towards a viewer, on the front of the light or not.
     #[inline(always)]
     pub(crate) fn radiance(&self, front: R::Mask) -> R::Vec3 {
-        (self.has(FRONT_ONLY) & !front).select(R::Vec3::zero(), self.emission)
+        let one_sided = (self.flags & R::Word::splat(FRONT_ONLY)).eq(R::Word::splat(FRONT_ONLY));
+        (one_sided & !front).select(R::Vec3::zero(), self.emission)
     }
 }
 
@@ -254,36 +244,4 @@ fn power(radiance: Vec3, sides: Sides, area: f64) -> f64 {
     let sides = if sides == Sides::Both { 2.0 } else { 1.0 };
     let power = (0.2126 * r + 0.7152 * g + 0.0722 * b) * area * sides;
     if power > 1e-300 { power } else { 1e-300 }
-}
-
-/// A flat light's plane.
-struct Plane<R: Real> {
-    point: R::Vec3,
-    normal: R::Vec3,
-    area: R,
-}
-
-impl<R: Real> Plane<R> {
-    /// The sample in this direction: of density `pdf` where `exact`, else that of a point uniform by
-    /// area.
-    #[inline(always)]
-    fn sample(&self, from: R::Vec3, direction: R::Vec3, exact: R::Mask, pdf: R) -> LightSample<R> {
-        let slope = dot(self.normal, direction);
-        let distance = -dot(self.normal, from - self.point) / slope;
-        let pdf = exact.select(pdf, self.area_pdf(direction, distance));
-        let positive = |x: R| x.gt(R::ZERO) & x.lt(R::INFINITY);
-        LightSample {
-            direction,
-            distance,
-            pdf,
-            front: slope.lt(R::ZERO),
-            visible: positive(distance) & positive(pdf),
-        }
-    }
-
-    /// Density per unit solid angle of points uniform by area, at `distance` in this direction.
-    #[inline(always)]
-    fn area_pdf(&self, direction: R::Vec3, distance: R) -> R {
-        distance * distance / (self.area * dot(self.normal, direction).abs())
-    }
 }

@@ -1,48 +1,59 @@
 //! Quad lights: rectangles uniform in their solid angle, other parallelograms by area.
 
+use super::LightModel;
+use super::sample::{LightSample, Plane};
 use super::spherical_rectangle::{Rectangle, SphericalRectangle};
-use super::{Chosen, LightKind, LightModel, LightSample, Plane, RECTANGLE, Shone};
-use crate::geometry::{self, Ray};
-use crate::math::{Mask, Real, normalize, row};
+use crate::geometry::{Primitive, Ray};
+use crate::math::{Mask, Real, Row, normalize, row};
 
-pub(super) struct Quad;
-
-/// Corner; unit edge, width; unit edge, height; normal, area.
-pub(super) fn shone(quad: &geometry::Quad) -> Shone {
-    let (u, v) = (quad.u.as_dvec3(), quad.v.as_dvec3());
-    let (width, height) = (u.dot(u).sqrt(), v.dot(v).sqrt());
-    Shone {
-        kind: LightKind::Quad,
-        area: f64::from(quad.area()),
-        flags: if quad.is_rectangle() { RECTANGLE } else { 0 },
-        point: quad.q,
-        rows: [
-            row((u / width).as_vec3(), width as f32),
-            row((v / height).as_vec3(), height as f32),
-            row(quad.normal, quad.area()),
-        ],
-    }
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QuadLight {
+    /// Corner; 1 for a rectangle, else 0.
+    corner: Row,
+    /// Unit edge, width.
+    x: Row,
+    /// Unit edge, height.
+    y: Row,
+    /// Normal, area.
+    normal: Row,
 }
 
+/// Quads as if they were rectangles, their planes, and whether they are rectangles.
 #[inline(always)]
-fn shape<R: Real>(light: &Chosen<'_, R>) -> (Rectangle<R>, Plane<R>) {
-    let (corner, _) = light.row(1);
-    let ((x, width), (y, height), (normal, area)) = (light.row(2), light.row(3), light.row(4));
+fn shape<R: Real>(table: &[QuadLight], index: R::Index) -> (Rectangle<R>, Plane<R>, R::Mask) {
+    let (corner, rectangular) = R::gather(table, index, |light| &light.corner);
+    let (x, width) = R::gather(table, index, |light| &light.x);
+    let (y, height) = R::gather(table, index, |light| &light.y);
+    let (normal, area) = R::gather(table, index, |light| &light.normal);
     let rectangle = Rectangle { corner, axes: [x, y, normal], size: (width, height) };
-    (rectangle, Plane { point: corner, normal, area })
+    (rectangle, Plane { point: corner, normal, area }, rectangular.gt(R::ZERO))
 }
 
-impl LightModel for Quad {
+impl LightModel for QuadLight {
+    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+        let Primitive::Quad(quad) = primitive else { return None };
+        let (u, v) = (quad.u.as_dvec3(), quad.v.as_dvec3());
+        let (width, height) = (u.dot(u).sqrt(), v.dot(v).sqrt());
+        let light = Self {
+            corner: row(quad.q, f32::from(u8::from(quad.is_rectangle()))),
+            x: row((u / width).as_vec3(), width as f32),
+            y: row((v / height).as_vec3(), height as f32),
+            normal: row(quad.normal, quad.area()),
+        };
+        Some((light, f64::from(quad.area())))
+    }
+
     #[inline(always)]
     fn sample<R: Real>(
-        light: &Chosen<'_, R>,
+        table: &[Self],
+        index: R::Index,
         from: R::Vec3,
         _: R,
         (u, v): (R, R),
     ) -> LightSample<R> {
-        let (rectangle, plane) = shape(light);
+        let (rectangle, plane, rectangular) = shape::<R>(table, index);
         let spherical = SphericalRectangle::new(&rectangle, from);
-        let exact = light.has(RECTANGLE) & spherical.exact;
+        let exact = rectangular & spherical.exact;
         let ([x, y, _], (width, height)) = (rectangle.axes, rectangle.size);
         let mut target = rectangle.corner + x * (u * width) + y * (v * height);
         if exact.any() {
@@ -52,10 +63,10 @@ impl LightModel for Quad {
     }
 
     #[inline(always)]
-    fn pdf<R: Real>(light: &Chosen<'_, R>, ray: &Ray<R>, t: R) -> R {
-        let (rectangle, plane) = shape(light);
+    fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, t: R) -> R {
+        let (rectangle, plane, rectangular) = shape::<R>(table, index);
         let spherical = SphericalRectangle::new(&rectangle, ray.origin);
-        let exact = light.has(RECTANGLE) & spherical.exact;
+        let exact = rectangular & spherical.exact;
         exact.select(spherical.pdf(), plane.area_pdf(ray.direction, t))
     }
 }

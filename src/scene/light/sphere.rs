@@ -2,23 +2,18 @@
 
 use std::f32::consts::PI;
 
-use super::{Chosen, LightKind, LightModel, LightSample, Shone};
-use crate::geometry::{self, Ray, sphere_distance};
+use super::LightModel;
+use super::sample::LightSample;
+use crate::geometry::{Primitive, Ray, sphere_distance};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
-use crate::math::{Mask, Real, dot, length, normalize, row};
+use crate::math::{Mask, Real, Row, dot, length, normalize, row};
 
-pub(super) struct Sphere;
-
-/// Centre at time 0; motion, radius.
-pub(super) fn shone(sphere: &geometry::Sphere) -> Shone {
-    let radius = f64::from(sphere.radius);
-    Shone {
-        kind: LightKind::Sphere,
-        area: 4.0 * std::f64::consts::PI * radius * radius,
-        flags: 0,
-        point: sphere.center,
-        rows: [row(sphere.motion(), sphere.radius), [0; 4], [0; 4]],
-    }
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SphereLight {
+    /// Centre at time 0, radius.
+    center: Row,
+    /// Motion.
+    motion: Row,
 }
 
 /// The cone that a sphere fills as seen from a point.
@@ -34,8 +29,9 @@ struct Cone<R: Real> {
 
 impl<R: Real> Cone<R> {
     #[inline(always)]
-    fn new(light: &Chosen<'_, R>, from: R::Vec3, time: R) -> Self {
-        let ((center, _), (motion, r)) = (light.row(1), light.row(2));
+    fn new(table: &[SphereLight], index: R::Index, from: R::Vec3, time: R) -> Self {
+        let (center, r) = R::gather(table, index, |light| &light.center);
+        let (motion, _) = R::gather(table, index, |light| &light.motion);
         let center = center + motion * time;
         let to_center = center - from;
         let d = length(to_center);
@@ -52,15 +48,24 @@ impl<R: Real> Cone<R> {
     }
 }
 
-impl LightModel for Sphere {
+impl LightModel for SphereLight {
+    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+        let Primitive::Sphere(sphere) = primitive else { return None };
+        let radius = f64::from(sphere.radius);
+        let light =
+            Self { center: row(sphere.center, sphere.radius), motion: row(sphere.motion(), 0.0) };
+        Some((light, 4.0 * std::f64::consts::PI * radius * radius))
+    }
+
     #[inline(always)]
     fn sample<R: Real>(
-        light: &Chosen<'_, R>,
+        table: &[Self],
+        index: R::Index,
         from: R::Vec3,
         time: R,
         (u, v): (R, R),
     ) -> LightSample<R> {
-        let cone = Cone::new(light, from, time);
+        let cone = Cone::new(table, index, from, time);
         let mut direction = uniform_sphere(u, v);
         if cone.outside.any() {
             let inside = uniform_cone(normalize(cone.to_center), cone.one_minus_cos, u, v);
@@ -75,7 +80,7 @@ impl LightModel for Sphere {
     }
 
     #[inline(always)]
-    fn pdf<R: Real>(light: &Chosen<'_, R>, ray: &Ray<R>, _: R) -> R {
-        Cone::new(light, ray.origin, ray.time).pdf()
+    fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, _: R) -> R {
+        Cone::new(table, index, ray.origin, ray.time).pdf()
     }
 }

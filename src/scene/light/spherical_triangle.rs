@@ -11,7 +11,8 @@
 //!    differences of directions: the determinants, and 1 − cos and 1 + cos of the angles between
 //!    directions, as squares of their differences and sums.
 
-use super::{MIN_SINE, MIN_SOLID_ANGLE, Plane};
+use super::sample::Plane;
+use super::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::math::trig::{atan2, sin_cos};
 use crate::math::{Real, cross, dot, length, max, normalize};
 

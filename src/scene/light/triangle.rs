@@ -2,45 +2,49 @@
 
 use glam::DVec3;
 
+use super::LightModel;
+use super::sample::{LightSample, Plane};
 use super::spherical_triangle::SphericalTriangle;
-use super::{Chosen, LightKind, LightModel, LightSample, Plane, Shone};
-use crate::geometry::{self, Ray};
-use crate::math::{Mask, Real, normalize, row};
+use crate::geometry::{Primitive, Ray};
+use crate::math::{Mask, Real, Row, normalize, row};
 
-pub(super) struct Triangle;
-
-/// A vertex; the others; normal, area.
-pub(super) fn shone(triangle: &geometry::Triangle) -> Shone {
-    let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
-    let normal: DVec3 = (b - a).cross(c - a);
-    let twice = normal.dot(normal).sqrt();
-    let area = (0.5 * twice) as f32;
-    let [p, q, r] = triangle.vertices;
-    Shone {
-        kind: LightKind::Triangle,
-        area: f64::from(area),
-        flags: 0,
-        point: p,
-        rows: [row(q, 0.0), row(r, 0.0), row((normal / twice).as_vec3(), area)],
-    }
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriangleLight {
+    vertices: [Row; 3],
+    /// Normal, area.
+    normal: Row,
 }
 
+/// Vertices and plane.
 #[inline(always)]
-fn shape<R: Real>(light: &Chosen<'_, R>) -> ([R::Vec3; 3], Plane<R>) {
-    let ((p, _), (q, _), (r, _)) = (light.row(1), light.row(2), light.row(3));
-    let (normal, area) = light.row(4);
-    ([p, q, r], Plane { point: p, normal, area })
+fn shape<R: Real>(table: &[TriangleLight], index: R::Index) -> ([R::Vec3; 3], Plane<R>) {
+    let vertex = |i: usize| R::gather(table, index, |light| &light.vertices[i]).0;
+    let (normal, area) = R::gather(table, index, |light| &light.normal);
+    let vertices = [vertex(0), vertex(1), vertex(2)];
+    (vertices, Plane { point: vertices[0], normal, area })
 }
 
-impl LightModel for Triangle {
+impl LightModel for TriangleLight {
+    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+        let Primitive::Triangle(triangle) = primitive else { return None };
+        let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
+        let normal: DVec3 = (b - a).cross(c - a);
+        let twice = normal.dot(normal).sqrt();
+        let area = (0.5 * twice) as f32;
+        let vertices = triangle.vertices.map(|vertex| row(vertex, 0.0));
+        let light = Self { vertices, normal: row((normal / twice).as_vec3(), area) };
+        Some((light, f64::from(area)))
+    }
+
     #[inline(always)]
     fn sample<R: Real>(
-        light: &Chosen<'_, R>,
+        table: &[Self],
+        index: R::Index,
         from: R::Vec3,
         _: R,
         (u, v): (R, R),
     ) -> LightSample<R> {
-        let (vertices, plane) = shape(light);
+        let (vertices, plane) = shape::<R>(table, index);
         let spherical = SphericalTriangle::new(vertices, &plane, from);
         // Uniform by area: the corner beyond the diagonal is folded back (Turk 1990, with roots).
         let ([a, b, c], root) = (vertices, u.sqrt());
@@ -53,8 +57,8 @@ impl LightModel for Triangle {
     }
 
     #[inline(always)]
-    fn pdf<R: Real>(light: &Chosen<'_, R>, ray: &Ray<R>, t: R) -> R {
-        let (vertices, plane) = shape(light);
+    fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, t: R) -> R {
+        let (vertices, plane) = shape::<R>(table, index);
         let spherical = SphericalTriangle::new(vertices, &plane, ray.origin);
         spherical.exact.select(spherical.pdf(), plane.area_pdf(ray.direction, t))
     }

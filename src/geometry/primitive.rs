@@ -1,0 +1,208 @@
+//! The primitives and shapes that there are: their lists, and what each has to have.
+
+use glam::Vec3;
+
+use super::{Bounds, Hit, PreparedRay, Ray};
+use crate::math::max;
+
+/// Hands the list of primitives to the macro `$list`: the type, its module, and its list in [`Geometry`].
+macro_rules! primitives {
+    ($list:ident) => {
+        $list! {
+            /// Spheres, still or moving.
+            Sphere in sphere listed in spheres,
+            /// Parallelograms.
+            Quad in quad listed in quads,
+            /// Triangles.
+            Triangle in triangle listed in triangles,
+        }
+    };
+}
+pub(crate) use primitives;
+
+/// Hands the list of shapes, which have code of their own in tests, leaf blocks and shading, to the macro
+/// `$list`: the variant of [`Shape`], and its module in `accel/leaf` and `geometry/surfaces`.
+macro_rules! shapes {
+    ($list:ident) => {
+        $list! {
+            Sphere in sphere,
+            MovingSphere in moving_sphere,
+            Quad in quad,
+            Triangle in triangle,
+        }
+    };
+}
+pub(crate) use shapes;
+
+/// What a kind of primitive is.
+pub(crate) trait PrimitiveModel: Sized {
+    /// The numbers that define it.
+    type Record;
+
+    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of the
+    /// ray's direction.
+    fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
+
+    /// A box around it over all times, `[0, 1]`.
+    fn bounds(&self) -> Bounds;
+
+    /// How it is tested and shaded.
+    fn shape(&self) -> Shape;
+
+    /// The vectors that define it, for the scene's hash.
+    fn identity(&self) -> [Vec3; 3];
+
+    /// The numbers that define it, for ray sets.
+    fn record(&self) -> Self::Record;
+
+    /// The primitive that finite numbers define; `Err` says what would be right.
+    fn from_record(record: &Self::Record) -> Result<Self, &'static str>;
+}
+
+macro_rules! primitive {
+    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
+        $(pub use super::$module::$name;)*
+
+        /// All primitives of a scene. A primitive's index is its position in the order of these lists.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Geometry {
+            $($(#[doc = $doc])* pub $list: Vec<$name>,)*
+        }
+
+        /// A reference to one primitive.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Primitive<'a> {
+            $($(#[doc = $doc])* $name(&'a $name),)*
+        }
+
+        impl Geometry {
+            /// Number of primitives.
+            pub fn len(&self) -> usize {
+                0 $(+ self.$list.len())*
+            }
+
+            /// Primitive number `index`.
+            ///
+            /// # Panics
+            /// If `index` is not below [`Geometry::len`].
+            #[inline(always)]
+            pub fn get(&self, index: u32) -> Primitive<'_> {
+                let mut left = index as usize;
+                $(
+                    if let Some(primitive) = self.$list.get(left) {
+                        return Primitive::$name(primitive);
+                    }
+                    left = left.wrapping_sub(self.$list.len());
+                )*
+                panic!("no primitive has the number {index}")
+            }
+        }
+
+        impl Primitive<'_> {
+            /// Its name in messages, which is part of the scene's hash.
+            pub(crate) fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name(_) => stringify!($module),)*
+                }
+            }
+
+            /// [`PrimitiveModel::intersect`].
+            #[inline(always)]
+            pub(crate) fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+                match self {
+                    $(Self::$name(primitive) => primitive.intersect(ray, t_min, t_max),)*
+                }
+            }
+
+            /// [`PrimitiveModel::bounds`].
+            pub fn bounds(self) -> Bounds {
+                match self {
+                    $(Self::$name(primitive) => primitive.bounds(),)*
+                }
+            }
+
+            /// [`PrimitiveModel::shape`].
+            pub(crate) fn shape(self) -> Shape {
+                match self {
+                    $(Self::$name(primitive) => primitive.shape(),)*
+                }
+            }
+
+            /// [`PrimitiveModel::identity`].
+            pub(crate) fn identity(self) -> [Vec3; 3] {
+                match self {
+                    $(Self::$name(primitive) => primitive.identity(),)*
+                }
+            }
+        }
+    };
+}
+
+primitives!(primitive);
+
+macro_rules! shape {
+    ($($name:ident in $module:ident,)*) => {
+        /// A shape of primitives.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Shape {
+            $($name,)*
+        }
+
+        impl Shape {
+            /// All shapes, by number.
+            pub(crate) const ALL: &[Self] = &[$(Self::$name,)*];
+        }
+    };
+}
+
+shapes!(shape);
+
+impl Geometry {
+    /// Whether there is no primitive.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A box around each primitive over all times.
+    pub fn boxes(&self) -> Vec<Bounds> {
+        (0..self.len() as u32).map(|primitive| self.get(primitive).bounds()).collect()
+    }
+
+    /// Whether anything moves: the moment of a ray matters.
+    pub fn moves(&self) -> bool {
+        self.spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO)
+    }
+
+    /// Largest [`Quad::condition`], at least 1.
+    pub fn condition(&self) -> f32 {
+        self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))
+    }
+
+    /// The closest hit by trying every primitive: the definition that every
+    /// acceleration structure is tested against.
+    pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
+        if !ray.is_finite() {
+            return None;
+        }
+        let ray = PreparedRay::new(ray);
+        let mut best: Option<Hit> = None;
+        for primitive in 0..self.len() as u32 {
+            let limit = best.map_or(t_max, |hit| hit.t);
+            if let Some(t) = self.get(primitive).intersect(&ray, t_min, limit) {
+                best = Some(Hit { t, primitive });
+            }
+        }
+        best
+    }
+}
+
+/// The components of vectors.
+pub(super) fn components(vectors: [Vec3; 3]) -> [f32; 9] {
+    let [[a, b, c], [d, e, f], [g, h, i]] = vectors.map(|vector| vector.to_array());
+    [a, b, c, d, e, f, g, h, i]
+}
+
+/// The vectors with these components.
+pub(super) fn vectors(&[a, b, c, d, e, f, g, h, i]: &[f32; 9]) -> [Vec3; 3] {
+    [[a, b, c], [d, e, f], [g, h, i]].map(Vec3::from_array)
+}

@@ -1,0 +1,69 @@
+//! What a sample of a light is, and how flat lights are sampled.
+
+use crate::math::{Mask, Real, Select, dot};
+
+/// A direction from a point to a light.
+#[derive(Clone, Copy)]
+pub(crate) struct LightSample<R: Real> {
+    /// Of unit length.
+    pub(crate) direction: R::Vec3,
+    /// How far the light is.
+    pub(crate) distance: R,
+    /// Density of the direction per unit solid angle.
+    pub(crate) pdf: R,
+    /// Whether the direction meets the light's front.
+    pub(crate) front: R::Mask,
+    /// Whether the light can be seen at all; where it cannot, the rest means nothing.
+    pub(crate) visible: R::Mask,
+}
+
+impl<R: Real> Select<R::Mask> for LightSample<R> {
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            direction: mask.select(yes.direction, no.direction),
+            distance: mask.select(yes.distance, no.distance),
+            pdf: mask.select(yes.pdf, no.pdf),
+            front: mask.select(yes.front, no.front),
+            visible: mask.select(yes.visible, no.visible),
+        }
+    }
+}
+
+/// A flat light's plane.
+pub(super) struct Plane<R: Real> {
+    pub(super) point: R::Vec3,
+    pub(super) normal: R::Vec3,
+    pub(super) area: R,
+}
+
+impl<R: Real> Plane<R> {
+    /// The sample in this direction: of density `pdf` where `exact`, else that of a point uniform by
+    /// area.
+    #[inline(always)]
+    pub(super) fn sample(
+        &self,
+        from: R::Vec3,
+        direction: R::Vec3,
+        exact: R::Mask,
+        pdf: R,
+    ) -> LightSample<R> {
+        let slope = dot(self.normal, direction);
+        let distance = -dot(self.normal, from - self.point) / slope;
+        let pdf = exact.select(pdf, self.area_pdf(direction, distance));
+        let positive = |x: R| x.gt(R::ZERO) & x.lt(R::INFINITY);
+        LightSample {
+            direction,
+            distance,
+            pdf,
+            front: slope.lt(R::ZERO),
+            visible: positive(distance) & positive(pdf),
+        }
+    }
+
+    /// Density per unit solid angle of points uniform by area, at `distance` in this direction.
+    #[inline(always)]
+    pub(super) fn area_pdf(&self, direction: R::Vec3, distance: R) -> R {
+        distance * distance / (self.area * dot(self.normal, direction).abs())
+    }
+}
