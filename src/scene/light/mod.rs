@@ -59,6 +59,7 @@ const MIN_SINE: f32 = 2.5e-3;
 macro_rules! lights {
     ($($name:ident in $module:ident,)*) => {
         #[derive(Clone, Copy)]
+        #[expect(clippy::enum_variant_names, reason = "a kind has the name of its type")]
         enum LightKind {
             $($name,)*
         }
