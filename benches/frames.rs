@@ -1,4 +1,4 @@
-//! Whole frames of the report's scenes; throughput in rays.
+//! Benchmarks whole frames of the built-in scenes, with the throughput in rays.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ fn frames(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("frames");
     group.sample_size(10);
     for name in ptfast::BUILTIN_NAMES {
-        let scene = Scene::load(name).expect("built-in scenes are good");
+        let scene = Scene::load(name).expect("built-in scenes are valid");
         for engine in Engine::ALL {
             let settings = RenderSettings {
                 width: 160,

@@ -1,5 +1,7 @@
-//! Kernels by themselves: boxes, primitives, and whole traversals of recorded rays. Throughput in rays;
-//! `slab` and `primitive` test every ray against every box, or against 16 primitives of a kind.
+//! Benchmarks single kernels: box tests, primitive tests, and whole traversals of recorded rays.
+//!
+//! The throughput is in rays. `slab` tests every ray against every box, and `primitive` tests every ray
+//! against 16 primitives of one kind.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
@@ -11,10 +13,10 @@ use ptfast::{Kernel, RenderSettings, Scene};
 
 /// Scenes whose rays are traced, one of each size.
 const SCENES: [&str; 4] = ["spheres", "cornell", "cloud:30000", "mesh:20480"];
-/// Rays of a set, at most.
+/// Maximum number of rays of a set.
 const RAYS: u64 = 1 << 14;
 
-/// What a render of `scene` traces.
+/// Geometry of `scene`, and the rays that a render of it traces.
 fn sets(scene: &str) -> (Geometry, Vec<RaySet>) {
     let scene = Scene::load(scene).expect("the scene is built in");
     let settings = RenderSettings { width: 160, height: 90, spp: 2, ..RenderSettings::of(&scene) };
@@ -97,7 +99,7 @@ fn primitive(criterion: &mut Criterion) {
                 accelerator.closest(Kernel::Flat, &rays, 0..rays.len(), &mut hits);
             });
         });
-        // Empty where it was filtered out.
+        // The hits are empty if criterion's filter skipped this benchmark.
         assert!(hits.is_empty() || hits == want, "{name}");
         group.bench_function(BenchmarkId::new(name, "scalar"), |bencher| {
             bencher.iter(|| brute_force(&rays));

@@ -1,22 +1,24 @@
-//! What the machine could do at most, for rooflines (`profiling/roofline`): instructions a second, and
-//! bytes a second from each level of memory, on one core. Instructions are those of a build with AVX2 or
-//! more: others need several for a vector's operation.
+//! Measures the peak rates of one core for rooflines (`profiling/roofline`): instructions per second, and
+//! bytes per second from each level of memory.
+//!
+//! The number of instructions is that of a build with AVX2 or more. Other builds need several instructions
+//! for an operation on a vector.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use wide::f32x8;
 
-/// Vectors that are multiplied and added side by side, a product and a sum each ...
+/// Independent vectors, each with one multiplication and one addition per step.
 const VECTORS: usize = 12;
-/// ... while as many rotations and sums of integers are done in so many chains.
+/// Independent chains of integers, each with three rotations and three additions per step.
 const INTEGERS: usize = 4;
 const STEPS: u64 = 1000;
-/// Of a step: a product and a sum a vector, three rotations and sums a chain of integers.
+/// Instructions per step.
 const INSTRUCTIONS: u64 = (2 * VECTORS + 6 * INTEGERS) as u64;
 
-/// A mix that keeps all of a core's units busy: vectors wait for each other 6 to 8 cycles a step,
-/// integers 6.
+/// A mix that keeps all units of a core busy. The dependent operations of a step take 6 to 8 cycles for a
+/// vector and 6 for a chain of integers.
 #[inline(never)]
 fn mixed(vectors: &mut [f32x8; VECTORS], integers: &mut [u64; INTEGERS]) {
     let (mut v, mut i) = (*vectors, *integers);
@@ -44,7 +46,7 @@ fn instructions(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The sum of all, by eight sums that do not wait for each other.
+/// Adds all numbers with eight independent vector sums.
 #[inline(never)]
 fn sum(numbers: &[f32]) -> f32 {
     let mut sums = [f32x8::ZERO; 8];

@@ -1,5 +1,6 @@
-//! The stages of the wavefront engine, as its own clocks tell them in whole renders. Throughput in the
-//! rays, or paths, that a stage works on.
+//! Benchmarks the stages of the wavefront engine in whole renders, timed by the engine's own clocks.
+//!
+//! The throughput is in the rays or paths that a stage works on.
 
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     group.sample_size(10).measurement_time(Duration::from_secs(2));
     for name in ptfast::BUILTIN_NAMES {
-        let scene = Scene::load(name).expect("built-in scenes are good");
+        let scene = Scene::load(name).expect("built-in scenes are valid");
         let settings = RenderSettings {
             width: 160,
             height: 90,

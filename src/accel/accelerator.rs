@@ -1,4 +1,4 @@
-//! A scene's geometry laid out for every kernel.
+//! The acceleration structures of a scene, one layout for each kind of kernel.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -21,7 +21,7 @@ use super::tree::wide::WideTree;
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
-/// The acceleration structures of a scene's geometry, each made when it is first needed.
+/// The acceleration structures of a scene's geometry, each built when it is first needed.
 #[derive(Debug)]
 pub struct Accelerator {
     pub(super) geometry: Arc<Geometry>,
@@ -32,28 +32,30 @@ pub struct Accelerator {
     flat: Lazy<Flat>,
 }
 
-/// What the layouts of all vector kernels are made from.
+/// The data from which the layouts of all vector kernels are built.
 #[derive(Debug)]
 pub(super) struct Base {
-    /// Box around all primitives.
+    /// Bounding box of all primitives.
     all: Bounds,
-    /// The tree over all but the primitives that span the scene.
+    /// The tree over all primitives except those that span the scene.
     tree: BinaryTree,
-    /// The primitives that span the scene, whose boxes every ray would enter.
+    /// The primitives that span the scene. Nearly every ray would enter their boxes, so rays are
+    /// tested against them directly.
     pub(super) spanning: (Blocks, Vec<BlockRef>),
     pub(super) extent: Extent,
 }
 
-/// What a layout took.
+/// Size and build time of a layout.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
     /// Size in memory.
     pub bytes: usize,
-    /// Time to make it, without the tree that all but [`Kernel::Scalar`] and [`Kernel::Flat`] share.
+    /// Build time, without the tree that all kernels except [`Kernel::Scalar`] and [`Kernel::Flat`]
+    /// share.
     pub seconds: f64,
 }
 
-/// A layout that is made when it is first asked for, and the time that took.
+/// A layout that is built on first use, with its build time.
 #[derive(Debug)]
 struct Lazy<T>(OnceLock<(T, f64)>);
 
@@ -77,12 +79,15 @@ impl<T> Lazy<T> {
     }
 }
 
-/// Above this, single rays and beams were faster than packets on every set.
+/// Above this number of primitives, single rays and beams were faster than packets on every ray
+/// set.
 const MOST_IN_PACKET_TREE: usize = 1 << 14;
-/// Above this, some tree was faster than none on every set; with 256 spheres none is, on bounces.
+/// Above this number of primitives, some kernel with a tree was faster than [`Kernel::Flat`] on
+/// every ray set; with 256 spheres, [`Kernel::Flat`] is still faster on bounces.
 const MOST_WITHOUT_TREE: usize = 512;
 
-/// A primitive spans the scene where its box has this share of the surface of the scene's.
+/// A primitive spans the scene if the surface area of its box is at least this share of that of the
+/// scene's box.
 const SPANNING_SHARE: f32 = 0.25;
 
 impl Base {
@@ -100,7 +105,8 @@ impl Base {
 }
 
 impl Accelerator {
-    /// Boxes of its trees hold every primitive over all times.
+    /// Creates the accelerator of `geometry`, without building a layout yet. The boxes of its trees
+    /// contain every primitive at all times.
     pub fn new(geometry: impl Into<Arc<Geometry>>) -> Self {
         Self {
             geometry: geometry.into(),
@@ -116,7 +122,7 @@ impl Accelerator {
         self.base.get(|| Base::new(&self.geometry))
     }
 
-    /// Makes the layout that `kernel` needs, if it is not there yet.
+    /// Builds the layout that `kernel` needs, unless it exists already.
     pub fn prepare(&self, kernel: Kernel) -> Layout {
         let spanning = self.base().spanning.0.bytes();
         let (bytes, seconds) = match kernel {
@@ -128,18 +134,18 @@ impl Accelerator {
         Layout { bytes, seconds }
     }
 
-    /// A box around the primitives, without those that span the scene unless all do.
+    /// Bounding box of the primitives, without those that span the scene unless all of them do.
     pub(crate) fn bounds(&self) -> Bounds {
         let base = self.base();
         base.tree.nodes.first().map_or(base.all, |root| root.bounds)
     }
 
-    /// The tree that layouts are made from. It is kept.
+    /// Size and build time of the tree from which layouts are built. It stays in memory.
     pub fn tree(&self) -> Layout {
         Layout { bytes: self.base().tree.bytes(), seconds: self.base.seconds() }
     }
 
-    /// Whether `kernel` is worth trying on so many primitives.
+    /// Whether `kernel` may be the fastest for the number of primitives in this scene.
     pub fn may_win(&self, kernel: Kernel) -> bool {
         match kernel {
             Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
@@ -169,8 +175,8 @@ impl Accelerator {
         self.wide.get(|| WideTree::new(&self.geometry, tree))
     }
 
-    /// The closest hit of each ray of `range`; ties go to the lowest index. `hits` of rays
-    /// that hit nothing, and of other rays, are left as they are.
+    /// Finds the closest hit of each ray in `range`; ties go to the lowest index. Entries of `hits`
+    /// for rays that hit nothing, and for rays outside `range`, are left unchanged.
     pub fn closest(
         &self,
         kernel: Kernel,
@@ -181,8 +187,8 @@ impl Accelerator {
         self.trace::<false, ()>(kernel, rays, range, hits, &mut ());
     }
 
-    /// Whether each ray of `range` hits anything: distance 0 and primitive 0 where it does.
-    /// Other `hits` are left as they are.
+    /// Finds whether each ray in `range` hits anything, and if so sets its entry of `hits` to
+    /// distance 0 and primitive 0. Other entries are left unchanged.
     pub fn occluded(
         &self,
         kernel: Kernel,
@@ -193,7 +199,8 @@ impl Accelerator {
         self.trace::<true, ()>(kernel, rays, range, hits, &mut ());
     }
 
-    /// As [`Accelerator::closest`], or [`Accelerator::occluded`] where `any`, and the work done.
+    /// Does the same as [`Accelerator::closest`], or as [`Accelerator::occluded`] if `any` is set,
+    /// and returns counts of the work done.
     pub fn count(
         &self,
         kernel: Kernel,
@@ -219,7 +226,11 @@ impl Accelerator {
         hits: &mut HitBatch,
         count: &mut C,
     ) {
-        assert!(range.end <= rays.len() && range.end <= hits.len(), "{range:?} of {}", rays.len());
+        assert!(
+            range.end <= rays.len() && range.end <= hits.len(),
+            "range {range:?} must lie within the {} rays and their hits",
+            rays.len()
+        );
         let ends = (range.start, range.end);
         let Base { spanning: (blocks, spanning), extent, .. } = self.base();
         let job = Job { rays, ends, extent, blocks, spanning };
@@ -255,8 +266,8 @@ impl Accelerator {
     }
 }
 
-/// The primitives that span the scene, at most a block, and the others. `scene` is half the area of
-/// its box.
+/// Splits the primitives into those that span the scene and the others. If more span it than fit
+/// into a block, all count as others. `scene` is half the surface area of the scene's box.
 fn spanning(boxes: &[Bounds], scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =

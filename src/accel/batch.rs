@@ -7,8 +7,8 @@ use crate::simd::{Float, LANES, Vec3x, axes, set_lanes};
 
 /// Rays, each with the open interval in which hits count.
 ///
-/// The arrays are longer than there are rays, so that a vector can be loaded from any place
-/// where a ray is; what is beyond the rays means nothing.
+/// The arrays are padded so that a whole vector can be loaded starting at any ray. The values in
+/// the padding are meaningless.
 #[derive(Clone, Debug, Default)]
 pub struct RayBatch {
     len: usize,
@@ -25,7 +25,7 @@ impl RayBatch {
         self.len
     }
 
-    /// Whether there is no ray.
+    /// Whether the batch contains no rays.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -33,14 +33,14 @@ impl RayBatch {
     /// Adds a ray.
     ///
     /// # Panics
-    /// Where `t_min` is below 0, or there are 2^32 − 1 rays already.
+    /// If `t_min` is negative, or if the batch already holds 2^32 − 1 rays.
     pub fn push(&mut self, ray: &Ray, t_min: f32, t_max: f32) {
-        assert!(!(t_min < 0.0), "t_min must be 0 or more, is {t_min}");
-        assert!(self.len < u32::MAX as usize, "a batch holds less than 2^32 rays");
+        assert!(!(t_min < 0.0), "t_min must be 0 or more, but is {t_min}");
+        assert!(self.len < u32::MAX as usize, "a batch holds at most 2^32 − 1 rays");
         let index = self.len;
         self.len += 1;
         if self.len + LANES > self.time.len() {
-            // Vec grows to twice its capacity where it must grow.
+            // `Vec` at least doubles its capacity whenever it grows.
             let padded = (self.len + LANES).next_multiple_of(LANES);
             self.arrays().for_each(|array| array.resize(padded, f32::NAN));
         }
@@ -53,7 +53,7 @@ impl RayBatch {
         self.t_max[index] = t_max;
     }
 
-    /// No rays, and room for `capacity`.
+    /// Creates an empty batch with room for `capacity` rays.
     pub(crate) fn with_capacity(capacity: usize) -> Self {
         let mut batch = Self::default();
         let padded = (capacity + LANES).next_multiple_of(LANES);
@@ -61,25 +61,27 @@ impl RayBatch {
         batch
     }
 
-    /// Takes all rays away.
+    /// Removes all rays.
     pub(crate) fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Adds the rays of the lanes whose bits are set, for which there must be room.
+    /// Adds the rays of the lanes whose bits are set. The arrays must have room for a whole vector
+    /// after the last ray.
     #[inline(always)]
     pub(crate) fn append(&mut self, rays: &RayVector, bits: u32) {
         let (set_lanes, first) = (set_lanes(bits), self.len);
         let mut to = self.arrays();
         for number in rays.numbers() {
-            let array = to.next().expect("as many arrays as numbers");
+            let array = to.next().expect("one array for each number of a ray");
             number.shuffled(set_lanes).store(&mut array[first..]);
         }
         drop(to);
         self.len += bits.count_ones() as usize;
     }
 
-    /// Adds the rays of the first `count` lanes, for which there must be room.
+    /// Adds the rays of the first `count` lanes. The arrays must have room for a whole vector after
+    /// the last ray.
     #[inline(always)]
     pub(crate) fn extend(&mut self, rays: &RayVector, count: usize) {
         let first = self.len;
@@ -93,7 +95,8 @@ impl RayBatch {
         self.len += count;
     }
 
-    /// Rays `first..`, as many as there are lanes; what is beyond the rays is NaN, or of no use.
+    /// Loads a vector of rays starting at index `first`. Lanes beyond the last ray contain NaN or
+    /// stale values.
     #[inline(always)]
     pub(crate) fn vector(&self, first: usize) -> RayVector {
         let load = |array: &Vec<f32>| Float::load(&array[first..]);
@@ -112,9 +115,12 @@ impl RayBatch {
         self.origin.iter_mut().chain(&mut self.direction).chain(others)
     }
 
-    /// Ray number `index` and its interval.
+    /// Returns ray `index`, its `t_min` and its `t_max`.
+    ///
+    /// # Panics
+    /// If `index` is not less than [`Self::len`].
     pub fn get(&self, index: usize) -> (Ray, f32, f32) {
-        assert!(index < self.len, "ray {index} of {}", self.len);
+        assert!(index < self.len, "ray {index} is out of range: the batch has {} rays", self.len);
         let vector = |arrays: &[Vec<f32>; 3]| {
             Vec3::new(arrays[0][index], arrays[1][index], arrays[2][index])
         };
@@ -134,7 +140,7 @@ pub(crate) struct RayVector {
 }
 
 impl RayVector {
-    /// Rays of which all that is ahead counts.
+    /// Rays on which all hits at positive distances count.
     #[inline(always)]
     pub(crate) fn unbounded(ray: Ray<Float>) -> Self {
         let Ray { origin, direction, time } = ray;
@@ -153,25 +159,25 @@ impl RayVector {
     }
 }
 
-/// What rays hit: a distance and a primitive each.
+/// The hits of rays: a distance and a primitive for each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HitBatch {
     /// Distances; +∞ for a miss.
     pub t: Vec<f32>,
-    /// Primitives; [`HitBatch::MISS`] for a miss.
+    /// Indices of primitives; [`HitBatch::MISS`] for a miss.
     pub primitive: Vec<u32>,
 }
 
 impl HitBatch {
-    /// The primitive of a ray that hits none.
+    /// The primitive index that marks a miss.
     pub const MISS: u32 = Hit::MISS;
 
-    /// So many misses.
+    /// Creates a batch of `count` misses.
     pub fn misses(count: usize) -> Self {
         Self { t: vec![f32::INFINITY; count], primitive: vec![Self::MISS; count] }
     }
 
-    /// Makes this `count` misses.
+    /// Replaces the contents with `count` misses.
     pub fn reset(&mut self, count: usize) {
         self.t.clear();
         self.t.resize(count, f32::INFINITY);
@@ -184,18 +190,18 @@ impl HitBatch {
         self.primitive.len()
     }
 
-    /// Whether there is none.
+    /// Whether the batch contains no rays.
     pub fn is_empty(&self) -> bool {
         self.primitive.is_empty()
     }
 
-    /// Adds what one ray hit.
+    /// Adds the hit of a ray, or a miss.
     pub fn push(&mut self, hit: Option<Hit>) {
         self.t.push(hit.map_or(f32::INFINITY, |hit| hit.t));
         self.primitive.push(hit.map_or(Self::MISS, |hit| hit.primitive));
     }
 
-    /// What ray number `index` hit.
+    /// Returns the hit of ray `index`, or `None` if it misses.
     pub fn get(&self, index: usize) -> Option<Hit> {
         let (t, primitive) = (self.t[index], self.primitive[index]);
         (primitive != Self::MISS).then_some(Hit { t, primitive })

@@ -1,19 +1,21 @@
-//! Exact counts of the work that kernels do, free where nobody counts.
+//! Exact counts of the work that kernels do, at no cost when counting is off.
 
 use std::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
 
-/// Is told what a kernel does. `()` is nobody: its calls compile to nothing.
+/// Counts the work that a kernel does. The implementation for `()` counts nothing, and calls to it
+/// compile to nothing.
 pub(crate) trait Count {
-    /// A node was visited for `active` of `issued` lanes: rays or children.
+    /// Counts a visit of a node. Lanes hold rays or children; `active` of the `issued` ones enter a
+    /// box.
     fn node(&mut self, issued: u32, active: u32);
-    /// A primitive was tested against rays in `issued` lanes, or a ray against primitives, of which
-    /// `active` mattered.
+    /// Counts a test of a primitive against a vector of rays, or of a ray against a vector of
+    /// primitives, in which `active` of the `issued` lanes matter.
     fn leaf(&mut self, issued: u32, active: u32);
-    /// The boxes of a block's primitives were tested against a beam.
+    /// Counts a test of a beam against the boxes of a block's primitives.
     fn boxes(&mut self, issued: u32, active: u32);
-    /// So many rays were left to the reference.
+    /// Counts rays that were left to the reference.
     fn left(&mut self, rays: usize);
 }
 
@@ -28,22 +30,23 @@ impl Count for () {
     fn left(&mut self, _: usize) {}
 }
 
-/// How often what was done.
+/// Counts of the work that kernels did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Counters {
-    /// Nodes visited: by the reference with both children.
+    /// Nodes visited. The reference tests both children of a node in one visit.
     pub node_visits: u64,
-    /// Primitives tested against a vector of rays, or vectors of primitives against a ray. Rays that
-    /// go along different axes are tested against a triangle one axis after the other.
+    /// Tests of a primitive against a vector of rays, or of a vector of primitives against a ray. A
+    /// vector of rays that run along different axes takes one test of a triangle for each axis.
     pub leaf_tests: u64,
-    /// Lanes of both, and of the boxes in blocks that a beam was tested against.
+    /// Lanes used by node visits, by leaf tests, and by tests of beams against the boxes in blocks.
     pub lanes_issued: u64,
-    /// Lanes that were of use: where a ray or a beam entered a box, where a ray was looking when
-    /// the test of a leaf began, where a primitive was.
+    /// Lanes among them that did useful work: those in which a ray or a beam entered a box, a ray
+    /// was still active when the test of a leaf began, or a primitive was present.
     pub lanes_active: u64,
-    /// Rays that a kernel left to the reference, whose work is counted as well: those too wild
-    /// for its box test; for [`Kernel::Scalar`](super::Kernel::Scalar) every ray.
+    /// Rays that a kernel left to the reference, because their values are too large or too small
+    /// for its box test. [`Kernel::Scalar`](super::Kernel::Scalar) leaves every ray to it. The work
+    /// of the reference is included in the other counts.
     pub scalar_rays: u64,
 }
 

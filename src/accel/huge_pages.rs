@@ -1,24 +1,26 @@
-//! Trees on huge pages: fewer misses of the TLB.
+//! Huge pages for trees, which cause fewer TLB misses.
 #![allow(unsafe_code)]
 
-/// Size of huge pages where they are common (x86-64, most of AArch64).
+/// Usual size of huge pages (x86-64, most AArch64 systems).
 const HUGE: usize = 2 << 20;
 
-/// Moves `values` to memory that the system is asked to back with huge pages, if they are many
-/// enough to fill some and the system knows such requests.
+/// Moves `values` to memory that the system is asked to back with huge pages. Values that would
+/// fill less than two huge pages stay in place, and so do all values on systems other than Linux.
 pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
     if cfg!(not(target_os = "linux")) || size_of_val(&*values) < 2 * HUGE {
         return values;
     }
     let mut settled = Vec::with_capacity(values.len());
-    // Before the memory is first touched, or it has small pages already.
+    // The request must precede the first write, which would back the memory with small pages.
     #[cfg(target_os = "linux")]
     request(settled.spare_capacity_mut());
     settled.extend(values);
     settled
 }
 
-/// Measured: 1.05 on bounces of `cloud:1000000`, 1.07 on those of `mesh:1000000`.
+/// Asks the system to back `memory` with huge pages.
+///
+/// Measured speedup: 1.05 on bounces of `cloud:1000000`, 1.07 on those of `mesh:1000000`.
 #[cfg(target_os = "linux")]
 fn request<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
     use rustix::mm::{Advice, madvise};
@@ -29,11 +31,11 @@ fn request<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
     if length == 0 {
         return;
     }
-    // SAFETY: `length` bytes from `offset` are whole pages within `memory`, and this advice
+    // SAFETY: the `length` bytes from `offset` are whole pages within `memory`, and this advice
     // changes no byte of them.
     let advised =
         unsafe { madvise(ends.start.byte_add(offset).cast(), length, Advice::LinuxHugepage) };
-    // A kernel without them says so; small pages do.
+    // An operating system without huge pages returns an error; small pages work as well.
     advised.ok();
 }
 

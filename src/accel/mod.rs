@@ -1,4 +1,4 @@
-//! Acceleration structures: they decide only where to look, never what is hit.
+//! Acceleration structures, which make finding hits faster and never change a hit.
 
 mod accelerator;
 mod batch;

@@ -1,4 +1,4 @@
-//! Box tests by themselves, for benches: every ray against every box, no traversal.
+//! Box tests without traversal, for benchmarks: every ray against every box.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ use super::kernel::pair_traversal;
 use super::slab::SlabRay;
 
 impl Accelerator {
-    /// Boxes that are tested against each ray.
+    /// Number of boxes that each ray is tested against.
     #[doc(hidden)]
     pub fn boxes(&self) -> usize {
         2 * self.pair().nodes.len()
     }
 
-    /// How often the rays of `range` enter a box of the packets' tree, by packets.
+    /// Counts how often rays in `range` enter a box of the packets' tree, testing whole packets.
     #[doc(hidden)]
     pub fn boxes_entered(&self, rays: &RayBatch, range: Range<usize>) -> u64 {
         let (ends, base) = ((range.start, range.end), self.base());
@@ -24,7 +24,7 @@ impl Accelerator {
         pair_traversal::enter_all(self.pair(), &job, &mut HitBatch::misses(rays.len()))
     }
 
-    /// The same ray by ray, as the reference tests boxes.
+    /// Counts the same entries ray by ray, with the reference's box test.
     #[doc(hidden)]
     pub fn boxes_entered_by_scalar(&self, rays: &RayBatch, range: Range<usize>) -> u64 {
         let bounds = self.bounds();
@@ -59,7 +59,7 @@ mod tests {
         let accelerator = Accelerator::new(geometry);
         let lanes = accelerator.boxes_entered(&rays, 0..rays.len());
         let scalar = accelerator.boxes_entered_by_scalar(&rays, 0..rays.len());
-        // They differ in their slack, by some millionths of the scene's size.
+        // The two tests differ in their slack, by some millionths of the scene's size.
         assert!(scalar > 1000 && scalar.abs_diff(lanes) < 10, "{scalar} {lanes}");
     }
 }

@@ -1,4 +1,4 @@
-//! What the kernels compute once a ray, a vector of rays at a time.
+//! Per-ray setup: values that the kernels compute once for each ray, a vector at a time.
 
 use glam::Vec3;
 
@@ -9,31 +9,31 @@ use crate::geometry::{Bounds, Geometry};
 use crate::math::{UNIT_ROUNDOFF, max_element};
 use crate::simd::{Float, Mask, Vec3x, axes};
 
-/// The scene's bounds and error constants, which the set-up of rays needs.
+/// Scene bounds and error constants that the ray setup needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
-    /// Of a box around all that is in boxes the middle, ...
+    /// Centre of the bounding box of all primitives that are in a tree.
     middle: Vec3,
-    /// ... and half the sum of its three edges.
+    /// Half the sum of that box's three edges.
     half_edges: f32,
     /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
     condition: f32,
-    /// How far from the origin, in the sum of the axes, rays may begin for which no product of a
-    /// box's or primitive's test can overflow; below 0 where no ray may.
+    /// Largest sum of the magnitudes of a ray origin's coordinates for which no product in a box or
+    /// primitive test can overflow; negative if no ray is safe.
     tame_reach: f32,
-    /// Whether there are boxes to test.
+    /// Whether the scene has boxes to test.
     boxes: bool,
-    /// Whether there are triangles to test.
+    /// Whether the scene has triangles to test.
     pub(super) triangles: bool,
 }
 
 impl Extent {
-    /// Of a scene whose primitives lie in `all`, those that are in boxes in `bounds`.
+    /// Computes the extent of a scene. `all` bounds all primitives, `bounds` only those in a tree.
     pub(super) fn new(geometry: &Geometry, all: Bounds, bounds: Bounds) -> Self {
         let condition = geometry.condition();
         let triangles = !geometry.triangles.is_empty();
         let boxes = bounds != Bounds::EMPTY;
-        // No boxes, no overflow.
+        // Without boxes, no box test can overflow.
         let bounds = if boxes { bounds } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
         let middle = 0.5 * (bounds.min + bounds.max);
         let half_edges = (bounds.max - middle).max(middle - bounds.min).element_sum();
@@ -45,8 +45,8 @@ impl Extent {
         Self { middle, half_edges, condition, tame_reach, boxes, triangles }
     }
 
-    /// The slack that is enough for rays which begin no farther from all boxes than `reach` times
-    /// the sum of the edges of a box around them.
+    /// Returns a slack that suffices for all rays whose distance from the boxes' bounding box is at
+    /// most `reach` times the sum of that box's edges.
     pub(super) fn slack_within(&self, reach: f32) -> f32 {
         let edges = 2.0 * self.half_edges;
         let coordinates = self.middle.abs().element_sum() + self.half_edges;
@@ -55,80 +55,87 @@ impl Extent {
     }
 }
 
-/// A vector of rays with what the tests share.
+/// A vector of rays, with the values that several tests share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup {
     pub(super) ray: RayLanes,
     pub(super) slab: SlabLanes,
     pub(super) shear: Shear,
-    /// The rays that are there, tame, and have an interval to look in.
+    /// Bits of the active lanes: those whose ray is present, is safe for the slab test, and has a
+    /// non-empty interval.
     pub(super) active: u32,
 }
 
-/// The slab test of [`super::slab`] in the form plane × inverse − offset: one operation a
-/// plane. Or middle × inverse − offset, ∓ half edge × steepness: one more for both planes of an
-/// axis, and no choice between them.
+/// The slab test of [`super::slab`] over lanes.
+///
+/// The distance of a plane is plane × inverse − offset, one operation for each plane. With mixed
+/// directions, the distances of both planes of an axis are middle × inverse − offset ∓ half edge ×
+/// steepness: one operation more for each axis, but near and far plane need not be selected.
 ///
 /// Departures from the scalar test:
-/// 1. A component of the direction below 1e-10 of the sum of all is taken as that, so that no
-///    product is NaN. This moves a plane by 3e-10 of the farthest distance, well within the slack.
-/// 2. All is rounded, at most, by 3 roundings of the origin and 4 of the farthest distance; the
-///    slack contains 4 of the one and 6 of the other.
-/// 3. Planes move outward by the slack in the boxes that are made so ([`super::tree::pair`]), or else
-///    in the offsets ([`Setup::offsets`]).
+/// 1. A component of the direction whose magnitude is below 1e-10 of the sum of all three is raised
+///    to that value, so that no product is NaN. This moves a plane by 3e-10 of the farthest
+///    distance, well within the slack.
+/// 2. The rounding error is at most 3 roundings of the origin and 4 of the farthest distance; the
+///    slack allows for 4 and 6.
+/// 3. The slack that moves planes outward is contained either in the boxes ([`super::tree::pair`])
+///    or in the offsets ([`Setup::offsets`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabLanes {
     pub(super) inverse: Vec3x,
-    /// The inverse's magnitude.
+    /// Magnitude of the inverse.
     pub(super) steepness: Vec3x,
     /// Origin × inverse.
     pub(super) offset: Vec3x,
-    /// How far planes must move outward.
+    /// Distance by which planes must move outward.
     pub(super) slack: Float,
 }
 
-/// The shear of triangle tests. Where the rays' longest axes differ, each lane has its own.
+/// The shear of triangle tests. Each lane has its own, so rays may differ in their longest axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shear {
     pub(super) shear: Vec3x,
-    /// Rays whose longest axis is x; y; neither.
+    /// Lanes whose direction is longest on x, on y, and on neither of them.
     pub(super) longest: [Mask; 3],
-    /// Rays whose direction is negative on the longest axis.
+    /// Lanes whose direction is negative on its longest axis.
     pub(super) negative: Mask,
 }
 
-/// Largest coordinate, least half of the sum of the edges of a box around all, and range of the
-/// sum of a direction's components, for which no product of the slab test overflows, or underflows
-/// where it matters.
+/// Largest coordinate of a box or an origin. Within this limit and the next two, no product of the
+/// slab test overflows, or underflows in a way that matters.
 const TAME_COORDINATE: f32 = 1e10;
+/// Least half sum of the edges of the boxes' bounding box.
 const TAME_EDGES: f32 = 1e-20;
+/// Range of the sum of the magnitudes of a direction's components.
 const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
 
 impl Setup {
     pub(super) const NONE: Self =
         Self { ray: RayLanes::NONE, slab: SlabLanes::NONE, shear: Shear::NONE, active: 0 };
 
-    /// Makes `rays` ready, those whose bits are in `present`. Returns the bits of those that are
-    /// finite but too wild for the slab test.
+    /// Prepares the `rays` whose bits are set in `present`. Returns the bits of the "wild" rays,
+    /// which are finite but too large or too small for the slab test. The scalar reference must
+    /// trace them.
     ///
-    /// In place, and only what the scene needs: large values that move are copied.
+    /// This writes in place, because moving large values copies them, and computes only the parts
+    /// that the scene needs.
     #[inline(always)]
     pub(super) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
         let RayVector { origin, direction, time, t_min, t_max } = *rays;
 
-        // Sums, since the largest of some numbers may hide a NaN.
+        // Sums propagate NaN, while a maximum may hide it.
         let [ax, ay, az] = axes(|axis| direction[axis].abs());
         let speed = ax + ay + az;
         let far = origin[0].abs() + origin[1].abs() + origin[2].abs();
         let tame = (far + time.abs()).le(Float::splat(extent.tame_reach))
             & speed.ge(Float::splat(TAME_DIRECTION.start))
             & speed.le(Float::splat(TAME_DIRECTION.end));
-        // Nothing lies in an interval that is empty or NaN.
+        // An interval that is empty or has a NaN contains no hit.
         let open = t_min.lt(t_max).bits() & present;
         self.active = open & tame.bits();
         let mut wild = open & !tame.bits();
         if wild != 0 {
-            // 0 x is 0 where x is finite, else NaN.
+            // 0 · x is 0 if x is finite, else NaN.
             let zero = |v: Vec3x| v[0] * Float::ZERO + v[1] * Float::ZERO + v[2] * Float::ZERO;
             let finite = zero(origin) + zero(direction) + time * Float::ZERO;
             let moves = ax.max(ay).max(az).gt(Float::ZERO);
@@ -145,8 +152,8 @@ impl Setup {
         wild
     }
 
-    /// For each of a box's [`Planes`](super::slab::Planes) the offset with the slack in it: low
-    /// ones move down and high ones up, whichever of them is near.
+    /// Returns the offset of each of a box's [`Planes`](super::slab::Planes), slack included: low
+    /// planes move down and high planes up, whichever of them is near.
     #[inline(always)]
     pub(super) fn offsets(&self) -> [Float; 6] {
         let SlabLanes { inverse, slack, .. } = self.slab;
@@ -164,8 +171,8 @@ impl SlabLanes {
         slack: Float::ZERO,
     };
 
-    /// Of rays that begin within `far` of the origin, in the sum of the axes, and whose
-    /// direction's components have the sum `speed`.
+    /// `speed` and `far` are the sums of the magnitudes of the components of the rays' directions
+    /// and origins.
     #[inline(always)]
     fn new(ray: &RayLanes, speed: Float, far: Float, extent: &Extent) -> Self {
         let (Vec3x(origin), Vec3x(direction)) = (ray.origin, ray.direction);
@@ -210,8 +217,8 @@ mod tests {
     use crate::math::max;
     use crate::math::random::Stream;
 
-    /// The slack of [`SlabRay`](super::super::slab::SlabRay), or little more; and no more than
-    /// boxes have that are made for rays from near, where that is where the ray begins.
+    /// The slack is that of [`SlabRay`](super::super::slab::SlabRay), or little more. For rays that
+    /// begin near the boxes, it does not exceed the slack that [`Extent::slack_within`] returns.
     #[test]
     fn slack_is_that_of_the_reference() {
         let (mut random, mut within, mut conditions) = (Stream::new(21), 0, 1.0);
@@ -221,7 +228,7 @@ mod tests {
                 |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
             let (a, b, shift) = (point(size), point(size), point([0.0, 10.0 * size][round % 2]));
             let bounds = Bounds { min: a.min(b) + shift, max: a.max(b) + shift };
-            // By turns without a quad and with a thin one.
+            // Alternate between no quad and a thin one.
             let thin = (Vec3::X, Vec3::X + Vec3::Y * (0.02 + 0.01 * (round % 50) as f32));
             let quads = Quad::new(Vec3::ZERO, thin.0, thin.1).into_iter().take(round % 2).collect();
             let geometry = Geometry { quads, ..Geometry::default() };
@@ -244,7 +251,7 @@ mod tests {
                 assert!(slack <= extent.slack_within(reach), "{bounds:?} {origin}");
             }
         }
-        assert!(within > 1000, "{within} rays from near");
-        assert!(conditions > 10.0, "no quad as thin as {conditions}");
+        assert!(within > 1000, "only {within} rays begin near the boxes");
+        assert!(conditions > 10.0, "the thinnest quad has condition {conditions}, not above 10");
     }
 }

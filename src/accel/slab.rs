@@ -1,4 +1,4 @@
-//! The slab test of a ray and a box, conservative in the face of rounding.
+//! The slab test of a ray against a box, which stays conservative despite rounding.
 
 use glam::Vec3;
 
@@ -9,18 +9,19 @@ use crate::simd::axes;
 /// A ray prepared for slab tests (report, III.F; Majercik et al. 2018).
 ///
 /// Departures from the report's test:
-/// 1. Its exit distance takes `max` where `min` is meant, so that hardly a box is missed.
-/// 2. The planes are moved outward: a primitive's distance is rounded, by an amount that
-///    grows with how far away it is, and a box must not be skipped for a hit that the
-///    primitive would report (Ize 2013, "Robust BVH Ray Traversal", widens the exit only).
-///    The slack is built into two origins, one for near and one for far planes.
+/// 1. The exit distance is a minimum. The report writes `max`, with which hardly any box is missed,
+///    but means `min`.
+/// 2. The planes are moved outward by a slack. The rounding error of a primitive's distance grows
+///    with that distance, and a box must not be skipped if a primitive in it would report a hit.
+///    (Ize 2013, "Robust BVH Ray Traversal", widens the exit only.) The slack is built into two
+///    origins, one for near and one for far planes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabRay {
-    /// Origin as the near planes and as the far planes see it.
+    /// Origin from which the distances of near planes and of far planes are computed.
     near_origin: Vec3,
     far_origin: Vec3,
     inv_direction: Vec3,
-    /// Which of a box's [`Planes`] the ray meets first on each axis, and which last.
+    /// Indices of the [`Planes`] that the ray meets first and last on each axis.
     near: [usize; 3],
     far: [usize; 3],
 }
@@ -34,28 +35,29 @@ pub(super) fn planes(bounds: &Bounds) -> Planes {
     [low.x, low.y, low.z, high.x, high.y, high.z]
 }
 
-/// Which of a box's planes a ray meets first on each axis, and which last: by the signs of its
-/// direction.
+/// Returns the indices of the [`Planes`] that a ray meets first and last on each axis, given on
+/// which axes its direction is negative.
 #[inline(always)]
 pub(super) fn near_and_far(negative: [bool; 3]) -> ([usize; 3], [usize; 3]) {
     let plane = |high: bool, axis: usize| axis + 3 * usize::from(high);
     (axes(|axis| plane(negative[axis], axis)), axes(|axis| plane(!negative[axis], axis)))
 }
 
-/// Bound of all rounding errors between a box's entry and the distance of a primitive in
-/// it, in units of roundoff × distance: 24 for the primitive's own test (sphere: origin to
-/// centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
-/// [`Quad::condition`](crate::geometry::Quad::condition)), 6 for the slab's.
+/// Bound of the rounding errors between the entry into a box and the distance of a primitive in it,
+/// relative to the distance. In units of roundoff, the primitive's own test contributes 24 (sphere:
+/// origin to centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
+/// [`Quad::condition`](crate::geometry::Quad::condition)), and the slab test 6.
 pub(super) const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 
 impl SlabRay {
-    /// `scene` is a box around all primitives, `condition` ≥ 1 the largest of its quads'.
+    /// `scene` is a bounding box of all primitives, and `condition` ≥ 1 the largest
+    /// [`Quad::condition`](crate::geometry::Quad::condition) among them.
     #[inline]
     pub(super) fn new(ray: &Ray, scene: &Bounds, condition: f32) -> Self {
         let (o, d) = (ray.origin, ray.direction);
         let slack = SLACK * condition * scene.farthest_distance(o)
             + 4.0 * UNIT_ROUNDOFF * max_element(o.abs());
-        // The sign bit, so that −0 goes with its reciprocal −∞.
+        // The sign bit makes −0 negative, like its reciprocal −∞.
         let negative = d.to_array().map(f32::is_sign_negative);
         let sign = Vec3::from_array(negative.map(|n| if n { -slack } else { slack }));
         let (near, far) = near_and_far(negative);
@@ -68,10 +70,10 @@ impl SlabRay {
         }
     }
 
-    /// Distance at which the ray enters the box, if it does in `[t_min, t_max]`.
+    /// Returns the distance at which the ray enters the box, if it does so in `[t_min, t_max]`.
     ///
-    /// A component 0 of the direction gives infinite distances, or NaN for an origin in the
-    /// very plane, which the order of the comparisons ignores.
+    /// If a component of the direction is 0, distances are infinite, or NaN for an origin in the
+    /// plane. The argument order of `max` and `min` discards the NaN.
     #[inline]
     pub(super) fn enter(&self, planes: &Planes, t_min: f32, t_max: f32) -> Option<f32> {
         let (mut entry, mut exit) = (t_min, t_max);
@@ -95,7 +97,7 @@ mod tests {
         SlabRay::new(&ray, &bounds, 1.0).enter(&planes, 0.0, f32::INFINITY)
     }
 
-    /// Hits on thin quads are off by more roundings, and boxes reach as much farther.
+    /// The distances of thin quads have larger rounding errors, so boxes must grow accordingly.
     #[test]
     fn slack_grows_with_the_condition() {
         let bounds = Bounds { min: Vec3::ONE, max: Vec3::splat(2.0) };
@@ -110,7 +112,7 @@ mod tests {
     #[test]
     fn boxes_are_entered_or_missed() {
         let entry = enter(Vec3::ZERO, Vec3::ONE).unwrap();
-        assert!((entry - 1.0).abs() < 1e-4 && entry < 1.0, "{entry}: rounded downward");
+        assert!((entry - 1.0).abs() < 1e-4 && entry < 1.0, "entry {entry} is not just below 1");
         assert_eq!(enter(Vec3::splat(1.5), Vec3::X), Some(0.0), "from inside");
         assert_eq!(enter(Vec3::ZERO, Vec3::NEG_ONE), None, "behind");
         assert_eq!(enter(Vec3::ZERO, Vec3::X), None, "beside");

@@ -1,10 +1,10 @@
-//! Axis-aligned boxes.
+//! Axis-aligned bounding boxes.
 
 use glam::Vec3;
 
 use crate::math::{max, min};
 
-/// An axis-aligned box, corners included.
+/// A closed axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lower corner.
@@ -14,7 +14,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box of no point: the neutral element of [`Bounds::union`].
+    /// The empty box, which is the neutral element of [`Bounds::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The smallest box around `points`.
@@ -22,7 +22,7 @@ impl Bounds {
         points.into_iter().fold(Self::EMPTY, |b, p| b.union(Self { min: p, max: p }))
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: componentwise(min, self.min, other.min),
@@ -38,8 +38,9 @@ impl Bounds {
         })
     }
 
-    /// The box with subnormal coordinates moved outward to normal ones: they cost CPUs over a
-    /// hundred cycles an operation, and a sphere that rests on y = 0 has one.
+    /// The box with subnormal coordinates moved outward to normal ones. An operation on a subnormal
+    /// number can cost over a hundred cycles, and a sphere that rests on y = 0 has such a
+    /// coordinate.
     pub fn without_subnormals(self) -> Self {
         let outward = |value: f32, by: f32| if value.is_subnormal() { by } else { value };
         Self {
@@ -48,16 +49,16 @@ impl Bounds {
         }
     }
 
-    /// Half the surface area; 0 of a box of no point.
+    /// Half the surface area, which is 0 for the empty box.
     pub fn half_area(self) -> f32 {
         let d = componentwise(max, self.max - self.min, Vec3::ZERO);
         d.x * d.y + d.y * d.z + d.z * d.x
     }
 
-    /// An upper bound of the distance from `point` to the farthest point of the box.
+    /// An upper bound on the distance from `point` to the farthest point of the box.
     pub fn farthest_distance(self, point: Vec3) -> f32 {
         let reach = componentwise(max, (self.min - point).abs(), (self.max - point).abs());
-        // The 1-norm exceeds the Euclidean one.
+        // The 1-norm is never below the Euclidean norm.
         reach.x + reach.y + reach.z
     }
 }

@@ -1,8 +1,8 @@
-//! Rays, primitives and their contract intersections.
+//! Rays, primitives, and the intersection tests that define a hit.
 //!
-//! A primitive's `intersect` is the definition of a hit: over all primitives the closest
-//! hit has the least distance in the open interval, ties go to the lowest index. No
-//! acceleration structure enters the definition.
+//! The primitives' `intersect` methods define the closest hit of a ray: the one with the least
+//! distance in the open interval over all primitives. Ties go to the lowest index. The definition
+//! does not depend on any acceleration structure.
 
 mod bounds;
 mod primitive;
@@ -25,23 +25,23 @@ pub(crate) use volume::Volume;
 
 use crate::math::Real;
 
-/// A point of a surface, as found by a ray, or one a lane.
+/// A point of a surface that a ray has hit, or one point per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<R: Real = f32> {
-    /// The point, moved onto the primitive where that is more exact than `o + t d`.
+    /// The point, computed from the primitive since that is more exact than `o + t d`.
     pub point: R::Vec3,
-    /// Unit geometric normal on the primitive's front: outward of a sphere, `u × v` of a
-    /// quad, counter-clockwise of a triangle.
+    /// Unit geometric normal on the primitive's front. It points outward from a sphere, along
+    /// `u × v` from a quad, and to the side from which a triangle's vertices run counter-clockwise.
     pub normal: R::Vec3,
-    /// How far along the normal a ray must start to be surely off the surface.
+    /// Distance along the normal at which a new ray is certain to start off the surface.
     pub offset: R,
 }
 
 impl<R: Real> Surface<R> {
-    /// Origin of a ray that leaves on the side of `side`, ±`normal`.
+    /// Origin of a ray that leaves the surface toward `side`, which is `normal` or `-normal`.
     ///
-    /// The distance bounds the rounding errors of the point and of the primitive's own
-    /// test (Pharr et al., section 6.8), so that no ray meets the surface that it leaves.
+    /// The offset bounds the rounding errors of the point and of the primitive's own test (Pharr et
+    /// al., section 6.8), so that no ray hits the surface that it leaves.
     #[inline(always)]
     pub(crate) fn spawn(&self, side: R::Vec3) -> R::Vec3 {
         self.point + side * self.offset

@@ -1,11 +1,12 @@
-//! The primitives and shapes that there are: their lists, and what each has to have.
+//! The lists of all primitives and shapes, and the trait that each primitive implements.
 
 use glam::Vec3;
 
 use super::{Bounds, Hit, PreparedRay, Ray};
 use crate::math::max;
 
-/// Hands the list of primitives to the macro `$list`: the type, its module, and its list in [`Geometry`].
+/// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
+/// name of its list in [`Geometry`].
 macro_rules! primitives {
     ($list:ident) => {
         $list! {
@@ -20,8 +21,9 @@ macro_rules! primitives {
 }
 pub(crate) use primitives;
 
-/// Hands the list of shapes, which have code of their own in tests, leaf blocks and shading, to the macro
-/// `$list`: the variant of [`Shape`], and its module in `accel/leaf` and `geometry/surfaces`.
+/// Passes the list of shapes to the macro `$list`. Each entry has the variant of [`Shape`], and the
+/// name of its module in `accel/leaf` and `geometry/surfaces`. Every shape has its own code for ray
+/// tests, leaf blocks and shading.
 macro_rules! shapes {
     ($list:ident) => {
         $list! {
@@ -34,19 +36,19 @@ macro_rules! shapes {
 }
 pub(crate) use shapes;
 
-/// What a kind of primitive is.
+/// A kind of primitive.
 pub(crate) trait PrimitiveModel: Sized {
-    /// The numbers that define it.
+    /// The numbers that define a primitive.
     type Record;
 
-    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of the
-    /// ray's direction.
+    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of
+    /// the ray's direction.
     fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
 
-    /// A box around it over all times, `[0, 1]`.
+    /// A box around it over all times in `[0, 1]`.
     fn bounds(&self) -> Bounds;
 
-    /// How it is tested and shaded.
+    /// The shape, which selects the code that tests and shades it.
     fn shape(&self) -> Shape;
 
     /// The vectors that define it, for the scene's hash.
@@ -55,7 +57,8 @@ pub(crate) trait PrimitiveModel: Sized {
     /// The numbers that define it, for ray sets.
     fn record(&self) -> Self::Record;
 
-    /// The primitive that finite numbers define; `Err` says what would be right.
+    /// Builds the primitive that the finite numbers of `record` define. `Err` contains the
+    /// condition that the numbers must satisfy.
     fn from_record(record: &Self::Record) -> Result<Self, &'static str>;
 }
 
@@ -63,7 +66,8 @@ macro_rules! primitive {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
         $(pub use super::$module::$name;)*
 
-        /// All primitives of a scene. A primitive's index is its position in the order of these lists.
+        /// All primitives of a scene. A primitive's index is its position in the concatenation of
+        /// these lists.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Geometry {
             $($(#[doc = $doc])* pub $list: Vec<$name>,)*
@@ -81,7 +85,7 @@ macro_rules! primitive {
                 0 $(+ self.$list.len())*
             }
 
-            /// Primitive number `index`.
+            /// The primitive with this index.
             ///
             /// # Panics
             /// If `index` is not below [`Geometry::len`].
@@ -94,12 +98,12 @@ macro_rules! primitive {
                     }
                     left = left.wrapping_sub(self.$list.len());
                 )*
-                panic!("no primitive has the number {index}")
+                panic!("primitive index {index} is out of range")
             }
         }
 
         impl Primitive<'_> {
-            /// Its name in messages, which is part of the scene's hash.
+            /// The name of its kind in messages. It is part of the scene's hash.
             pub(crate) fn name(self) -> &'static str {
                 match self {
                     $(Self::$name(_) => stringify!($module),)*
@@ -142,14 +146,14 @@ primitives!(primitive);
 
 macro_rules! shape {
     ($($name:ident in $module:ident,)*) => {
-        /// A shape of primitives.
+        /// The shape of a primitive. Still and moving spheres are different shapes.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Shape {
             $($name,)*
         }
 
         impl Shape {
-            /// All shapes, by number.
+            /// All shapes, in the order of their discriminants.
             pub(crate) const ALL: &[Self] = &[$(Self::$name,)*];
         }
     };
@@ -158,27 +162,27 @@ macro_rules! shape {
 shapes!(shape);
 
 impl Geometry {
-    /// Whether there is no primitive.
+    /// Whether there are no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// A box around each primitive over all times.
+    /// The bounding box of each primitive over all times.
     pub fn boxes(&self) -> Vec<Bounds> {
         (0..self.len() as u32).map(|primitive| self.get(primitive).bounds()).collect()
     }
 
-    /// Whether anything moves: the moment of a ray matters.
+    /// Whether any primitive moves, so that hits depend on the time of a ray.
     pub fn moves(&self) -> bool {
         self.spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO)
     }
 
-    /// Largest [`Quad::condition`], at least 1.
+    /// The largest [`Quad::condition`], at least 1.
     pub fn condition(&self) -> f32 {
         self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))
     }
 
-    /// The closest hit by trying every primitive: the definition that every
+    /// Finds the closest hit by testing every primitive. This is the definition that every
     /// acceleration structure is tested against.
     pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
         if !ray.is_finite() {
@@ -196,13 +200,13 @@ impl Geometry {
     }
 }
 
-/// The components of vectors.
+/// The components of three vectors, in order.
 pub(super) fn components(vectors: [Vec3; 3]) -> [f32; 9] {
     let [[a, b, c], [d, e, f], [g, h, i]] = vectors.map(|vector| vector.to_array());
     [a, b, c, d, e, f, g, h, i]
 }
 
-/// The vectors with these components.
+/// The inverse of [`components`].
 pub(super) fn vectors(&[a, b, c, d, e, f, g, h, i]: &[f32; 9]) -> [Vec3; 3] {
     [[a, b, c], [d, e, f], [g, h, i]].map(Vec3::from_array)
 }

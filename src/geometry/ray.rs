@@ -1,54 +1,54 @@
-//! Rays and what is computed once a ray.
+//! Rays, and the values that are computed once per ray.
 
 use glam::Vec3;
 
 use crate::math::{Real, dot};
 
-/// A ray `origin + t direction` at one moment of the shutter, or one a lane.
+/// A ray `origin + t direction` at one moment of the shutter, or one ray per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray<R: Real = f32> {
-    /// Where it starts.
+    /// Starting point.
     pub origin: R::Vec3,
-    /// Where it goes; of any length, distances are in its units.
+    /// Direction of any length. Distances along the ray are in units of this length.
     pub direction: R::Vec3,
-    /// When, as the parameter of a moving sphere.
+    /// Moment of the shutter, which determines the position of moving spheres.
     pub time: R,
 }
 
 impl Ray {
-    /// Whether all is finite. A ray that is not hits nothing.
+    /// Whether all values are finite. Non-finite rays hit nothing.
     #[inline]
     pub fn is_finite(&self) -> bool {
         self.origin.is_finite() && self.direction.is_finite() && self.time.is_finite()
     }
 }
 
-/// The closest primitive along a ray.
+/// The closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Distance in units of the direction's length.
+    /// Distance along the ray in units of the direction's length.
     pub t: f32,
-    /// Index of the primitive: spheres, then quads, then triangles.
+    /// Index of the primitive. Spheres come first, then quads, then triangles.
     pub primitive: u32,
 }
 
 impl Hit {
-    /// The index that stands for no primitive.
+    /// The index that marks a miss.
     pub const MISS: u32 = u32::MAX;
 }
 
-/// A ray with the values that the primitive tests share.
+/// A ray with precomputed values that the primitive tests share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     /// The ray itself.
     pub ray: Ray,
     /// Squared length of the direction.
     pub(super) length2: f32,
-    /// Its reciprocal.
+    /// Reciprocal of `length2`.
     pub(super) inv_length2: f32,
-    /// Axes (x, y, z) permuted so that the direction is longest along the last.
+    /// The axes in the order of [`shear_axes`]: the direction is longest along the last one.
     pub(super) axes: [usize; 3],
-    /// Shear and scale that take the direction to (0, 0, 1) in those axes.
+    /// Shear and scale that map the direction to (0, 0, 1) in the order of `axes`.
     pub(super) shear: Vec3,
 }
 
@@ -77,14 +77,14 @@ impl PreparedRay {
     }
 }
 
-/// The axes in the order in which triangles are seen: the one along which a direction is longest
-/// last, the first two swapped where it points down that, so that the winding of triangles is kept
-/// (Woop et al. 2013).
+/// The order of the axes in triangle tests. The axis along which the direction is longest comes
+/// last. The other two are swapped if the direction is negative along it, to preserve the winding
+/// of triangles (Woop et al. 2013).
 #[inline(always)]
 pub(crate) fn shear_axes(longest: usize, negative: bool) -> [usize; 3] {
     const NEXT: [usize; 3] = [1, 2, 0];
     const LAST: [usize; 3] = [2, 0, 1];
-    // Known to be below 3, no axis is checked again.
+    // This does not change the value, but removes the bounds checks below.
     let longest = longest % 3;
     let (next, last) = (NEXT[longest], LAST[longest]);
     if negative { [last, next, longest] } else { [next, last, longest] }

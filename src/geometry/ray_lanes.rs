@@ -1,14 +1,13 @@
-//! Rays over lanes, for the primitive tests over lanes: many rays against one primitive, or one ray
-//! against many.
+//! Rays in lanes, for testing many rays against one primitive, or one ray against many.
 //!
-//! Each test finds what the scalar test of the same primitive finds, to the bit: by the same operations
-//! in the same order, with branches turned into masks, or it says why others do. Lanes that hold NaN
-//! miss.
+//! Each test returns the same bits as the scalar test of the same primitive. It runs the same
+//! operations in the same order, with masks instead of branches; a test that deviates documents why
+//! the result is the same. Lanes that hold NaN miss.
 
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Float, Mask, Vec3x};
 
-/// What the sphere and quad tests need of rays: [`super::PreparedRay`] without the shear.
+/// The ray data for sphere and quad tests: [`super::PreparedRay`] without the shear.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayLanes {
     pub(crate) origin: Vec3x,
@@ -16,9 +15,9 @@ pub(crate) struct RayLanes {
     pub(crate) time: Float,
     pub(crate) length2: Float,
     pub(crate) inv_length2: Float,
-    /// [`padded_inv_length2`].
+    /// `inv_length2` padded by [`padded_inv_length2`].
     pub(crate) padded_inv_length2: Float,
-    /// Lower ends of the open intervals, not below 0.
+    /// Lower ends of the open intervals, at least 0.
     pub(crate) t_min: Float,
 }
 
@@ -42,14 +41,14 @@ impl RayLanes {
     }
 }
 
-/// Distances of hits, where there are any.
+/// Distances of hits, valid only in the lanes of the mask `hit`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HitLanes {
     pub(crate) t: Float,
     pub(crate) hit: Mask,
 }
 
-/// 1/d·d and the margin of [`misses`](super::sphere::lanes::misses).
+/// 1/d·d, enlarged by the margin of [`misses`](super::sphere::lanes::misses).
 #[inline(always)]
 fn padded_inv_length2(inv_length2: Float) -> Float {
     inv_length2 * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)
@@ -68,7 +67,7 @@ mod tests {
     use crate::simd::{LANES, axes};
     use glam::Vec3;
 
-    /// A number of any size, sometimes one that rounding is hard on.
+    /// A random number of varying magnitude, sometimes an edge case of rounding.
     fn number(random: &mut Stream) -> f32 {
         let value = random.between(-2.0, 2.0);
         match random.bits() % 12 {
@@ -89,7 +88,8 @@ mod tests {
         Vec3x::of_lanes(&axes(|axis| std::array::from_fn(|lane| vectors[lane][axis])))
     }
 
-    /// The lane tests of `primitives[i]` and `rays[i]` agree with the scalar ones, bit by bit.
+    /// Checks that the lane tests of primitive and ray number i agree bit by bit with the scalar
+    /// tests.
     fn check<'a>(rays: &[Ray], primitives: &'a Geometry, t_min: f32) {
         let prepared: Vec<PreparedRay> = rays.iter().map(PreparedRay::new).collect();
         let float = |f: &dyn Fn(usize) -> f32| Float::new(std::array::from_fn(f));
@@ -135,7 +135,7 @@ mod tests {
             Some(HitLanes { t, hit: t.gt(ray.t_min) & quad.contains(&ray, t) })
         };
         compare(crossed(&quad_lanes), &|lane| Primitive::Quad(&quads[lane]));
-        // One special quad, all rays.
+        // Test each special quad against all rays.
         for one in quads {
             let found = match &SpecialQuad::new(one) {
                 Some(SpecialQuad::Aligned(quad)) => crossed(quad),
@@ -146,7 +146,7 @@ mod tests {
             compare(found, &|_| Primitive::Quad(one));
         }
 
-        // The axes are shared: one ray, all triangles.
+        // All lanes share one order of axes, so test one ray against all triangles.
         let PreparedRay { axes: order, shear: turned, .. } = prepared[0];
         let splat = |v: Vec3| axes(|axis| Float::splat(v[axis]));
         let vertices = axes(|i| {
@@ -190,7 +190,7 @@ mod tests {
                 let (center, motion) = (vector(&mut random), vector(&mut random));
                 let radius = crate::math::max(number(&mut random).abs(), 1e-3);
                 primitives.spheres.push(Sphere { center, center1: center + motion, radius });
-                // Some along axes, some level, some upright, some none of these.
+                // A mix of aligned, level, upright and general quads.
                 let (along, zeros) = (random.bits() as usize % 3, random.bits() as usize % 4);
                 let quad = loop {
                     let (mut u, mut v) = (vector(&mut random), vector(&mut random));
@@ -222,8 +222,8 @@ mod tests {
             }
             check(&rays, &primitives, if round % 3 == 0 { 0.5 } else { 0.0 });
         }
-        assert!(uprights > 3000 * LANES, "{uprights} upright quads");
-        assert!(aligned > 2000 * LANES, "{aligned} aligned quads");
-        assert!(level > 2000 * LANES, "{level} level quads");
+        assert!(uprights > 3000 * LANES, "only {uprights} upright quads");
+        assert!(aligned > 2000 * LANES, "only {aligned} aligned quads");
+        assert!(level > 2000 * LANES, "only {level} level quads");
     }
 }

@@ -1,11 +1,11 @@
-//! Volumes that a medium fills: what a ray has of them.
+//! Volumes that media fill, and the part of a ray inside them.
 
 use glam::{DVec3, Vec3};
 
 use super::Ray;
 use crate::math::{Real, Vector, dot, max, min};
 
-/// A closed volume, without a surface that could be hit.
+/// A closed volume whose surface rays cannot hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Volume {
     /// A ball.
@@ -35,8 +35,9 @@ impl Volume {
         }
     }
 
-    /// The part of `ray`, whose direction is of unit length, that is inside, from distance 0 on. Empty
-    /// if the first distance is not below the second.
+    /// The interval of distances, from 0 on, in which `ray` is inside the volume. The ray's
+    /// direction must have unit length. The interval is empty if the first distance is not below
+    /// the second.
     #[inline(always)]
     pub(crate) fn interval<R: Real>(&self, ray: &Ray<R>) -> (R, R) {
         let vector = |v: Vec3| <R::Vec3 as Vector>::splat(v);
@@ -45,7 +46,7 @@ impl Volume {
                 let (f, radius) = (ray.origin - vector(center), R::splat(radius));
                 let b = -dot(f, ray.direction);
                 let l = f + ray.direction * b;
-                // Without cancellation, as for the primitive.
+                // Computed from `l` to avoid cancellation, as for the sphere primitive.
                 let half = max(R::ZERO, radius * radius - dot(l, l)).sqrt();
                 (b - half, b + half)
             }
@@ -56,8 +57,9 @@ impl Volume {
                     let (axis, half) = (vector(axis), R::splat(half));
                     let (o, d) = (dot(axis, f), dot(axis, ray.direction));
                     let (a, b) = ((-half - o) / d, (half - o) / d);
-                    // A ray within the plane of a face is inside or not as NaN has it: the same for
-                    // all engines.
+                    // For a ray within the plane of a face, a distance is NaN (0/0), and whether
+                    // the ray counts as inside follows from how `min` and `max` treat NaN. All
+                    // engines agree.
                     near = max(min(a, b), near);
                     far = min(max(a, b), far);
                 }
@@ -67,7 +69,8 @@ impl Volume {
         (max(near, R::ZERO), far)
     }
 
-    /// Whether the two have more than their surfaces in common, and what rounding makes of these.
+    /// Whether the interiors overlap. Volumes that only touch do not overlap, even if rounding
+    /// moves their surfaces slightly into each other.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         let slack = 1e-6 * (self.size() + other.size()) + 2.5e-7 * (self.reach() + other.reach());
         match (self, other) {
@@ -92,32 +95,33 @@ impl Volume {
         }
     }
 
-    /// Boxes are apart where a plane is between them: across an edge of either, or along one of each
-    /// (Gottschalk, Lin, Manocha 1996, "OBBTree").
+    /// The separating-axis test: two boxes are apart if a plane lies between them that is
+    /// perpendicular to an edge of either, or parallel to an edge of each (Gottschalk, Lin, Manocha
+    /// 1996, "OBBTree").
     fn box_overlaps(&self, other: &Self, slack: f64) -> bool {
         let ((a, edges_a), (b, edges_b)) = (self.half_edges(), other.half_edges());
         let unit = |edges: [DVec3; 3]| edges.map(DVec3::normalize);
         let across = unit(edges_a).into_iter().chain(unit(edges_b));
         let along = unit(edges_a).into_iter().flat_map(|e| unit(edges_b).map(|f| e.cross(f)));
         let edges = || edges_a.iter().chain(&edges_b);
-        // Along parallel edges there is no plane.
+        // Parallel edges, whose cross product is (nearly) zero, define no plane.
         across.chain(along).filter(|axis| axis.length() > 1e-6).map(DVec3::normalize).all(|axis| {
             let reach: f64 = edges().map(|edge| edge.dot(axis).abs()).sum();
             (b - a).dot(axis).abs() < reach - slack
         })
     }
 
-    /// The largest half edge, or the radius.
+    /// The longest half edge of a box, or the radius of a ball.
     fn size(&self) -> f64 {
         self.half_edges().1.into_iter().map(DVec3::length).fold(0.0, f64::max)
     }
 
-    /// How far from the origin its middle is, along an axis.
+    /// The largest absolute coordinate of its middle.
     fn reach(&self) -> f64 {
         self.half_edges().0.abs().max_element()
     }
 
-    /// Middle and half edges; of a ball those of its box.
+    /// The middle and the half edges of a box, or of the bounding box of a ball.
     fn half_edges(&self) -> (DVec3, [DVec3; 3]) {
         match self {
             Self::Ball { center, radius } => {
@@ -142,7 +146,7 @@ mod tests {
         Volume::Ball { center: Vec3::new(x, 0.0, 0.0), radius }
     }
 
-    /// Turned by 45 degrees about z.
+    /// A cube rotated by 45 degrees about z.
     fn turned(x: f32, half: f32) -> Volume {
         let r = 0.5f32.sqrt();
         let axes = [Vec3::new(r, r, 0.0), Vec3::new(-r, r, 0.0), Vec3::Z];
@@ -155,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_are_inside_where_their_points_are() {
+    fn intervals_agree_with_tests_of_points() {
         let inside = |volume: &Volume, p: Vec3| match *volume {
             Volume::Ball { center, radius } => (p - center).length_squared() < radius * radius,
             Volume::Box { center, axes, half } => {
@@ -189,7 +193,7 @@ mod tests {
         assert!(crossed > 9_000, "{crossed}");
     }
 
-    /// So little that edges of both are all but parallel.
+    /// A cube rotated by a tiny angle, whose edges are almost parallel to those of [`straight`].
     fn hardly_turned(x: f32, half: f32) -> Volume {
         let axes = [Vec3::X, Vec3::new(0.0, 1.0, 2e-6), Vec3::new(0.0, -2e-6, 1.0)];
         Volume::Box { center: Vec3::new(x, 0.0, 0.0), axes, half: Vec3::splat(half) }
@@ -209,12 +213,12 @@ mod tests {
             (straight(0.0, 1.0), straight(1.99, 1.0), true),
             (straight(0.0, 1.0), hardly_turned(1.7, 1.0), true),
             (straight(0.0, 1.0), hardly_turned(2.0, 1.0), false),
-            // What is side by side in decimals.
+            // Volumes that touch exactly in decimal arithmetic.
             (sphere(0.7, 0.3), sphere(0.2, 0.2), false),
             (sphere(1000.7, 0.3), sphere(1000.2, 0.2), false),
             (straight(0.7, 0.3), sphere(0.2, 0.2), false),
             (straight(0.7, 0.3), straight(0.2, 0.2), false),
-            // An edge reaches farther than the faces.
+            // The edges of a rotated cube reach farther than its faces.
             (straight(0.0, 1.0), turned(1.0 + root - 0.01, 1.0), true),
             (straight(0.0, 1.0), turned(1.0 + root + 0.01, 1.0), false),
             (turned(0.0, 1.0), turned(2.0 * root - 0.1, 1.0), true),

@@ -1,10 +1,13 @@
-//! How much smooth surfaces reflect (Pharr et al., *Physically Based Rendering*, 4th ed., 9.3).
+//! Fresnel reflectance of smooth surfaces.
+//!
+//! The formulas follow Pharr et al., *Physically Based Rendering*, 4th ed., section 9.3.
 
 use super::max;
 use super::real::Vector;
 use super::real::{Mask, Real};
 
-/// Reflectance of glass at the cosine of the angle of incidence (Schlick 1994).
+/// Schlick's approximation of the reflectance of glass, where `cos` is the cosine of the angle of
+/// incidence (Schlick 1994).
 #[inline(always)]
 pub(crate) fn schlick<R: Real>(cos: R, ior: R) -> R {
     let r = (R::ONE - ior) / (R::ONE + ior);
@@ -14,19 +17,21 @@ pub(crate) fn schlick<R: Real>(cos: R, ior: R) -> R {
     r0 + (R::ONE - r0) * (x2 * x2 * x)
 }
 
-/// Reflectance of a dielectric, for light without polarisation. `eta` is the index of refraction
-/// beyond the surface over that before it, `cos` in `[0, 1]` that of the angle of incidence.
+/// Reflectance of a dielectric for unpolarised light. `eta` is the index of refraction beyond the
+/// surface divided by the one before it, and `cos`, in `[0, 1]`, the cosine of the angle of
+/// incidence.
 #[inline(always)]
 pub(crate) fn dielectric<R: Real>(cos: R, eta: R) -> R {
     let sin2 = (R::ONE - cos * cos) / (eta * eta);
     let refracted = max(R::ZERO, R::ONE - sin2).sqrt();
     let parallel = (eta * cos - refracted) / (eta * cos + refracted);
     let across = (cos - eta * refracted) / (cos + eta * refracted);
-    // Total reflection, where both are 1 but for 0/0.
+    // Total internal reflection: both terms are 1, or NaN (0/0) at grazing incidence.
     sin2.gt(R::ONE).select(R::ONE, (parallel * parallel + across * across) * 0.5)
 }
 
-/// Reflectance of a conductor of index `eta` + i `k`, a channel each, seen from air.
+/// Reflectance of a conductor seen from air, per channel. Its complex index of refraction is `eta +
+/// i k`.
 #[inline(always)]
 pub(crate) fn conductor<V: Vector>(cos: V::Real, eta: V, k: V) -> V {
     V::new(channel(cos, eta[0], k[0]), channel(cos, eta[1], k[1]), channel(cos, eta[2], k[2]))
@@ -53,9 +58,9 @@ mod tests {
 
     use super::*;
 
-    /// Against the equations with complex numbers, in f64.
+    /// Compares with the Fresnel equations in complex f64 arithmetic.
     #[test]
-    fn reflectances_are_those_of_fresnel() {
+    fn reflectances_match_the_fresnel_equations() {
         type Complex = (f64, f64);
         let add = |a: Complex, b: Complex| (a.0 + b.0, a.1 + b.1);
         let multiply = |a: Complex, b: Complex| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
@@ -66,7 +71,7 @@ mod tests {
         };
         let reflectance = |cos: f64, eta: Complex| {
             let eta2 = multiply(eta, eta);
-            // η cos θt = √(η² − sin²θ); both ratios are multiplied out by η.
+            // η cos θt = √(η² − sin²θ). Both ratios are multiplied out by η.
             let refracted = root(add(eta2, (cos * cos - 1.0, 0.0)));
             let across = norm(add((cos, 0.0), (-refracted.0, -refracted.1)))
                 / norm(add((cos, 0.0), refracted));

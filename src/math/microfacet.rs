@@ -1,8 +1,10 @@
-//! The microfacets of rough surfaces: the distribution of Trowbridge and Reitz, called GGX, with
-//! Smith's masking (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces";
-//! Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs").
+//! Microfacets of rough surfaces: the Trowbridge-Reitz (GGX) distribution with Smith's masking.
 //!
-//! Directions are in the frame of the surface, z along its normal, and point away from it.
+//! The formulas are from Walter et al. 2007, "Microfacet Models for Refraction through Rough
+//! Surfaces", and Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based
+//! BRDFs".
+//!
+//! Directions are in the frame of the surface, with z along its normal, and point away from it.
 
 use std::f32::consts::PI;
 
@@ -11,33 +13,35 @@ use super::real::Vector;
 use super::trig::sin_cos_turns;
 use super::{max, normalize};
 
-/// Microfacets of roughness α, in (0, 1]. With α = 0 every sample is the normal itself.
+/// GGX distribution of roughness α in `(0, 1]`. With α = 0 every sampled normal is the surface
+/// normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ggx<R = f32> {
-    /// α.
+    /// The roughness α.
     pub alpha: R,
 }
 
 impl<R: Real> Ggx<R> {
-    /// Density of the normal `m` over projected area, D.
+    /// Density D of the microfacet normal `m` over projected area.
     #[inline(always)]
     pub(crate) fn density(self, m: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
-        // 1 + (α² − 1) z² without its cancellation.
+        // Equal to 1 + (α² − 1) z², without the cancellation.
         let d = (m[0] * m[0] + m[1] * m[1]) + a2 * (m[2] * m[2]);
         a2 / (R::splat(PI) * d * d)
     }
 
-    /// Length of `w` where the microfacets are stretched to those of a sphere. Smith's Λ is
-    /// (length/|z| − 1)/2.
+    /// Length of `w` after the stretch that turns the microfacets into those of a sphere. Smith's Λ
+    /// is (length/|z| − 1)/2.
     #[inline(always)]
     pub(crate) fn length(self, w: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
         (a2 * (w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]).sqrt()
     }
 
-    /// Share of the hemisphere's lower cap, as seen from `wo`, that can reflect upwards (Eto and
-    /// Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). The whole is 1.
+    /// Share of the lower part of the sampled spherical cap that can reflect upwards, seen from
+    /// `wo` (Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). A share of
+    /// 1 is the whole cap.
     #[inline(always)]
     pub(crate) fn bound(self, wo: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;
@@ -46,9 +50,10 @@ impl<R: Real> Ggx<R> {
         (R::ONE - a2) * s2 / (s2 + a2 * (wo[2] * wo[2]))
     }
 
-    /// A normal that is visible from `wo`, of density D(m) max(0, wo·m) 2/(`share` z + length): in
-    /// the stretched sphere uniform in a cap (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals
-    /// with Spherical Caps").
+    /// Samples a normal visible from `wo` with the density D(m) max(0, wo·m) 2/(`share` z +
+    /// length), where z and the length are those of `wo`. The sample is uniform in a cap of the
+    /// stretched sphere (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical
+    /// Caps").
     #[inline(always)]
     pub(crate) fn sample(self, wo: R::Vec3, share: R, u: R, v: R) -> R::Vec3 {
         let stretched =

@@ -1,8 +1,8 @@
-//! Contract arithmetic: the only functions allowed where a value is decided.
+//! Contract arithmetic: the only functions that may compute values that an image depends on.
 //!
-//! Everything here is IEEE-754 `+ - * / sqrt`, comparison, select and integer
-//! operations in one written order, so that each function returns the same bits
-//! on every instruction set and thread count. See ARCHITECTURE.md, "The contract".
+//! Everything here consists of IEEE-754 `+ - * / sqrt`, comparisons, selects and integer operations
+//! in one fixed order, so that each function returns the same bits on every instruction set and
+//! thread count. See ARCHITECTURE.md, "The contract".
 
 pub(crate) mod fresnel;
 pub(crate) mod microfacet;
@@ -20,13 +20,13 @@ pub(crate) use real::{Mask, Real, Row, Select, Vector, Word, row};
 pub(crate) use vector::{Frame, face_forward, max_element, reflect};
 pub use vector::{cross, dot, length, normalize};
 
-/// `if a < b { a } else { b }`: what `minps` computes, NaN in either gives `b`.
+/// `if a < b { a } else { b }`, as `minps` computes it: a NaN in either argument gives `b`.
 #[inline(always)]
 pub fn min<R: Real>(a: R, b: R) -> R {
     a.least(b)
 }
 
-/// `if a > b { a } else { b }`: what `maxps` computes, NaN in either gives `b`.
+/// `if a > b { a } else { b }`, as `maxps` computes it: a NaN in either argument gives `b`.
 #[inline(always)]
 pub(crate) fn max<R: Real>(a: R, b: R) -> R {
     a.most(b)

@@ -1,21 +1,23 @@
 //! Cube root, logarithm and exponential in contract arithmetic.
 //!
-//! As in [`super::trig`], each function states its error against f64, and a test holds it.
+//! As in [`super::trig`], each function states its error bound against f64, and a test checks it.
 
 use super::polynomial;
 use super::real::{Mask, Real, Word};
 
-/// Bits of √½, where the logarithm changes to the next power of two, and of 1.
+/// Bits of √½: the logarithm reduces its argument to `[√½, √2)`.
 const SQRT_HALF: u32 = 0x3F35_04F3;
+/// Bits of 1.
 const ONE: u32 = 0x3F80_0000;
-/// ln 2 as a sum, whose first part has bits to spare for a product with an exponent.
+/// ln 2 as a sum of two parts. The first has enough zero bits to make its product with an exponent
+/// exact.
 const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
 
-/// Cube root of `x` in `[0, 1]`, a multiple of 2^-24, within 2.3e-7 relative.
+/// Cube root of `x`, a multiple of 2^-24 in `[0, 1]`, within a relative error of 2.3e-7.
 #[inline(always)]
 pub(crate) fn cbrt<R: Real>(x: R) -> R {
-    // The bits of a float are about its logarithm, of which a third is taken: 3.3% off. Each of
-    // Halley's steps cubes the error.
+    // The bits of a float approximate its logarithm, so a third of them is a cube root that is 3.3%
+    // off. Each step of Halley's method cubes the error.
     let third = (x.to_bits() >> 16).wrapping_mul(R::Word::splat(0x5556));
     let mut y = R::from_bits(third.wrapping_add(R::Word::splat(0x2A51_0000)));
     for _ in 0..2 {
@@ -25,7 +27,7 @@ pub(crate) fn cbrt<R: Real>(x: R) -> R {
     x.gt(R::ZERO).select(y, R::ZERO)
 }
 
-/// Natural logarithm of `x` in `[2^-24, 1]`, within 2.1e-7 relative.
+/// Natural logarithm of `x` in `[2^-24, 1]`, within a relative error of 2.1e-7.
 #[inline(always)]
 pub(crate) fn ln<R: Real>(x: R) -> R {
     // x = m 2^e with m in [√½, √2).
@@ -35,20 +37,20 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
     let e = R::from_word(biased) - 127.0;
     let s = (m - R::ONE) / (m + R::ONE);
     let t = s * s;
-    // 2/(2k + 1): the series of ln((1 + s)/(1 − s)) in s².
+    // The series of ln((1 + s)/(1 − s)) in s² has the coefficients 2/(2k + 1).
     let small = s * polynomial(t, [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0]);
     e * LN_2.0 + (small + e * LN_2.1)
 }
 
-/// e^x for `x` in `[-87, 0]`, within 2.6e-7 relative; 0 below.
+/// e^x for `x` in `[-87, 0]`, within a relative error of 2.6e-7; 0 for `x` below -87.
 #[inline(always)]
 pub(crate) fn exp<R: Real>(x: R) -> R {
-    // x = n ln 2 + r; 1.5·2^23 rounds to an integer, which is in its last bits.
+    // x = n ln 2 + r. Adding 1.5·2^23 rounds to an integer and leaves it in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;
     let shifted = x * std::f32::consts::LOG2_E + MAGIC;
     let n = shifted - MAGIC;
     let r = (x - n * LN_2.0) - n * LN_2.1;
-    // 1/k!
+    // The coefficients are 1/k!.
     let series = [1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0];
     let small = polynomial(r, series);
     let scale = R::from_bits((shifted.to_bits() << 23).wrapping_add(R::Word::splat(ONE)));
@@ -56,11 +58,11 @@ pub(crate) fn exp<R: Real>(x: R) -> R {
 }
 
 #[cfg(test)]
-#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+#[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
     use super::*;
 
-    /// Every random number there is.
+    /// Checks all multiples of 2^-24 in `(0, 1]`, hence every nonzero random number.
     #[test]
     fn roots_and_logarithms_hold_their_bounds() {
         let (mut root, mut logarithm) = (0.0f64, 0.0f64);

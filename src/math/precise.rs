@@ -1,17 +1,19 @@
-//! f64 functions for what is prepared once a scene and rounded once to f32: camera
-//! frame, box rotation, transfer curves. Only `+ - * /`, so every platform agrees.
+//! f64 functions for values that are computed once per scene and rounded once to f32.
+//!
+//! These are the camera frame, the rotation of boxes and the transfer curves. The functions use
+//! only `+ - * /`, so every platform agrees.
 
 use std::f64::consts::PI;
 
 /// `(sin, cos)` of an angle in degrees, within 4 ulp of f64; exact at multiples of 90°.
 ///
-/// |degrees| up to 1e9; the reduction to [-45°, 45°] is exact.
+/// Accepts |degrees| up to 1e9. The reduction to `[-45°, 45°]` is exact.
 pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
-    let turn = degrees % 360.0; // exact, as fmod is
+    let turn = degrees % 360.0; // exact, like fmod
     let quadrant = (turn / 90.0).round();
     let x = (turn - 90.0 * quadrant) * (PI / 180.0);
     let s = x * x;
-    // Taylor series: |x| < 0.79, so the first term left out is below 1e-18.
+    // Taylor series: |x| < 0.79, so the first omitted term is below 1e-18.
     let mut sin = 1.0;
     let mut cos = 1.0;
     for k in (1..=9).rev() {
@@ -28,8 +30,8 @@ pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// `point` turned about the axes x, y, z in this order, by angles of these sines and cosines.
-/// The turns are right-handed.
+/// Rotates `point` about the axes x, y and z in this order, given the sine and cosine of each
+/// angle. The rotations are right-handed.
 pub(crate) fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
     for (axis, (sin, cos)) in turns.into_iter().enumerate() {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -38,18 +40,19 @@ pub(crate) fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
     point
 }
 
-/// Tangent of an angle in degrees, `(-90, 90)`.
+/// Tangent of an angle in degrees, in `(-90, 90)`.
 pub(crate) fn tan_degrees(degrees: f64) -> f64 {
     let (sin, cos) = sin_cos_degrees(degrees);
     sin / cos
 }
 
-/// `x` to the power 12/5 for `x` in `[0, 2]`: the exponent 2.4 of sRGB without `pow`.
+/// `x` to the power 12/5 for `x` in `[0, 2]`. This is the exponent 2.4 of sRGB, computed without
+/// `pow`.
 pub(crate) fn pow_12_5(x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }
-    // Fifth root by Newton's method from above, which falls monotonically.
+    // Newton's method for the fifth root, which decreases monotonically from a start above it.
     let mut root = 1.2f64;
     for _ in 0..200 {
         let square = root * root;
@@ -63,7 +66,8 @@ pub(crate) fn cbrt(x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }
-    // Newton's method from above, which falls monotonically: 3/2 a step while far off.
+    // Newton's method decreases monotonically from a start above the root, by a factor of 3/2 per
+    // step while it is far away.
     let mut root = if x > 1.0 { x } else { 1.0 };
     loop {
         let next = (2.0 * root + x / (root * root)) / 3.0;
@@ -75,7 +79,7 @@ pub(crate) fn cbrt(x: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+#[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
     use super::*;
 

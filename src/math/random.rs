@@ -1,23 +1,25 @@
-//! Counter-based random numbers: a hash of what is sampled, never a stream whose
-//! values depend on the order of execution.
+//! Counter-based random numbers: hashes of seed, pixel, sample and dimension.
+//!
+//! Unlike the values of a stream, they do not depend on the order of execution.
 
 use super::real::{Real, Word};
 
-/// Key of all random numbers of one sample of one pixel, or of one a lane.
+/// Key of all random numbers of one sample of one pixel, or of one such sample per lane.
 ///
-/// Two words, so that different paths share all their numbers with probability 2^-64.
+/// It has two words, so that two different paths share all their numbers with a probability of
+/// 2^-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PathKey<W = u32> {
     pub(crate) pixel_word: W,
     pub(crate) sample_word: W,
 }
 
-/// Key of a pixel, from which the keys of its samples are made.
+/// Key of a pixel, from which the keys of its samples are derived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelKey<W = u32>(pub(crate) W, pub(crate) W);
 
 impl PixelKey {
-    /// `x` and `y` are in the full image, so crops and tiles agree.
+    /// Key of the pixel at `x` and `y` in the full image, so that crops and tiles agree.
     #[inline]
     pub(crate) fn new(seed: u64, x: u32, y: u32) -> Self {
         let word = mix64(seed ^ mix64(u64::from(y) << 32 | u64::from(x)));
@@ -40,7 +42,7 @@ impl<W: Word> PathKey<W> {
     /// 32 random bits for dimension `dimension` of this path.
     #[inline(always)]
     pub(crate) fn bits(self, dimension: u32) -> W {
-        // `mix32` with the second key word entering between its two rounds.
+        // This is `mix32`, with the second word of the key mixed in between its two rounds.
         let x = self.pixel_word.wrapping_add(W::splat(dimension.wrapping_mul(GOLDEN)));
         let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1)) ^ self.sample_word;
         let x = (x ^ (x >> 15)).wrapping_mul(W::splat(MULTIPLIER_2));
@@ -60,13 +62,13 @@ pub(crate) fn unit_interval<R: Real>(bits: R::Word) -> R {
     R::from_word(bits >> 8) * (1.0 / 16_777_216.0)
 }
 
-/// 2^32 divided by the golden ratio: consecutive multiples spread evenly.
+/// 2^32 divided by the golden ratio. Its consecutive multiples are spread evenly.
 pub(super) const GOLDEN: u32 = 0x9E37_79B9;
 const MULTIPLIER_1: u32 = 0x21F0_AAAD;
 const MULTIPLIER_2: u32 = 0x735A_2D97;
 
-/// Bijection of 32 bits with low bias: shifts and multipliers found by a search for least
-/// avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
+/// Low-bias bijection of 32-bit words. Its shifts and multipliers were found by a search for the
+/// least avalanche bias (Wellons 2018, "Prospecting for Hash Functions").
 #[inline(always)]
 pub(crate) fn mix32<W: Word>(x: W) -> W {
     let x = (x ^ (x >> 16)).wrapping_mul(W::splat(MULTIPLIER_1));
@@ -83,7 +85,7 @@ pub(super) fn mix64(x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// SplitMix64 as a stream, for what is generated in order: test rays and made-up scenes.
+/// SplitMix64 as a stream, for values generated in a fixed order: test rays and generated scenes.
 #[derive(Clone, Debug)]
 pub struct Stream(u64);
 
@@ -128,7 +130,8 @@ mod tests {
             / expected
     }
 
-    /// Six standard deviations: chance 1e-8 or so for each of the few hundred tests below.
+    /// The mean plus six standard deviations. Each of the few hundred tests below exceeds it by
+    /// chance with a probability of about 1e-8.
     const LIMIT: f64 = 255.0 + 6.0 * 22.6;
 
     #[test]

@@ -1,18 +1,18 @@
-//! Numbers that formulas are written over: one `f32`, or one a lane.
+//! Number types that formulas are generic over: one `f32`, or one per lane of a vector.
 //!
-//! Sampling, scattering, lights and surface points are written once, over [`Real`]. The scalar engine
-//! runs them with `f32`, the wavefront engine with vectors. Every operation here is contract
-//! arithmetic: each lane of a vector has the bits that the scalar gives.
+//! Sampling, scattering, lights and surface points are written once, over [`Real`]. The scalar
+//! engine runs them with `f32`, the wavefront engine with vectors. Every operation here is contract
+//! arithmetic: each lane of a vector has the same bits as the scalar result.
 //!
-//! A choice is [`Mask::select`], of which both sides are computed. Where one side costs much, an
-//! `if mask.any()` around it skips it: for `f32` that is an ordinary branch.
+//! [`Mask::select`] replaces branches and computes both sides. To skip an expensive side, wrap it
+//! in `if mask.any()`, which is an ordinary branch for `f32`.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Index, Mul, Neg, Not, Shl, Shr, Sub};
 
 use glam::Vec3;
 
-/// An `f32`, or one a lane.
+/// An `f32`, or one per lane.
 pub trait Real:
     Copy
     + 'static
@@ -27,13 +27,13 @@ pub trait Real:
     + Sub<f32, Output = Self>
     + Mul<f32, Output = Self>
 {
-    /// A truth value, or one a lane.
+    /// A `bool`, or one per lane.
     type Mask: Mask;
-    /// 32 bits, or as many a lane.
+    /// A `u32`, or one per lane.
     type Word: Word<Mask = Self::Mask>;
-    /// A vector in space, or one a lane.
+    /// A vector in space, or one per lane.
     type Vec3: Vector<Real = Self>;
-    /// A checked index of a table, or one a lane.
+    /// A checked index into a table, or one per lane.
     type Index: Copy;
 
     /// 0.
@@ -49,12 +49,12 @@ pub trait Real:
     fn from_bits(bits: Self::Word) -> Self;
     /// The bits of the number.
     fn to_bits(self) -> Self::Word;
-    /// The nearest number to an integer below 2^31.
+    /// The number nearest to an integer below 2^31.
     fn from_word(word: Self::Word) -> Self;
 
     /// The square root, rounded once.
     fn sqrt(self) -> Self;
-    /// The largest integer that is not above.
+    /// The largest integer not above `self`.
     fn floor(self) -> Self;
     /// The magnitude.
     fn abs(self) -> Self;
@@ -65,39 +65,40 @@ pub trait Real:
     /// `if self > other { self } else { other }`.
     fn most(self, other: Self) -> Self;
 
-    /// Less than; like all comparisons false for NaN.
+    /// Whether `self < other`. Like all comparisons, this is false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// At most.
+    /// Whether `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
-    /// Greater than.
+    /// Whether `self > other`.
     fn gt(self, other: Self) -> Self::Mask;
-    /// At least.
+    /// Whether `self >= other`.
     fn ge(self, other: Self) -> Self::Mask;
-    /// Equal.
+    /// Whether `self == other`.
     fn eq(self, other: Self) -> Self::Mask;
 
-    /// The index of an entry of a table with `len` entries.
+    /// Converts `entry` to an index into a table of `len` entries.
     ///
     /// # Panics
-    /// If it is not below `len`.
+    /// If `entry` is not below `len`.
     fn index(entry: Self::Word, len: usize) -> Self::Index;
-    /// As [`Real::index`], for tables that often have one entry: then it is read once for all lanes.
+    /// As [`Real::index`], for tables that often have a single entry, which is then read once for
+    /// all lanes.
     fn index_of_few(entry: Self::Word, len: usize) -> Self::Index;
-    /// The row that `row` finds in the entry of `table` at `index`: a vector and a number.
+    /// Reads the entry of `table` at `index`, and returns the vector and the number of its `row`.
     fn gather<T>(table: &[T], index: Self::Index, row: impl Fn(&T) -> &Row) -> (Self::Vec3, Self);
-    /// The words of `table` at `index`.
+    /// The word of `table` at `index`.
     fn pick(table: &[u32], index: Self::Index) -> Self::Word;
-    /// `f` of each lane: for what has no vector form.
+    /// Applies `f` to each lane, for functions that have no vector form.
     fn each_lane<const I: usize, const O: usize>(
         word: Self::Word,
         from: [Self; I],
         f: impl Fn(u32, [f32; I]) -> [f32; O],
     ) -> [Self; O];
-    /// `f` of each lane's word.
+    /// Applies `f` to the word of each lane.
     fn each_word(word: Self::Word, f: impl Fn(u32) -> u32) -> Self::Word;
 }
 
-/// A [`glam::Vec3`], or one a lane. Products of two vectors are component by component.
+/// A [`glam::Vec3`], or one per lane. The product of two vectors is taken component by component.
 pub trait Vector:
     Copy
     + Debug
@@ -141,15 +142,15 @@ pub trait Vector:
     }
 }
 
-/// Four words of a table that are read together: a vector and a number.
+/// Four words of a table that are read together: the bits of a vector and a number.
 pub(crate) type Row = [u32; 4];
 
-/// The row of a vector and a number.
+/// Packs a vector and a number into a row.
 pub(crate) fn row(vector: Vec3, number: f32) -> Row {
     vector.extend(number).to_array().map(f32::to_bits)
 }
 
-/// A `bool`, or one a lane.
+/// A `bool`, or one per lane.
 pub trait Mask:
     Copy
     + Debug
@@ -174,13 +175,13 @@ pub trait Mask:
     }
 }
 
-/// What a mask chooses between.
+/// Types whose values a [`Mask`] can choose between.
 pub trait Select<M> {
     /// `yes` where `mask` is true, else `no`.
     fn select(mask: M, yes: Self, no: Self) -> Self;
 }
 
-/// A `u32`, or one a lane. Arithmetic is modulo 2^32; shifts are by less than 32.
+/// A `u32`, or one per lane. Arithmetic is modulo 2^32; shifts are by less than 32.
 pub trait Word:
     Copy
     + Debug
@@ -191,7 +192,7 @@ pub trait Word:
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
-    /// A truth value, or one a lane.
+    /// A `bool`, or one per lane.
     type Mask: Mask;
 
     /// `value` in every lane.
@@ -202,10 +203,10 @@ pub trait Word:
     fn wrapping_sub(self, other: Self) -> Self;
     /// The product.
     fn wrapping_mul(self, other: Self) -> Self;
-    /// The bits in the opposite order.
+    /// The bits in reverse order.
     fn reverse_bits(self) -> Self;
-    /// Equal.
+    /// Whether `self == other`.
     fn eq(self, other: Self) -> Self::Mask;
-    /// At most.
+    /// Whether `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
 }

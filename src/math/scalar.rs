@@ -1,4 +1,4 @@
-//! The traits of `real` for one `f32`: the arithmetic of the scalar engine.
+//! Implements the traits of `real` for `f32`, the arithmetic of the scalar engine.
 
 use glam::Vec3;
 
@@ -91,7 +91,10 @@ impl Real for f32 {
 
     #[inline(always)]
     fn index(entry: u32, len: usize) -> u32 {
-        debug_assert!((entry as usize) < len, "{entry} is not below {len}");
+        debug_assert!(
+            (entry as usize) < len,
+            "index {entry} is out of range for a table of {len} entries"
+        );
         entry
     }
 

@@ -1,23 +1,26 @@
-//! Owen-scrambled Sobol' points by hashing, in integers alone, any point at any time.
+//! Owen-scrambled Sobol' points by integer hashing, with random access to every point.
 //!
-//! Each dimension, or pair of dimensions, of a path is a sequence of its own (*padding*): the first
-//! two dimensions of Sobol's sequence, its points shuffled and both coordinates scrambled as trees
-//! of halves (Burley 2020, "Practical Hash-based Owen Scrambling"). Shuffling keeps the first 2^k
-//! points together as one aligned run of the sequence, so that any prefix is as good as its length
-//! allows: samples can be added later.
+//! Each dimension, or pair of dimensions, of a path has its own sequence (*padding*): the first two
+//! dimensions of Sobol's sequence, with its points shuffled and both coordinates scrambled as
+//! binary trees (Burley 2020, "Practical Hash-based Owen Scrambling"). Shuffling maps the first 2^k
+//! points to one aligned run of the sequence. Any prefix is therefore as well distributed as its
+//! length allows, and samples can be added later.
 //!
-//! Departures from the paper:
-//! 1. The sample's number is reversed once a path, in its key, and not for each sequence.
-//! 2. The eight bits of it that no sample reaches are the pixel's: it begins at a place of its own.
-//! 3. The second coordinate's matrix, Pascal's triangle modulo 2, is five steps (Ahmed 2024, "An
-//!    Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"), one for each bit of
-//!    a bit's number: (j choose i) is odd where j has all bits of i (Lucas 1878).
-//! 4. The hash of trees is the later one of Vegdahl 2021, "Building a Better LK Hash".
+//! Differences from the paper:
+//! 1. The bits of the sample number are reversed once per path, in its key, instead of once per
+//!    sequence.
+//! 2. The eight bits that no sample number reaches come from the pixel's key, so that each pixel
+//!    starts at its own position of the sequence.
+//! 3. The second coordinate's matrix, Pascal's triangle modulo 2, is applied in five steps (Ahmed
+//!    2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"), one for
+//!    each bit of a bit's index: (j choose i) is odd if and only if j has all bits of i (Lucas
+//!    1878).
+//! 4. The tree hash is the later one by Vegdahl (2021, "Building a Better LK Hash").
 
 use super::random::{GOLDEN, PathKey, PixelKey, mix32, unit_interval};
 use super::real::{Real, Word};
 
-/// The bits that no sample's number has once it is reversed: numbers are below 2^24.
+/// Bits that are zero in every reversed sample number, because sample numbers are below 2^24.
 const SPARE: u32 = 0xFF;
 
 impl<W: Word> PixelKey<W> {
@@ -30,15 +33,15 @@ impl<W: Word> PixelKey<W> {
 }
 
 impl<W: Word> PathKey<W> {
-    /// This path's point of the sequence for `dimension` and the next, in `[0, 1)`, multiples of
-    /// 2^-24. The first coordinate alone serves a single dimension.
+    /// This path's point for `dimension` and the next one. Both coordinates are multiples of 2^-24
+    /// in `[0, 1)`. For a single dimension, use the first alone.
     #[inline(always)]
     pub(crate) fn sobol<R: Real<Word = W>>(self, dimension: u32) -> (R, R) {
         let (x, y) = self.sobol_bits(dimension);
         (unit_interval(x), unit_interval(y))
     }
 
-    /// The point in units of 2^-32.
+    /// The point of [`sobol`](Self::sobol), in units of 2^-32.
     #[inline(always)]
     pub(crate) fn sobol_bits(self, dimension: u32) -> (W, W) {
         let index = scrambled(self.sample_word, self.seed(dimension, 0)).reverse_bits();
@@ -55,8 +58,8 @@ impl<W: Word> PathKey<W> {
     }
 }
 
-/// Scrambles a tree of halves whose first branch is the lowest bit: each bit is flipped or not by a
-/// hash of those below.
+/// Owen scrambling of a tree whose first branch is the lowest bit. A hash of all lower bits decides
+/// whether a bit is flipped.
 #[inline(always)]
 fn scrambled<W: Word>(x: W, seed: W) -> W {
     let x = x ^ x.wrapping_mul(W::splat(0x3D20_ADEA));
@@ -66,11 +69,11 @@ fn scrambled<W: Word>(x: W, seed: W) -> W {
     x ^ x.wrapping_mul(W::splat(0x53A2_2864))
 }
 
-/// Steps of [`pascal`]: how far down, and where to.
+/// Steps of [`pascal`]: the shift, and a mask of the bits that change.
 const PASCAL: [(u32, u32); 5] =
     [(16, 0x0000_FFFF), (8, 0x00FF_00FF), (4, 0x0F0F_0F0F), (2, 0x3333_3333), (1, 0x5555_5555)];
 
-/// Bit i is the sum over j of (j choose i) times bit j of `x`, modulo 2.
+/// Bit i of the result is the sum over j of (j choose i) times bit j of `x`, modulo 2.
 #[inline(always)]
 fn pascal<W: Word>(mut x: W) -> W {
     for (down, places) in PASCAL {
@@ -84,7 +87,7 @@ mod tests {
     use super::*;
     use crate::math::random::mix64;
 
-    /// How many points of each cell of a grid of 2^`bits` cells, 2^`across` of them along x.
+    /// Number of points in each cell of a grid of 2^`bits` cells, 2^`across` of them along x.
     fn cells(points: &[(u32, u32)], bits: u32, across: u32) -> Vec<u32> {
         let mut cells = vec![0; 1 << bits];
         for &(x, y) in points {
@@ -118,7 +121,7 @@ mod tests {
         }
     }
 
-    /// The definition: y's digit i is the sum of (j choose i) times x's digit j.
+    /// By definition, digit i of y is the sum of (j choose i) times digit j of x.
     #[test]
     fn pascal_is_the_triangle() {
         for bit in 0..32u64 {
@@ -132,7 +135,8 @@ mod tests {
         }
     }
 
-    /// Flipping a bit changes that bit and some above it; each of these in half of the trees.
+    /// Flipping a bit changes that bit and some above it, each of the latter in about half of the
+    /// trees.
     #[test]
     fn scrambling_is_by_trees() {
         let mut flips = [[0u32; 32]; 32];
@@ -147,7 +151,8 @@ mod tests {
                 }
             }
         }
-        // So simple a hash is not fair in all bits; what counts is compared with ideal trees below.
+        // So simple a hash is not fair in all bits. A test below compares the sequences that matter
+        // with those of ideal trees.
         for (bit, flips) in flips.iter().enumerate() {
             for (above, &flips) in flips.iter().enumerate().skip(bit + 1) {
                 let share = f64::from(flips) / f64::from(TREES);
@@ -156,7 +161,7 @@ mod tests {
         }
     }
 
-    /// Points of different seeds, of one sample: uniform over the square.
+    /// Over many seeds, the points of one sample are uniform over the square.
     #[test]
     fn any_one_sample_is_uniform() {
         for sample in [0, 1, 6, 255, (1 << 24) - 1] {
@@ -171,7 +176,7 @@ mod tests {
         }
     }
 
-    /// [`scrambled`] by 64 bits of hash for each branch.
+    /// As [`scrambled`], with 64 bits of hash for each branch.
     fn scrambled_well(x: u32, seed: u32) -> u32 {
         (0..32).fold(0, |y, bit| {
             let below = u64::from(x & ((1 << bit) - 1)) << 6 | bit;
@@ -180,14 +185,14 @@ mod tests {
         })
     }
 
-    /// Chi-square of the 8 × 8 cells of the square that two sequences of 64 numbers span.
+    /// Chi-square over 8 × 8 cells of the square that two sequences of 64 numbers span.
     fn common(a: impl Fn(u32) -> u32, b: impl Fn(u32) -> u32) -> f64 {
         let both: Vec<_> = (0..64).map(|sample| (a(sample), b(sample))).collect();
         let square = |n: u32| (f64::from(n) - 1.0) * (f64::from(n) - 1.0);
         cells(&both, 6, 3).into_iter().map(square).sum()
     }
 
-    /// Two sequences have no more in common than those of two ideal trees.
+    /// Two sequences correlate no more than those of two ideal trees.
     #[test]
     fn sequences_are_independent_of_each_other() {
         const PIXELS: u32 = 2000;
@@ -207,7 +212,7 @@ mod tests {
             common(sequence(0), sequence(1))
         };
         let want = mean_and_variance((0..PIXELS).map(ideal).collect());
-        // Those of surfaces and of media, in one segment and another.
+        // Dimensions of surfaces and of media, in the same segment and in different ones.
         for (a, b) in
             [(0, 2), (2, 4), (1, 17), (3, 19), (16, 32), (35, 36), (8, 9 << 21), (3, 8 + (1 << 21))]
         {
@@ -231,9 +236,10 @@ mod tests {
     }
 
     #[test]
-    fn pixels_begin_at_places_of_their_own() {
+    fn pixels_start_at_different_positions() {
         assert_eq!(SPARE & (crate::limits::MAX_SPP - 1).reverse_bits(), 0);
-        // Of 256 pixels at 256 places 162 are expected to be alone or the first at theirs, give or take 7.
+        // At 256 possible positions, 256 pixels are expected to occupy 162 different ones, give or
+        // take 7.
         assert_eq!(SPARE.count_ones(), 8);
         let place = |x| PixelKey::new(1, x, 0).sobol_sample(5).sample_word & SPARE;
         let places: std::collections::HashSet<u32> = (0..256).map(place).collect();

@@ -1,32 +1,33 @@
 //! Sine, cosine and their inverses as short polynomials in contract arithmetic.
 //!
-//! Libm's differ by platform and `wide`'s by instruction set; these give one answer.
-//! Coefficients are Chebyshev fits made in 40 digits and rounded to f32. Each function
-//! states its error bound against f64, and a test holds it.
+//! libm's results differ by platform and `wide`'s by instruction set; these functions agree
+//! everywhere. The coefficients are Chebyshev fits, computed with 40 digits and rounded to f32.
+//! Each function states its error bound against f64, and a test checks it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::real::{Mask, Real, Word};
 use super::{min, polynomial};
 
-/// Coefficients of sin 2πr, of r to r^9, and of cos 2πr, of r² to r^8, for |r| ≤ 1/8.
+/// Coefficients of sin 2πr for r, r³, … r^9, valid for |r| ≤ 1/8.
 const SIN: [f32; 5] = [6.283_185_5, -41.341_7, 81.605_2, -76.697_87, 41.472_83];
+/// Coefficients of cos 2πr for r², r^4, … r^8, valid for |r| ≤ 1/8.
 const COS: [f32; 4] = [-19.739_208, 64.939_316, -85.442_85, 59.220_17];
 
-/// Coefficients of atan r, of r³ to r^11, for |r| ≤ tan π/8.
+/// Coefficients of atan r for r³, r^5, … r^11, valid for |r| ≤ tan π/8.
 const ATAN: [f32; 5] = [-0.333_333_3, 0.199_995_4, -0.142_639_56, 0.107_437_31, -0.064_519_28];
 const TAN_PI_8: f32 = 0.414_213_57;
 
-/// Coefficients of asin r, of r³ to r^13, for |r| ≤ 1/2.
+/// Coefficients of asin r for r³, r^5, … r^13, valid for |r| ≤ 1/2.
 const ASIN: [f32; 6] =
     [0.166_666_66, 0.075_000_94, 0.044_599_403, 0.031_100_662, 0.017_149_238, 0.033_690_847];
 
 /// `(sin 2πu, cos 2πu)` for `u` in `[-2, 2]`, within 1.1e-7.
 ///
-/// The argument is reduced in turns, where the reduction is exact.
+/// The argument is in turns because its reduction is then exact.
 #[inline(always)]
 pub(crate) fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
-    // 1.5 · 2²³: the sum is rounded to an integer, ties to even, which is in its last bits.
+    // Adding 1.5 · 2²³ rounds to an integer, ties to even, and leaves it in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;
     let shifted = u * 4.0 + MAGIC;
     let quadrant = shifted - MAGIC;
@@ -34,7 +35,8 @@ pub(crate) fn sin_cos_turns<R: Real>(u: R) -> (R, R) {
     let s = r * r;
     let sin = r * polynomial(s, SIN);
     let cos = s * polynomial(s, COS) + 1.0;
-    // Quadrants 1 and 3 swap them; sines are negative in 2 and 3, cosines in 1 and 2.
+    // Quadrants 1 and 3 swap sine and cosine. Sines are negative in quadrants 2 and 3, cosines in 1
+    // and 2.
     let (bits, one) = (shifted.to_bits(), R::Word::splat(1));
     let swapped = (bits & one).eq(one);
     let (odd, upper) = (bits << 31, (bits >> 1) << 31);
@@ -48,7 +50,7 @@ pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
     sin_cos_turns(x * (1.0 / (2.0 * PI)))
 }
 
-/// `asin x` for `x` in `[-1, 1]`, within 3.6e-7 relative; arguments outside are clamped.
+/// `asin x` for `x` in `[-1, 1]`, within a relative error of 3.6e-7. Other arguments are clamped.
 #[inline(always)]
 pub(crate) fn asin<R: Real>(x: R) -> R {
     let a = min(x.abs(), R::ONE);
@@ -60,7 +62,7 @@ pub(crate) fn asin<R: Real>(x: R) -> R {
     steep.select(R::splat(FRAC_PI_2) - small * 2.0, small).copysign(x)
 }
 
-/// `acos x` for `x` in `[-1, 1]`, within 4e-7; arguments outside are clamped.
+/// `acos x` for `x` in `[-1, 1]`, within 4e-7. Other arguments are clamped.
 #[inline(always)]
 pub(crate) fn acos<R: Real>(x: R) -> R {
     R::splat(FRAC_PI_2) - asin(x)
@@ -84,7 +86,7 @@ pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
 }
 
 #[cfg(test)]
-#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+#[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
     use super::*;
     use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! Functions of vectors in space, in contract order.
+//! Functions of vectors in space, with their operations in contract order.
 
 use glam::Vec3;
 
@@ -22,8 +22,8 @@ pub fn length<V: Vector>(a: V) -> V::Real {
     dot(a, a).sqrt()
 }
 
-/// `a` scaled to unit length: one true square root, one true division, three products.
-/// NaN where the length is 0.
+/// `a` scaled to unit length by one correctly rounded square root, one correctly rounded division
+/// and three products. NaN if the length is 0.
 #[inline(always)]
 pub fn normalize<V: Vector>(a: V) -> V {
     a * (V::Real::ONE / length(a))
@@ -35,7 +35,7 @@ pub(crate) fn max_element<V: Vector>(a: V) -> V::Real {
     a[0].most(a[1]).most(a[2])
 }
 
-/// `n` turned to the side that a ray of direction `d` comes from, and whether `n`
+/// `n`, flipped if necessary to the side that a ray of direction `d` comes from, and whether `n`
 /// pointed there already.
 #[inline(always)]
 pub(crate) fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
@@ -43,8 +43,8 @@ pub(crate) fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask
     (front.select(n, -n), front)
 }
 
-/// Two unit vectors that make a right-handed frame with the unit vector `n`, without
-/// branches (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+/// Two unit vectors that form a right-handed frame with the unit vector `n`, without branches (Duff
+/// et al. 2017, "Building an Orthonormal Basis, Revisited").
 #[inline(always)]
 pub(crate) fn orthonormal_basis<V: Vector>(n: V) -> (V, V) {
     let one = V::Real::ONE;
@@ -63,26 +63,26 @@ pub(crate) fn reflect<V: Vector>(direction: V, normal: V) -> V {
     direction - normal * (dot(direction, normal) * 2.0)
 }
 
-/// A right-handed orthonormal frame about a normal, which is its z.
+/// A right-handed orthonormal frame with a normal as its z axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame<V = Vec3>([V; 3]);
 
 impl<V: Vector> Frame<V> {
-    /// That of the unit vector `normal`.
+    /// The frame about the unit vector `normal`.
     #[inline(always)]
     pub(crate) fn new(normal: V) -> Self {
         let (s, t) = orthonormal_basis(normal);
         Self([s, t, normal])
     }
 
-    /// `v`, given in the frame, in the world.
+    /// Transforms `v` from the frame to the world.
     #[inline(always)]
     pub(crate) fn world(&self, v: V) -> V {
         let [s, t, n] = self.0;
         s * v[0] + t * v[1] + n * v[2]
     }
 
-    /// `v`, given in the world, in the frame.
+    /// Transforms `v` from the world to the frame.
     #[inline(always)]
     pub(crate) fn local(&self, v: V) -> V {
         let [s, t, n] = self.0;

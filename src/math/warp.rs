@@ -9,7 +9,7 @@ use super::real::Vector;
 use super::trig::sin_cos_turns;
 use super::{Frame, max};
 
-/// Uniform point of the unit disk.
+/// Uniform point in the unit disk.
 #[inline(always)]
 pub(crate) fn uniform_disk<R: Real>(u: R, v: R) -> (R, R) {
     let radius = u.sqrt();
@@ -26,8 +26,8 @@ pub fn uniform_sphere<R: Real>(u: R, v: R) -> R::Vec3 {
     R::Vec3::new(radius * cos, radius * sin, z)
 }
 
-/// Uniform point of the unit ball: a uniform direction, and the share `w` of the ball that is no
-/// farther.
+/// Uniform point in the unit ball. Its direction is that of [`uniform_sphere`], and `w` is the
+/// share of the ball's volume that is nearer to the centre.
 #[inline(always)]
 pub(crate) fn uniform_ball<R: Real>(u: R, v: R, w: R) -> R::Vec3 {
     uniform_sphere(u, v) * cbrt(w)
@@ -50,8 +50,8 @@ pub(crate) fn uniform_hemisphere<R: Real>(n: R::Vec3, u: R, v: R) -> (R::Vec3, R
     (Frame::new(n).world(R::Vec3::new(radius * cos, radius * sin, z)), z)
 }
 
-/// Uniform unit vector of the cone about `axis` whose half angle has
-/// `one_minus_cos` = 1 − cos θ; pdf [`uniform_cone_pdf`]. Precise for narrow cones.
+/// Uniform unit vector in the cone about `axis` of half angle θ, with `one_minus_cos` = 1 − cos θ.
+/// The pdf is [`uniform_cone_pdf`]. Precise for narrow cones.
 #[inline(always)]
 pub(crate) fn uniform_cone<R: Real>(axis: R::Vec3, one_minus_cos: R, u: R, v: R) -> R::Vec3 {
     let x = u * one_minus_cos;
@@ -90,7 +90,8 @@ mod tests {
         (mean, ((squares / n - mean * mean) / n).sqrt())
     }
 
-    /// Five standard errors: a right sampler fails one fixed seed in 1.7 million.
+    /// Asserts that the mean is within five standard errors. A correct sampler fails for one fixed
+    /// seed in 1.7 million.
     #[track_caller]
     fn assert_mean(want: f64, f: impl FnMut(&mut Stream) -> f32) {
         let (mean, error) = mean(f);

@@ -1,16 +1,17 @@
-//! Lanes moved to the front.
+//! Compression: moving selected lanes to the front of a vector.
 #![allow(unsafe_code)]
 
 use super::Int;
 
-/// The places of the set bits, ascending; what follows them is the place of any lane.
+/// Returns the positions of the set bits in ascending order, followed by arbitrary valid positions.
 ///
-/// [`Float::shuffled`](super::Float::shuffled) by them moves these lanes to the front.
+/// [`Float::shuffled`](super::Float::shuffled) by the result moves the selected lanes to the front.
 #[inline(always)]
 pub(crate) fn set_lanes(bits: u32) -> Int {
-    // Every path is moved by it once a stage, to a queue or to those that go on.
-    // SAFETY: the CPU has the instruction, or this is not compiled; both types are 16 u32 in a
-    // register.
+    // Each stage moves every path with this instruction once, to a queue or to the continuing
+    // paths.
+    // SAFETY: this is compiled only for CPUs that have the instruction, and both types are
+    // registers of 16 u32.
     #[cfg(target_feature = "avx512f")]
     return unsafe {
         use std::arch::x86_64::{__m512i, _mm512_maskz_compress_epi32};
@@ -23,7 +24,7 @@ pub(crate) fn set_lanes(bits: u32) -> Int {
     Int::new(PLACES[bits as usize & 255].map(u32::from))
 }
 
-/// Where the set bits of each mask are.
+/// The positions of the set bits of each mask.
 #[cfg(not(target_feature = "avx512f"))]
 static PLACES: [[u8; 8]; 256] = {
     let (mut set_lanes, mut bits) = ([[0; 8]; 256], 0);

@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::{Int, LANES, Lanes, Mask, Register, UintRegister};
 use crate::math::Select;
 
-/// One f32 a lane.
+/// A vector with one f32 in each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Float(pub(super) Register);
 
@@ -13,7 +13,7 @@ impl Float {
     pub(crate) const ZERO: Self = Self(Register::ZERO);
     pub(crate) const INFINITY: Self = Self(Register::new([f32::INFINITY; LANES]));
 
-    /// `value` in every lane.
+    /// Returns a vector with `value` in every lane.
     #[inline(always)]
     pub(crate) fn splat(value: f32) -> Self {
         Self(Register::splat(value))
@@ -29,16 +29,22 @@ impl Float {
         self.0.to_array()
     }
 
-    /// The first lanes of `from`, which must have as many.
+    /// Loads the first [`LANES`] numbers of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than a vector.
     #[inline(always)]
     pub(crate) fn load(from: &[f32]) -> Self {
-        Self::new(*from.first_chunk().expect("a whole vector"))
+        Self::new(*from.first_chunk().expect("a slice of at least LANES numbers"))
     }
 
-    /// Writes the first lanes of `to`, which must have as many.
+    /// Writes all lanes to the beginning of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than a vector.
     #[inline(always)]
     pub(crate) fn store(self, to: &mut [f32]) {
-        *to.first_chunk_mut().expect("a whole vector") = self.to_array();
+        *to.first_chunk_mut().expect("a slice of at least LANES numbers") = self.to_array();
     }
 
     #[inline(always)]
@@ -46,19 +52,19 @@ impl Float {
         self.to_array()[0]
     }
 
-    /// Lane `lanes[i]` in each lane i.
+    /// Returns a vector whose lane i is lane `lanes[i]` of `self`.
     #[inline(always)]
     pub(crate) fn shuffled(self, lanes: Int) -> Self {
         Self(self.0.shuffle(lanes.0))
     }
 
-    /// The least lane, in every lane.
+    /// Returns the least lane, in every lane.
     #[inline(always)]
     pub(crate) fn least_lane(self) -> Self {
         self.reduce(Self::min)
     }
 
-    /// The largest lane, in every lane.
+    /// Returns the largest lane, in every lane.
     #[inline(always)]
     pub(crate) fn largest_lane(self) -> Self {
         self.reduce(Self::max)
@@ -75,13 +81,13 @@ impl Float {
         self
     }
 
-    /// The floats of these bits.
+    /// Reinterprets each lane's bits as a float.
     #[inline(always)]
     pub(crate) fn from_bits(bits: Int) -> Self {
         Self(Register::from_bits(bits.0))
     }
 
-    /// The bits of each lane.
+    /// Returns the bits of each lane.
     #[inline(always)]
     pub(crate) fn to_bits(self) -> Int {
         Int(self.0.to_bits())
@@ -92,7 +98,7 @@ impl Float {
         Self(self.0.sqrt())
     }
 
-    /// The largest integers that are not above.
+    /// Rounds each lane down to an integer.
     #[inline(always)]
     pub(crate) fn floor(self) -> Self {
         Self(self.0.floor())
@@ -103,7 +109,7 @@ impl Float {
         Self(self.0.abs())
     }
 
-    /// The magnitude of `self` with the sign of `sign`.
+    /// Returns the magnitude of `self` with the sign of `sign`.
     #[inline(always)]
     pub(crate) fn copysign(self, sign: Self) -> Self {
         let negative_zero = Register::splat(-0.0);
@@ -113,7 +119,8 @@ impl Float {
     /// `if self < other { self } else { other }`.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        // What minps does; elsewhere the fast minimum may treat NaN otherwise.
+        // On x86-64, `fast_min` is `minps`, which does exactly this. On other CPUs it may treat NaN
+        // differently.
         if cfg!(target_arch = "x86_64") {
             Self(self.0.fast_min(other.0))
         } else {

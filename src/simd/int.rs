@@ -5,14 +5,14 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
 use crate::math::{Select, Word};
 
-/// One u32 a lane.
+/// A vector with one u32 in each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Int(pub(super) UintRegister);
 
 impl Int {
     pub(crate) const ZERO: Self = Self(UintRegister::ZERO);
 
-    /// The number of each lane.
+    /// Each lane holds its own number.
     pub(crate) const LANE: Self = {
         let (mut lanes, mut lane) = ([0; LANES], 0);
         while lane < LANES {
@@ -22,7 +22,7 @@ impl Int {
         Self(UintRegister::new(lanes))
     };
 
-    /// `value` in every lane.
+    /// Returns a vector with `value` in every lane.
     #[inline(always)]
     pub(crate) fn splat(value: u32) -> Self {
         Self(UintRegister::splat(value))
@@ -33,38 +33,44 @@ impl Int {
         Self(UintRegister::new(lanes))
     }
 
-    /// The first lanes of `from`, which must have as many.
+    /// Loads the first [`LANES`] numbers of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than a vector.
     #[inline(always)]
     pub(crate) fn load(from: &[u32]) -> Self {
-        Self::new(*from.first_chunk().expect("a whole vector"))
+        Self::new(*from.first_chunk().expect("a slice of at least LANES numbers"))
     }
 
-    /// Writes the first lanes of `to`, which must have as many.
+    /// Writes all lanes to the beginning of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than a vector.
     #[inline(always)]
     pub(crate) fn store(self, to: &mut [u32]) {
-        *to.first_chunk_mut().expect("a whole vector") = self.to_array();
+        *to.first_chunk_mut().expect("a slice of at least LANES numbers") = self.to_array();
     }
 
-    /// Lane `lanes[i]` in each lane i.
+    /// Returns a vector whose lane i is lane `lanes[i]` of `self`.
     #[inline(always)]
     pub(crate) fn shuffled(self, lanes: Self) -> Self {
         Self(self.0.shuffle(lanes.0))
     }
 
-    /// Where the lanes are the same.
+    /// Returns a mask of the lanes that are equal.
     #[inline(always)]
     pub(crate) fn eq(self, other: Self) -> Mask {
         Mask(Register::from_bits(self.0.simd_eq(other.0)))
     }
 
-    /// Where the lanes are no larger than the other's.
+    /// Returns a mask of the lanes that are at most the other's.
     #[inline(always)]
     pub(crate) fn le(self, other: Self) -> Mask {
-        // The comparison of 8 lanes that `wide` has is five operations.
+        // The comparison that `wide` offers for 8 lanes takes five operations.
         self.eq(Self(self.0.min(other.0)))
     }
 
-    /// The larger of each lane.
+    /// Returns the larger number in each lane.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
@@ -75,7 +81,7 @@ impl Int {
         self.0.to_array()
     }
 
-    /// The least lane.
+    /// Returns the least lane.
     #[inline(always)]
     pub(crate) fn least_lane(self) -> u32 {
         let (mut least, mut apart) = (self.0, LANES / 2);
@@ -87,7 +93,7 @@ impl Int {
         least.to_array()[0]
     }
 
-    /// The nearest floats of lanes below 2^31.
+    /// Returns the float nearest to each lane. Lanes must be below 2^31.
     #[inline(always)]
     pub(crate) fn to_float(self) -> Float {
         let signed = self.0.cast_signed();
@@ -123,7 +129,8 @@ impl Word for Int {
 
     #[inline(always)]
     fn reverse_bits(self) -> Self {
-        // Two or three instructions where the CPU has tables of bytes; `wide` has none.
+        // `wide` has no such operation. On CPUs with byte tables, this compiles to two or three
+        // instructions.
         Self::new(self.to_array().map(u32::reverse_bits))
     }
 
@@ -141,12 +148,12 @@ impl Word for Int {
 impl Select<Mask> for Int {
     #[inline(always)]
     fn select(mask: Mask, yes: Self, no: Self) -> Self {
-        // Selecting integers goes byte by byte with AVX-512.
+        // With AVX-512, `wide` selects integers byte by byte, so select them as floats.
         Float::select(mask, Float::from_bits(yes), Float::from_bits(no)).to_bits()
     }
 }
 
-/// Shifts are by less than 32.
+/// Shift amounts must be below 32.
 impl Shl<u32> for Int {
     type Output = Self;
 

@@ -1,11 +1,11 @@
-//! Which lanes.
+//! Masks over lanes.
 
 use std::ops::{BitAnd, BitOr, BitXor, Not};
 
 use super::{LANES, Register, UintRegister};
 use crate::math;
 
-/// One truth value a lane.
+/// A mask with one truth value in each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mask(pub(super) Register);
 
@@ -14,7 +14,7 @@ impl Mask {
 
     pub(crate) const ALL: Self = Self(Register::new([f32::from_bits(u32::MAX); LANES]));
 
-    /// The lanes whose bit is set.
+    /// Returns the mask of the lanes whose bits are set.
     #[inline(always)]
     pub(crate) fn from_bits(bits: u32) -> Self {
         const BIT: UintRegister = {
@@ -33,7 +33,7 @@ impl Mask {
         self.0.any()
     }
 
-    /// Bit i is lane i.
+    /// Returns the mask as bits. Bit i is lane i.
     #[inline(always)]
     pub(crate) fn bits(self) -> u32 {
         self.0.to_bitmask()
@@ -41,7 +41,7 @@ impl Mask {
 }
 
 impl Mask {
-    /// `yes` where it is true, else `no`.
+    /// Returns `yes` in lanes that are true and `no` in the others.
     #[inline(always)]
     pub(crate) fn select<T: math::Select<Self>>(self, yes: T, no: T) -> T {
         T::select(self, yes, no)
@@ -101,13 +101,13 @@ impl Not for Mask {
     }
 }
 
-/// The lowest `count` bits, or all where there are no more.
+/// Returns a number whose lowest `count` bits are set, or all 32 if `count` is larger.
 #[inline(always)]
 pub(crate) fn first_bits(count: usize) -> u32 {
     !u32::MAX.unbounded_shl(count as u32)
 }
 
-/// The positions of the bits of a mask, from the lowest.
+/// Iterator over the positions of the set bits of a mask, from the lowest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bits(pub(crate) u32);
 
@@ -121,7 +121,7 @@ impl Iterator for Bits {
         }
         let lane = self.0.trailing_zeros() as usize;
         self.0 &= self.0 - 1;
-        // Known to the compiler, no index by a lane is checked.
+        // Since the compiler sees that the lane is in range, indexing by it needs no bounds check.
         (lane < LANES).then_some(lane)
     }
 }

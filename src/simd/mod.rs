@@ -1,13 +1,13 @@
-//! Lanes: vectors of [`LANES`] numbers, structure-of-arrays.
+//! SIMD types: vectors of [`LANES`] numbers in structure-of-arrays form.
 //!
-//! The vocabulary of every kernel: a kernel is written once over [`Float`] and becomes 16
-//! lanes where AVX-512 is compiled in, 8 elsewhere (one AVX register, two of SSE2). Nothing
-//! outside this module names the crate below.
+//! Every kernel is written once over [`Float`]. It uses 16 lanes if compiled for AVX-512, and 8
+//! otherwise (one AVX register or two SSE2 registers). No other module names the crate `wide`, on
+//! which this one is built.
 //!
 //! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and
-//! sign operations are contract arithmetic: each lane is what the scalar of the same name in
-//! [`crate::math`] gives, to the bit. [`Float::free_mul_add`] and [`Float::free_mul_sub`] are
-//! not: they may only decide where to look.
+//! sign operations are contract arithmetic: each lane equals the result of the scalar operation of
+//! the same name in [`crate::math`], bit for bit. [`Float::free_mul_add`] and
+//! [`Float::free_mul_sub`] are not: they may only decide where to look for hits.
 
 mod compress;
 mod float;
@@ -33,10 +33,10 @@ use wide::{f32x8 as Register, u32x8 as UintRegister};
 #[cfg(target_feature = "avx512f")]
 use wide::{f32x16 as Register, u32x16 as UintRegister};
 
-/// Numbers in a vector.
+/// Number of lanes in a vector.
 pub(crate) const LANES: usize = if cfg!(target_feature = "avx512f") { 16 } else { 8 };
 
-/// One number a lane, as it lies in memory.
+/// One number for each lane, as stored in memory.
 pub(crate) type Lanes<T = f32> = [T; LANES];
 
 #[cfg(test)]
@@ -45,7 +45,7 @@ mod tests {
     use crate::math::random::Stream;
     use crate::math::{self, Vector, Word};
 
-    /// Numbers of every kind: any bits at all, or one of the special ones.
+    /// Random numbers of every kind: arbitrary bits, special values and ordinary numbers.
     fn numbers(random: &mut Stream) -> Lanes {
         const SPECIAL: [f32; 8] =
             [0.0, -0.0, 1.0, -1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40];
@@ -56,7 +56,8 @@ mod tests {
         })
     }
 
-    /// The same number, or both NaN, whose bits are nobody's.
+    /// Asserts that each lane has the same bits as the scalar, or that both are NaN, whose bits are
+    /// unspecified.
     #[track_caller]
     fn same(vector: Float, scalar: impl Fn(usize) -> f32) {
         for (lane, value) in vector.to_array().into_iter().enumerate() {
@@ -66,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn operations_are_those_of_scalars() {
+    fn operations_match_scalars() {
         let mut random = Stream::new(1);
         for _ in 0..20_000 {
             let (a, b) = (numbers(&mut random), numbers(&mut random));
@@ -87,7 +88,7 @@ mod tests {
             let mut memory = [7.0; LANES + 1];
             Float::load(&c).store(&mut memory);
             same(Float::load(&memory), |i| c[i]);
-            assert_eq!(memory[LANES], 7.0, "no lane beyond is written");
+            assert_eq!(memory[LANES], 7.0, "wrote beyond the vector");
             same(Float::splat(a[0]), |_| a[0]);
             let from: Lanes<u32> = std::array::from_fn(|i| (i as u32 * 7 + 3) % LANES as u32);
             same(x.shuffled(Int::new(from)), |i| a[from[i] as usize]);
@@ -114,7 +115,8 @@ mod tests {
         }
     }
 
-    /// One rounding of what f64 has nearly exactly, or two, for ordinary numbers.
+    /// For ordinary numbers, the result is a nearly exact f64 result rounded once, or an f32 result
+    /// rounded twice.
     #[test]
     fn free_operations_round_once_or_twice() {
         let mut random = Stream::new(3);
@@ -139,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn vectors_are_those_of_scalars() {
+    fn vectors_match_scalars() {
         let mut random = Stream::new(4);
         for _ in 0..20_000 {
             let [a, b, c] = [(); 3].map(|()| numbers(&mut random));
@@ -177,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_and_calls_are_those_of_scalars() {
+    fn reads_and_calls_match_scalars() {
         use crate::math::Real;
         let mut random = Stream::new(5);
         for len in [1, 2, 7, 1000] {
@@ -246,7 +248,7 @@ mod tests {
             same((v >> 1).to_float(), |i| (x[i] >> 1) as f32);
             let mut memory = [7; LANES + 1];
             Int::load(&x).store(&mut memory);
-            assert_eq!((&memory[..LANES], memory[LANES]), (&x[..], 7), "no lane beyond is written");
+            assert_eq!((&memory[..LANES], memory[LANES]), (&x[..], 7), "wrote beyond the vector");
             let turned = v.shuffled(Int::new(y.map(|lane| lane % LANES as u32)));
             assert_eq!(turned.to_array(), y.map(|lane| x[lane as usize % LANES]));
             assert_eq!(Some(Int::new(p).least_lane()), p.into_iter().min());

@@ -1,9 +1,10 @@
-//! Asking for memory before it is needed.
+//! Prefetching memory before it is needed.
 #![allow(unsafe_code)]
 
-/// Asks for the cache lines of `value`. A hint: nothing is read or written.
+/// Prefetches the cache lines of `value`. This is only a hint, which neither reads nor writes
+/// memory.
 ///
-/// Measured: bounces of `mesh:1000000` 3.25 → 3.63 Mrays/s (`profiling/`).
+/// Measured: it speeds up bounces of `mesh:1000000` from 3.25 to 3.63 Mrays/s (`profiling/`).
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(not(target_arch = "x86_64"))]

@@ -1,4 +1,4 @@
-//! [`Float`] as the number type of formulas.
+//! [`Real`] for [`Float`], so that formulas can be evaluated over lanes.
 
 use super::{Float, Indices, Int, LANES, Mask, Register, Vec3x};
 use crate::math::{Real, Row};

@@ -1,7 +1,8 @@
-//! Rows of four words, one a lane: read from anywhere in a table as columns, and written back.
+//! Rows of four words, one for each lane, gathered from anywhere in a table into columns, and
+//! columns turned back into rows.
 //!
-//! Measured (spheres and cornell, AVX-512): whole renders are 1.5 and 1.4 times as fast as with arrays
-//! in place of these instructions.
+//! Measured (spheres and cornell, AVX-512): whole renders are 1.5 and 1.4 times as fast as with
+//! arrays instead of these instructions.
 #![allow(unsafe_code)]
 
 use std::mem::transmute;
@@ -9,14 +10,14 @@ use std::mem::transmute;
 use super::{Float, LANES, Lanes, Vec3x};
 use crate::math::Row;
 
-/// One row in all lanes.
+/// Returns one row in all lanes, as a vector and a number.
 #[inline(always)]
 pub(crate) fn splat_row(row: &Row) -> (Vec3x, Float) {
     let [x, y, z, number] = row.map(|word| Float::splat(f32::from_bits(word)));
     (Vec3x([x, y, z]), number)
 }
 
-/// The rows that `row` finds at `indices`: vectors and numbers.
+/// Reads the rows that `row` returns for `indices`, as vectors and numbers.
 #[inline(always)]
 pub(crate) fn gather_rows<'a>(
     indices: &Lanes<u32>,
@@ -24,7 +25,7 @@ pub(crate) fn gather_rows<'a>(
 ) -> (Vec3x, Float) {
     let mut registers = [register::joined([&[0; 4]; PARTS]); 4];
     for (column, register) in registers.iter_mut().enumerate() {
-        // Rows that are turned together lie in the same part of four registers.
+        // Four rows that are transposed together lie in the same part of the four registers.
         let mut rows = [&[0; 4]; PARTS];
         for (part, found) in rows.iter_mut().enumerate() {
             *found = row(indices[4 * part + column]);
@@ -35,13 +36,13 @@ pub(crate) fn gather_rows<'a>(
     (Vec3x([x, y, z]), number)
 }
 
-/// The rows of vectors and numbers.
+/// Returns the row of each lane's vector and number.
 #[inline(always)]
 pub(crate) fn rows_of((Vec3x([x, y, z]), number): (Vec3x, Float)) -> [Row; LANES] {
     let registers = register::turned([x, y, z, number].map(of_float));
     let mut rows = [[0; 4]; LANES];
     for (column, register) in registers.into_iter().enumerate() {
-        // SAFETY: as many words.
+        // SAFETY: both types consist of the same number of words.
         let parts = unsafe { transmute::<register::Register, [Row; PARTS]>(register) };
         for (part, row) in parts.into_iter().enumerate() {
             rows[4 * part + column] = row;
@@ -50,22 +51,23 @@ pub(crate) fn rows_of((Vec3x([x, y, z]), number): (Vec3x, Float)) -> [Row; LANES
     rows
 }
 
-/// Rows in a register.
+/// Number of rows in a register.
 const PARTS: usize = LANES / 4;
 
 #[inline(always)]
 fn to_float(register: register::Register) -> Float {
-    // SAFETY: both are a lane's f32 for each lane.
+    // SAFETY: both types hold one 32-bit word for each lane.
     Float(unsafe { transmute::<register::Register, super::Register>(register) })
 }
 
 #[inline(always)]
 fn of_float(float: Float) -> register::Register {
-    // SAFETY: both are a lane's f32 for each lane.
+    // SAFETY: both types hold one 32-bit word for each lane.
     unsafe { transmute::<super::Register, register::Register>(float.0) }
 }
 
-/// Registers of four rows, whose parts are turned at once.
+/// Registers of four rows. The same part of four registers forms a 4 × 4 matrix, and all four
+/// matrices are transposed at once.
 #[cfg(target_feature = "avx512f")]
 mod register {
     use std::arch::x86_64::*;
@@ -77,7 +79,8 @@ mod register {
 
     #[inline(always)]
     pub(super) fn joined([a, b, c, d]: [&Row; 4]) -> Register {
-        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        // SAFETY: this is compiled only for CPUs that have the instructions, and the transmuted
+        // types consist of the same words.
         unsafe {
             let [a, b, c, d] = [*a, *b, *c, *d].map(|row| transmute::<Row, __m128i>(row));
             let ab = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
@@ -87,7 +90,7 @@ mod register {
 
     #[inline(always)]
     pub(super) fn turned([a, b, c, d]: [Register; 4]) -> [Register; 4] {
-        // SAFETY: the CPU has the instructions, or this is not compiled.
+        // SAFETY: this is compiled only for CPUs that have the instructions.
         unsafe {
             let (ab, ab2) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
             let (cd, cd2) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
@@ -101,7 +104,7 @@ mod register {
     }
 }
 
-/// Registers of two rows.
+/// Registers of two rows, with AVX.
 #[cfg(all(target_feature = "avx", not(target_feature = "avx512f")))]
 mod register {
     use std::arch::x86_64::*;
@@ -113,7 +116,8 @@ mod register {
 
     #[inline(always)]
     pub(super) fn joined([a, b]: [&Row; 2]) -> Register {
-        // SAFETY: the CPU has the instructions, or this is not compiled; types of the same words.
+        // SAFETY: this is compiled only for CPUs that have the instructions, and the transmuted
+        // types consist of the same words.
         unsafe {
             let (a, b) = (transmute::<Row, __m128>(*a), transmute::<Row, __m128>(*b));
             _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(a), b)
@@ -122,7 +126,7 @@ mod register {
 
     #[inline(always)]
     pub(super) fn turned([a, b, c, d]: [Register; 4]) -> [Register; 4] {
-        // SAFETY: the CPU has the instructions, or this is not compiled.
+        // SAFETY: this is compiled only for CPUs that have the instructions.
         unsafe {
             let pd = |words: Register| _mm256_castps_pd(words);
             let (ab, ab2) = (pd(_mm256_unpacklo_ps(a, b)), pd(_mm256_unpackhi_ps(a, b)));
@@ -137,7 +141,7 @@ mod register {
     }
 }
 
-/// The same in plain words.
+/// Registers of two rows, as plain arrays of words.
 #[cfg(not(target_feature = "avx"))]
 mod register {
     use super::{LANES, Lanes};

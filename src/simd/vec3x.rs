@@ -1,17 +1,18 @@
-//! Vectors of glam's Vec3, in contract order.
+//! Vectors in space over lanes, with sums in the order that the contract prescribes.
 
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 use super::{Float, Lanes, Mask};
 use crate::math::{Select, Vector};
 
-/// `f` of each axis. Unlike `[0, 1, 2].map(f)` it is inlined however large the values.
+/// Returns `f` of each axis. Unlike `[0, 1, 2].map(f)`, this is inlined however large the values
+/// are.
 #[inline(always)]
 pub(crate) fn axes<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// One Vec3 a lane.
+/// A vector with one `Vec3` in each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vec3x(pub(crate) [Float; 3]);
 
@@ -23,7 +24,7 @@ impl Vec3x {
         Self([Float::new(lanes[0]), Float::new(lanes[1]), Float::new(lanes[2])])
     }
 
-    /// `lanes[..][lane]` in every lane.
+    /// Returns the vector in lane `lane` of `lanes`, in every lane.
     #[inline(always)]
     pub(crate) fn splat_lane(lanes: &[Lanes; 3], lane: usize) -> Self {
         Self(axes(|axis| Float::splat(lanes[axis][lane])))
@@ -31,7 +32,7 @@ impl Vec3x {
 }
 
 impl Vec3x {
-    /// [`crate::math::dot`].
+    /// Returns the dot product, as computed by [`crate::math::dot`].
     #[inline(always)]
     pub(crate) fn dot(self, other: Self) -> Float {
         crate::math::dot(self, other)

@@ -1,11 +1,11 @@
-// Replays a ray set, which `ptfast rays` wrote, through Embree 3: the same rays, the same primitives.
+// Traces a ray set written by `ptfast rays` with Embree 3: the same rays, the same primitives.
 //
 //     g++ -std=c++17 -O3 -march=native replay.cpp -o replay -lembree3
 //     ./replay FOLDER [REPETITIONS] [robust]
 //
-// Prints one JSON line a set: millions of rays a second on one thread, the best of packets of 1, 4, 8 and
-// 16, medians over the repetitions, and how many hits are another primitive than the set says. Rays
-// are copied from plain arrays into Embree's packets within the clock, hits are written within it.
+// Prints one JSON line per set: millions of rays per second on one thread (the best of packets of 1, 4, 8 and 16
+// rays, each a median over the repetitions), and the number of hits on another primitive than in the set. The
+// measured time includes copying the rays from plain arrays into Embree's packets and writing the hits.
 
 #include <embree3/rtcore.h>
 #include <immintrin.h>
@@ -44,7 +44,7 @@ struct RaySet {
     size_t size() const { return hits.size(); }
 };
 
-// First primitive of each geometry: spheres, quads, triangles.
+// Index of the first primitive of each geometry: spheres, quads, triangles.
 struct Scene {
     RTCScene scene;
     uint32_t first[3];
@@ -112,7 +112,7 @@ static Scene build(RTCDevice device, const std::string &folder, bool robust) {
     return made;
 }
 
-// Packets of N rays; Embree's structures of N differ in nothing but their names.
+// Packets of N rays. Embree's structures for each N differ only in their names.
 template <int N>
 struct Width;
 #define WIDTH(N)                                                                                            \

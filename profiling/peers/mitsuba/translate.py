@@ -1,4 +1,4 @@
-"""A scene that `ptfast scenes show --json` tells, as Mitsuba 3 loads it."""
+"""Translates a scene from `ptfast scenes show --json` to a scene of Mitsuba 3."""
 
 import math
 import tempfile
@@ -7,7 +7,7 @@ import mitsuba as mi
 
 
 def only(tagged):
-    """The one entry of an object that names its kind."""
+    """Returns the kind and the values of an object whose only key names its kind."""
     return next(iter(tagged.items()))
 
 
@@ -17,17 +17,17 @@ def color(value, textures):
         if kind == "checker":
             value = [0.5 * (a + b) for a, b in zip(texture["odd"], texture["even"])]
         else:
-            raise SystemExit(f"{kind} textures are not translated")
+            raise SystemExit(f"{kind} textures cannot be translated to Mitsuba, only checkers")
     return {"type": "rgb", "value": value}
 
 
 def material(description, textures, exact):
-    """None for lights. What Mitsuba has no counterpart of is refused if it must be `exact`."""
+    """Returns None for lights. If `exact`, rejects materials without a counterpart in Mitsuba."""
     kind, values = only(description)
     fuzzy = kind == "metal" and values.get("fuzz", 0.0) > 0
     by_schlick = kind == "dielectric" and values.get("fresnel", "schlick") == "schlick"
     if exact and (kind == "diffuse" or fuzzy or by_schlick):
-        raise SystemExit(f"Mitsuba has no {description}")
+        raise SystemExit(f"Mitsuba has no material like {description}")
     if kind in ("lambertian", "diffuse"):
         plain = {"type": "diffuse", "reflectance": color(values["albedo"], textures)}
     elif kind == "conductor":
@@ -63,7 +63,7 @@ def shape(description):
     kind, values = only(description)
     if kind == "sphere":
         if values.get("center1", values["center"]) != values["center"]:
-            raise SystemExit("moving spheres are not translated")
+            raise SystemExit("moving spheres cannot be translated to Mitsuba")
         return {"type": "sphere", "center": values["center"], "radius": values["radius"]}, values["material"]
     if kind == "quad":
         return rectangle(values["q"], values["u"], values["v"]), values["material"]
@@ -71,13 +71,13 @@ def shape(description):
         low, high = values["min"], values["max"]
         turn = values.get("rotation", [0, 0, 0])
         if turn[0] or turn[2]:
-            raise SystemExit("boxes turned about x or z are not translated")
+            raise SystemExit("only boxes turned about y can be translated to Mitsuba, not about x or z")
         half, middle = [[(b + s * a) / 2 for a, b in zip(low, high)] for s in (-1, 1)]
         to_world = mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], turn[1]).scale(half)
         return {"type": "cube", "to_world": to_world}, values["material"]
     if kind == "triangles":
         return triangles(values["vertices"], values["indices"]), values["material"]
-    raise SystemExit(f"{kind} is not translated")
+    raise SystemExit(f"the primitive {kind} cannot be translated to Mitsuba")
 
 
 def triangles(vertices, indices):
@@ -90,7 +90,7 @@ def triangles(vertices, indices):
 
 
 def medium(description):
-    """A shape without a surface, and what is in it."""
+    """Returns a shape with an invisible surface, filled with the medium."""
     kind, values = only(description)
     inside, _ = shape({kind: {**values, "material": None}})
     albedo = {"type": "rgb", "value": values["albedo"]}
@@ -116,7 +116,7 @@ def translate(scene, width, height, exact, sampler="independent"):
              "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": 5}}
     kind, background = only(scene["background"])
     if kind != "constant":
-        raise SystemExit(f"the background {kind} is not translated")
+        raise SystemExit(f"the background {kind} cannot be translated to Mitsuba, only constant ones")
     if max(background["radiance"]) > 0:
         world["background"] = {"type": "constant", "radiance": {"type": "rgb", "value": background["radiance"]}}
     made = {name: material(description, textures, exact) for name, description in scene["materials"].items()}

@@ -1,15 +1,16 @@
-//! Packets as beams: all rays of a packet at once against every box of a wide node.
+//! The kernel `beam`, which tests all rays of a packet at once against every box of a wide node.
 //!
-//! The rays' origins and directions lie in intervals; interval arithmetic bounds where any of
-//! them enters and leaves a box, for as many boxes at once as there are lanes (Boulos, Wald,
-//! Benthin 2008, "Adaptive Ray Packet Reordering", section 3, has packets culled so before
-//! their rays are tested one by one). What a beam cannot miss, its rays are tested against.
+//! The rays' origins and directions lie in intervals. Interval arithmetic bounds the distances at
+//! which any of them enters and leaves a box, for one box in each lane. (Boulos, Wald, Benthin
+//! 2008, "Adaptive Ray Packet Reordering", section 3, cull packets in this way before they test the
+//! rays one by one.) Rays are tested individually only against primitives whose boxes the beam may
+//! enter.
 //!
 //! Departures:
-//! 1. Distances are measured along the axis that the first ray goes along fastest. The
-//!    intervals of the other slopes are then those of the frustum around the rays.
-//! 2. Boxes of primitives are taken from the leaf blocks themselves, so that only primitives
-//!    whose own box the beam meets are tested.
+//! 1. Distances are measured along the longest axis of the first ray. The intervals of the other
+//!    slopes are then those of the frustum around the rays.
+//! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
+//!    only against primitives whose own box the beam may enter.
 
 use super::frames::{Frame, Frames};
 use super::job::Job;
@@ -24,24 +25,25 @@ use crate::accel::slab::near_and_far;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, LANES, Mask, axes};
 
-/// The intervals of a packet, each in every lane.
+/// The intervals that bound the rays of a packet. Each value is the same in every lane.
 struct Beam<const V: usize> {
-    /// The planes of a node that the rays meet first on each axis, and last.
+    /// Indices of the planes that the rays meet first and last on each axis.
     near: [usize; 3],
     far: [usize; 3],
-    /// Slopes of the distance over a plane's coordinate: least and largest.
+    /// Least and largest slope, on each axis, of the distance as a function of a plane's
+    /// coordinate.
     slopes: [[Float; 2]; 3],
-    /// What is taken off for near planes with either slope, and for far planes.
+    /// Offsets that are subtracted for near planes and for far planes, with either slope.
     near_offsets: [[Float; 2]; 3],
     far_offsets: [[Float; 2]; 3],
-    /// Lower end of the rays' intervals.
+    /// Least lower end of the rays' intervals.
     t_min: Float,
-    /// By which the rays' distances are multiplied.
+    /// Factors that convert the rays' distances to distances along the beam's axis.
     scales: [Float; V],
 }
 
 impl<const V: usize> Beam<V> {
-    /// The beam of the rays that are there, if there are any.
+    /// Creates the beam of the active rays. Returns `None` if no ray is active.
     #[inline(always)]
     fn new(packet: &Packet<V>, octants: &Octants) -> Option<Self> {
         let vectors = &packet.vectors;
@@ -83,8 +85,8 @@ impl<const V: usize> Beam<V> {
         Some(beam)
     }
 
-    /// Whether the rays spread by more than a quarter of the way: such a beam meets so many of the
-    /// boxes of a large tree that it would take a thousand times as long as its rays alone.
+    /// Whether the rays spread by more than a quarter of the distance. Such a beam enters so many
+    /// boxes of a large tree that it would take a thousand times as long as its rays do one by one.
     #[inline(always)]
     fn is_wide(&self) -> bool {
         let across = |slope: Float| Float::splat(1.0) / slope.abs();
@@ -95,8 +97,8 @@ impl<const V: usize> Beam<V> {
         spread[0] || spread[1] || spread[2]
     }
 
-    /// A bound of where any ray enters the boxes, and the bits of the boxes that the beam
-    /// cannot miss up to `limit`.
+    /// Returns a lower bound of the distances at which any ray enters the boxes, and a mask of the
+    /// boxes that some ray may enter up to `limit`.
     #[inline(always)]
     fn enter(&self, near: [Float; 3], far: [Float; 3], limit: Float) -> (Float, Mask) {
         let (mut entry, mut exit) = (self.t_min, limit);
@@ -111,7 +113,7 @@ impl<const V: usize> Beam<V> {
         (entry, entry.le(exit))
     }
 
-    /// The children of a node that the beam cannot miss up to `limit`.
+    /// Returns the children of a node that the beam may enter up to `limit`.
     #[inline(always)]
     fn visit(&self, tree: &WideTree, index: u32, limit: Float, count: &mut impl Count) -> Frame {
         let node = &tree.nodes[index as usize];
@@ -122,7 +124,8 @@ impl<const V: usize> Beam<V> {
         Frame::new(index, entry, entered)
     }
 
-    /// The lanes of a block whose primitives' boxes the beam cannot miss.
+    /// Returns the lanes of a block whose primitives have boxes that the beam may enter up to
+    /// `limit`.
     #[inline(always)]
     fn candidates(
         &self,
@@ -141,14 +144,13 @@ impl<const V: usize> Beam<V> {
     }
 }
 
-/// Vectors of rays in a beam, in trees that fit into caches that are fast: 64 rays.
+/// Number of vectors in a beam of 64 rays, for trees that fit into the fast caches.
 const MANY: usize = 64 / LANES;
-/// In others, whose boxes are small beside a beam.
+/// Number of vectors in a beam for larger trees, whose boxes are small compared with a beam.
 const FEW: usize = 2;
 
-/// Takes packets through the tree as beams, those whose rays differ in octant, or spread too much, ray
-/// by ray.
-/// Returns the rays that it leaves to others.
+/// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are
+/// traced one by one. Returns the indices of the wild rays, which are left to the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
@@ -187,7 +189,7 @@ fn trace_beams<const ANY: bool, const V: usize, C: Count>(
     })
 }
 
-/// Visits the blocks in boxes that the beam cannot miss, nearer boxes first.
+/// Visits the blocks in boxes that the beam may enter, nearer boxes first.
 #[inline(always)]
 fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,

@@ -1,6 +1,8 @@
-//! The first levels of a wide tree, for all rays of a vector together: each goes on to its nearest
-//! child, level by level, so that their waits for memory and for branches overlap. From there rays
-//! go alone ([`super::single`]), and visit what they would have visited.
+//! Traversal of the first levels of a wide tree, for all rays of a vector together.
+//!
+//! At each level, every ray descends to its nearest child, so that the rays' waits for memory and
+//! for branches overlap. From there the rays continue one by one ([`super::single`]). Each visits
+//! the same nodes as if it had been traced alone from the root.
 
 use super::frames::{Frame, Frames};
 use crate::accel::counters::Count;
@@ -8,14 +10,14 @@ use crate::accel::ray::one_ray::{OneRay, Table};
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, LANES, Lanes};
 
-/// Levels in large trees; in others the root alone (`profiling/`).
+/// Number of levels in large trees. In other trees it is only the root (`profiling/`).
 const LEVELS: usize = 3;
 
-/// Where each ray is.
+/// The state of each ray after the first levels.
 pub(crate) struct Descent {
-    /// By level, what is left of the node's children.
+    /// For each level and lane, the children of the visited node that are still to be visited.
     frames: [[Frame; LANES]; LEVELS],
-    /// The lowest level that each ray has reached.
+    /// The deepest level that each ray has reached.
     lowest: [usize; LANES],
 }
 
@@ -23,8 +25,8 @@ impl Descent {
     pub(crate) const NONE: Self =
         Self { frames: [[Frame::NONE; LANES]; LEVELS], lowest: [0; LANES] };
 
-    /// Takes the rays of `lanes`, which look for hits up to `limits`, down from the root: once, from
-    /// [`Self::NONE`]. In place, since large values that are returned are copied.
+    /// Moves the rays of `lanes`, which search for hits up to `limits`, down from the root. Call
+    /// this once, on [`Self::NONE`]. It writes in place, since returning large values copies them.
     #[inline(always)]
     pub(crate) fn descend(
         &mut self,
@@ -58,7 +60,8 @@ impl Descent {
         }
     }
 
-    /// The frame where the ray of `lane` is; those before it come to lie `above`.
+    /// Returns the frame of the deepest node that the ray of `lane` has reached, and pushes the
+    /// frames of the nodes above it onto `above`.
     #[inline(always)]
     pub(crate) fn resume(&self, tree: &WideTree, lane: usize, above: &mut Frames) -> Frame {
         let lowest = self.lowest[lane];
@@ -83,7 +86,7 @@ mod tests {
     use crate::simd::first_bits;
     use glam::Vec3;
 
-    /// All that a ray visits from `frame` on, if it hits nothing.
+    /// Returns all nodes and blocks that a ray visits from `frame` on, if it hits nothing.
     fn visits(
         tree: &WideTree,
         one: &OneRay<'_>,
@@ -104,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_visit_what_they_visit_alone() {
+    fn rays_visit_the_same_nodes_as_alone() {
         let mut random = Stream::new(23);
         let mut point = |size: f32| Vec3::from_array([(); 3].map(|()| random.between(-size, size)));
         let spheres = (0..LANES.pow(3)).map(|_| Sphere::still(point(1.0), 0.1)).collect();

@@ -1,4 +1,4 @@
-//! One ray against N boxes of a node.
+//! The test of one ray against all boxes of a wide node.
 
 use super::frames::Frame;
 use crate::accel::counters::Count;
@@ -7,7 +7,7 @@ use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, LANES, Lanes, axes};
 
 impl OneRay<'_> {
-    /// The children of a node that the ray enters up to `limit`.
+    /// Returns the children of a node that the ray enters up to `limit`.
     #[inline(always)]
     pub(crate) fn enter(
         &self,

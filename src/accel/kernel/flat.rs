@@ -1,4 +1,4 @@
-//! Packets against every primitive, without boxes: the kernel `flat`.
+//! The kernel `flat`, which tests packets against every primitive, without boxes.
 
 use super::job::Job;
 use crate::accel::batch::HitBatch;
@@ -17,7 +17,7 @@ pub(crate) struct Flat {
 }
 
 impl Flat {
-    /// Of a scene whose primitives lie in `bounds`.
+    /// Lays out a scene whose primitives lie in `bounds`.
     pub(crate) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
         let mut blocks = Blocks::default();
         let each: Vec<u32> = (0..geometry.len() as u32).collect();
@@ -30,7 +30,8 @@ impl Flat {
         self.blocks.bytes()
     }
 
-    /// Tests the rays of `job` against all. Returns the rays that it leaves to others.
+    /// Tests the rays of `job` against all primitives. Returns the indices of the wild rays, which
+    /// are left to the scalar reference.
     #[inline(never)] // so that profilers find it
     pub(crate) fn trace<const ANY: bool, C: Count>(
         &self,

@@ -1,38 +1,39 @@
-//! The order in which a wide node's children are visited: nearest first.
+//! Visits the children of wide nodes in order, nearest first.
 //!
-//! The children that are entered stay where they are, in the lanes of a vector of keys, and a
-//! visit takes out the least. So nothing is sorted, and there is no branch on how many there
-//! are, which no CPU could foretell. A key is the distance at which its child is entered, as
-//! the bits of a float not below 0, whose order is that of integers, with the child's lane in
-//! the last of them. Leaves that share a block are taken out together.
+//! The keys of the entered children stay in the lanes of a vector, and each visit removes the least
+//! key. Nothing is sorted, and there is no branch on the number of children, which would be
+//! unpredictable. A key holds the bits of the child's entry distance, which order like integers
+//! because the distance is not negative, and the child's lane in the lowest bits. Leaves that share
+//! a block are removed together.
 
 use crate::accel::leaf::BlockRef;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, Int, LANES, Mask};
 
-/// Bits of a key that hold the lane.
+/// The bits of a key that hold the lane.
 const LANE: u32 = LANES as u32 - 1;
-/// Bits of a distance that a key holds: not the sign, which −0 has, and not the lane.
+/// The bits of a key that hold the distance: all except the sign, which is set for −0, and the
+/// lane.
 const DISTANCE: u32 = !(1 << 31) & !LANE;
-/// Above every key.
+/// A value above every key, for lanes without a child.
 const NONE: u32 = u32::MAX >> 1;
 
-/// Children of a node that are yet to be visited.
+/// The children of a node that are still to be visited.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     keys: Int,
-    /// The least of them.
+    /// The least key.
     least: u32,
-    /// The index of the node.
+    /// Index of the node.
     node: u32,
 }
 
 impl Frame {
-    /// For places that no node's children are in yet.
+    /// A placeholder without children.
     pub(crate) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
 
-    /// The children of `node` in the lanes of `entered`, at the distances `entry`: not below 0,
-    /// as no ray's interval begins there ([`RayBatch`](crate::accel::RayBatch)).
+    /// Creates a frame with the children of `node` in the lanes of `entered`. The distances `entry`
+    /// are not negative, since no ray's `t_min` is ([`RayBatch`](crate::accel::RayBatch)).
     #[inline(always)]
     pub(crate) fn new(node: u32, entry: Float, entered: Mask) -> Self {
         let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
@@ -40,11 +41,11 @@ impl Frame {
         Self { keys, least: keys.least_lane(), node }
     }
 
-    /// Takes out the nearest child, a node or a block of `tree`, if it is entered up to `limit`,
-    /// and with it the leaves that share its block.
+    /// Removes and returns the nearest child, a node or a block of `tree`, if the ray enters it up
+    /// to `limit`. Leaves that share the block are removed with it.
     #[inline(always)]
     fn take(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
-        // As integers with a sign: a limit below 0 is below every key.
+        // Compared as signed integers, so that a negative limit is below every key.
         if self.least as i32 > (limit.to_bits() | LANE) as i32 {
             return None;
         }
@@ -56,31 +57,31 @@ impl Frame {
         Some(child)
     }
 
-    /// Takes out the nearest child where it is a node and entered up to `limit`.
+    /// Removes and returns the nearest child, if it is a node that the ray enters up to `limit`.
     #[inline(always)]
     pub(crate) fn take_node(&mut self, tree: &WideTree, limit: f32) -> Option<u32> {
         let is_node = self.nearest(tree) & BlockRef::LEAF == 0;
         if is_node { self.take(tree, limit) } else { None }
     }
 
-    /// The nearest child, or any if none is left.
+    /// Returns the nearest child, or an arbitrary one if no child is left.
     #[inline(always)]
     pub(crate) fn nearest(&self, tree: &WideTree) -> u32 {
         tree.nodes[self.node as usize].children[(self.least & LANE) as usize]
     }
 }
 
-/// The frames of the nodes above, those that have children left.
+/// A stack of the frames of the nodes above that have children left.
 #[derive(Clone, Debug)]
 pub(crate) struct Frames {
     keys: Vec<Int>,
-    /// The least key, and the node.
+    /// The least key and the node of each frame.
     rest: Vec<(u32, u32)>,
     top: usize,
 }
 
 impl Frames {
-    /// Frames for any way through `tree`.
+    /// Creates an empty stack with room for any path through `tree`.
     pub(crate) fn new(tree: &WideTree) -> Self {
         Self { keys: vec![Int::ZERO; tree.depth], rest: vec![(0, 0); tree.depth], top: 0 }
     }
@@ -90,21 +91,21 @@ impl Frames {
         self.top = 0;
     }
 
-    /// Keeps `frame` while its child is visited, and asks for the memory of the next if that
-    /// is wanted.
+    /// Pushes `frame`, unless it has no children left, while its child is visited. With `prefetch`,
+    /// its next child is prefetched.
     #[inline(always)]
     pub(crate) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
-        // In vain where none is left: a branch on that costs more.
+        // If no child is left, this is useless, but a branch to avoid it costs more.
         if prefetch {
             tree.prefetch(frame.nearest(tree));
         }
     }
 
-    /// The nearest child left in `frame`, or in those above it, that is entered up to `limit`;
-    /// `frame` becomes the one that it is in.
+    /// Removes and returns the nearest child in `frame`, or else in the closest frame above it with
+    /// a child that the ray enters up to `limit`. That frame becomes `frame`.
     #[inline(always)]
     pub(crate) fn next(&mut self, frame: &mut Frame, tree: &WideTree, limit: f32) -> Option<u32> {
         loop {
@@ -131,7 +132,7 @@ mod tests {
     use crate::math::random::Stream;
     use crate::simd::{Lanes, first_bits};
 
-    /// Nodes whose children are numbered from 100, 200 and so on.
+    /// A tree of nodes whose children are numbered from 100, 200 and so on.
     fn tree(nodes: u32) -> WideTree {
         let children = |node: u32| std::array::from_fn(|lane| 100 * node + lane as u32);
         let node = |node| WideNode { planes: [[0.0; LANES]; 6], children: children(node) };
@@ -139,7 +140,7 @@ mod tests {
         WideTree { nodes, blocks, depth: 3, is_large: false, in_turn: false }
     }
 
-    /// Takes all children of one node.
+    /// Takes all children of one node, and returns their lanes in order.
     fn order(entry: Lanes, entered: u32, limit: f32) -> Vec<usize> {
         let tree = tree(1);
         let mut frame = Frame::new(0, Float::new(entry), Mask::from_bits(entered));
@@ -158,7 +159,7 @@ mod tests {
                 1 => -0.0,
                 2 => f32::INFINITY,
                 3 => 1e-30,
-                // Equal, or so nearly that a key cannot tell.
+                // Equal distances, or ones that differ too little for a key to distinguish.
                 4 => 1.0,
                 5 => 1.0f32.next_up(),
                 _ => random.uniform() * 1e6,
@@ -169,7 +170,8 @@ mod tests {
                 let coarse = |lane: usize| entry[lane].abs().to_bits() & !LANE;
                 assert!(visited.is_sorted_by_key(|&lane| coarse(lane)), "{entry:?} {visited:?}");
                 for lane in 0..LANES {
-                    // None is left out that is entered at the limit; a little beyond is kept.
+                    // No child entered up to the limit is left out. One slightly beyond may be
+                    // kept.
                     let is_in = entered >> lane & 1 == 1;
                     let count = visited.iter().filter(|&&other| other == lane).count();
                     assert!(count <= usize::from(is_in), "{visited:?}");
@@ -177,13 +179,13 @@ mod tests {
                     assert!(count == 0 || coarse(lane) <= limit.to_bits() | LANE);
                 }
             }
-            // Rays that look for nothing more.
+            // A finished ray visits nothing.
             assert!(order(entry, entered, f32::NEG_INFINITY).is_empty());
         }
     }
 
     #[test]
-    fn frames_above_are_gone_on_with() {
+    fn traversal_resumes_at_frames_above() {
         let tree = tree(3);
         let frame = |node: u32, entry: fn(f32) -> f32, entered: u32| {
             let entry = Float::new(std::array::from_fn(|lane| entry(lane as f32)));
@@ -196,19 +198,19 @@ mod tests {
         frames.push(&here, &tree, false);
         here = frame(1, up, 0b1);
         assert_eq!(frames.next(&mut here, &tree, 9.0), Some(200));
-        // Nothing is left in it: it takes no place above.
+        // The frame has no children left, so it is not kept.
         frames.push(&here, &tree, false);
         assert_eq!(frames.top, 1);
         here = frame(2, down, 0b11);
-        assert_eq!(frames.next(&mut here, &tree, 9.0), Some(301), "the child's own come first");
-        assert_eq!(frames.next(&mut here, &tree, 5.0), Some(102), "then what was left above");
+        assert_eq!(frames.next(&mut here, &tree, 9.0), Some(301), "first the current node");
+        assert_eq!(frames.next(&mut here, &tree, 5.0), Some(102), "then the node above");
         assert_eq!(frames.next(&mut here, &tree, 9.0), None);
 
         here = frame(1, up, 0b11);
         frames.push(&here, &tree, false);
         frames.clear();
         here = frame(2, up, 0);
-        assert_eq!(frames.next(&mut here, &tree, 9.0), None, "nothing of the ray before");
+        assert_eq!(frames.next(&mut here, &tree, 9.0), None, "the previous ray left no frame");
     }
 
     #[test]

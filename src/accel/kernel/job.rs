@@ -1,4 +1,4 @@
-//! The loop over packets, whatever is done with each.
+//! The loop over packets, which all packet kernels share.
 
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
@@ -7,20 +7,22 @@ use crate::accel::ray::packet::Packet;
 use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
-/// Rays to be traced, and what every one of them is tested against.
+/// Rays to trace, and the scene data that all of them need.
 pub(crate) struct Job<'a> {
     pub(crate) rays: &'a RayBatch,
-    /// The first of the rays, and the end.
+    /// Index of the first ray, and one past the last.
     pub(crate) ends: (usize, usize),
     pub(crate) extent: &'a Extent,
-    /// Blocks that every ray is tested against before the tree.
+    /// The table that contains the `spanning` blocks.
     pub(crate) blocks: &'a Blocks,
+    /// Blocks that every ray is tested against before the tree.
     pub(crate) spanning: &'a [BlockRef],
 }
 
 impl Job<'_> {
-    /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`.
-    /// Returns the rays that it leaves to others, which are too wild for the box test.
+    /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`. Returns
+    /// the indices of the wild rays (see [`Rays::load`](crate::accel::ray::rays::Rays::load)),
+    /// which are left to the scalar reference.
     #[inline(always)]
     pub(crate) fn trace<const ANY: bool, const V: usize, C: Count>(
         &self,
@@ -30,7 +32,7 @@ impl Job<'_> {
     ) -> Vec<usize> {
         let (first, end) = self.ends;
         let mut wild = Vec::new();
-        // Loaded in place: large values that move are copied.
+        // Packets are loaded in place, since moving large values copies them.
         let mut packet = Packet::<V>::NONE;
         for first in (first..end).step_by(V * LANES) {
             for (v, vector) in packet.vectors.iter_mut().enumerate() {
@@ -57,7 +59,8 @@ impl Job<'_> {
             return;
         }
         for &block in self.spanning {
-            // Mostly huge: they are near many rays, and leave the filter no choice.
+            // Spanning primitives are mostly huge. They are near many rays, and the filter before
+            // the sphere test rejects few.
             self.blocks.test_packet::<V, ANY, ANY, true>(block, block.valid(), packet, count);
         }
         search(packet, count);

@@ -1,4 +1,4 @@
-//! Kernels: the ways of finding hits. All give the same bits.
+//! Kernels, the algorithms that find hits. All of them return the same bits.
 
 pub(super) mod beam;
 mod descent;
@@ -10,20 +10,20 @@ mod octants;
 pub(super) mod pair_traversal;
 pub(super) mod single;
 
-/// A way of finding what rays hit.
+/// An algorithm that finds the hits of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kernel {
-    /// Packets of rays against the boxes of a binary tree, one by one.
+    /// Tests packets of rays against the boxes of a binary tree, one box at a time.
     Packet,
-    /// Packets of rays, as one, against every box of a wide node at once.
+    /// Tests each packet of rays as a unit, against every box of a wide node at once.
     Beam,
-    /// One ray against every box of a wide node at once.
+    /// Tests one ray against every box of a wide node at once.
     Single,
-    /// Packets of rays against every primitive, without a tree.
+    /// Tests packets of rays against every primitive, without a tree.
     Flat,
-    /// The reference: one ray through a binary tree.
+    /// The reference, which takes one ray at a time through a binary tree.
     Scalar,
 }
 
@@ -31,7 +31,7 @@ impl Kernel {
     /// All kernels.
     pub const ALL: [Self; 5] = [Self::Packet, Self::Beam, Self::Single, Self::Flat, Self::Scalar];
 
-    /// The name on the command line and in records.
+    /// Returns the name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Packet => "packet",

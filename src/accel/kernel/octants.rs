@@ -1,4 +1,4 @@
-//! Which way rays go.
+//! The octants of a packet's rays.
 
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::rays::Rays;
@@ -6,9 +6,9 @@ use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions.
 pub(crate) struct Octants {
-    /// Whether they differ from ray to ray on some axis.
+    /// Whether the active rays differ in sign on some axis.
     pub(crate) mixed: bool,
-    /// Whether more of the rays go down an axis than up it.
+    /// For each axis, whether most active rays have a negative direction on it.
     pub(crate) negative: [bool; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Packets against one box of a pair node at a time: the kernel `packet`.
+//! The kernel `packet`, which tests packets against one box of a pair node at a time.
 
 use std::cell::Cell;
 
@@ -13,22 +13,23 @@ use crate::accel::slab::near_and_far;
 use crate::accel::tree::pair::PairTree;
 use crate::simd::{Float, LANES};
 
-/// How the rays of a packet are tested against boxes: where all go down the same axes, ...
+/// The box test for packets whose rays agree in the signs of their directions.
 const ALIKE: u8 = 0;
-/// ... where they do not, ...
+/// The box test for packets whose rays differ in the signs of their directions.
 const MIXED: u8 = 1;
-/// ... and where some begin so far away that the slack in the boxes is too small for them.
+/// The box test for packets in which a ray begins so far away that it needs more slack than the
+/// boxes contain.
 const FAR: u8 = 2;
 
-/// For packets that are [`FAR`], what [`Setup::offsets`](crate::accel::setup::Setup::offsets) tells.
+/// For [`FAR`] packets, the results of [`Setup::offsets`](crate::accel::setup::Setup::offsets).
 type Offsets<const V: usize> = [[Float; 6]; V];
 
-/// For packets that are [`ALIKE`], the planes of a box that their rays meet first on each axis, and
-/// last.
+/// For [`ALIKE`] packets, the indices of the planes that the rays meet first and last on each axis.
 type NearAndFar = ([usize; 3], [usize; 3]);
 
 impl Rays {
-    /// Where the rays enter a box: +∞ for those that do not up to their closest hit.
+    /// Returns the distances at which the rays enter a box, +∞ for rays that do not enter it up to
+    /// their closest hit, and whether any ray enters it.
     #[inline(always)]
     fn enter<const WAY: u8>(
         &self,
@@ -56,7 +57,7 @@ impl Rays {
                     let (low, high) = (meet(axis), meet(axis + 3));
                     (low.min(high), low.max(high))
                 }
-                _ => unreachable!("one of the three"),
+                _ => unreachable!("WAY is ALIKE, MIXED or FAR"),
             };
         }
         let entry = near[0].max(near[1]).max(near[2].max(self.setup.ray.t_min));
@@ -83,7 +84,7 @@ impl<const V: usize> Packet<V> {
         (entries, some)
     }
 
-    /// Whether some ray needs more slack than there is in the boxes.
+    /// Whether some active ray needs more slack than the boxes contain.
     #[inline(always)]
     fn is_far(&self, slack: f32) -> bool {
         let more = |rays: &Rays| rays.setup.slab.slack.gt(Float::splat(slack)).bits();
@@ -132,7 +133,7 @@ impl<const V: usize> Packet<V> {
                 count.node(2 * (V * LANES) as u32, entered(left) + entered(right));
                 match (enter_left, enter_right) {
                     (true, true) => {
-                        // Voting beats the sign of most rays by up to 2%.
+                        // Voting is up to 2% faster than taking the sign of most rays.
                         let right_first = if WAY == MIXED {
                             vote(&left, &right) < 0
                         } else {
@@ -162,7 +163,7 @@ impl<const V: usize> Packet<V> {
                 }
                 top -= 1;
                 let (reference, entries) = &stack[top];
-                // Pruned only when its entry is strictly beyond the best distance.
+                // A node is pruned only if every ray's entry is strictly beyond its closest hit.
                 let ahead = |v: usize| entries[v].le(self.vectors[v].t).bits();
                 if (0..V).fold(0, |bits, v| bits | ahead(v)) != 0 {
                     next = *reference;
@@ -173,17 +174,19 @@ impl<const V: usize> Packet<V> {
     }
 }
 
-/// How many more rays enter the left child before the right one than the other way round.
+/// Returns the number of rays that enter the left child first minus the number that enter the right
+/// child first.
 #[inline(always)]
 fn vote<const V: usize>(left: &[Float; V], right: &[Float; V]) -> i32 {
     let before = |a: Float, b: Float| a.lt(b).bits().count_ones() as i32;
     (0..V).map(|v| before(left[v], right[v]) - before(right[v], left[v])).sum()
 }
 
-/// Nodes that are still to be visited, and where each vector of a packet enters them.
+/// Nodes that are still to be visited, and the distances at which the rays of a packet enter them.
 type Stack = Vec<(u32, [Float; VECTORS])>;
 
-/// Takes packets through the tree. Returns the rays that it leaves to others.
+/// Traces packets through the tree. Returns the indices of the wild rays, which are left to the
+/// scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &PairTree,
@@ -191,7 +194,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    // Kept from call to call, some of which are about few rays.
+    // The stack is kept from call to call, since some calls trace only a few rays.
     let mut stack = STACK.take();
     stack.resize(tree.stack.max(stack.len()), (0, [Float::ZERO; VECTORS]));
     let search = |packet: &mut Packet<VECTORS>, count: &mut C| {
@@ -215,7 +218,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     left
 }
 
-/// Tests all rays against the boxes of all nodes: how often they enter one.
+/// Tests all rays against the boxes of all nodes, and returns how often a ray enters a box.
 pub(crate) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
     let mut entered = 0;
     let none = const { &[[Float::ZERO; 6]; VECTORS] };

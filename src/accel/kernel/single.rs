@@ -1,4 +1,5 @@
-//! Single rays through a wide tree: after its first levels one by one, or in turn from the root.
+//! The kernel `single`, which traces rays through a wide tree individually: one by one after the
+//! first levels, or in turn from the root.
 
 use super::descent::Descent;
 use super::frames::{Frame, Frames};
@@ -12,7 +13,8 @@ use crate::accel::ray::packet::Packet;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
-/// Takes rays through the tree one by one, or in turn. Returns the rays that it leaves to others.
+/// Traces rays through the tree one by one, or in turn. Returns the indices of the wild rays, which
+/// are left to the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
@@ -26,7 +28,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     })
 }
 
-/// What is left to visit above: of every ray of a vector where they take turns, else of one.
+/// Stacks of frames: one for each ray of a vector if rays take turns, else a single one.
 pub(crate) struct Above(Vec<Frames>);
 
 impl Above {
@@ -34,13 +36,13 @@ impl Above {
         Self(vec![Frames::new(tree); if tree.in_turn { LANES } else { 1 }])
     }
 
-    /// For a ray, or a beam, that goes alone.
+    /// Returns the stack for a ray or a beam that is traced alone.
     pub(crate) fn first(&mut self) -> &mut Frames {
         &mut self.0[0]
     }
 }
 
-/// Takes the rays of `packet` through the tree.
+/// Traces the rays of `packet` through the tree.
 #[inline(always)]
 pub(crate) fn trace_each<const ANY: bool, const V: usize>(
     tree: &WideTree,
@@ -96,10 +98,10 @@ fn trace_one_by_one<const ANY: bool>(
     }
 }
 
-/// While a ray waits for a block that comes from slow memory, others go on (Kocberber, Falsafi,
-/// Grot 2015, "Asynchronous Memory Access Chaining").
+/// Traces rays in turn: while one ray waits for a block from slow memory, the others continue
+/// (Kocberber, Falsafi, Grot 2015, "Asynchronous Memory Access Chaining").
 ///
-/// Departure: rays wait for blocks only. Waits before nodes gain nothing (`profiling/`).
+/// Departure: rays wait only for blocks. Waiting for nodes as well gains nothing (`profiling/`).
 #[inline(always)]
 fn trace_in_turn<const ANY: bool>(
     tree: &WideTree,
@@ -148,7 +150,7 @@ fn trace_in_turn<const ANY: bool>(
 #[derive(Clone, Copy)]
 struct Waiting {
     lane: usize,
-    /// The children of the node where it is.
+    /// The remaining children of the ray's current node.
     frame: Frame,
     block: BlockRef,
 }
@@ -157,8 +159,8 @@ impl Waiting {
     const NONE: Self = Self { lane: 0, frame: Frame::NONE, block: BlockRef::NONE };
 }
 
-/// The next block in a box that a ray enters up to `limit`, nearer boxes first. `frame` has the
-/// children of the node where the ray is.
+/// Returns the next block in a box that a ray enters up to `limit`, nearer boxes first. `frame` has
+/// the remaining children of the ray's current node.
 #[inline(always)]
 fn next_block(
     frame: &mut Frame,

@@ -1,4 +1,6 @@
-//! Leaf blocks: up to [`LANES`] primitives of one shape, structure-of-arrays. One file for each shape.
+//! Leaf blocks: up to [`LANES`] primitives of one shape in structure-of-arrays form.
+//!
+//! Each shape has a file of its own.
 
 mod moving_sphere;
 mod quad;
@@ -17,8 +19,8 @@ use super::ray::packet::Packet;
 use crate::geometry::{Geometry, Shape, shapes};
 use crate::simd::{Float, LANES, Lanes, prefetch};
 
-/// A block: its shape, the number of its primitives, and its index among the blocks of that
-/// shape.
+/// A reference to a block: its shape, the number of its primitives, and its index among the blocks
+/// of that shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BlockRef(u32);
 
@@ -29,12 +31,12 @@ impl BlockRef {
     pub(super) const NONE: Self = Self(Self::LEAF);
     const SHAPE_SHIFT: u32 = 29;
     const COUNT_SHIFT: u32 = 25;
-    /// 2 bits for the shape, 4 for the count.
+    /// The shape has 2 bits and the count 4.
     const FITS: () = assert!(Shape::ALL.len() <= 4 && LANES <= 16);
 
     fn new(shape: Shape, count: usize, index: usize) -> Self {
         let () = Self::FITS;
-        assert!(index < 1 << Self::COUNT_SHIFT, "more blocks than a reference can name");
+        assert!(index < 1 << Self::COUNT_SHIFT, "a layout holds at most 2^25 blocks of a shape");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
         Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
     }
@@ -43,7 +45,7 @@ impl BlockRef {
         self.0
     }
 
-    /// The reference with these bits, among them [`BlockRef::LEAF`].
+    /// Returns the reference with these bits, which must include [`BlockRef::LEAF`].
     #[inline(always)]
     pub(super) fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -59,7 +61,8 @@ impl BlockRef {
         (self.0 >> Self::COUNT_SHIFT & 15) + 1
     }
 
-    /// The lanes that hold a primitive: the first ones, by ascending index.
+    /// Bits of the lanes that hold a primitive. These are the first lanes, in the order of the
+    /// primitives' indices.
     #[inline(always)]
     pub(super) fn valid(self) -> u32 {
         (2 << (self.0 >> Self::COUNT_SHIFT & 15)) - 1
@@ -71,24 +74,24 @@ impl BlockRef {
     }
 }
 
-/// Up to [`LANES`] primitives of one shape, structure-of-arrays.
+/// Up to [`LANES`] primitives of one shape, in structure-of-arrays form.
 trait Leaf: Sized {
-    /// The block of these primitives. Lanes without a primitive hold NaN.
+    /// Creates the block of these primitives. Lanes without a primitive hold NaN.
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self;
 
-    /// The boxes of the primitives, if they are cheaper to test than the primitives.
+    /// Returns the boxes of the primitives, if they are cheaper to test than the primitives.
     #[inline(always)]
     fn bounds(&self) -> Option<[[Float; 3]; 2]> {
         None
     }
 
-    /// Tests one ray against all primitives, of which `valid` has the lanes.
+    /// Tests one ray against all primitives. `valid` has the bits of their lanes.
     fn test_one(&self, valid: u32, one: &OneRay<'_>, best: &mut Best);
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// `NEAR` and `LEAVE` add an early test: whether any ray is near a quad's plane, and whether rays
-    /// leave a sphere. They change nothing but speed.
+    /// `NEAR` adds an early test whether any ray meets a quad's plane within its interval, and
+    /// `LEAVE` one whether rays move away from a sphere. They affect only speed.
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
         lanes: u32,
@@ -99,16 +102,16 @@ trait Leaf: Sized {
 
 macro_rules! blocks {
     ($($name:ident in $module:ident,)*) => {
-        /// The blocks of a layout, a table for each shape.
+        /// The blocks of a layout, in one table for each shape.
         #[derive(Clone, Debug, Default)]
         pub(super) struct Blocks {
             $($module: Vec<$module::Block>,)*
         }
 
         impl Blocks {
-            /// Adds a block of `primitives`: 1 to [`LANES`], of one shape.
+            /// Adds a block of `primitives`, which must be 1 to [`LANES`] of one shape.
             pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
-                // Ties go to the lowest index, and so to the lowest lane.
+                // Ties go to the lowest index, which sorting makes the lowest lane.
                 primitives.sort_unstable();
                 let shape = geometry.get(primitives[0]).shape();
                 let index = match shape {
@@ -120,14 +123,14 @@ macro_rules! blocks {
                 BlockRef::new(shape, primitives.len(), index)
             }
 
-            /// Number of blocks of `shape`.
+            /// Returns the number of blocks of `shape`.
             pub(super) fn count(&self, shape: Shape) -> usize {
                 match shape {
                     $(Shape::$name => self.$module.len(),)*
                 }
             }
 
-            /// Moves the blocks to huge pages, once all are there.
+            /// Moves the blocks to huge pages. Call this after the last block has been added.
             pub(super) fn settle(&mut self) {
                 $(self.$module = settle(take(&mut self.$module));)*
             }
@@ -145,7 +148,8 @@ macro_rules! blocks {
                 0 $(+ size_of_val(&*self.$module))*
             }
 
-            /// The boxes of a block's primitives, if they are cheaper to test than the primitives.
+            /// Returns the boxes of a block's primitives, if they are cheaper to test than the
+            /// primitives.
             #[inline(always)]
             pub(super) fn bounds(&self, block: BlockRef) -> Option<[[Float; 3]; 2]> {
                 match block.shape() {
@@ -170,7 +174,7 @@ macro_rules! blocks {
                 }
             }
 
-            /// Tests the rays of `packet` against the primitives of a block in `lanes`, as
+            /// Tests the rays of `packet` against the primitives of a block in `lanes`. See
             /// [`Leaf::test_packet`].
             #[inline(always)]
             pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
@@ -194,12 +198,12 @@ macro_rules! blocks {
 shapes!(blocks);
 
 impl Blocks {
-    /// Number of blocks.
+    /// Returns the total number of blocks.
     pub(super) fn len(&self) -> usize {
         Shape::ALL.iter().map(|&shape| self.count(shape)).sum()
     }
 
-    /// Adds blocks of `primitives` in any number and mixture.
+    /// Adds blocks for any number of `primitives`, whose shapes may be mixed.
     pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
         let mut primitives = primitives.to_vec();
         primitives.sort_by_key(|&p| (geometry.get(p).shape() as u32, p));
@@ -211,7 +215,7 @@ impl Blocks {
     }
 }
 
-/// Counts tests of as many primitives as `lanes` has, each against all rays of `packet`.
+/// Counts the tests of the primitives in `lanes`, each against all rays of `packet`.
 #[inline(always)]
 fn count_tests<const V: usize>(packet: &Packet<V>, lanes: u32, count: &mut impl Count) {
     for rays in &packet.vectors {
@@ -220,7 +224,7 @@ fn count_tests<const V: usize>(packet: &Packet<V>, lanes: u32, count: &mut impl 
     }
 }
 
-/// The primitives of a block by lane.
+/// Returns the primitive in each lane of a block, `u32::MAX` if the lane is empty.
 fn numbers(primitives: &[u32]) -> Lanes<u32> {
     let mut numbers = [u32::MAX; LANES];
     numbers[..primitives.len()].copy_from_slice(primitives);

@@ -13,7 +13,7 @@ use crate::simd::{Bits, Float, Lanes, Vec3x};
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// At time 0.
+    /// The spheres at time 0.
     still: sphere::Block,
     motion: [Lanes; 3],
 }

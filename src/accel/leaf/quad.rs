@@ -19,18 +19,18 @@ pub(super) struct Block {
     dual_u: [Lanes; 3],
     dual_v: [Lanes; 3],
     primitive: Lanes<u32>,
-    /// The quads that need less work, for packets.
+    /// Quads with a cheaper test, which packets use.
     special: [Option<SpecialQuad>; LANES],
 }
 
 impl Block {
-    /// A quad in each lane.
+    /// Returns the quads, one in each lane.
     #[inline(always)]
     fn lanes(&self) -> QuadLanes {
         self.with(Vec3x::of_lanes)
     }
 
-    /// One quad in every lane.
+    /// Returns one quad in every lane.
     #[inline(always)]
     fn splat(&self, lane: usize) -> QuadLanes {
         self.with(|lanes| Vec3x::splat_lane(lanes, lane))
@@ -84,7 +84,7 @@ impl Leaf for Block {
         count_tests(packet, lanes, count);
         for lane in Bits(lanes) {
             let primitive = self.primitive[lane];
-            // Told apart here, once for all vectors.
+            // The special cases are distinguished here, once for all vectors.
             match &self.special[lane] {
                 Some(SpecialQuad::Aligned(quad)) => {
                     test_packet::<V, ANY, NEAR>(packet, quad, primitive);
@@ -108,24 +108,25 @@ fn test_packet<const V: usize, const ANY: bool, const NEAR: bool>(
     quad: &(impl QuadTest + Copy),
     primitive: u32,
 ) {
-    // A copy stays in registers while vectors change.
+    // A copy can stay in registers while the vectors are modified.
     let quad = *quad;
-    // Only `offer` looks at what is closest so far: asked in here, each quad would wait for the
-    // one before.
+    // Only `offer` reads the closest hit so far. If the test read it too, each quad would have to
+    // wait for the previous one.
     let offer = |rays: &mut Rays, t: Float| {
         let ray = &rays.setup.ray;
         let hit = t.gt(ray.t_min) & quad.contains(ray, t);
         rays.offer::<ANY>(HitLanes { t, hit }, primitive);
     };
     if !NEAR {
-        // Dividing first, as below, loses where nothing is asked.
+        // Without the early test, doing all divisions first, as below, is slower.
         for rays in &mut packet.vectors {
             let t = quad.distance(&rays.setup.ray);
             offer(rays, t);
         }
         return;
     }
-    // All divisions first, then one question for all: no vector waits for another.
+    // All divisions come first, then one branch for all vectors, so that no vector waits for
+    // another.
     let (mut distances, mut near) = ([Float::ZERO; V], Mask::NONE);
     for (t, rays) in distances.iter_mut().zip(&packet.vectors) {
         *t = quad.distance(&rays.setup.ray);

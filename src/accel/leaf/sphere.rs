@@ -22,7 +22,7 @@ impl Leaf for Block {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let spheres = || primitives.iter().map(|&p| &geometry.spheres[p as usize]);
         Self {
-            // The contract adds a motion, even of 0, and −0 + 0 is 0.
+            // The contract adds the motion even if it is 0, which turns a coordinate of −0 into 0.
             center: transpose(spheres().map(|sphere| sphere.center_at(0.0))),
             radius: gather(spheres().map(|sphere| sphere.radius)),
             primitive: numbers(primitives),
@@ -60,7 +60,7 @@ impl Leaf for Block {
     }
 }
 
-/// Tests a sphere that is at `center` at a ray's time against the rays of a packet.
+/// Tests the rays of a packet against a sphere. `center` returns its position at the rays' times.
 #[inline(always)]
 pub(super) fn test_packet<const V: usize, const ANY: bool, const LEAVE: bool>(
     packet: &mut Packet<V>,
@@ -74,7 +74,7 @@ pub(super) fn test_packet<const V: usize, const ANY: bool, const LEAVE: bool>(
         let ray = &rays.setup.ray;
         *missed = misses(ray, center(ray), padded_radius2);
     }
-    // Asked once for all vectors: mostly all miss, and CPUs learn that.
+    // One branch serves all vectors. Usually all rays miss, which CPUs predict well.
     let all = first_bits(LANES);
     if missed.iter().all(|&missed| missed == all) {
         return;

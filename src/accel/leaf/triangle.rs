@@ -53,7 +53,7 @@ impl Leaf for Block {
         }
     }
 
-    /// Tests are counted once for each axis that rays look along.
+    /// Counts a test for each axis along which rays run, not for each vector of rays.
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
@@ -70,7 +70,7 @@ impl Leaf for Block {
     }
 }
 
-/// Tests a triangle against a vector of rays, those that look along one axis after the other.
+/// Tests a vector of rays against a triangle, one view after the other.
 #[inline(always)]
 fn test_rays<const ANY: bool>(
     rays: &mut Rays,

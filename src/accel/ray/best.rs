@@ -1,15 +1,15 @@
-//! The closest hits of rays that are traced one by one.
+//! The closest hit so far of rays that are traced one by one.
 
 use crate::accel::batch::HitBatch;
 use crate::geometry::ray_lanes::HitLanes;
 use crate::simd::{Bits, Float, Lanes};
 
-/// The closest hit so far. The interval is open: a hit at `t` counts only where one at `t` was
-/// found before, and has a lower index.
+/// The closest hit so far. The ray's interval is open, so another hit at exactly `t` counts only if
+/// `t` is the distance of a hit already found and the new primitive has a lower index.
 #[derive(Clone, Copy)]
 pub(crate) struct Best {
     pub(crate) t: f32,
-    /// [`HitBatch::MISS`] before there is one.
+    /// [`HitBatch::MISS`] before the first hit.
     pub(crate) primitive: u32,
 }
 

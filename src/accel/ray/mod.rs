@@ -1,4 +1,4 @@
-//! Rays as kernels hold them, and their closest hits so far.
+//! Rays and their closest hits so far, in the forms that kernels use.
 
 pub(super) mod best;
 pub(super) mod one_ray;

@@ -1,4 +1,4 @@
-//! One ray of a vector.
+//! Single rays, taken from a vector of rays.
 
 use crate::accel::setup::Setup;
 use crate::accel::slab::near_and_far;
@@ -6,7 +6,7 @@ use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
 use crate::simd::{Float, Lanes, Vec3x, axes};
 
-/// Rays made ready, to be taken lane by lane.
+/// A vector of prepared rays in memory, read lane by lane.
 pub(crate) struct Table {
     pub(crate) origin: [Lanes; 3],
     direction: [Lanes; 3],
@@ -48,15 +48,15 @@ impl Table {
     }
 }
 
-/// One ray, to be put into every lane where it is needed: a load from the table is as fast as
-/// a register, and vectors that must be kept in memory are not.
+/// One ray of a [`Table`]. Its numbers are broadcast to all lanes at each use: a broadcast load
+/// from the table is as fast as a register, whereas whole vectors that spill to memory are not.
 pub(crate) struct OneRay<'a> {
     pub(crate) table: &'a Table,
     pub(crate) lane: usize,
-    /// The planes of a node that the ray meets first on each axis, and last.
+    /// Indices of the planes that the ray meets first and last on each axis.
     pub(crate) near: [usize; 3],
     pub(crate) far: [usize; 3],
-    /// The order of axes in which triangles are seen.
+    /// The order of axes in which triangle tests read coordinates.
     pub(crate) axes: [usize; 3],
 }
 
@@ -95,7 +95,7 @@ impl<'a> OneRay<'a> {
             length2: self.splat(&self.table.length2),
             inv_length2: self.splat(&self.table.inv_length2),
             t_min: self.splat(&self.table.t_min),
-            // For many rays and one sphere; infinite, it would rule nothing out.
+            // Used only to test many rays against one sphere; with ∞, that test rejects no ray.
             padded_inv_length2: Float::INFINITY,
         }
     }

@@ -4,11 +4,11 @@ use super::rays::Rays;
 use crate::accel::batch::HitBatch;
 use crate::simd::{Bits, Float, Int, LANES, first_bits};
 
-/// Vectors of rays in the packets of most kernels: 32 rays, which share a primitive's numbers and
-/// the questions that CPUs cannot foretell the answers of.
+/// Vectors of rays in the packets of most kernels. The 32 rays share the loads of a primitive's
+/// numbers, and the branches that CPUs mispredict.
 pub(crate) const VECTORS: usize = 32 / LANES;
 
-/// A packet on its way.
+/// A packet of rays during its traversal.
 pub(crate) struct Packet<const V: usize> {
     pub(crate) vectors: [Rays; V],
 }
@@ -16,7 +16,7 @@ pub(crate) struct Packet<const V: usize> {
 impl<const V: usize> Packet<V> {
     pub(crate) const NONE: Self = Self { vectors: [Rays::NONE; V] };
 
-    /// Writes what was hit. Rays that hit nothing are left as they are.
+    /// Writes the hits to `hits`. Entries of rays that hit nothing are left unchanged.
     #[inline(always)]
     pub(crate) fn store<const ANY: bool>(&self, first: usize, end: usize, hits: &mut HitBatch) {
         for (vector, rays) in self.vectors.iter().enumerate() {
@@ -38,7 +38,8 @@ impl<const V: usize> Packet<V> {
         }
     }
 
-    /// The largest distance, times the rays' scales, that a ray still looks at: in every lane.
+    /// Returns, in every lane, the largest distance up to which a ray still searches, each
+    /// multiplied by the ray's scale.
     #[inline(always)]
     pub(crate) fn farthest(&self, scales: &[Float; V]) -> Float {
         let mut farthest = Float::splat(f32::NEG_INFINITY);

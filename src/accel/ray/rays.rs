@@ -1,4 +1,4 @@
-//! A vector of rays and what they have hit.
+//! A vector of rays and their closest hits so far.
 
 use crate::accel::batch::{HitBatch, RayVector};
 use crate::accel::setup::{Extent, Setup};
@@ -11,14 +11,16 @@ use crate::simd::{Bits, Float, Int, Mask, axes};
 pub(crate) struct Rays {
     pub(crate) setup: Setup,
     views: Views,
-    /// Distance of the closest hit, at first the end of the interval; −∞ for rays that look
-    /// for nothing (more).
+    /// Distance of the closest hit so far, initially the end of the interval; −∞ for inactive lanes
+    /// and for rays that have finished.
     pub(crate) t: Float,
-    /// Its primitive; [`HitBatch::MISS`] before there is one, and where any hit will do.
+    /// Primitive of the closest hit; [`HitBatch::MISS`] before the first hit, and whenever any hit
+    /// suffices.
     pub(crate) primitive: Int,
 }
 
-/// Rays that look along the same axis, as triangle tests see it.
+/// Rays with the same longest axis and the same sign on it, which share the order of axes in
+/// triangle tests.
 #[derive(Clone, Copy)]
 pub(crate) struct View {
     pub(crate) axes: [usize; 3],
@@ -57,8 +59,8 @@ impl Rays {
     pub(crate) const NONE: Self =
         Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
 
-    /// Takes the rays whose bits are in `present`. Returns the bits of those that it leaves to
-    /// others.
+    /// Loads the rays whose bits are set in `present`. Returns the bits of those that are left to
+    /// the scalar reference, as [`Setup::load`] does.
     #[inline(always)]
     pub(crate) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
         let wild = self.setup.load(rays, present, extent);
@@ -70,13 +72,14 @@ impl Rays {
         wild
     }
 
-    /// The rays by the axis that they look along: mostly all look along one.
+    /// Groups the rays by the axis they run along. Usually all rays are in one group.
     #[inline(always)]
     pub(crate) fn views(&self) -> &[View] {
         &self.views.views[..self.views.count]
     }
 
-    /// The rays that look for hits: distances of such are above 0.
+    /// Bits of the rays that still search for hits. Their `t` is not negative, since all hits lie
+    /// at positive distances.
     #[inline(always)]
     pub(crate) fn looking(&self) -> u32 {
         self.t.ge(Float::ZERO).bits()
@@ -86,21 +89,21 @@ impl Rays {
     #[inline(always)]
     pub(crate) fn found<const ANY: bool>(&self) -> Mask {
         if ANY {
-            // −∞ is also the distance of rays that are not there.
+            // Inactive lanes have the distance −∞ too.
             self.t.eq(Float::splat(f32::NEG_INFINITY)) & Mask::from_bits(self.setup.active)
         } else {
             !self.primitive.eq(Int::splat(HitBatch::MISS))
         }
     }
 
-    /// Lets rays that have hit something, whatever it is, look for nothing more.
+    /// Ends the search of the rays in `hit`, for which any hit suffices.
     #[inline(always)]
     pub(crate) fn end(&mut self, hit: Mask) {
-        // No branch on whether there is one: no CPU could foretell it.
+        // A branch on whether any ray hit would be unpredictable.
         self.t = hit.select(Float::splat(f32::NEG_INFINITY), self.t);
     }
 
-    /// Keeps the hits that are closer than the closest so far, or as close with a lower index.
+    /// Keeps the hits that are closer than the closest so far, or equally close with a lower index.
     #[inline(always)]
     pub(crate) fn offer<const ANY: bool>(&mut self, hits: HitLanes, primitive: u32) {
         let HitLanes { t, hit } = hits;
@@ -124,9 +127,10 @@ impl Rays {
     }
 }
 
-/// What a beam asks of its rays.
+/// The properties of rays from which beams are built.
 impl Rays {
-    /// The axis on which the first ray that is there goes fastest; `None` where none is.
+    /// The axis on which the direction of the first active ray is longest; `None` if no ray is
+    /// active.
     #[inline(always)]
     pub(crate) fn longest_axis_of_first(&self) -> Option<usize> {
         let lane = Bits(self.setup.active).next()?;
@@ -135,14 +139,14 @@ impl Rays {
         Some(if speed[2] > speed[most] { 2 } else { most })
     }
 
-    /// How fast the rays go along `axis`, above 0; 1 for those that are not there.
+    /// Magnitudes of the rays' directions along `axis`, always positive; 1 in inactive lanes.
     #[inline(always)]
     pub(crate) fn scale(&self, axis: usize) -> Float {
         let one = Float::splat(1.0);
         self.only(one / self.setup.slab.steepness[axis], one)
     }
 
-    /// `value` of the rays that are there, else `none`.
+    /// `value` in active lanes, `none` in the others.
     #[inline(always)]
     pub(crate) fn only(&self, value: Float, none: Float) -> Float {
         Mask::from_bits(self.setup.active).select(value, none)
@@ -158,7 +162,7 @@ impl Rays {
         self.setup.slab.steepness[axis]
     }
 
-    /// Origins on an axis of direction `sign`, ahead by the slack and back by it.
+    /// Origins on an axis that points in the direction `sign`, moved ahead and back by the slack.
     #[inline(always)]
     pub(crate) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
         let origin = self.setup.ray.origin[axis] * sign;

@@ -1,4 +1,4 @@
-//! The binary tree that every layout is made from, built by obvhs.
+//! The binary tree from which every layout is built, itself built by obvhs.
 
 use std::time::Duration;
 
@@ -11,8 +11,8 @@ use super::group::Groups;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
 
-/// A binary tree of boxes with one primitive a leaf. A node comes before its children, which
-/// are neighbours; node 0 is the root.
+/// A binary tree of boxes with one primitive in each leaf. A node precedes its children, which are
+/// adjacent; node 0 is the root.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BinaryTree {
     pub(crate) nodes: Vec<BinaryNode>,
@@ -24,16 +24,16 @@ pub(crate) struct BinaryNode {
     pub(crate) below: Below,
 }
 
-/// What is below a node.
+/// The contents of a node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Below {
-    /// The first of two children.
+    /// Index of the first of two children.
     Children(u32),
-    /// A leaf's primitive.
+    /// The primitive of a leaf.
     Primitive(u32),
 }
 
-/// One primitive a leaf: every layout has its own idea of leaves.
+/// Parameters of obvhs. Leaves hold one primitive, since each layout chooses its own leaves.
 const BUILD: BvhBuildParams = BvhBuildParams {
     pre_split: false,
     max_prims_per_leaf: 1,
@@ -41,8 +41,8 @@ const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::very_slow_build()
 };
 
-/// Above this, the build tries to reinsert one node in ten: trees of a million spheres and of
-/// a million triangles were made 4 times faster and traced as fast (`profiling/`).
+/// Above this number of boxes, the build tries to reinsert only one node in ten. Trees of a million
+/// spheres and of a million triangles were built 4 times faster and traced as fast (`profiling/`).
 const MANY: usize = 1 << 15;
 
 impl BinaryTree {
@@ -51,7 +51,7 @@ impl BinaryTree {
         size_of_val(&*self.nodes)
     }
 
-    /// The tree over `primitives`, whose boxes are `boxes[primitive]`.
+    /// Builds the tree over `primitives`, whose boxes are `boxes[primitive]`.
     pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         if primitives.is_empty() {
             return Self::default();
@@ -101,9 +101,9 @@ impl BinaryTree {
         Self { nodes }
     }
 
-    /// Whether each subtree is best a leaf: where it holds at most `most` primitives of one kind,
-    /// and testing them is expected to cost no more than visiting its nodes, each of which costs
-    /// `node_cost` tests.
+    /// Decides for each subtree whether it should be a leaf. It should if it holds at most `most`
+    /// primitives, all of one kind, and testing them is expected to cost no more than visiting its
+    /// nodes. A visit of a node costs as much as `node_cost` tests.
     pub(crate) fn leaves<K: Copy + PartialEq>(
         &self,
         node_cost: f32,
@@ -111,7 +111,7 @@ impl BinaryTree {
         kind_of: impl Fn(u32) -> K,
     ) -> Vec<bool> {
         let mut leaf = vec![true; self.nodes.len()];
-        // Cost, number of primitives, and their kind if it is but one.
+        // Cost, number of primitives, and their kind if they share one.
         let mut subtrees: Vec<(f32, u32, Option<K>)> = vec![(0.0, 0, None); self.nodes.len()];
         for (index, node) in self.nodes.iter().enumerate().rev() {
             let area = node.bounds.half_area();
@@ -131,7 +131,7 @@ impl BinaryTree {
         leaf
     }
 
-    /// The primitives below node `index`.
+    /// Returns the primitives below node `index`.
     pub(crate) fn primitives(&self, index: u32) -> Vec<u32> {
         let (mut primitives, mut open) = (Vec::new(), vec![index]);
         while let Some(index) = open.pop() {
@@ -148,7 +148,7 @@ impl BinaryNode {
     const UNKNOWN: Self = Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
 }
 
-/// A part of the tree yet to be copied: a node of the builder, or part of a crowd.
+/// A part of the tree yet to be copied: a node of the builder, or some members of a group.
 #[derive(Clone, Copy)]
 enum Subtree<'a> {
     Built(u32),
@@ -156,7 +156,7 @@ enum Subtree<'a> {
 }
 
 impl<'a> Subtree<'a> {
-    /// A leaf of the builder is a crowd, mostly of one.
+    /// Replaces a leaf of the builder with the members of its group, usually a single primitive.
     fn resolve(self, built: &Bvh2, groups: &'a Groups) -> Self {
         match self {
             Self::Built(index) if built.nodes[index as usize].prim_count > 0 => {
@@ -169,11 +169,11 @@ impl<'a> Subtree<'a> {
     }
 }
 
-/// A box a little larger than `b`, by an amount that differs from primitive to primitive.
+/// Returns a box slightly larger than `b`, by an amount that depends on `index`.
 ///
-/// obvhs merges boxes that are each other's nearest (PLOC). Among boxes that are all equally
-/// near, as in a row of equal spheres, it finds few pairs a round, in quadratic time: rows of
-/// 4000, 8000 and 16 000 spheres took 0.2, 0.6 and 1.7 s.
+/// obvhs merges boxes that are each other's nearest (PLOC). Among equally near boxes, as in a row
+/// of equal spheres, it finds only few pairs in each round and takes quadratic time: rows of 4000,
+/// 8000 and 16 000 spheres took 0.2, 0.6 and 1.7 s.
 fn unequal(index: usize, b: Bounds) -> Aabb {
     let random = Stream::new(index as u64).uniform();
     let margin = (b.max - b.min) * (1e-4 * random);

@@ -1,4 +1,5 @@
-//! The binary bounding volume hierarchy of the scalar engine: one ray, two boxes a step.
+//! The binary bounding volume hierarchy of the scalar engine, which tests one ray against two boxes
+//! at each step.
 
 use glam::Vec3;
 
@@ -10,12 +11,12 @@ use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 /// A binary tree of boxes over the primitives of a scene, built by obvhs.
 #[derive(Clone, Debug)]
 pub struct Bvh2 {
-    /// The root first; an inner node's children are neighbours.
+    /// The root is first, and the two children of an inner node are adjacent.
     nodes: Vec<Node>,
     /// Primitives in the order of the leaves.
     primitives: Vec<u32>,
     bounds: Bounds,
-    /// Inner nodes on the longest way down: what the stack must hold.
+    /// Number of inner nodes on the longest path from the root, which is the stack size required.
     depth: usize,
     /// Largest [`Quad::condition`](crate::geometry::Quad::condition), at least 1.
     condition: f32,
@@ -25,7 +26,7 @@ pub struct Bvh2 {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     planes: Planes,
-    /// First child, or first place in `Bvh2::primitives`.
+    /// Index of the first child, or of the first primitive in `Bvh2::primitives`.
     first: u32,
     /// Number of primitives; 0 for an inner node.
     count: u32,
@@ -35,10 +36,10 @@ impl Node {
     const UNKNOWN: Self = Self { planes: [0.0; 6], first: 0, count: 0 };
 }
 
-/// A leaf holds at most so many primitives.
+/// Largest number of primitives in a leaf.
 const LEAF: u32 = 4;
 
-/// Largest number of inner nodes on a way from the root down.
+/// Returns the number of inner nodes on the longest path from the root.
 fn depth(nodes: &[Node]) -> usize {
     let mut deepest = 0;
     let mut open = vec![(0, 0)];
@@ -52,18 +53,18 @@ fn depth(nodes: &[Node]) -> usize {
     deepest
 }
 
-/// Trees up to this depth need no allocation a ray.
+/// Largest depth for which tracing a ray needs no allocation.
 const USUAL_DEPTH: usize = 64;
 
 impl Bvh2 {
-    /// A tree whose boxes hold every primitive over all times.
+    /// Builds a tree whose boxes contain every primitive at all times.
     pub fn new(geometry: &Geometry) -> Self {
         let boxes = geometry.boxes();
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
         Self::of(geometry, &BinaryTree::new(&boxes, &each))
     }
 
-    /// The layout of `tree`, where visiting a node is as costly as testing a primitive.
+    /// Lays out `tree`, assuming that visiting a node costs as much as testing a primitive.
     pub(crate) fn of(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
         let leaf = tree.leaves(1.0, LEAF, |_| ());
@@ -101,17 +102,17 @@ impl Bvh2 {
         layout
     }
 
-    /// The closest hit in the open interval `(t_min, t_max)`; ties go to the lowest index.
+    /// Returns the closest hit in the open interval `(t_min, t_max)`; ties go to the lowest index.
     pub fn closest(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
         self.count_closest(geometry, ray, t_min, t_max, &mut ())
     }
 
-    /// Whether anything is hit in the open interval `(t_min, t_max)`.
+    /// Returns whether the ray hits anything in the open interval `(t_min, t_max)`.
     pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
         self.count_occluded(geometry, ray, t_min, t_max, &mut ())
     }
 
-    /// As [`Self::closest`]; `count` is told the work.
+    /// Does the same as [`Self::closest`], and records the work in `count`.
     #[inline]
     pub(crate) fn count_closest(
         &self,
@@ -124,7 +125,7 @@ impl Bvh2 {
         let prepared = PreparedRay::new(ray);
         let mut best = None;
         self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
-            // A hit at the very limit still counts where its index is lower.
+            // A hit exactly at the limit still counts if its index is lower.
             let (limit_or_tie, best_primitive) = match best {
                 Some(Hit { t, primitive }) => (f32::next_up(t), primitive),
                 None => (limit, u32::MAX),
@@ -145,7 +146,7 @@ impl Bvh2 {
         size_of_val(&*self.nodes) + size_of_val(&*self.primitives)
     }
 
-    /// As [`Self::occluded`]; `count` is told the work.
+    /// Does the same as [`Self::occluded`], and records the work in `count`.
     #[inline]
     pub(crate) fn count_occluded(
         &self,
@@ -159,14 +160,14 @@ impl Bvh2 {
         let mut occluded = false;
         self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
             occluded |= geometry.get(primitive).intersect(&prepared, t_min, t_max).is_some();
-            // No box is entered before −∞: the traversal ends.
+            // With the limit −∞ no box is entered, which ends the traversal.
             if occluded { f32::NEG_INFINITY } else { limit }
         });
         occluded
     }
 
-    /// Calls `visit` with the primitives in boxes that the ray enters within the limit,
-    /// nearer boxes first. `visit` returns the new limit.
+    /// Calls `visit` for each primitive in the boxes that the ray enters up to the limit, nearer
+    /// boxes first. `visit` returns the new limit.
     #[inline]
     fn traverse(
         &self,
@@ -175,7 +176,7 @@ impl Bvh2 {
         count: &mut impl Count,
         mut visit: impl FnMut(u32, f32) -> f32,
     ) {
-        // Non-finite rays hit nothing, and need not visit every leaf to find out.
+        // Non-finite rays hit nothing. Without this check they might visit every leaf.
         if self.nodes.is_empty() || !ray.is_finite() || ray.direction == Vec3::ZERO {
             return;
         }
@@ -227,7 +228,7 @@ impl Bvh2 {
                 }
                 top -= 1;
                 let (index, entry) = stack[top];
-                // Pruned only when its entry is strictly beyond the limit.
+                // A node is pruned only if its entry is strictly beyond the limit.
                 if entry <= limit {
                     next = Some(index);
                 }

@@ -1,30 +1,34 @@
-//! Which subtrees of the binary tree are the children of a wide node, and which are leaves.
+//! Chooses the subtrees of the binary tree that become children of a wide node, and those that
+//! become leaves.
 //!
 //! Both are chosen together by dynamic programming over the surface area cost (Ylitie, Karras,
 //! Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
-//! section 3), with leaves of one kind and up to a block.
+//! section 3). A leaf holds primitives of one shape, at most a block of them.
 
 use super::binary::{Below, BinaryTree};
 use crate::geometry::{Geometry, Shape};
 use crate::math::min;
 use crate::simd::LANES;
 
-/// Children that a node can have at most while its parent has another.
+/// Largest number of a node's child slots that one subtree can take. Its sibling takes at least
+/// one.
 const SHARES: usize = LANES - 1;
 
-/// The cheapest way to cut a tree into wide nodes.
+/// The cheapest division of a tree into wide nodes.
 pub(crate) struct Collapse<'a> {
     tree: &'a BinaryTree,
     subtrees: Vec<Subtree>,
 }
 
-/// The cheapest way to cut a subtree.
+/// The cheapest division of a subtree.
 #[derive(Clone, Copy)]
 struct Subtree {
-    /// Least cost where it takes up to i + 1 children of a node above it.
+    /// `costs[i]` is the least cost if the subtree takes up to i + 1 child slots of a node above
+    /// it.
     costs: [f32; SHARES],
-    /// Primitives in it, and their kind if it is but one.
+    /// Number of primitives.
     count: u32,
+    /// Shape of the primitives, if they share one.
     kind: Option<Shape>,
     is_leaf: bool,
 }
@@ -45,21 +49,23 @@ impl<'a> Collapse<'a> {
                 Below::Children(first) => collapse.join(first, area),
             };
         }
-        // The root is a node, whatever it costs; a single primitive is its own child.
+        // The root always becomes a node. If it has a single primitive, it is also its own only
+        // child and a leaf.
         if let Some(root) = collapse.subtrees.first_mut() {
             root.is_leaf = root.count == 1;
         }
         collapse
     }
 
-    /// The cheapest way to cut a subtree in a box of half area `area`, given its children's.
+    /// Finds the cheapest division of a subtree whose box has half area `area` from those of its
+    /// two children.
     fn join(&self, first: u32, area: f32) -> Subtree {
         let [left, right] = self.siblings(first);
         let count = left.count + right.count;
         let kind = left.kind.filter(|_| left.kind == right.kind);
         let is_leaf = kind.is_some() && count <= LANES as u32;
-        // A visit costs the same, be it of a node or of a leaf, whoever shares its block: other
-        // costs gained nothing (`profiling/`).
+        // A visit costs the same for a node and for a leaf, whether or not the leaf shares its
+        // block. Other costs gained nothing (`profiling/`).
         let mut costs = [area + if is_leaf { 0.0 } else { self.split(first, LANES).0 }; SHARES];
         for shares in 2..=SHARES {
             let least = costs[shares - 2];
@@ -78,8 +84,8 @@ impl<'a> Collapse<'a> {
         self.subtrees[index as usize].is_leaf
     }
 
-    /// Least cost of two siblings that take up to `shares` children together, and the shares
-    /// of the first.
+    /// Returns the least cost of two siblings that together take up to `shares` child slots, and
+    /// the number of slots that the first takes.
     fn split(&self, first: u32, shares: usize) -> (f32, usize) {
         let [left, right] = self.siblings(first);
         let most = (left.count as usize).min(shares - 1);
@@ -90,7 +96,8 @@ impl<'a> Collapse<'a> {
         )
     }
 
-    /// The subtrees that are the children of node `index`, neighbours one after the other.
+    /// Appends the subtrees that are the children of node `index`, in the order of the tree, so
+    /// that neighbours in space are adjacent.
     pub(crate) fn children(&self, index: u32, children: &mut Vec<u32>) {
         match self.tree.nodes[index as usize].below {
             Below::Children(first) => self.share(first, LANES, children),
@@ -104,10 +111,10 @@ impl<'a> Collapse<'a> {
         self.take(first + 1, shares - left, children);
     }
 
-    /// The subtrees that stand for `index` where it takes up to `shares` children.
+    /// Appends the subtrees that replace `index` if it takes up to `shares` child slots.
     fn take(&self, index: u32, shares: usize, children: &mut Vec<u32>) {
         let costs = &self.subtrees[index as usize].costs;
-        // The fewest shares of the same cost.
+        // Take the fewest slots that give the same cost.
         let shares = (1..=shares).find(|s| costs[s - 1] == costs[shares - 1]).unwrap_or(shares);
         match self.tree.nodes[index as usize].below {
             Below::Children(first) if shares > 1 => self.share(first, shares, children),
@@ -115,11 +122,11 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// A node's children in runs: those that are nodes one by one, leaves as many as fit into a
-    /// block.
+    /// Splits a node's children into runs. An inner node is a run of its own; a run of leaves
+    /// contains as many adjacent ones of the same shape as fit into a block.
     pub(crate) fn runs<'c>(&'c self, children: &'c [u32]) -> impl Iterator<Item = &'c [u32]> {
         let subtree = |child: u32| &self.subtrees[child as usize];
-        // Primitives of the run so far: neighbours are asked about in order.
+        // Number of primitives in the current run. `chunk_by` compares neighbours in order.
         let mut filled = children.first().map_or(0, |&child| subtree(child).count);
         children.chunk_by(move |&before, &child| {
             let (before, child) = (subtree(before), subtree(child));
@@ -139,7 +146,7 @@ mod tests {
     use crate::math::random::Stream;
     use glam::Vec3;
 
-    /// Still and moving spheres, and quads, close together.
+    /// Still and moving spheres and quads, close together.
     fn mixture(spheres: usize, quads: usize) -> Geometry {
         let mut random = Stream::new(14);
         let mut point = || Vec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));

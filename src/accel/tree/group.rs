@@ -1,19 +1,20 @@
-//! Primitives that share their middle, taken as one by the builder.
+//! Groups of primitives whose boxes share their centre, which the builder treats as one primitive.
 //!
-//! obvhs merges pairs that are each other's nearest (PLOC); among boxes that are all equally
-//! near, one pair a round, in quadratic time: 100 000 equal spheres took over ten minutes.
+//! obvhs merges boxes that are each other's nearest (PLOC). Among boxes that are all equally near,
+//! it merges one pair in each round and takes quadratic time: 100 000 equal spheres took over ten
+//! minutes.
 
 use std::ops::Range;
 
 use crate::geometry::Bounds;
 
-/// Primitives in the order of their groups.
+/// Primitives sorted by group.
 pub(crate) struct Groups {
     primitives: Vec<u32>,
     ranges: Vec<Range<usize>>,
 }
 
-/// Up to so many primitives about one middle the builder sees one by one.
+/// Up to this number of primitives with the same centre are passed to the builder individually.
 const MOST_SEPARATE: usize = 8;
 
 impl Groups {
@@ -42,7 +43,7 @@ impl Groups {
         self.ranges.len()
     }
 
-    /// The primitives of one group.
+    /// Returns the primitives of one group.
     pub(crate) fn members(&self, group: usize) -> &[u32] {
         &self.primitives[self.ranges[group].clone()]
     }

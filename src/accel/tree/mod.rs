@@ -1,4 +1,4 @@
-//! Trees: a binary tree is built once, and the layouts that kernels traverse are made from it.
+//! Trees: a binary tree that is built once, and the layouts for kernels that are built from it.
 
 pub(super) mod binary;
 pub(super) mod bvh2;

@@ -1,4 +1,4 @@
-//! Pair nodes for packets: both children's boxes in one cache line.
+//! Binary trees for packets, whose nodes hold the boxes of both children in one cache line.
 
 use super::binary::{Below, BinaryTree};
 use crate::accel::leaf::{BlockRef, Blocks};
@@ -7,14 +7,15 @@ use crate::accel::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 
-/// A node: the boxes of its two children, in one of two forms, and what they are.
+/// A node: the boxes of its two children, in one of two forms, and references to the children.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct PairNode {
     pub(crate) boxes: [[f32; 6]; 2],
-    /// Places of nodes, or bits of [`BlockRef`]s.
+    /// Indices of nodes, or bits of [`BlockRef`]s.
     pub(crate) children: [u32; 2],
-    /// The axis on which the children's middles differ most, the first being lower.
+    /// The axis on which the centres of the children's boxes differ most. The first child is lower
+    /// on it.
     pub(crate) axis: u32,
 }
 
@@ -25,26 +26,27 @@ impl PairNode {
 /// A tree of pair nodes over blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct PairTree {
-    /// Boxes as [`Planes`], for rays that all go down the same axes.
+    /// Nodes with boxes as [`Planes`], for packets whose rays agree in the signs of their
+    /// directions or begin far away.
     pub(crate) nodes: Vec<PairNode>,
-    /// The same nodes, boxes as middles and halves of edges, for others.
+    /// The same nodes with boxes as centres and half edges, for other packets.
     pub(crate) middles: Vec<PairNode>,
-    /// By which the boxes' planes have been moved outward.
+    /// Distance by which the boxes' planes have been moved outward.
     pub(crate) slack: f32,
     pub(crate) blocks: Blocks,
-    /// A node, a block, or nothing.
+    /// A node or a block; `None` if the tree has no primitives.
     pub(crate) root: Option<u32>,
-    /// What a traversal's stack must hold.
+    /// Stack size that a traversal requires.
     pub(crate) stack: usize,
 }
 
-/// Cost of a node's visit over that of one primitive's test.
+/// Cost of visiting a node, relative to testing one primitive.
 const NODE_COST: f32 = 6.0;
-/// Most primitives in a leaf.
+/// Largest number of primitives in a leaf.
 const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 
 impl PairTree {
-    /// The layout of `tree`, with leaves of one kind where that is cheaper than nodes.
+    /// Lays out `tree`. Subtrees of one shape become leaves if that is cheaper than their nodes.
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
         let leaf = tree.leaves(NODE_COST, LEAF, |primitive| geometry.get(primitive).shape());
         let mut layout = Self {
@@ -58,7 +60,8 @@ impl PairTree {
         if tree.nodes.is_empty() {
             return layout;
         }
-        // Each entry: the node and side that will hold the reference, the subtree, its depth.
+        // Each entry has the node and side that will hold the reference, the subtree, and its
+        // depth.
         let mut open = vec![(None, 0u32, 1)];
         while let Some((parent, index, depth)) = open.pop() {
             layout.stack = layout.stack.max(depth);
@@ -93,18 +96,18 @@ impl PairTree {
         size_of_val(&*self.nodes) + size_of_val(&*self.middles) + self.blocks.bytes()
     }
 
-    /// Whether `reference` is a block.
+    /// Returns the block that `reference` refers to, or `None` if it refers to a node.
     #[inline(always)]
     pub(crate) fn block(reference: u32) -> Option<BlockRef> {
         (reference & BlockRef::LEAF != 0).then(|| BlockRef::from_bits(reference))
     }
 }
 
-/// How far from all boxes, in sums of the three edges of a box around them, rays may begin whose
-/// slack is in the boxes.
+/// Largest distance from the boxes, as a multiple of the sum of the three edges of their bounding
+/// box, at which rays may begin and still need no more slack than the boxes contain.
 const REACH: f32 = 4.0;
 
-/// The planes of a box, moved outward by `slack`.
+/// Returns the planes of a box, moved outward by `slack`.
 fn wider(bounds: &Bounds, slack: f32) -> Planes {
     let mut planes = planes(bounds);
     for axis in 0..3 {
@@ -114,7 +117,7 @@ fn wider(bounds: &Bounds, slack: f32) -> Planes {
     planes
 }
 
-/// The middle and half the edges of a box that holds the one of these planes.
+/// Returns the centre and the half edges of a box that contains the box with these planes.
 fn middle(planes: Planes) -> [f32; 6] {
     let mut sides = [0.0; 6];
     for axis in 0..3 {
@@ -126,7 +129,7 @@ fn middle(planes: Planes) -> [f32; 6] {
     sides
 }
 
-/// The axis on which the middles of two boxes differ most, and whether the second is lower.
+/// Returns the axis on which the centres of two boxes differ most, and whether the second is lower.
 fn order(a: &Bounds, b: &Bounds) -> (u32, bool) {
     let apart = (b.min + b.max) - (a.min + a.max);
     let size = apart.abs();
@@ -164,7 +167,7 @@ mod tests {
                 assert!(exact(wide[axis]) <= low && exact(wide[axis + 3]) >= high);
                 let (middle, half) = (exact(sides[axis]), exact(sides[axis + 3]));
                 assert!(middle - half <= low && middle + half >= high, "{bounds:?} {slack}");
-                // And by little more.
+                // The boxes are only slightly larger than necessary.
                 let more = 1e-6 * (exact(size) + exact(slack));
                 assert!(middle - half >= low - more && middle + half <= high + more);
             }

@@ -1,5 +1,5 @@
-//! Wide nodes for beams and single rays: as many children as there are lanes, collapsed from the
-//! binary tree.
+//! Wide trees for beams and single rays, collapsed from the binary tree: a node has up to [`LANES`]
+//! children.
 
 use super::binary::BinaryTree;
 use super::collapse::Collapse;
@@ -8,13 +8,13 @@ use crate::accel::leaf::{BlockRef, Blocks};
 use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::{LANES, Lanes, prefetch};
 
-/// A node: the boxes of its children, and what they are.
+/// A node: the boxes of its children, and references to the children.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct WideNode {
-    /// Lower x, y, z, upper x, y, z. Lanes without a child hold a box that no ray enters.
+    /// Lower x, y, z, then upper x, y, z. Lanes without a child hold a box that no ray enters.
     pub(crate) planes: [Lanes; 6],
-    /// Places of nodes, or bits of [`BlockRef`]s: the same for leaves that share a block.
+    /// Indices of nodes, or bits of [`BlockRef`]s, which are equal for leaves that share a block.
     pub(crate) children: Lanes<u32>,
 }
 
@@ -39,26 +39,26 @@ impl WideNode {
 /// A tree of wide nodes over blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct WideTree {
-    /// The root first; none where there is no primitive.
+    /// The root is first. Empty if the tree has no primitives.
     pub(crate) nodes: Vec<WideNode>,
     pub(crate) blocks: Blocks,
-    /// Nodes on the longest way from the root.
+    /// Number of nodes on the longest path from the root.
     pub(crate) depth: usize,
-    /// Whether it is larger than caches that are fast.
+    /// Whether the tree is larger than the fast caches.
     pub(crate) is_large: bool,
-    /// Whether single rays take turns, each waiting for its block: worth it for blocks of
-    /// triangles, which are long and few on a ray's way, and not for spheres (`profiling/`).
+    /// Whether single rays take turns while they wait for their blocks. This pays for triangles,
+    /// whose blocks are long and few along a ray, but not for spheres (`profiling/`).
     pub(crate) in_turn: bool,
 }
 
-/// Size from which a tree is larger than the caches that are fast.
+/// Size in bytes above which a tree is larger than the fast caches.
 const LARGE: usize = 1 << 20;
 
 impl WideTree {
-    /// The layout of `tree`.
+    /// Lays out `tree`.
     ///
-    /// Neighbouring leaves of a kind share a block where they fit: each has its own box, and a
-    /// visit of one is a visit of all. A million spheres take half the memory so (`profiling/`).
+    /// Neighbouring leaves of one shape share a block if they fit. Each has its own box, and a
+    /// visit of one is a visit of all. This halves the memory for a million spheres (`profiling/`).
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut layout = Self {
             nodes: Vec::new(),
@@ -106,7 +106,7 @@ impl WideTree {
         layout
     }
 
-    /// Asks for the memory of a node or block.
+    /// Prefetches a node or a block.
     #[inline(always)]
     pub(crate) fn prefetch(&self, next: u32) {
         if next & BlockRef::LEAF == 0 {

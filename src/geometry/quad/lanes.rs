@@ -1,4 +1,4 @@
-//! Quads over lanes.
+//! Tests of quads and rays in lanes.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use super::Quad;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::simd::{Float, Int, Mask, Vec3x};
 
-/// Quads by what their test needs.
+/// The quad data that the general test needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct QuadLanes {
     pub(crate) q: Vec3x,
@@ -15,14 +15,16 @@ pub(crate) struct QuadLanes {
     pub(crate) dual_v: Vec3x,
 }
 
-/// The two halves of a quad's test: the second matters where the distance is in a ray's interval.
+/// The two halves of a quad's test. The second is only needed if the distance is in the ray's
+/// interval.
 ///
-/// The scalar test takes origin − corner, these take corner − origin: signs differ, and do not round.
+/// The scalar test computes origin − corner, these tests compute corner − origin. That only flips
+/// signs, which is exact.
 pub(crate) trait QuadTest {
-    /// Where rays meet the plane.
+    /// Distances at which the rays hit the quad's plane.
     fn distance(&self, ray: &RayLanes) -> Float;
 
-    /// Whether they meet it within the quad, there at `t`.
+    /// Whether the rays are within the quad at distances `t`.
     fn contains(&self, ray: &RayLanes, t: Float) -> Mask;
 }
 
@@ -39,10 +41,10 @@ impl QuadTest for QuadLanes {
     }
 }
 
-/// Where `a` and `b` are from 0 to 1.
+/// The lanes in which both `a` and `b` are in [0, 1].
 #[inline(always)]
 fn in_unit_square(a: Float, b: Float) -> Mask {
-    // Either is slower where the other is faster (`profiling/`).
+    // Which of the two is faster depends on the instruction set (`profiling/`).
     if cfg!(target_feature = "avx512f") { in_square_as_bits(a, b) } else { in_square(a, b) }
 }
 
@@ -52,32 +54,34 @@ fn in_square(a: Float, b: Float) -> Mask {
     in_unit(a) & in_unit(b)
 }
 
-/// As integers the bits of floats from 0 to 1 are the least, but for −0, which this makes 0.
+/// Compares the bits of the floats as unsigned integers: those of 0 to 1 are the smallest ones. −0
+/// is an exception, so 0 is added, which turns −0 into 0.
 #[inline(always)]
 fn in_square_as_bits(a: Float, b: Float) -> Mask {
     let bits = |x: Float| (x + Float::ZERO).to_bits();
     bits(a).max(bits(b)).le(Int::splat(1.0f32.to_bits()))
 }
 
-/// A quad of whose numbers many are 0, and which is tested by less work: it finds what
-/// [`QuadLanes`] find, for rays that begin where corner − origin does not overflow. Kernels leave
-/// others to the reference.
+/// A quad with many zero components, which allow a cheaper test than that of [`QuadLanes`]. The
+/// results are the same for rays whose corner − origin does not overflow. Kernels leave other rays
+/// to the reference.
 ///
-/// Sums of two numbers have no order, and products with 0 add nothing, but for the sign of zero,
-/// which no comparison sees, or for infinite factors: those come with `t` or a coordinate beyond
-/// the quad, a miss either way.
+/// The results agree because a sum of two numbers does not depend on their order, and because
+/// adding a product with 0 changes nothing, with two exceptions. It can change the sign of a zero,
+/// which no comparison sees. The product is NaN if the other factor is infinite, but then `t` or a
+/// coordinate is beyond the quad, and both tests miss.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SpecialQuad {
-    /// Both edges are along axes.
+    /// Both edges are parallel to axes.
     Aligned(AlignedQuad),
-    /// The plane is across an axis, at most one edge is along one.
+    /// The plane is perpendicular to an axis, and at most one edge is parallel to an axis.
     Level(LevelQuad),
-    /// One edge is along an axis, the other across it.
+    /// One edge is parallel to an axis, and the other is perpendicular to it.
     Upright(UprightQuad),
 }
 
 impl SpecialQuad {
-    /// `quad`, if it is such a one.
+    /// Converts `quad` to the cheapest special form, or returns `None` if it has none.
     pub(crate) fn new(quad: &Quad) -> Option<Self> {
         let aligned = || AlignedQuad::new(quad).map(Self::Aligned);
         let level = || LevelQuad::new(quad).map(Self::Level);
@@ -86,7 +90,7 @@ impl SpecialQuad {
     }
 }
 
-/// A quad's corner, on axes in an order of its own.
+/// A quad's corner, with the axes in an order chosen for the quad.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     axes: [usize; 3],
@@ -98,38 +102,38 @@ impl Corner {
         Self { axes, q: axes.map(|axis| quad.q[axis]) }
     }
 
-    /// Number `i` of rays' directions.
+    /// Component `i` of the rays' directions.
     #[inline(always)]
     fn direction(&self, ray: &RayLanes, i: usize) -> Float {
         ray.direction[self.axes[i]]
     }
 
-    /// Number `i` of the way from the origin to the corner.
+    /// Component `i` of the vectors from the rays' origins to the corner.
     #[inline(always)]
     fn ahead(&self, ray: &RayLanes, i: usize) -> Float {
         Float::splat(self.q[i]) - ray.origin[self.axes[i]]
     }
 
-    /// Number `i` of the way from the corner to where rays are at `t`.
+    /// Component `i` of the vectors from the corner to the rays' points at `t`.
     #[inline(always)]
     fn beyond(&self, ray: &RayLanes, t: Float, i: usize) -> Float {
         self.direction(ray, i) * t - self.ahead(ray, i)
     }
 
-    /// Where rays meet the plane across the first axis.
+    /// Distances at which the rays hit the plane perpendicular to the first axis.
     #[inline(always)]
     fn distance_across(&self, ray: &RayLanes) -> Float {
         self.ahead(ray, 0) / self.direction(ray, 0)
     }
 }
 
-/// A quad with both edges along axes, as walls and tables: its plane is met where one coordinate is
-/// its corner's, and each edge asks for one more.
+/// A quad with both edges parallel to axes, such as a wall or a table top. Its plane is a condition
+/// on one coordinate, and each edge adds a condition on one more.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlignedQuad {
-    /// On the axis across, and those of the edges.
+    /// The corner, on the axis perpendicular to the quad and then the axes of the edges.
     corner: Corner,
-    /// Along each edge.
+    /// The nonzero component of each dual edge.
     duals: [f32; 2],
 }
 
@@ -141,7 +145,7 @@ impl AlignedQuad {
         };
         let [dual_u, dual_v] = quad.duals();
         let axes = [along(quad.normal)?, along(dual_u)?, along(dual_v)?];
-        // Signs of the normal cancel in its distance, other factors might round.
+        // The sign of the normal cancels in the distance. A normal of another length could round.
         (quad.normal[axes[0]].abs() == 1.0).then(|| Self {
             corner: Corner::new(quad, axes),
             duals: [dual_u[axes[1]], dual_v[axes[2]]],
@@ -163,13 +167,13 @@ impl QuadTest for AlignedQuad {
     }
 }
 
-/// A quad whose plane is across an axis, with edges in any direction, as the lids of boxes that are
-/// turned about an axis.
+/// A quad whose plane is perpendicular to an axis, with edges in any direction within it, such as
+/// the lid of a box rotated about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelQuad {
-    /// On the axis across, and those in the plane.
+    /// The corner, on the axis perpendicular to the quad and then the axes in its plane.
     corner: Corner,
-    /// In the plane.
+    /// The dual edges, on the axes in the plane.
     dual_u: [f32; 2],
     dual_v: [f32; 2],
 }
@@ -204,16 +208,17 @@ impl QuadTest for LevelQuad {
     }
 }
 
-/// A quad with one edge along an axis and the other across it, as the sides of boxes that are
-/// turned about an axis.
+/// A quad with one edge parallel to an axis and the other perpendicular to it, such as the side of
+/// a box rotated about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
-    /// On the two axes across the edge, and the one along it.
+    /// The corner, on the two axes perpendicular to the axis-parallel edge and then that edge's
+    /// axis.
     corner: Corner,
-    /// Across the edge.
+    /// The normal and one dual edge, on the two perpendicular axes.
     normal: [f32; 2],
     dual_u: [f32; 2],
-    /// Along the edge.
+    /// The nonzero component of the other dual edge.
     dual_v: f32,
 }
 
@@ -265,7 +270,7 @@ mod tests {
     use crate::simd::LANES;
 
     #[test]
-    fn both_ways_of_asking_agree() {
+    fn both_tests_of_the_unit_square_agree() {
         let (tiny, one) = (f32::from_bits(1), 1.0f32);
         let values = [0.0, tiny, f32::MIN_POSITIVE, 0.5, one.next_down(), one, one.next_up(), 2.0];
         let values: Vec<f32> =

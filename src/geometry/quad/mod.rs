@@ -8,7 +8,7 @@ use super::primitive::{components, vectors};
 use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape};
 use crate::math::{Row, UNIT_ROUNDOFF, dot, length, row};
 
-/// A two-sided parallelogram, with what its test needs precomputed.
+/// A two-sided parallelogram, with precomputed values for its test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     /// Corner.
@@ -22,7 +22,7 @@ pub struct Quad {
     /// Dual edges: `a = p·dual_u` and `b = p·dual_v` for `p = a u + b v`.
     dual_u: Vec3,
     dual_v: Vec3,
-    /// Spawn offset of every point of the quad.
+    /// The [`Surface::offset`](super::Surface::offset) of every point of the quad.
     offset: f32,
     area: f32,
 }
@@ -31,10 +31,10 @@ impl Quad {
     /// The sine of the angle between the edges must exceed this.
     pub const MIN_SINE: f64 = 1e-2;
 
-    /// The quad at corner `q` with edges `u` and `v`; `None` where its area is zero or all
-    /// but zero: an edge without length, or edges parallel to within [`Quad::MIN_SINE`].
+    /// The quad at corner `q` with edges `u` and `v`. Returns `None` if an edge is zero or the
+    /// edges are parallel to within [`Quad::MIN_SINE`].
     pub fn new(q: Vec3, u: Vec3, v: Vec3) -> Option<Self> {
-        // In f64 and rounded once, so that the plane is as good as f32 can say.
+        // Computed in f64 and rounded once, so that the plane is as exact as f32 allows.
         let (du, dv) = (u.as_dvec3(), v.as_dvec3());
         let n = du.cross(dv);
         let n2 = n.dot(n);
@@ -51,37 +51,39 @@ impl Quad {
             normal,
             dual_u: round(dv.cross(n) / n2),
             dual_v: round(n.cross(du) / n2),
-            // Along the normal, component by component: the point is off by 3 roundings of q
-            // and 4 of the edges, its ray's origin by 1, the plane's distance by 5.
+            // Bounds the errors along the normal, component by component: the point is off by 3
+            // roundings of q and 4 of the edges, the new ray's origin by 1, and the plane's
+            // distance by 5.
             offset: UNIT_ROUNDOFF * dot(normal.abs(), q.abs() * 6.0 + (u.abs() + v.abs()) * 10.0),
             area: n2.sqrt() as f32,
         })
     }
 
-    /// Distance of the quad's plane along the ray, NaN or infinite where they are parallel.
+    /// Distance of the quad's plane along the ray. NaN or infinite if they are parallel.
     #[inline]
     pub fn plane_distance(&self, ray: &Ray) -> f32 {
         -dot(self.normal, ray.origin - self.q) / dot(self.normal, ray.direction)
     }
 
-    /// (a, b) of the plane's point at distance `t`.
+    /// The coordinates (a, b) of the plane's point at distance `t`.
     #[inline]
     fn coordinates(&self, ray: &Ray, t: f32) -> (f32, f32) {
         let p = (ray.origin - self.q) + ray.direction * t;
         (dot(p, self.dual_u), dot(p, self.dual_v))
     }
 
-    /// 1/sin of the angle between the edges: by how much the errors of (a, b) are magnified.
+    /// 1/sin of the angle between the edges. It is the factor by which errors of (a, b) are
+    /// magnified.
     pub fn condition(&self) -> f32 {
         length(self.u) * length(self.v) / self.area()
     }
 
-    /// The vectors by which `p` is (a, b) = (p·dual_u, p·dual_v).
+    /// The dual edges: a point at `p` from the corner has (a, b) = (p·dual_u, p·dual_v).
     pub(crate) fn duals(&self) -> [Vec3; 2] {
         [self.dual_u, self.dual_v]
     }
 
-    /// Area.
+    /// The area.
     pub fn area(&self) -> f32 {
         self.area
     }
@@ -93,13 +95,13 @@ impl Quad {
 }
 
 impl PrimitiveModel for Quad {
-    /// Corner, edges.
+    /// The corner, then both edges.
     type Record = [f32; 9];
 
     #[inline]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let t = self.plane_distance(&prepared.ray);
-        // NaN fails here, and with it every parallel ray.
+        // NaN and infinity fail this test, and with them every parallel ray.
         if !(t > t_min && t < t_max) {
             return None;
         }
@@ -126,11 +128,12 @@ impl PrimitiveModel for Quad {
 
     fn from_record(record: &[f32; 9]) -> Result<Self, &'static str> {
         let [q, u, v] = vectors(record);
-        Self::new(q, u, v).ok_or("the quad has no area")
+        Self::new(q, u, v).ok_or("the edges of a quad must be neither zero nor nearly parallel")
     }
 }
 
-/// Corner, offset; edges and dual edges, of which the first three have the normal's components.
+/// The rows of a quad: the corner with the offset, the edges `u` and `v` with the normal's x and y,
+/// and the dual edges with the normal's z and 0.
 pub(super) fn rows(quad: &Quad) -> [Row; 5] {
     let Quad { q, u, v, normal: Vec3 { x, y, z }, dual_u, dual_v, offset, .. } = *quad;
     [row(q, offset), row(u, x), row(v, y), row(dual_u, z), row(dual_v, 0.0)]
@@ -159,7 +162,7 @@ mod tests {
         let quad = Quad::new(Vec3::Z, Vec3::X * 2.0, Vec3::Y).unwrap();
         let at = |x, y| ray(Vec3::new(x, y, 0.0), Vec3::Z);
         assert_eq!(hit(&quad, &at(1.9, 0.9)), Some(1.0));
-        assert_eq!(hit(&quad, &at(0.0, 0.0)), Some(1.0), "corners belong to it");
+        assert_eq!(hit(&quad, &at(0.0, 0.0)), Some(1.0), "corners belong to the quad");
         assert_eq!(hit(&quad, &at(2.1, 0.5)), None);
         assert_eq!(hit(&quad, &at(1.0, -0.1)), None);
         assert_eq!(hit(&quad, &ray(Vec3::new(1.0, 0.5, 3.0), Vec3::NEG_Z)), Some(2.0));
@@ -172,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn quads_without_area_are_refused() {
+    fn quads_without_area_are_rejected() {
         assert!(Quad::new(Vec3::ZERO, Vec3::X, Vec3::X * 3.0).is_none());
         assert!(Quad::new(Vec3::ZERO, Vec3::ZERO, Vec3::Y).is_none());
         assert!(Quad::new(Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1e-6, 0.0)).is_none());

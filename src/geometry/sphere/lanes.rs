@@ -1,14 +1,15 @@
-//! Spheres over lanes.
+//! Tests of spheres and rays in lanes.
 
 use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Float, Vec3x};
 
-/// Hits of spheres that are at `center` at the rays' times, above `t_min`; `None` where no
-/// lane comes near.
+/// Hits above `t_min` of spheres that are at `center` at the rays' times. Returns `None` if no lane
+/// comes near its sphere.
 ///
-/// With `ASK`, rays that are outside and go away are ruled out before a root is taken: worth it
-/// where [`misses`]'s margin has not done so, that is for huge spheres, or without it.
+/// With `ASK`, rays that start outside the sphere and point away from it are ruled out before the
+/// square root is taken. That pays off if [`misses`] has not been called or, for huge spheres,
+/// leaves such rays because of its margin.
 #[inline(always)]
 pub(crate) fn hits<const ASK: bool>(
     ray: &RayLanes,
@@ -22,7 +23,7 @@ pub(crate) fn hits<const ASK: bool>(
     let c = f.dot(f) - radius * radius;
     let mut real = discriminant.ge(Float::ZERO);
     if ASK {
-        // Roots that are both 0 or less: b + √… has the sign of b, c is not negative.
+        // Both roots are 0 or less: b + √… has the sign of b, and c is not negative.
         real = real & !(b.lt(Float::ZERO) & c.ge(Float::ZERO));
     }
     if !real.any() {
@@ -38,29 +39,30 @@ pub(crate) fn hits<const ASK: bool>(
     Some(HitLanes { t, hit: real & t.gt(ray.t_min) })
 }
 
-/// Lanes whose rays surely miss spheres: most of those for which [`hits`] has no hit. In free
-/// arithmetic, half the work of the test: for lanes of which mostly none comes near. Of the spheres
-/// it takes [`padded_radius2`].
+/// Returns the lanes whose rays certainly miss their spheres. These are most of the lanes without a
+/// hit in [`hits`]. This takes half the work of that test, in free arithmetic (fused
+/// multiply-adds), and pays off if usually no lane comes near its sphere.
 ///
-/// With `f` known exactly and u the unit roundoff, r² − l·l = r² − f·f + (f·d)²/d·d is off by at most
-/// 17u f·f + 3u r² here, by 16u f·f in the test. Of a ray that hits, r² + (f·d)²/d·d is thus f·f but
-/// for 16u of it, and 37u of both terms are enough; 64u are taken. Where the sign of f·d is in doubt,
-/// (f·d)²/d·d is below 9u² f·f. A ray that is surely outside and goes away hits nothing at distances
-/// above 0.
+/// With `f` known exactly and u the unit roundoff, r² − l·l = r² − f·f + (f·d)²/d·d is off by at
+/// most 17u f·f + 3u r² here, and by 16u f·f in the test. For a ray that hits, r² + (f·d)²/d·d is
+/// thus at least f·f up to an error of 16u f·f. A margin of 37u of both terms is enough; 64u are
+/// taken. If the sign of f·d is in doubt, (f·d)²/d·d is below 9u² f·f. A ray that certainly starts
+/// outside and points away hits nothing at distances above 0.
 #[inline(always)]
 pub(crate) fn misses(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let toward = away.min(Float::ZERO);
-    // f·f − r², and of rays that go toward the sphere l·l − r², both too small by the margin.
+    // `outside` is f·f − r². For rays that point toward the sphere, the discriminant is r² − l·l.
+    // The margin makes the former too small and the latter too large.
     let outside = fz.free_mul_add(fz, fy.free_mul_add(fy, fx.free_mul_sub(fx, padded_radius2)));
     let discriminant = (toward * ray.padded_inv_length2).free_mul_sub(toward, outside);
     discriminant.lt(Float::ZERO).bits()
 }
 
-/// r² and the margin of [`misses`].
+/// r², enlarged by the margin of [`misses`].
 #[inline(always)]
 pub(crate) fn padded_radius2(radius: Float) -> Float {
-    // The tiny number is for underflow.
+    // The tiny summand covers underflow.
     radius * (radius * Float::splat(1.0 + 72.0 * UNIT_ROUNDOFF)) + Float::splat(1e-36)
 }

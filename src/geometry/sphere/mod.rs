@@ -1,4 +1,4 @@
-//! Spheres, still or moving linearly.
+//! Spheres, which are still or move linearly.
 
 pub(crate) mod lanes;
 
@@ -16,7 +16,7 @@ use crate::math::{
 pub struct Sphere {
     /// Centre at time 0.
     pub center: Vec3,
-    /// Centre at time 1, the same for a still sphere.
+    /// Centre at time 1, equal to `center` for a still sphere.
     pub center1: Vec3,
     /// Radius, above 0.
     pub radius: f32,
@@ -28,7 +28,7 @@ impl Sphere {
         Self { center, center1: center, radius }
     }
 
-    /// Way of the centre from time 0 to time 1.
+    /// Displacement of the centre from time 0 to time 1.
     #[inline]
     pub fn motion(&self) -> Vec3 {
         self.center1 - self.center
@@ -42,16 +42,17 @@ impl Sphere {
 }
 
 impl PrimitiveModel for Sphere {
-    /// Centre at time 0, radius; centre at time 1, 0.
+    /// The centre at time 0, the radius, the centre at time 1, and 0.
     type Record = [f32; 8];
 
-    /// First root in the open interval.
+    /// Finds the first root in the open interval.
     ///
-    /// With `f` from the centre to the origin and `l` the part of it perpendicular to the
-    /// ray, the discriminant is r² − l·l: no cancellation for far or huge spheres (Haines
-    /// et al. 2019, "Precision Improvements for Ray/Sphere Intersection"). The root whose
-    /// terms would cancel is taken as the product of the roots over the other, which is no
-    /// nearer to 0: along a tangent from the surface both are rounding, and so is their quotient.
+    /// With `f` from the centre to the origin and `l` the part of it perpendicular to the ray, the
+    /// discriminant is r² − l·l, which does not cancel for far or huge spheres (Haines et al. 2019,
+    /// "Precision Improvements for Ray/Sphere Intersection"). The root whose terms would cancel is
+    /// computed as the product of the roots over the other root. It is clamped to the other root's
+    /// magnitude, which it cannot exceed: along a tangent from the surface, both the product and
+    /// the other root are mere rounding errors, and so is their quotient.
     #[inline(always)]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let ray = &prepared.ray;
@@ -59,7 +60,7 @@ impl PrimitiveModel for Sphere {
         let b = -dot(f, ray.direction);
         let l = f + ray.direction * (b * prepared.inv_length2);
         let discriminant = self.radius * self.radius - dot(l, l);
-        // Written so that NaN misses.
+        // Negated so that NaN misses.
         if !(discriminant >= 0.0) {
             return None;
         }
@@ -73,7 +74,7 @@ impl PrimitiveModel for Sphere {
     }
 
     fn bounds(&self) -> Bounds {
-        // The centre's components are monotonic in time, rounding included.
+        // The centre's components are monotonic in time, even with rounding.
         let centers = Bounds::of([self.center_at(0.0), self.center_at(1.0)]);
         Bounds { min: centers.min - self.radius, max: centers.max + self.radius }.widened(1)
     }
@@ -98,19 +99,19 @@ impl PrimitiveModel for Sphere {
     }
 }
 
-/// Centre at time 0, radius.
+/// The row of a sphere at time 0: the centre and the radius.
 pub(super) fn row_at_start(sphere: &Sphere) -> Row {
-    // Where a still sphere is at any time, a zero's sign included.
+    // `center_at` gives the position of a still sphere at any time, including the sign of zeros.
     row(sphere.center_at(0.0), sphere.radius)
 }
 
-/// The point at distance `t` of spheres that are at `center` at the ray's time.
+/// The point that a ray hits at distance `t`, on a sphere that is at `center` at the ray's time.
 #[inline(always)]
 pub(super) fn surface<R: Real>(center: R::Vec3, radius: R, ray: &Ray<R>, t: R) -> Surface<R> {
     let normal = normalize(ray.origin + ray.direction * t - center);
-    // With u the unit roundoff: the point is off by 4u r along the normal and u|p| of
-    // rounding, its ray's origin by u|p| again, and the sign of f·f − r² is sure from
-    // 4u r on.
+    // With u the unit roundoff, the point is off by 4u r along the normal and by its rounding u|p|,
+    // and the new ray's origin is off by u|p| again. From a distance of 4u r on, the sign of
+    // f·f − r² is certain.
     let extent = max(max_element(center.abs()), radius);
     Surface {
         point: center + normal * radius,
@@ -119,8 +120,8 @@ pub(super) fn surface<R: Real>(center: R::Vec3, radius: R, ray: &Ray<R>, t: R) -
     }
 }
 
-/// [`Sphere::intersect`] above 0 for spheres that are at `center`, over lanes too: the distance, and
-/// whether there is one.
+/// [`Sphere::intersect`] above 0 for a sphere at `center`, or for one sphere per lane. Returns the
+/// distance, which is valid only if the mask is set.
 #[inline(always)]
 pub(crate) fn distance<R: Real>(ray: &Ray<R>, center: R::Vec3, radius: R) -> (R, R::Mask) {
     let length2 = dot(ray.direction, ray.direction);
@@ -139,7 +140,8 @@ pub(crate) fn distance<R: Real>(ray: &Ray<R>, center: R::Vec3, radius: R) -> (R,
     (t, discriminant.ge(R::ZERO) & t.gt(R::ZERO) & t.lt(R::INFINITY))
 }
 
-/// Longitude and colatitude from the lower pole, both over their full range.
+/// The texture coordinates for a normal: the longitude and the colatitude from the lower pole, both
+/// divided by their full range.
 #[inline(always)]
 pub(super) fn uv<R: Real>(normal: R::Vec3) -> (R, R) {
     ((atan2(-normal[2], normal[0]) + PI) * (1.0 / (2.0 * PI)), acos(-normal[1]) * (1.0 / PI))
@@ -203,24 +205,24 @@ mod tests {
                 let first = ray(far, normalize(to - far));
                 let Some(t) = hit(&sphere, &first) else { continue };
                 let surface = surface(center, radius, &first, t);
-                // Squared: many grazing directions.
+                // Cubing `u` makes many directions grazing.
                 let u = random.uniform();
                 let (out, _) =
                     uniform_hemisphere(surface.normal, 1.0 - u * u * u, random.uniform());
                 let leaving = ray(surface.spawn(surface.normal), out);
                 assert_eq!(hit(&sphere, &leaving), None, "{sphere:?} {leaving:?}");
-                // Inward it must come out on the other side, not at once.
+                // An inward ray must hit the far side, not the point that it starts from.
                 let inward = ray(surface.spawn(-surface.normal), -out);
-                let chord = hit(&sphere, &inward).expect("the far side");
+                let chord = hit(&sphere, &inward).expect("an inward ray hits the far side");
                 let want = 2.0 * radius * dot(out, surface.normal);
-                // A tangent's chord grows from 0 to √(2 r offset) by the offset alone.
+                // The offset alone lengthens the chord of a tangent from 0 to √(2 r offset).
                 let bound = 2.0 * (2.0 * radius * surface.offset).sqrt();
                 assert!((chord - want).abs() <= bound, "{chord} {want}");
             }
         }
     }
 
-    /// Tangents from points that are on the sphere but for rounding, inside or out.
+    /// Tests near-tangents from points within a few roundings of the sphere, inside or outside.
     #[test]
     fn hits_are_on_the_sphere() {
         let mut random = Stream::new(7);
@@ -239,7 +241,7 @@ mod tests {
             let point = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(t);
             let radius = f64::from(sphere.radius);
             let off = (point - sphere.center.as_dvec3()).length() - radius;
-            // The origin's own rounding is of its coordinates.
+            // The constant covers the rounding of the origin, which scales with its coordinates.
             assert!(off.abs() < 1e-6 * radius + 2e-5, "{off}: {sphere:?} {ray:?}");
         }
         assert!(hits > rays / 4, "{hits}");

@@ -1,4 +1,6 @@
-//! The points where rays hit primitives, from tables that vectors can read: one file for each shape.
+//! Computes the points where rays hit primitives, with one file for each shape.
+//!
+//! Each shape has a table of its primitives, which many lanes can read at once.
 
 mod moving_sphere;
 mod quad;
@@ -10,20 +12,20 @@ use std::sync::Arc;
 use super::{Geometry, Ray, Shape, Surface, shapes};
 use crate::math::Real;
 
-/// The primitives of one shape in rows.
+/// The table of the primitives of one shape.
 trait SurfaceTable {
     fn new(geometry: &Arc<Geometry>) -> Self;
 
-    /// The points that `ray` hits at distance `t`.
+    /// The point that `ray` hits at distance `t`.
     fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R>;
 
-    /// The texture coordinates of such points, both in [0, 1] up to rounding.
+    /// The texture coordinates of that point, both in [0, 1] up to rounding.
     fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, surface: &Surface<R>, t: R) -> (R, R);
 }
 
 macro_rules! surfaces {
     ($($name:ident in $module:ident,)*) => {
-        /// A geometry's primitives in rows, a table for each shape.
+        /// The primitives of a geometry, in one table for each shape.
         #[derive(Debug)]
         pub(crate) struct Surfaces {
             $($module: $module::Table,)*
@@ -34,7 +36,8 @@ macro_rules! surfaces {
                 Self { $($module: SurfaceTable::new(geometry),)* }
             }
 
-            /// The points that `ray` hits at distance `t`, on primitives of one shape.
+            /// The point that `ray` hits at distance `t`. In lanes, all primitives have the same
+            /// shape.
             #[inline(always)]
             pub(crate) fn find<R: Real>(
                 &self,
@@ -48,7 +51,7 @@ macro_rules! surfaces {
                 }
             }
 
-            /// The texture coordinates of such points, both in [0, 1] up to rounding.
+            /// The texture coordinates of that point, both in [0, 1] up to rounding.
             pub(crate) fn uv<R: Real>(
                 &self,
                 shape: Shape,

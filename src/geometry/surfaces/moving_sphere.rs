@@ -1,4 +1,4 @@
-//! Points on spheres that move.
+//! Points on moving spheres.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::geometry::sphere::{row_at_start, surface, uv};
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row, row};
 
-/// [`row_at_start`] and the motion of all spheres, if any moves.
+/// [`row_at_start`] and the motion of every sphere. The table is empty if no sphere moves.
 #[derive(Debug)]
 pub(super) struct Table(Vec<[Row; 2]>);
 

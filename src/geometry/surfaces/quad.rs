@@ -7,10 +7,10 @@ use crate::geometry::quad::rows;
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row, Vector, Word, dot};
 
-/// [`rows`] of all quads.
+/// The [`rows`] of every quad.
 #[derive(Debug)]
 pub(super) struct Table {
-    /// The first quad's number among primitives.
+    /// The index of the first quad among all primitives.
     first: u32,
     quads: Vec<[Row; 5]>,
 }
@@ -21,7 +21,7 @@ impl Table {
         R::index(primitive.wrapping_sub(R::Word::splat(self.first)), self.quads.len())
     }
 
-    /// Row `number` of the quads.
+    /// Row `number` of the quads at `index`.
     #[inline(always)]
     fn row<R: Real>(&self, index: R::Index, number: usize) -> (R::Vec3, R) {
         R::gather(&self.quads, index, |rows| &rows[number])
@@ -46,7 +46,7 @@ impl SurfaceTable for Table {
         Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
     }
 
-    /// The quads' coordinates (a, b).
+    /// The coordinates (a, b) along the edges.
     #[inline(always)]
     fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
         let index = self.index::<R>(primitive);
@@ -57,7 +57,8 @@ impl SurfaceTable for Table {
     }
 }
 
-/// (a, b) of the points at distance `t`, of quads with this corner and these dual edges.
+/// The coordinates (a, b) of the point at distance `t`, on a quad with this corner and these dual
+/// edges.
 #[inline(always)]
 fn coordinates<R: Real>([q, dual_u, dual_v]: [R::Vec3; 3], ray: &Ray<R>, t: R) -> (R, R) {
     let p = (ray.origin - q) + ray.direction * t;

@@ -1,4 +1,4 @@
-//! Points on spheres that do not move.
+//! Points on still spheres.
 
 use std::sync::Arc;
 
@@ -7,7 +7,8 @@ use crate::geometry::sphere::{row_at_start, surface, uv};
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Row};
 
-/// [`row_at_start`] of all spheres, moving ones too: rows are found by number.
+/// [`row_at_start`] of every sphere. Moving spheres are included, so that rows are found by
+/// primitive index.
 #[derive(Debug)]
 pub(super) struct Table(Vec<Row>);
 

@@ -1,4 +1,4 @@
-//! Points on triangles, one by one: they are computed in f64.
+//! Points on triangles, computed lane by lane because they need f64.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use crate::geometry::triangle::Triangle;
 use crate::geometry::{Geometry, Ray, Surface};
 use crate::math::{Real, Vector};
 
-/// The triangles as they are.
+/// A reference to the geometry, since triangles are read from it directly.
 #[derive(Debug)]
 pub(super) struct Table {
-    /// The first triangle's number among primitives.
+    /// The index of the first triangle among all primitives.
     first: u32,
     geometry: Arc<Geometry>,
 }
 
 impl Table {
-    /// `f` of each lane's triangle and ray.
+    /// Calls `f` with each lane's triangle and ray, and returns the results.
     #[inline(always)]
     fn each<R: Real, const N: usize>(
         &self,

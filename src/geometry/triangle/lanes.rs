@@ -1,21 +1,23 @@
-//! Triangles over lanes.
+//! Tests of triangles and rays in lanes.
 
 use super::{distance, distance_by_select};
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
-/// Vertices as their rays see them: sideways, sideways, ahead.
+/// Triangles in the coordinates of their rays, and the lanes that may hit. Each vertex has two
+/// sideways coordinates and then the distance ahead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedTriangles {
     vertices: [[Float; 3]; 3],
     candidates: Mask,
 }
 
-/// Triangles filtered, then decided (contract, rule 1): f32 edge functions whose sign is sure
-/// reject nearly all lanes, the rest are decided in f64.
+/// Shears triangles and filters the lanes: f32 edge functions whose signs are certain reject nearly
+/// all misses. The remaining candidates are decided in f64 (rule 1 of the contract in
+/// ARCHITECTURE.md).
 ///
 /// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear`
-/// is what takes the rays' directions to (0, 0, 1) there.
+/// maps the rays' directions to (0, 0, 1) in that order.
 #[inline(always)]
 pub(crate) fn shear(
     origin: [Float; 3],
@@ -27,8 +29,9 @@ pub(crate) fn shear(
         [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2], shear[2] * p[2]]
     });
     let [a, b, c] = vertices;
-    // a b − c d is off by the roundings of two products (fused: one) and of their difference, in
-    // all less than 5 of what no product exceeds; the tiny number is for underflow.
+    // The error of a b − c d comes from the roundings of two products (one if fused) and of their
+    // difference. In total it is below 5 unit roundoffs of `most(0) * most(1)`, which no product
+    // exceeds. The tiny summand covers underflow.
     let most = |axis: usize| a[axis].abs().max(b[axis].abs()).max(c[axis].abs());
     let margin = Float::splat(5.0 * UNIT_ROUNDOFF);
     let error = (most(0) * most(1)).free_mul_add(margin, Float::splat(1e-36));
@@ -41,17 +44,18 @@ pub(crate) fn shear(
     ShearedTriangles { vertices, candidates: !mixed }
 }
 
-/// Up to so many lanes are decided one by one, more all at once. Twice as many: 1% less on v3.
+/// Up to this many candidates are decided one by one, more all at once. Twice this limit is 1%
+/// slower on x86-64-v3.
 const MOST_ALONE: u32 = LANES as u32 / 8;
 
 impl ShearedTriangles {
-    /// The lanes, among those of `valid`, that cannot be ruled out.
+    /// The lanes of `valid` that the filter has not rejected.
     #[inline(always)]
     pub(crate) fn candidates(&self, valid: u32) -> u32 {
         self.candidates.bits() & valid
     }
 
-    /// Distances in the lanes of `candidates`, NaN for misses; in others, anything.
+    /// Distances in the lanes of `candidates`, NaN for misses. The other lanes are unspecified.
     #[inline(always)]
     pub(crate) fn distances(&self, candidates: u32) -> Float {
         let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));
@@ -69,7 +73,7 @@ impl ShearedTriangles {
         Float::new(distances)
     }
 
-    /// Calls `visit` with each candidate's lane and distance, NaN for a miss.
+    /// Calls `visit` with the lane and distance of each candidate. The distance is NaN for a miss.
     #[inline(always)]
     pub(crate) fn decide(&self, candidates: u32, mut visit: impl FnMut(usize, f32)) {
         let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));

@@ -1,4 +1,4 @@
-//! Triangles, watertight at shared edges and vertices.
+//! Triangles with a test that is watertight at shared edges and vertices.
 
 pub(crate) mod lanes;
 
@@ -8,18 +8,18 @@ use super::primitive::{components, vectors};
 use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
 use crate::math::{UNIT_ROUNDOFF, length, max, max_element};
 
-/// A two-sided triangle; its front is where the vertices run counter-clockwise.
+/// A two-sided triangle. Its vertices run counter-clockwise as seen from the front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     /// The vertices.
     pub vertices: [Vec3; 3],
 }
 
-/// A triangle's vertices as a ray sees them: offsets sideways, sideways and ahead.
+/// A triangle's vertices in the coordinates of a ray: two sideways offsets and the distance ahead.
 type Sheared = [[f32; 3]; 3];
 
-/// Scaled barycentric coordinates of the ray, one a vertex: twice the signed areas that it
-/// spans with the opposite edges.
+/// Scaled barycentric coordinates of the ray, one per vertex. Each is twice the signed area that
+/// the ray spans with the opposite edge.
 #[inline(always)]
 fn weights([a, b, c]: Sheared) -> [f64; 3] {
     let edge = |from: [f32; 3], to: [f32; 3]| {
@@ -28,7 +28,7 @@ fn weights([a, b, c]: Sheared) -> [f64; 3] {
     [edge(b, c), edge(c, a), edge(a, b)]
 }
 
-/// Distance of the triangle along the ray, NaN where the ray passes it by.
+/// Distance of the triangle along the ray, or NaN if the ray misses it.
 #[inline(always)]
 pub(super) fn distance(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);
@@ -40,7 +40,8 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     ahead([u, v, w], sheared)
 }
 
-/// [`distance`] without a branch, for vectors. Ray by ray the branch gains 4%.
+/// [`distance`] without a branch, for loops that the compiler vectorizes. Ray by ray, the version
+/// with a branch is 4% faster.
 #[inline(always)]
 pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);
@@ -54,20 +55,22 @@ pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
 #[inline(always)]
 fn ahead([u, v, w]: [f64; 3], sheared: Sheared) -> f32 {
     let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
-    // A ray that sees no area has weights 0 and t NaN.
+    // A triangle seen edge-on has weights of mixed signs, or all weights and the sum are 0 and the
+    // distance is NaN.
     ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 
 impl Triangle {
-    /// The ray becomes the z-axis by a shear that all triangles share, and an edge of two
-    /// triangles gives both the same edge function but for its sign, so no ray slips between
-    /// neighbours (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection").
+    /// Shears the vertices so that the ray becomes the z-axis. All triangles share the shear of a
+    /// ray, and two triangles with a common edge compute the same edge function for it except for
+    /// its sign, so no ray slips between neighbours (Woop, Benthin, Wald 2013, "Watertight
+    /// Ray/Triangle Intersection").
     ///
-    /// Departure from the paper: the edge functions are in f64 always, not only where f32
-    /// gives 0. Products of f32 are exact there, so the signs are exact: the hit is a true
-    /// point of the triangle whose vertices are the sheared ones, however far, thin or
-    /// edge-on it is. With f32 alone, triangles that are small as seen from the ray's origin
-    /// were hit by rays far beside them, and edge-on ones at distances that no box holds.
+    /// Unlike in the paper, the edge functions are always computed in f64, not only if they are 0
+    /// in f32. Products of f32 are exact in f64, and so are the signs. Hence the hit is a true
+    /// point of the triangle with the sheared vertices, no matter how far, thin or edge-on it is.
+    /// With f32 alone, rays hit triangles far beside them if these were small as seen from the
+    /// ray's origin, and hit edge-on ones at distances outside their bounding boxes.
     #[inline]
     fn sheared(&self, prepared: &PreparedRay) -> Sheared {
         let [x, y, z] = prepared.axes;
@@ -94,13 +97,14 @@ impl Triangle {
         Surface {
             point: a * w.x + b * w.y + c * w.z,
             normal: (normal / normal.dot(normal).sqrt()).as_vec3(),
-            // The sheared vertices are off by up to 8 roundings of the edges' lengths, the
-            // point by 6 of its coordinates.
+            // The sheared vertices are off by up to 8 roundings of the edges' lengths, and the
+            // point is off by 6 roundings of its coordinates.
             offset: UNIT_ROUNDOFF * (12.0 * (length(b - a) + length(c - a)) + 8.0 * extent),
         }
     }
 
-    /// Twice the area times the unit normal, in f64: the cross product of slivers cancels.
+    /// Twice the area times the unit normal. It is in f64 because the cross product of slivers
+    /// cancels.
     #[inline]
     fn scaled_normal(&self) -> DVec3 {
         let [a, b, c] = self.vertices.map(|vertex| vertex.as_dvec3());
@@ -113,7 +117,7 @@ impl Triangle {
         (w.y, w.z)
     }
 
-    /// Whether the vertices are on a line, so that there is no normal. Such a triangle must
+    /// Whether the vertices lie on a line, so that the triangle has no normal. Such a triangle must
     /// not be part of a scene.
     pub fn is_degenerate(&self) -> bool {
         !(self.scaled_normal().length_squared() > 0.0)
@@ -121,7 +125,7 @@ impl Triangle {
 }
 
 impl PrimitiveModel for Triangle {
-    /// Vertices.
+    /// The three vertices.
     type Record = [f32; 9];
 
     #[inline]
@@ -172,7 +176,7 @@ mod tests {
         let at = |x, y| ray(Vec3::new(x, y, 0.0), Vec3::Z);
         assert_eq!(hit(&triangle, &at(0.25, 0.5)), Some(1.0));
         assert_eq!(hit(&triangle, &at(0.75, 0.5)), None);
-        assert_eq!(hit(&triangle, &at(0.5, 0.5)), Some(1.0), "edges belong to it");
+        assert_eq!(hit(&triangle, &at(0.5, 0.5)), Some(1.0), "edges belong to the triangle");
         assert_eq!(hit(&triangle, &ray(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z)), Some(2.0));
         assert_eq!(hit(&triangle, &ray(Vec3::Z, Vec3::X)), None, "within the plane");
         let surface = triangle.surface(&at(0.25, 0.5));
@@ -184,8 +188,8 @@ mod tests {
 
     #[test]
     fn no_ray_slips_between_the_faces_of_a_closed_fan() {
-        // An octahedron with one vertex pulled far out; rays from inside aimed at its
-        // vertices and edges, where leaks would be.
+        // The mesh is an octahedron with one vertex pulled far out. Rays from inside aim at its
+        // vertices and edges, the only places that could leak.
         let v = [Vec3::X * 90.0, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         let faces = [
             (0, 2, 4),
