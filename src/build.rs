@@ -1,4 +1,4 @@
-//! Notes compiler, flags and commit for the records that name them.
+//! Build script that passes compiler, flags and commit to the program, for its records.
 
 use std::env;
 use std::process::Command;
@@ -16,7 +16,8 @@ fn main() {
     }
 }
 
-/// The commit of this very package, `-dirty` where files differ from it.
+/// The commit of this package, with `-dirty` if files differ from it. `None` if the package is not
+/// the root of a git repository.
 fn commit() -> Option<String> {
     let here = env::current_dir().ok()?.canonicalize().ok()?;
     let top = output("git", &["rev-parse", "--show-toplevel"])?;

@@ -1,4 +1,4 @@
-//! The one error type: what went wrong, where, and the exit code that says so.
+//! The error type of the crate, and the exit codes of the program.
 
 use std::io;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 /// Result with ptfast's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Everything that can fail, as one line a user can act on.
+/// Every failure, displayed as one line that a user can act on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -21,7 +21,7 @@ pub enum Error {
         file: String,
         /// Line and column (`3:14`) or path of the element (`primitives[2]`); may be empty.
         place: String,
-        /// What is wrong and what would be right.
+        /// The problem, and how to fix it.
         message: String,
     },
 
@@ -32,44 +32,48 @@ pub enum Error {
         path: String,
         /// `read`, `write`, ...
         action: &'static str,
-        /// The operating system's answer.
+        /// The error of the operating system.
         source: io::Error,
     },
 
-    /// Another program that was run has failed.
+    /// A program that ptfast ran has failed.
     #[error("{program}: {message}")]
     Program {
-        /// Its path.
+        /// Path of the program.
         program: String,
-        /// What it said.
+        /// Its exit status and its error message.
         message: String,
-        /// The exit code that says the same.
+        /// The exit code that ptfast returns for this failure.
         code: u8,
     },
 
-    /// A signal, of this number, ended the run.
+    /// A signal with this number ended the run.
     #[error("interrupted by {}", signal_name(.0))]
     Interrupted(u8),
 
-    /// A render was stopped, and can be continued.
-    #[error("{} after {percent}% of the samples: {kept}", stop_name(signal))]
+    /// A render was stopped before it was complete.
+    #[error("{} after {percent}% of the samples: {outcome}", stop_name(signal))]
     Stopped {
-        /// The number of the signal that stopped it, or none for a limit of time.
+        /// The number of the signal that stopped it; `None` for the time limit.
         signal: Option<u8>,
-        /// How far it is.
+        /// Finished share of the samples in percent.
         percent: u64,
-        /// Where it is kept, and how to go on.
-        kept: String,
+        /// Location of the saved render, and how to continue it.
+        outcome: String,
     },
 
-    /// A file that could not be written, though what was to be in it is not lost.
-    #[error("{error}; {kept}")]
-    Kept {
-        /// Why not.
+    /// A file could not be written, but a checkpoint has its content or an earlier state of it.
+    #[error("{error}; {outcome}")]
+    Saved {
+        /// Why the file could not be written.
         error: Box<Error>,
-        /// Where it is, and how to go on.
-        kept: String,
+        /// Names the checkpoint.
+        outcome: String,
     },
+
+    /// The operating system refused something that the render needs: memory, threads, or pinning.
+    #[error("{0}")]
+    Resource(String),
 
     /// A fault of the program or of the machine it runs on.
     #[error("internal fault: {0}")]
@@ -111,15 +115,17 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
-    /// The process exit code: 2 usage, 65 bad input, 70 internal, 74 read or write failed, 75 stopped by a
-    /// limit of time, 129, 130 and 143 interrupted.
+    /// The process exit code: 2 wrong usage, 65 bad input, 70 internal fault, 71 refused
+    /// resource, 74 failed read or
+    /// write, 75 stopped by the time limit, and 129, 130 or 143 interrupted by a signal.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
             Self::Input { .. } => 65,
             Self::Internal(_) => 70,
+            Self::Resource(_) => 71,
             Self::Io { .. } => 74,
-            Self::Kept { error, .. } => error.exit_code(),
+            Self::Saved { error, .. } => error.exit_code(),
             Self::Program { code, .. } => *code,
             Self::Interrupted(signal) | Self::Stopped { signal: Some(signal), .. } => 128 + signal,
             Self::Stopped { signal: None, .. } => 75,
@@ -127,10 +133,11 @@ impl Error {
     }
 }
 
-/// `, did you mean ...?` for the known name nearest to `found`, or the list of all names
-/// where they are few.
+/// Returns `, did you mean ...?` with the known name nearest to `found`, or the list of all names
+/// if they are few.
 pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    // Distances take long among very many or very long names, which nobody mistypes.
+    // Very many or very long names are left out: comparing them takes long, and nobody mistypes
+    // them.
     let (most, longest) = (1000, 64);
     let known: Vec<&str> = known.into_iter().take(most).collect();
     let short = |name: &&&str| name.len().max(found.len()) <= longest;

@@ -1,4 +1,4 @@
-//! Reading files, refusing what is none.
+//! Reads input files, and rejects folders, devices and pipes.
 
 use std::fs;
 use std::io::{self, ErrorKind, Read};
@@ -8,12 +8,12 @@ use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result};
 
-/// The length of a file in bytes.
+/// Length of a file in bytes.
 ///
 /// # Errors
-/// Where there is none, or something else.
+/// If the file cannot be found, or is a folder, device or pipe.
 pub(crate) fn length(path: &Path) -> Result<u64> {
-    // Reading a folder says so only on some systems, reading a pipe might never end.
+    // Reading a folder fails only on some systems, and reading a pipe might never end.
     let kind = fs::metadata(path).map_err(Error::io(path, "read"))?;
     if kind.is_dir() {
         return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
@@ -26,10 +26,10 @@ pub(crate) fn length(path: &Path) -> Result<u64> {
     Ok(kind.len())
 }
 
-/// The content of a file whose length `check` allows.
+/// Reads a file whose length `check` accepts.
 ///
 /// # Errors
-/// As [`length`], and where `check` does not allow it.
+/// As [`length`], and if `check` rejects the length, or the file is longer than reported.
 pub(crate) fn read_bytes(
     path: &Path,
     check: impl Fn(u64) -> Result<(), String>,
@@ -40,39 +40,40 @@ pub(crate) fn read_bytes(
     let failed = |error| Error::io(path, "read")(error);
     let (file, mut bytes) = (fs::File::open(path).map_err(failed)?, Vec::new());
     bytes.try_reserve_exact(length as usize).map_err(|error| failed(error.into()))?;
-    // Files that grow, and those of /proc, which are longer than they say.
+    // Reading one more byte detects files that grow, and files in /proc, which are longer than
+    // reported.
     file.take(length + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > length {
-        return Err(bad(format!("it has more than the {length} bytes that it says it has")));
+        return Err(bad(format!("it is longer than its reported length of {length} bytes")));
     }
     Ok(bytes)
 }
 
-/// The content of a text file, which is `what`.
+/// Reads a text file. `what` names the kind of file in the error message, such as "a plan".
 ///
 /// # Errors
-/// As [`read_bytes`], and where it is not UTF-8.
+/// As [`read_bytes`], and if the file is not UTF-8.
 pub(crate) fn read_text(
     path: &Path,
     what: &str,
     check: impl Fn(u64) -> Result<(), String>,
 ) -> Result<String> {
     let text = String::from_utf8(read_bytes(path, check)?).map_err(|_| {
-        let message = format!("not UTF-8 text, {what} is");
+        let message = format!("not UTF-8 text, which {what} must be");
         Error::input(path.display().to_string(), "", message)
     })?;
     // Some editors begin UTF-8 with a byte order mark.
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// The content of a JSON file, which is `what`, of at most so many bytes.
+/// Reads a JSON file of at most `most` bytes. `what` names the kind of file, as for [`read_text`].
 ///
 /// # Errors
-/// As [`read_text`], and where it is not such a value: the place says line and column.
+/// As [`read_text`], and if the content is not a valid `T`. The error gives line and column.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path, what: &str, most: u64) -> Result<T> {
     let check = |length| match length <= most {
         true => Ok(()),
-        false => Err(format!("at most {most} bytes can be read, it has {length}")),
+        false => Err(format!("it has {length} bytes, at most {most} are allowed")),
     };
     serde_json::from_str(&read_text(path, what, check)?).map_err(|error| {
         let place = format!("{}:{}", error.line(), error.column());

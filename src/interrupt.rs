@@ -1,4 +1,4 @@
-//! Signals that end a run early: noted when they come, asked for where a run can end well.
+//! Records signals that end a run early, so that the run can stop cleanly.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -8,16 +8,16 @@ use signal_hook::flag;
 
 use crate::error::{Error, Result};
 
-/// What has come.
+/// The signals received so far.
 #[derive(Debug, Default)]
 struct Signals {
-    /// The signal that came last and ends the run; 0 for none.
+    /// The last received signal that ends the run; 0 without any.
     last: Arc<AtomicUsize>,
-    /// Whether the run ends at once when one comes: there is nothing to be kept.
+    /// Whether such a signal ends the process at once, because there is no work to save.
     leaves: Arc<AtomicBool>,
-    /// Whether it ends at once by SIGINT: one has come before.
+    /// Whether the next SIGINT ends the process at once, because one was received before.
     insists: Arc<AtomicBool>,
-    /// Whether SIGUSR1 has come.
+    /// Whether SIGUSR1 was received.
     asked: Arc<AtomicBool>,
 }
 
@@ -26,17 +26,19 @@ fn signals() -> &'static Signals {
     SIGNALS.get_or_init(Signals::default)
 }
 
-/// From now on SIGINT, SIGTERM and SIGHUP are noted instead of ending the process, which a second SIGINT does; and
-/// SIGUSR1 is noted.
+/// From now on, SIGINT, SIGTERM, SIGHUP and SIGUSR1 are recorded and do not end the process. A
+/// second SIGINT still ends it, and with [`leave_at_once`] every signal except SIGUSR1 does.
 ///
 /// # Errors
-/// [`Error::Internal`] where the operating system refuses.
+/// [`Error::Resource`] if the operating system refuses.
 pub(crate) fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
-    // nohup has them ignored. (Shells ignore SIGINT for what runs in the background: who sends it there means it.)
+    // nohup makes a process ignore SIGHUP, and that is kept. (Shells make background processes
+    // ignore SIGINT, but whoever sends SIGINT to one means it.)
     let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
     let register = || {
-        // Before it is noted that one has come.
+        // Registered before the handler that sets the flag, so that only a second SIGINT ends the
+        // process.
         flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
         flag::register(SIGINT, Arc::clone(insists))?;
         for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {
@@ -48,7 +50,7 @@ pub(crate) fn watch() -> Result<()> {
     register().map(|_| ()).map_err(refused)
 }
 
-/// Whether `signal` is to leave the process alone.
+/// Whether the process ignores `signal`.
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -56,42 +58,44 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & 1 << (signal - 1) != 0)
 }
 
-/// From now on a write beyond the largest size that files may have fails, instead of ending the process.
+/// From now on, a write beyond the limit on file sizes fails instead of ending the process.
 ///
 /// # Errors
-/// [`Error::Internal`] where the operating system refuses.
+/// [`Error::Resource`] if the operating system refuses.
 pub(crate) fn survive_large_files() -> Result<()> {
     let registered = flag::register(SIGXFSZ, Arc::default());
     registered.map(|_| ()).map_err(refused)
 }
 
 fn refused(error: std::io::Error) -> Error {
-    Error::Internal(format!("cannot watch for signals: {error}"))
+    Error::Resource(format!("cannot watch for signals: {error}"))
 }
 
-/// Whether signals end the process at once, because there is nothing to be kept.
+/// Sets whether signals end the process at once, because there is no work to save.
 pub(crate) fn leave_at_once(leave: bool) {
     signals().leaves.store(leave, Ordering::Relaxed);
 }
 
-/// The number of the signal that is to end the run, if one has come.
+/// Number of the last received signal that ends the run, if any.
 pub(crate) fn signal() -> Option<u8> {
     let last = signals().last.load(Ordering::Relaxed);
     (last != 0).then_some(last as u8)
 }
 
-/// Whether SIGUSR1 has come since this was asked last.
+/// Whether SIGUSR1 was received since the last call.
 pub(crate) fn take_request() -> bool {
     signals().asked.swap(false, Ordering::Relaxed)
 }
 
-/// Whether SIGUSR1 has come.
+/// Whether SIGUSR1 was received.
 pub(crate) fn is_requested() -> bool {
     signals().asked.load(Ordering::Relaxed)
 }
 
+/// Fails if a signal that ends the run was received.
+///
 /// # Errors
-/// [`Error::Interrupted`] where a signal has come.
+/// [`Error::Interrupted`] if such a signal was received.
 pub(crate) fn check() -> Result<()> {
     signal().map_or(Ok(()), |number| Err(Error::Interrupted(number)))
 }

@@ -1,18 +1,18 @@
-//! The instruction set that the program was compiled for, and the one the CPU has.
+//! The instruction set that the program was compiled for, and the best one of the CPU.
 //!
-//! `wide` chooses its registers at compile time, so a build for one CPU can be slow on a
-//! better one and cannot run on a lesser one. `is_x86_feature_detected!` is no help: it is
-//! folded to `true` for features that are compiled in. CPUID is read directly instead.
+//! `wide` chooses its registers at compile time, so a build for one CPU can be slow on a better one
+//! and cannot run on a lesser one. `is_x86_feature_detected!` does not help, because it is folded
+//! to `true` for features that are compiled in. This module reads CPUID directly.
 
 use std::fmt;
 
-/// Instruction sets by what they mean for ptfast, from narrow to wide.
+/// The instruction sets that ptfast distinguishes, from narrow to wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Isa {
-    /// Not x86-64: what the compiler makes of it.
+    /// Not x86-64: the compiler chooses the instructions.
     Portable,
-    /// x86-64 without AVX2 and FMA: 4 lanes a register.
+    /// x86-64 without AVX2 and FMA: 4 lanes per register.
     Sse2,
     /// AVX2 and FMA (x86-64-v3): 8 lanes.
     Avx2,
@@ -40,8 +40,8 @@ impl fmt::Display for Isa {
 
 /// The instruction set that this build uses.
 ///
-/// A crate that depends on ptfast gets SSE2 unless it is itself built with
-/// `-C target-cpu=native` or the like: assert here if that matters.
+/// A crate that depends on ptfast uses SSE2, unless it is itself built with `-C target-cpu=native`
+/// or a similar flag. Check this value if that matters.
 pub const fn compiled_isa() -> Isa {
     if cfg!(all(
         target_feature = "avx512f",
@@ -72,9 +72,9 @@ pub fn detected_isa() -> Isa {
     }
 }
 
-/// A feature that this build uses and the CPU lacks.
+/// A feature that this build uses and the CPU lacks, if any.
 ///
-/// Must be called first thing in `main`: any later line may be an illegal instruction.
+/// Must be called first in `main`: any later line may be an illegal instruction.
 #[inline(never)]
 pub fn missing_feature() -> Option<&'static str> {
     #[cfg(target_arch = "x86_64")]
@@ -87,7 +87,7 @@ pub fn missing_feature() -> Option<&'static str> {
     }
 }
 
-/// The CPU's own name.
+/// The name that the CPU reports.
 pub(crate) fn cpu_name() -> String {
     #[cfg(target_arch = "x86_64")]
     {
@@ -99,8 +99,8 @@ pub(crate) fn cpu_name() -> String {
     }
 }
 
-/// Family, model and stepping: of different CPUs that a hypervisor gives one name to. Empty where the
-/// CPU does not tell.
+/// Family, model and stepping of the CPU, which distinguish CPUs that a hypervisor gives the same
+/// name. Empty unless the CPU is x86-64.
 pub(crate) fn cpu_model() -> String {
     #[cfg(target_arch = "x86_64")]
     {
@@ -118,7 +118,7 @@ mod x86 {
 
     use super::Isa;
 
-    /// The registers of CPUID that name features (Intel SDM vol. 2A, CPUID).
+    /// The CPUID registers that list features (Intel SDM vol. 2A, CPUID).
     pub(super) struct Cpu {
         ecx1: u32,
         edx1: u32,
@@ -127,14 +127,15 @@ mod x86 {
         edx7: u32,
         eax7_1: u32,
         ecx_ext: u32,
-        /// What of the registers the operating system saves at a change of threads.
+        /// The registers that the operating system saves when it switches threads.
         saved: Saved,
     }
 
-    /// The register sets that the operating system has enabled, by the size of the area in which
-    /// it saves them (SDM vol. 1, 13.4 and 13.5; AMD's APM vol. 2, 11.5). XGETBV would name them,
-    /// but needs `unsafe`. A system that disables AVX-512, or AVX, and enables what lies behind it
-    /// there (protection keys, AMX's tiles) is not told apart.
+    /// The register sets that the operating system has enabled, derived from the size of the area
+    /// in which it saves them (SDM vol. 1, 13.4 and 13.5; AMD's APM vol. 2, 11.5). XGETBV would
+    /// report them, but needs `unsafe`. The size does not reveal that a system has disabled
+    /// AVX-512, or AVX, if it has enabled a component behind it in that area (protection keys, AMX
+    /// tiles).
     #[derive(Clone, Copy, Default)]
     struct Saved {
         avx: bool,
@@ -153,13 +154,14 @@ mod x86 {
     }
 
     /// Whether a part of `size` bytes at `offset` lies within an area of `area` bytes. A CPU
-    /// chooses the offsets, and gives 0 bytes to what it does not have.
+    /// chooses the offsets, and reports 0 bytes for components that it lacks.
     pub(super) fn is_within(area: u32, size: u32, offset: u32) -> bool {
         size > 0 && offset.saturating_add(size) <= area
     }
 
-    /// Whether a bit is set, by instructions that every CPU has: the black box keeps the compiler
-    /// from one of BMI1, which it takes where the build is for Zen, and old CPUs lack.
+    /// Whether a bit is set, tested with instructions that every CPU has. The black box keeps the
+    /// compiler from using a BMI1 instruction, which it does in builds for Zen, and which old CPUs
+    /// lack.
     fn is_set(register: u32, bit: u32) -> bool {
         std::hint::black_box(register & (1 << bit)) != 0
     }
@@ -257,8 +259,8 @@ mod x86 {
         }
     }
 
-    /// Leaf 1 (SDM vol. 2A, CPUID, figure 3-6): families from 15 on and the upper half of a model have
-    /// bits of their own.
+    /// Decodes leaf 1 (SDM vol. 2A, CPUID, figure 3-6). Families from 15 on and the upper half of a
+    /// model number are in separate bits.
     pub(super) fn model() -> String {
         let signature = __cpuid(1).eax;
         let bits = |first: u32, count: u32| signature >> first & ((1 << count) - 1);
@@ -286,13 +288,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_build_that_runs_has_what_it_was_compiled_for() {
+    fn a_build_that_runs_lacks_no_feature() {
         assert_eq!(missing_feature(), None);
         assert!(detected_isa() >= compiled_isa(), "{} {}", detected_isa(), compiled_isa());
         assert!(!cpu_name().is_empty());
     }
 
-    /// AVX-512's place as Sapphire Rapids (where MPX's is left free) and Zen 5 say it.
+    /// Uses the offsets of AVX-512 that Sapphire Rapids (which leaves the area of MPX free) and Zen
+    /// 5 report.
     #[test]
     #[cfg(target_arch = "x86_64")]
     fn saved_registers_are_found_where_each_cpu_puts_them() {
@@ -304,7 +307,8 @@ mod tests {
         assert!(!is_within(2696, 0, 0) && !is_within(0, 256, 576));
     }
 
-    /// std folds to `true` what is compiled in: only a build for SSE2 tests all of this.
+    /// std folds to `true` the features that are compiled in, so only a build for SSE2 tests all of
+    /// this.
     #[test]
     #[cfg(target_arch = "x86_64")]
     fn detection_agrees_with_std() {

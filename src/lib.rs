@@ -1,7 +1,7 @@
-//! A CPU path tracer that proves what it says: the linear image is a pure function of scene,
-//! settings and seed, to the last bit, whatever the number of threads or the instruction set.
+//! A CPU path tracer with reproducible images: the linear image is a pure function of scene,
+//! settings and seed, to the last bit, for any number of threads and any instruction set.
 //!
-//! # In ten lines
+//! # A first render
 //!
 //! ```
 //! use ptfast::{Metadata, RenderSettings, Renderer, Scene, Transfer};
@@ -18,10 +18,10 @@
 //! # }
 //! ```
 //!
-//! # A scene in code, a view of it, and a render that can be stopped
+//! # A scene in code, and a render that can be stopped
 //!
-//! A [`Renderer`] owns all that it needs and can live beside an application's own data. The trees of a
-//! [`PreparedScene`] serve any camera, image size, seed and number of samples.
+//! A [`Renderer`] owns all its data, so it can be stored beside an application's own. The trees of
+//! a [`PreparedScene`] serve any camera, image size, seed and number of samples.
 //!
 //! ```
 //! use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -40,7 +40,7 @@
 //! file.add_mesh(&vertices, &[[0, 1, 2], [0, 1, 3]], "grey");
 //! let scene = Scene::from_file(&file)?;
 //!
-//! /// Counts samples, and stops the render after so many.
+//! /// Counts samples, and stops the render after a given number.
 //! struct Most(u64, AtomicU64);
 //!
 //! impl Observer for Most {
@@ -63,9 +63,9 @@
 //! let pixels: &[[f32; 3]] = image.pixels();
 //! assert_eq!(pixels.len(), 64 * 48);
 //!
-//! // It can go on, to the bits of a render that was never stopped ...
+//! // The render can continue. Its image has the same bits as if it had never been stopped.
 //! renderer.advance_to(&mut rendering, 32, &())?;
-//! // ... or make way for another view of the same trees.
+//! // The renderer can also switch to another view of the same trees.
 //! let camera = (&CameraFile::new([4.0, 2.0, 3.0], [0.0, 0.5, 0.0], 40.0)).try_into()?;
 //! renderer.set(RenderSettings { camera, spp: 1, seed: 2, ..settings })?;
 //! renderer.render()?;
@@ -75,8 +75,8 @@
 //!
 //! # Build for your CPU
 //!
-//! Registers are chosen at compile time, and cargo's default for x86-64 is SSE2. A crate
-//! that depends on ptfast asks for more in its own `.cargo/config.toml`:
+//! Vector registers are chosen at compile time, and cargo's default for x86-64 is SSE2. A crate
+//! that depends on ptfast chooses wider ones in its own `.cargo/config.toml`:
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']
@@ -84,18 +84,18 @@
 //! ```
 //!
 //! or in `RUSTFLAGS`, for example `-C target-cpu=x86-64-v3` for every CPU with AVX2.
-//! [`compiled_isa`] tells what it came to, [`detected_isa`] what the CPU has. The images are
-//! the same.
+//! [`compiled_isa`] returns the instruction set of the build, and [`detected_isa`] the best one of
+//! the CPU. The images are the same for all of them.
 //!
 //! # Features
 //!
-//! `cli` (default) is the program `ptfast` with its benches, checkpoints and tables. A library that only
-//! renders does without: `ptfast = { version = "…", default-features = false }`.
+//! `cli` (default) adds the program `ptfast` with its benches, checkpoints and tables. If you only
+//! need the renderer, disable it: `ptfast = { version = "…", default-features = false }`.
 
-// The library alone does not call all that the program needs.
+// The library alone does not use everything that the program needs.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
-/// The README's example compiles.
+/// Checks that the README's example compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
@@ -149,13 +149,13 @@ pub use scene::{
     RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
 };
 
-/// What the program, the benches, the tests and the fuzz targets of this package use. It is not part of the
-/// library: anything here may change at any time.
+/// Items for the program, the benches, the tests and the fuzz targets of this package. They are not
+/// part of the library: anything here may change at any time.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::accel::{Accelerator, Bvh2, Counters, HitBatch, RayBatch};
     #[cfg(feature = "cli")]
-    pub use crate::checkpoint::{Checkpoint, Identity};
+    pub use crate::checkpoint::{Checkpoint, Identity, Part};
     #[cfg(feature = "cli")]
     pub use crate::cli::run;
     pub use crate::engine::{BITS, Stage};
@@ -169,10 +169,10 @@ pub mod internals {
     pub use crate::rayset::{Query, RaySet, record};
     pub use crate::scene::Source;
 
-    /// Reads the record of a bench.
+    /// Checks that a file is the record of a bench.
     ///
     /// # Errors
-    /// If the file is no such record.
+    /// If the file cannot be read, or is not such a record.
     #[cfg(feature = "cli")]
     pub fn check_record(path: &std::path::Path) -> crate::Result<()> {
         crate::bench::Record::read(path).map(drop)

@@ -1,5 +1,7 @@
-//! The command line program. It starts with the one check that must come before any
-//! instruction which the CPU might not have.
+//! The command line program.
+//!
+//! It first checks that the CPU has all features of this build, because any later instruction could
+//! be one that the CPU lacks.
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -11,7 +13,7 @@ fn main() -> ExitCode {
     ptfast::internals::run()
 }
 
-/// Only calls into std, which is compiled for any x86-64.
+/// Reports the missing feature and exits. Calls only into std, which is compiled for any x86-64.
 #[cold]
 #[inline(never)]
 fn refuse(feature: &'static str) -> ! {
@@ -21,7 +23,7 @@ fn refuse(feature: &'static str) -> ! {
         feature,
         ", which this CPU lacks: rebuild here with `cargo clean && cargo build --release`\n",
     ] {
-        // Nothing is left to be said if standard error is closed.
+        // If standard error is closed, there is no way to report anything.
         let _ = stderr.write_all(part.as_bytes());
     }
     std::process::exit(70)

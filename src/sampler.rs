@@ -1,9 +1,9 @@
-//! The random numbers of a path, named by what they decide.
+//! The random numbers of a path, named by their purpose.
 
 use crate::math::random::{PathKey, PixelKey};
 use crate::math::{Real, Word};
 
-/// Where the random numbers of paths come from.
+/// Source of the random numbers of paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sampler {
     /// A hash: every number is independent of every other.
@@ -35,8 +35,8 @@ impl Sampler {
     }
 }
 
-/// The random numbers of one block of a path, or of a path a lane: block 0 is the camera's, block k ≥ 1
-/// that of the vertex at the end of the path's k-th segment.
+/// The random numbers of one block of a path, or of one path per lane. Block 0 belongs to the
+/// camera, and block k ≥ 1 to the vertex at the end of the path's k-th segment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Randoms<R: Real = f32> {
     sampler: Sampler,
@@ -44,43 +44,44 @@ pub(crate) struct Randoms<R: Real = f32> {
     first: u32,
 }
 
-/// Dimensions of a block.
+/// Number of dimensions of a block.
 const BLOCK: u32 = 16;
 
-/// What a random number decides. The camera's dimensions and a vertex's share the places of a block.
+/// The purpose of a random number, given by its position in a block. The camera and vertices use
+/// the same positions, but in different blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Dimension(u32);
 
 impl Dimension {
-    /// Camera: position in the pixel (2).
+    /// Camera: position in the pixel (2 numbers).
     pub(crate) const PIXEL: Self = Self(0);
-    /// Camera: position on the lens (2).
+    /// Camera: position on the lens (2 numbers).
     pub(crate) const LENS: Self = Self(2);
-    /// Camera: moment of the shutter.
+    /// Camera: time within the shutter interval.
     pub(crate) const TIME: Self = Self(4);
 
-    /// Vertex: which light.
+    /// Vertex: choice of a light.
     pub(crate) const LIGHT_CHOICE: Self = Self(0);
-    /// Vertex: direction to the light (2).
+    /// Vertex: direction to the light (2 numbers).
     pub(crate) const LIGHT: Self = Self(1);
-    /// Vertex: scattered direction (2).
+    /// Vertex: scattered direction (2 numbers).
     pub(crate) const SCATTER: Self = Self(3);
-    /// Vertex: reflection or refraction.
+    /// Vertex: choice of reflection or refraction.
     pub(crate) const LOBE: Self = Self(5);
     /// Vertex: distance of a point in the unit ball.
     pub(crate) const BALL: Self = Self(6);
-    /// Vertex: whether the path goes on.
+    /// Vertex: Russian roulette, which decides whether the path continues.
     pub(crate) const ROULETTE: Self = Self(7);
 
-    /// Vertex: how far the path gets in medium number `index`.
+    /// Vertex: distance that the path travels in medium number `index`.
     pub(crate) const fn medium(index: u32) -> Self {
-        // Beyond all blocks of a path for all but the first.
+        // The dimensions of all media except the first are beyond all blocks of a path.
         Self(8 + (index << 21))
     }
 }
 
 impl<R: Real> Randoms<R> {
-    /// The numbers that `sampler` has for block `block` of the path `key`.
+    /// The random numbers of block `block` of the path `key`.
     #[inline(always)]
     pub(crate) fn new(sampler: Sampler, key: PathKey<R::Word>, block: u32) -> Self {
         Self { sampler, key, first: block * BLOCK }
@@ -106,7 +107,7 @@ impl<R: Real> Randoms<R> {
         }
     }
 
-    /// Two numbers in `[0, 1)` that belong together.
+    /// Two numbers in `[0, 1)` for one two-dimensional decision.
     #[inline(always)]
     pub(crate) fn two(&self, Dimension(dimension): Dimension) -> (R, R) {
         let dimension = self.first + dimension;

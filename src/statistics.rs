@@ -1,9 +1,9 @@
-//! Medians, with intervals that hold whatever the distribution.
+//! Medians, with confidence intervals that hold for any distribution.
 #![expect(clippy::disallowed_methods, reason = "no bit of an image depends on these")]
 
 use serde::{Deserialize, Serialize};
 
-/// A median, and the ends of an interval that contains the true one with a probability of 95%.
+/// A median, and the ends of an interval that contains the true median with a probability of 95%.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Estimate {
     pub(crate) median: f64,
@@ -12,26 +12,28 @@ pub(crate) struct Estimate {
 }
 
 impl Estimate {
-    /// Values that are enough for an interval of 95%: with fewer it is narrower than it says.
+    /// Smallest number of values for an interval of 95%. With fewer, the interval contains the true
+    /// median less often.
     pub(crate) const LEAST: usize = 6;
 
-    /// Of independent `values`, one or more. The ends are two of them, whose ranks follow from the
-    /// binomial distribution (Conover 1999, "Practical Nonparametric Statistics", section 3.2).
+    /// Median of one or more independent `values`. The ends of the interval are two of the values,
+    /// whose ranks follow from the binomial distribution (Conover 1999, "Practical Nonparametric
+    /// Statistics", section 3.2).
     pub(crate) fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let sorted = sorted(values);
         let cut = beyond_median(sorted.len());
         Self { median: middle(&sorted), lo: sorted[cut], hi: sorted[sorted.len() - 1 - cut] }
     }
 
-    /// Of positive `values`, whose logarithms are what is even: 2 is as far from 1 as 1/2.
+    /// Median of positive `values`, computed with their logarithms: 2 is as far from 1 as 1/2.
     pub(crate) fn of_positive(values: impl IntoIterator<Item = f64>) -> Self {
         let Self { median, lo, hi } = Self::of(values.into_iter().map(f64::ln));
         Self { median: median.exp(), lo: lo.exp(), hi: hi.exp() }
     }
 
-    /// Of the ratio by which positive `values` are larger than `others`, were both but scaled copies
-    /// of one distribution: the median ratio of all pairs (Hodges and Lehmann), with the interval
-    /// that belongs to the test of Mann and Whitney (Conover 1999, section 5.4).
+    /// Ratio of positive `values` to `others`, if both are scaled copies of one distribution: the
+    /// median ratio of all pairs (Hodges and Lehmann), with the interval that belongs to the test
+    /// of Mann and Whitney (Conover 1999, section 5.4).
     pub(crate) fn of_ratio(values: &[f64], others: &[f64]) -> Self {
         let ratios = values.iter().flat_map(|value| others.iter().map(move |other| value / other));
         let sorted = sorted(ratios);
@@ -39,7 +41,7 @@ impl Estimate {
         Self { median: middle(&sorted), lo: sorted[cut], hi: sorted[sorted.len() - 1 - cut] }
     }
 
-    /// Half the interval's length beside the median.
+    /// Half the length of the interval, relative to the median.
     pub(crate) fn relative_error(&self) -> f64 {
         0.5 * (self.hi - self.lo) / self.median
     }
@@ -47,20 +49,22 @@ impl Estimate {
 
 pub(crate) fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.into_iter().collect();
-    assert!(!values.is_empty(), "nothing has no median");
+    assert!(!values.is_empty(), "a median needs at least one value");
     values.sort_by(f64::total_cmp);
     values
 }
 
-/// The mean of the two in the middle where these are two.
+/// The middle value, or the mean of the two middle values.
 pub(crate) fn middle(sorted: &[f64]) -> f64 {
     0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
 }
 
-/// Values on either side of the interval of a median: the most that leave each tail 2.5%.
+/// Number of values left out on either side of the interval of a median: the most that leave each
+/// tail 2.5%.
 fn beyond_median(count: usize) -> usize {
     if count > 500 {
-        // By the normal approximation; one half to the power of 1075 is 0.
+        // Uses the normal approximation. The exact count below fails from 1075 values on, because
+        // one half to that power is 0.
         return (0.5 * (count as f64 - 1.96 * (count as f64).sqrt()) - 0.5) as usize;
     }
     let (mut below, mut probability, mut tail) = (0, 0.5f64.powi(count as i32), 0.0);
@@ -74,7 +78,7 @@ fn beyond_median(count: usize) -> usize {
     }
 }
 
-/// Pairs on either side of the interval of a shift, by the normal approximation.
+/// Number of pairs left out on either side of the interval of a shift, by the normal approximation.
 fn beyond_shift(a: usize, b: usize) -> usize {
     let (a, b) = (a as f64, b as f64);
     let (mean, variance) = (0.5 * a * b, a * b * (a + b + 1.0) / 12.0);
@@ -90,19 +94,19 @@ mod tests {
         (0..count).map(|_| -f64::from(1.0 - random.uniform()).ln()).collect()
     }
 
-    /// Table A3 of Conover for p = 0.5: values, and how many are left out on either side.
+    /// Table A3 of Conover for p = 0.5: number of values, and how many to leave out on either side.
     #[test]
     fn ranks_of_medians() {
         let table = [(1, 0), (5, 0), (6, 0), (8, 0), (9, 1), (10, 1), (12, 2), (15, 3), (20, 5)];
         for (count, cut) in table {
             assert_eq!(beyond_median(count), cut, "{count} values");
         }
-        // Both ways of counting meet.
+        // The exact count and the approximation agree at the boundary.
         assert_eq!((beyond_median(500), beyond_median(501)), (227, 228));
         assert_eq!(beyond_median(20_000), 9860);
     }
 
-    /// Critical values of Mann and Whitney's U, two-sided 5%, or one less.
+    /// The cuts are critical values of Mann and Whitney's U, two-sided 5%, or one less.
     #[test]
     fn ranks_of_shifts() {
         for (a, b, least, cut) in [(5, 5, 2, 2), (6, 6, 5, 5), (8, 8, 12, 13), (10, 10, 23, 23)] {
@@ -123,9 +127,10 @@ mod tests {
         assert_eq!(Estimate::of_ratio(&[2.0, 4.0, 8.0], &[1.0, 2.0, 4.0]).median, 2.0);
     }
 
-    /// Of skewed values with known medians, in 10 000 trials: 95% less four standard deviations.
+    /// For skewed values with known medians, the share of intervals that contain the truth in 10
+    /// 000 trials is above 95% minus four standard deviations.
     #[test]
-    fn the_truth_is_mostly_inside() {
+    fn intervals_contain_the_true_median() {
         const LEAST_INSIDE: usize = 9413;
         let mut random = Stream::new(11);
         for count in [6, 9, 12, 40] {

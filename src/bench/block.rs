@@ -1,4 +1,6 @@
-//! A block: each side renders forth and back, and the clock is told in between.
+//! Measures one block: the sides render in order and then in reverse.
+//!
+//! The clock of the cores is measured before the first render and after each one.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -11,24 +13,24 @@ use crate::engine::RayCounts;
 use crate::error::{Error, Result};
 use crate::machine::{Interference, busy_seconds_of_others};
 
-/// Share of the cores' time that a hypervisor and other processes may take of a block.
+/// Largest share of the renders' core time that a hypervisor and other processes may take in a block.
 const MOST_LOST: f64 = 0.05;
-/// Times a second that a thread may have to leave its core: caches cold for some 100 µs each
-/// are 3%.
+/// Maximum number of involuntary context switches per second of core time. With cold caches for about
+/// 100 µs after each, they cost 3%.
 const MOST_SWITCHES: f64 = 250.0;
 
-/// What blocks have told of a side.
+/// Measurements of a side, collected over its blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Series {
     pub(super) blocks: Vec<Block>,
-    /// Seconds by stage, all renders.
+    /// Seconds by stage, summed over all renders.
     pub(super) stages: BTreeMap<String, f64>,
     pub(super) renders: usize,
     pub(super) peak_rss_bytes: u64,
 }
 
-/// Measures one block of `group`: backwards first where it is `reversed`, so that no side is always
-/// the first. Adds to `series`, in the order of the group's turns.
+/// Measures one block of `group` and adds the results to `series`, which has the order of the group's
+/// turns. If `reversed`, the last side renders first, so that no side always starts.
 pub(super) fn measure(
     programs: &[Program],
     group: &Group,
@@ -69,7 +71,7 @@ pub(super) fn measure(
     Ok(())
 }
 
-/// A wrong answer is never a fast one.
+/// Fails if the image differs from that of the counting render: a wrong answer is never a fast one.
 fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
     let (want, found) = (&side.counted.hash, &rendered.hash);
     if found == want {
@@ -77,7 +79,7 @@ fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
     }
     let (scene, engine) = (&group.task.scene, side.engine.name());
     Err(Error::Internal(format!(
-        "{scene}: the {engine} engine gave the image {want}, then {found}"
+        "{scene}: the {engine} engine rendered an image with the hash {want}, then one with {found}"
     )))
 }
 
@@ -106,14 +108,14 @@ impl Series {
     }
 }
 
-/// What is the same for all sides of a block.
+/// Measurements that all sides of a block share.
 struct Common {
     threads: usize,
-    /// GHz.
+    /// Mean clock of the cores in GHz.
     clock: f64,
-    /// How long it took.
+    /// Duration of the block.
     seconds: f64,
-    /// Seconds that other processes kept cores busy, and how many cores there are.
+    /// Seconds that other processes kept cores busy, summed over cores, and the number of cores.
     others: Option<(f64, usize)>,
 }
 
@@ -123,8 +125,9 @@ impl Common {
         Some((busy / (self.seconds * cores as f64)).clamp(0.0, 1.0))
     }
 
-    /// Whether others took too much from renders of so many seconds. What a hypervisor takes is known of
-    /// all cores together; it takes it from those that work, ours and others.
+    /// Whether other processes or a hypervisor took too much from renders that lasted `seconds` in
+    /// total. Stolen time is only known for all cores together, so it is divided evenly among the busy
+    /// cores, ours and those of other processes.
     fn is_contaminated(&self, interference: &Interference, seconds: f64) -> bool {
         let Interference { stolen, waited, switches } = *interference;
         let core_seconds = seconds * self.threads as f64;
@@ -152,7 +155,7 @@ mod tests {
         assert!(block.is_contaminated(&Interference { switches: 251, ..quiet }, 1.0));
         let stolen = Interference { stolen: 0.04, ..quiet };
         assert!(block.is_contaminated(&stolen, 1.0));
-        // Half of it from another that was busy all the time.
+        // Half of the stolen time belongs to another process, which was busy all the time.
         assert!(!Common { others: Some((2.0, 2)), ..block }.is_contaminated(&stolen, 1.0));
         assert!(Common { others: Some((0.0, 64)), ..block }.is_contaminated(&stolen, 1.0));
     }

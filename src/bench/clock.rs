@@ -1,4 +1,4 @@
-//! The clock that cores run at, told without hardware counters.
+//! Measures the clock rate of the cores without hardware counters.
 
 use std::hint::black_box;
 use std::thread;
@@ -6,17 +6,17 @@ use std::time::Instant;
 
 use crate::statistics::Estimate;
 
-/// Steps of a slice: about a fifth of a millisecond.
+/// Steps per slice, which takes about a fifth of a millisecond.
 const STEPS: u32 = 1 << 17;
-/// Slices, of which the one in the middle counts: interrupts disturb a few, and clocks change within
-/// milliseconds.
+/// Number of slices. Their median counts, since interrupts disturb a few slices and clocks change
+/// within milliseconds.
 const SLICES: usize = 24;
-/// Operations of a step that wait for each other, of a cycle each.
+/// Operations per step. Each depends on the one before and takes one cycle.
 const OPERATIONS: f64 = 6.0;
-/// Any odd number.
+/// An arbitrary odd number.
 const ADDEND: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Cycles a nanosecond of cores, when so many threads are busy. It takes some 5 ms.
+/// Mean clock of the cores in GHz while `threads` threads are busy. The measurement takes about 5 ms.
 pub(super) fn gigahertz(threads: usize) -> f64 {
     let sum: f64 = thread::scope(|scope| {
         let running: Vec<_> = (1..threads).map(|_| scope.spawn(one_core)).collect();
@@ -26,7 +26,7 @@ pub(super) fn gigahertz(threads: usize) -> f64 {
     sum / threads.max(1) as f64
 }
 
-/// Of the core that this thread is on.
+/// Clock in GHz of the core that runs this thread.
 fn one_core() -> f64 {
     let mut state = black_box(1);
     let slice = |_: usize| {
@@ -40,8 +40,9 @@ fn one_core() -> f64 {
     Estimate::of((0..SLICES).map(slice)).median
 }
 
-/// Three rotations and three sums, one after the other: in place, without a copy, so that every CPU of
-/// today takes a cycle for each, and no compiler knows fewer operations.
+/// Does three rotations and three additions, each of which depends on the one before. They update the
+/// state in place, without a copy, so that each takes one cycle on every current CPU. No compiler can
+/// combine them into fewer operations.
 #[inline(always)]
 fn step(mut state: u64) -> u64 {
     for bits in [7, 17, 39] {
@@ -54,7 +55,7 @@ fn step(mut state: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// No core is as fast as a shortened loop would seem.
+    /// If a compiler shortened the loop, the core would seem impossibly fast.
     #[test]
     fn clocks_are_possible() {
         for threads in [1, 3] {

@@ -1,4 +1,4 @@
-//! Faster, slower or the same? Asked of each run, beside a baseline or another program.
+//! Compares each run with a baseline or another program: is it faster, slower or the same?
 
 use super::record::Record;
 use super::run::{Ratio, Run, Workload};
@@ -8,23 +8,23 @@ use crate::error::{Error, Result};
 use crate::machine::Machine;
 use crate::statistics::Estimate;
 
-/// What runs are compared with.
+/// The reference that runs are compared with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reference<'a> {
-    /// A record of another time. Clocks were different then: paths a cycle count.
+    /// A record from another time. Clocks may have been different then, so paths per cycle are compared.
     Baseline(&'a Record),
-    /// The other program of the same bench, block by block.
+    /// The other program of the same bench, compared block by block.
     Against,
 }
 
-/// Whether speeds of `baseline`, a record from `file`, can be compared with those of this machine.
+/// Checks that speeds in `baseline`, a record from `file`, can be compared with those of this machine.
 ///
 /// # Errors
-/// Where it was measured on another.
+/// If the baseline was measured on another machine.
 pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
     let (here, there) = (&Machine::this(), &baseline.machine);
     let models = [&here.cpu_model, &there.cpu_model];
-    // Records of old do not tell.
+    // Old records have no model.
     let same_model = models[0] == models[1] || models.iter().any(|model| model.is_empty());
     if (&here.cpu, here.cores) == (&there.cpu, there.cores) && same_model {
         return Ok(());
@@ -33,37 +33,42 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
         format!("{} cores of `{}` ({})", machine.cores, machine.cpu, machine.cpu_model)
     };
     let (here, there) = (told(here), told(there));
-    let message = format!("measured on {there}, here are {here}: speeds cannot be compared");
+    let message =
+        format!("measured on {there}, this machine has {here}: speeds cannot be compared");
     Err(Error::input(file, "machine", message))
 }
 
-/// Whether `baseline`, a record from `file`, holds any of what `bench` will measure.
+/// Checks that `baseline`, a record from `file`, has a run of the same work as one that `bench` will
+/// measure.
 ///
 /// # Errors
-/// Where it does not.
+/// If it has no such run.
 pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
-        let message = "holds nothing of what is to be measured: scene, size, samples, depth, \
-                       sampling, sampler, seed, engine and threads must be the same";
+        let message = "no run matches this bench: scene, size, samples, depth, sampling, sampler, \
+                       seed, engine and threads must be the same";
         return Err(Error::input(file, "runs", message));
     }
     Ok(())
 }
 
-/// Share of the cores by which others may keep more or fewer of them busy than when a baseline was
-/// measured.
+/// Largest difference in load between a run and its baseline, as a share of all cores. Load is the
+/// share of the cores that other processes keep busy.
 const MOST_LOAD_CHANGE: f64 = 0.1;
 
-/// Samples of a run, at most.
+/// Maximum number of samples of a run.
 const MOST_SAMPLES: usize = 4;
 
-/// Compares every run of `record`, which `bench` has measured, with its like, if it has one. Where some
-/// seem to have changed by more than `threshold`, or nothing can be said of them, their groups are
-/// measured `again` with so many blocks, if any.
+/// Compares every run of `record`, which `bench` has measured, with the matching run of `reference`, if
+/// there is one.
+///
+/// If `again` is given, the groups of runs that seem to have changed by more than `threshold`, or that
+/// were too disturbed to decide, are measured again with that number of blocks, up to [`MOST_SAMPLES`]
+/// samples in total.
 ///
 /// # Errors
-/// Where a program fails.
+/// If a program fails.
 pub(crate) fn judge(
     bench: &Bench,
     record: &Record,
@@ -103,7 +108,7 @@ pub(crate) fn judge(
     Ok(gate)
 }
 
-/// What a sample says of each run that has a like.
+/// Findings of one sample, for each run with a matching run in the reference.
 fn findings<'a>(
     record: &'a Record,
     reference: Reference<'_>,
@@ -137,8 +142,8 @@ fn finding(
     Some(Finding { change, doubt: image.or(of_old).or(doubt(run, record, threshold)) })
 }
 
-/// How many times as fast `new` is as `old`, measured at another time: a cycle, where both clocks
-/// are known.
+/// How many times as fast `new` is as `old`, which was measured at another time. Compares paths per
+/// cycle if both clocks are known, and paths per second otherwise.
 fn speed_up(new: &Run, old: &Run) -> Estimate {
     match (new.paths_per_cycle(), old.paths_per_cycle()) {
         (Some(new), Some(old)) => Estimate::of_ratio(&new, &old),
@@ -146,14 +151,16 @@ fn speed_up(new: &Run, old: &Run) -> Estimate {
     }
 }
 
-/// Others take memory and caches, too, which no control tells: it suffers as well.
+/// Returns a doubt if other processes kept more or fewer cores busy. They also use memory and caches,
+/// which the control cannot reveal because it suffers equally.
 fn other_load(new: &Run, old: &Run) -> Option<Doubt> {
     let (new, old) = new.load().zip(old.load())?;
     ((new - old).abs() > MOST_LOAD_CHANGE).then_some(Doubt::Load)
 }
 
-/// Why nothing can be said of a run of `record`: its control is off 1 by more than the threshold, or by
-/// half of it for certain; or most of its blocks are contaminated.
+/// Why a run of `record` does not count: most of its blocks are contaminated, it has no control, or its
+/// control differs too much from 1. The median may be off by the threshold at most, and the whole interval
+/// must not lie beyond half the threshold.
 fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     if run.contaminated() * 2 > run.blocks.len() {
         return Some(Doubt::Contaminated);
@@ -164,7 +171,7 @@ fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     (off(speed.median) > threshold || surely).then_some(Doubt::Control)
 }
 
-/// Runs of `record` that tell nothing as a baseline, and why.
+/// Runs of `record` that are too disturbed to serve as a baseline, and why.
 pub(crate) fn doubtful(record: &Record, threshold: f64) -> Vec<(&Workload, Doubt)> {
     let of = |run: &'_ Run| doubt(run, record, threshold);
     record.runs.iter().filter_map(|run| Some((&run.work, of(run)?))).collect()
@@ -187,11 +194,11 @@ mod tests {
         assert_eq!(found(&loaded(0.1), &loaded(0.15)).doubt, None);
         assert_eq!(found(&loaded(0.1), &loaded(0.6)).doubt, Some(Doubt::Load));
         assert_eq!(found(&loaded(0.6), &loaded(0.1)).doubt, Some(Doubt::Load));
-        assert_eq!(found(&loaded(0.6), &record(1.0, 4.0, 0, CLEAN)).doubt, None, "not known");
+        assert_eq!(found(&loaded(0.6), &record(1.0, 4.0, 0, CLEAN)).doubt, None, "unknown load");
     }
 
-    /// A record of one run: seconds of its blocks at such a clock, so many of them contaminated, and
-    /// a control.
+    /// A record of one run with a control. Each of its 12 blocks takes about `seconds` at `clock`, and
+    /// the first `contaminated` of them are contaminated.
     fn record(seconds: f64, clock: f64, contaminated: usize, control: [f64; 3]) -> Record {
         let block = |number: usize| {
             json!({
@@ -237,15 +244,15 @@ mod tests {
         };
         near(change(1.0, 4.0), 1.0);
         near(change(1.03, 4.0), 1.0 / 1.03);
-        // A clock of four fifths: a quarter longer is the same.
+        // At four fifths of the clock, a quarter more time is the same speed per cycle.
         near(change(1.25, 3.2), 1.0);
         near(change(1.0, 3.2), 1.25);
-        // Without one, seconds are all there is.
+        // Without a known clock, seconds are compared.
         near(change(1.25, 0.0), 0.8);
     }
 
     #[test]
-    fn nothing_is_said_where_there_is_doubt() {
+    fn disturbed_and_different_runs_raise_a_doubt() {
         let (old, slow) = (record(1.0, 4.0, 0, CLEAN), record(1.05, 4.0, 0, CLEAN));
         let doubt = |new: &Record, old: &Record| found(new, old).doubt;
         assert_eq!(doubt(&slow, &old), None);

@@ -1,21 +1,21 @@
-//! Exact counts beside those of another record.
+//! Compares the exact counts of two records.
 
 use super::record::Record;
 use super::run::{Run, Workload};
 use crate::accel::Counters;
 
-/// What came of it.
+/// Result of comparing the counts of two records.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct CountChanges {
-    /// Runs whose counts can be compared: of the same work, by the same plan, with as many lanes.
+    /// Number of runs whose counts can be compared: same work, same plan, same number of lanes.
     pub(crate) compared: usize,
-    /// Runs whose counts cannot.
+    /// Number of runs whose counts cannot be compared.
     pub(crate) others: usize,
-    /// A line for each count that is not what it was.
+    /// One line for each count that differs.
     pub(crate) lines: Vec<String>,
 }
 
-/// Compares the counts of `record` with those of the runs `old`, counted with so many lanes.
+/// Compares the counts of `record` with those of the runs `old`, which were counted with `lanes` lanes.
 pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountChanges {
     let mut changes = CountChanges::default();
     for run in &record.runs {
@@ -41,7 +41,7 @@ pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountCh
     changes
 }
 
-/// Counts that are not equal: name, new and old.
+/// Returns the counts that differ: name, new value and old value.
 fn differences(new: &Counters, old: &Counters) -> impl Iterator<Item = (&'static str, u64, u64)> {
     [
         ("node visits", new.node_visits, old.node_visits),

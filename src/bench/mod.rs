@@ -1,9 +1,11 @@
-//! Measuring: renders take turns, block by block, so that what a shared machine does to one side it
-//! does to all.
+//! Benchmarks in which renders take turns, block by block.
 //!
-//! A *side* is an engine of a program; a *group* are the sides of one scene and number of threads. In
-//! a *block* each side renders twice, forth and back: A B C C B A. What drifts steadily is the same
-//! for all of them. One of the sides takes part twice: it is the control, whose ratio to itself is 1.
+//! A disturbance of a shared machine therefore affects all sides alike.
+//!
+//! A *side* is an engine of a program. A *group* consists of the sides of one scene and number of
+//! threads. In a *block* each side renders twice, in mirrored order (A B C C B A), so that a steady
+//! drift affects all sides equally. One side takes part twice and is the *control*: its speed ratio to
+//! itself should be 1.
 
 mod block;
 mod bootstrap;
@@ -34,25 +36,25 @@ pub(crate) use record::Record;
 pub(crate) use run::{Lanes, Ratio, Run, Workload};
 pub(crate) use verdict::{Gate, Outcome, Verdict, decide};
 
-/// What is to be measured.
+/// Options of a bench.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// The binary that is measured.
+    /// The binary to measure.
     pub(crate) program: PathBuf,
-    /// Another, that it is compared with.
+    /// Another binary to compare it with.
     pub(crate) against: Option<PathBuf>,
-    /// Names of scenes, and the width and height of their images.
+    /// Names of the scenes, with the width and height of their images.
     pub(crate) scenes: Vec<(String, (u32, u32))>,
     pub(crate) engines: Vec<Engine>,
     pub(crate) threads: Vec<usize>,
     pub(crate) spp: u32,
     pub(crate) seed: u64,
-    /// More arguments of each render.
+    /// Additional arguments of each render.
     pub(crate) arguments: Vec<String>,
 }
 
 impl Options {
-    /// Scene, engine and threads of each run of the program that is measured, in their order.
+    /// Scene, engine and number of threads of each run of the measured program, in order.
     pub(crate) fn runs(&self) -> Vec<(&str, Engine, usize)> {
         let of = |(scene, threads)| {
             self.engines
@@ -66,16 +68,16 @@ impl Options {
     }
 }
 
-/// Sides that are ready to be measured.
+/// A bench whose sides are ready to be measured.
 #[derive(Debug)]
 pub(crate) struct Bench {
-    /// The one that is measured, and the one that it is compared with.
+    /// The measured program, then the one it is compared with, if any.
     programs: Vec<Program>,
     groups: Vec<Group>,
     time: String,
 }
 
-/// Sides that take turns.
+/// Sides of one scene and number of threads, which take turns.
 #[derive(Debug)]
 struct Group {
     task: Task,
@@ -85,27 +87,27 @@ struct Group {
 /// An engine of a program.
 #[derive(Debug)]
 struct Side {
-    /// Place among the programs.
+    /// Index into [`Bench::programs`].
     program: usize,
     engine: Engine,
-    /// What a render that was not timed told.
+    /// Result of the counting render, which is not timed.
     counted: Rendered,
-    /// How it works when it is timed.
+    /// Plan of the timed renders.
     plan: Option<Value>,
 }
 
-/// What blocks have told: for each group, if it took part, a series a turn.
+/// Measurements of some blocks: for each group that took part, one series per turn.
 #[derive(Debug)]
 pub(crate) struct Sample(Vec<Option<Vec<Series>>>);
 
-/// Blocks that are done, of so many.
+/// Callback that receives the number of finished blocks and the number of all blocks.
 pub(crate) type Progress<'a> = &'a mut dyn FnMut(usize, usize);
 
 impl Bench {
-    /// Renders everything once, counting and not timed; by the plans of `baseline` where it has some.
+    /// Renders everything once, counted and not timed, using the plans of `baseline` if it has any.
     ///
     /// # Errors
-    /// Where a program fails, or engines of one program give different images.
+    /// If a program fails, or engines of one program render different images.
     pub(crate) fn new(options: &Options, baseline: Option<&Record>) -> Result<Self> {
         let program = |path| Program::new(path, &options.arguments);
         let mut programs = vec![program(&*options.program)?];
@@ -134,16 +136,17 @@ impl Bench {
                 let mut counted = program.render(task, engine, None, true)?;
                 let mut plan = counted.plan.clone();
                 let measured = counted.measured_plan();
-                // One plan for all whose work is compared.
+                // Sides whose counts are compared use the same plan.
                 let old = baseline
                     .and_then(|record| record.plan(&task.scene, task.threads, engine.name()));
                 let first = sides.iter().find(|side| side.engine == engine);
                 let common = old.or_else(|| first.and_then(|side| side.counted.plan.clone()));
                 if common.is_some() && common != plan {
-                    // Another version may know no such plan: its counts are not comparable then.
+                    // Another version may not support this plan; its counts are then not comparable.
                     if let Ok(by_common) = program.render(task, engine, common.as_ref(), true) {
                         counted = by_common;
-                        // What chance has a part in would be taken for a difference of programs.
+                        // Measured plans vary by chance, which would look like a difference between
+                        // programs.
                         if measured {
                             plan = common;
                         }
@@ -159,14 +162,14 @@ impl Bench {
         Ok(sides)
     }
 
-    /// The build of a program, 0 for the one that is measured, and where it runs.
+    /// Build and machine of a program; number 0 is the measured one.
     pub(crate) fn machine(&self, program: usize) -> &Machine {
         let mut sides = self.groups.iter().flat_map(|group| &group.sides);
         let side = sides.find(|side| side.program == program);
         &side.expect("every program has a side").counted.machine
     }
 
-    /// What the program that is measured will render.
+    /// The work of each run of the measured program.
     pub(crate) fn works(&self) -> Vec<Workload> {
         let of = |group: &'_ Group| -> Vec<Workload> {
             let own = group.sides.iter().filter(|side| side.program == 0);
@@ -175,11 +178,11 @@ impl Bench {
         self.groups.iter().flat_map(of).collect()
     }
 
-    /// Measures `blocks` blocks of those groups that `wanted` says, scene and threads told; tells
-    /// `progress`.
+    /// Measures `blocks` blocks of the groups that `wanted` selects by scene and number of threads, and
+    /// reports to `progress`.
     ///
     /// # Errors
-    /// Where a program fails, or gives another image than before.
+    /// If a program fails, or renders another image than before.
     pub(crate) fn measure(
         &self,
         blocks: usize,
@@ -232,20 +235,20 @@ impl Side {
 }
 
 impl Group {
-    /// The side that takes part twice: the wavefront engine of the program that is measured, or what
-    /// there is.
+    /// Index of the side that takes part twice: the wavefront engine of the measured program, or the
+    /// first side if that engine takes no part.
     fn control(&self) -> usize {
         let own = |side: &Side| side.program == 0 && side.engine == Engine::Wavefront;
         self.sides.iter().position(own).unwrap_or(0)
     }
 
-    /// The sides that take turns in the first half of a block: each once, the control at the end.
+    /// The sides in the order of a block's first half: each side once, then the control again.
     fn turns(&self) -> impl Iterator<Item = &Side> {
         self.sides.iter().chain([&self.sides[self.control()]])
     }
 }
 
-/// One image from all of one program's engines.
+/// Fails if the engines of one program rendered different images.
 fn check_hashes<'a>(
     scene: &str,
     hashes: impl Iterator<Item = (&'a str, &'a str)> + Clone,
@@ -259,7 +262,7 @@ fn check_hashes<'a>(
     )))
 }
 
-/// The time in UTC, to the second.
+/// The current time in UTC, rounded to a second.
 fn now() -> String {
     let now = jiff::Timestamp::now();
     now.round(jiff::Unit::Second).unwrap_or(now).to_string()

@@ -1,5 +1,7 @@
-//! A ptfast binary that renders, as a user runs it: each render is a process of its own, so that none
-//! profits from what another has left in caches or from where its memory happens to lie.
+//! Runs renders of a ptfast binary as a user would.
+//!
+//! Each render is a separate process, so that none profits from data that another left in caches, or
+//! from a lucky placement of its memory.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::machine::{Interference, Machine};
 
-/// What is rendered.
+/// Settings of a render.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Task {
     pub(super) scene: String,
@@ -29,28 +31,29 @@ pub(super) struct Task {
     pub(super) threads: usize,
 }
 
-/// A binary, and a folder for what it writes.
+/// A ptfast binary, and a folder for its output.
 #[derive(Debug)]
 pub(super) struct Program {
-    /// As it was named.
+    /// Path of the binary as the user gave it.
     name: String,
     scratch: tempfile::TempDir,
-    /// More arguments of each render.
+    /// Additional arguments of each render.
     arguments: Vec<String>,
 }
 
-/// Names in the folder: a copy of the binary, which is not replaced by a build meanwhile, and files.
+// Names of files in the folder. The binary is a copy, so that a build in the meantime does not replace
+// it.
 const BINARY: &str = "ptfast";
 const IMAGE: &str = "image.png";
 const RECORD: &str = "record.json";
 const PLAN: &str = "plan.json";
 const SAID: &str = "stderr.txt";
-/// How often it is looked whether a render has ended, once it takes long: rarely, since that takes a core
-/// for a moment.
+/// Longest interval between two checks whether a render has ended. The checks are rare because each one
+/// takes a core for a moment.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// The record of a render (`ptfast render --json`), as far as a bench reads it. Binaries of other
-/// versions may not write all of it.
+/// The fields of a render's record (`ptfast render --json`) that a bench reads. Binaries of other
+/// versions may not write all of them.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct Rendered {
     pub(super) machine: Machine,
@@ -98,10 +101,10 @@ struct Workload {
 }
 
 impl Program {
-    /// The binary at `path`, which renders with `arguments` besides its task.
+    /// Prepares the binary at `path`, which will render with `arguments` in addition to its task.
     ///
     /// # Errors
-    /// Where there is none, or no room for what it writes.
+    /// If `path` is not a file, or it cannot be copied to a temporary folder.
     pub(super) fn new(path: &Path, arguments: &[String]) -> Result<Self> {
         let file = fs::metadata(path).map_err(Error::io(path, "run"))?;
         if !file.is_file() {
@@ -109,15 +112,16 @@ impl Program {
         }
         let folder = std::env::temp_dir();
         let scratch = tempfile::Builder::new().prefix("ptfast-bench-").tempdir_in(&folder);
-        let scratch = scratch.map_err(Error::io(&folder, "make a folder"))?;
+        let scratch = scratch.map_err(Error::io(&folder, "create a folder"))?;
         fs::copy(path, scratch.path().join(BINARY)).map_err(Error::io(path, "copy"))?;
         Ok(Self { name: path.display().to_string(), scratch, arguments: arguments.to_vec() })
     }
 
-    /// Renders `task`, by `plan` or its own, and counts the work if asked to, which takes time.
+    /// Renders `task` with `plan`, or with the program's own plan. If `count`, the program also counts
+    /// its work, which takes time.
     ///
     /// # Errors
-    /// Where the program cannot be run, fails or tells nothing that can be read.
+    /// If the program cannot be run, fails or writes no valid record.
     pub(super) fn render(
         &self,
         task: &Task,
@@ -155,14 +159,17 @@ impl Program {
             return Err(self.failed(&String::from_utf8_lossy(&said), status));
         }
         let no_record = |why: String| {
-            Error::Usage(format!("{}: no ptfast, it wrote no record of a render: {why}", self.name))
+            Error::Usage(format!(
+                "{}: not ptfast, it wrote no valid render record: {why}",
+                self.name
+            ))
         };
         let text = fs::read_to_string(&record).map_err(|error| no_record(error.to_string()))?;
-        // Of this render, not of the next.
+        // The next render must not find the record of this one.
         fs::remove_file(&record).map_err(Error::io(&record, "remove"))?;
         let mut rendered: Rendered =
             serde_json::from_str(&text).map_err(|error| no_record(error.to_string()))?;
-        // It ran here, whatever its version tells of that.
+        // The program ran on this machine, whatever its version reports about it.
         let here = Machine::this();
         rendered.machine = Machine {
             cpu: here.cpu,
@@ -172,21 +179,24 @@ impl Program {
         };
         let Seconds { render, .. } = rendered.seconds;
         if !(render > 0.0 && render.is_finite() && rendered.rays.primary > 0) {
-            return Err(no_record(format!("{render} seconds, {:?}", rendered.rays)));
+            return Err(no_record(format!(
+                "it took {render} seconds and traced {:?}",
+                rendered.rays
+            )));
         }
         Ok(rendered)
     }
 
-    /// Runs it to its end, or to that of this process.
+    /// Runs `command` until it ends or this process is interrupted.
     fn run(&self, command: &mut Command) -> Result<ExitStatus> {
         let failed = || Error::io(Path::new(&self.name), "run");
         let mut child = command.spawn().map_err(failed())?;
         let mut pause = LOOK_EVERY / 16;
         loop {
             let status = child.try_wait().map_err(failed())?;
-            // A signal that ended it mostly came to this process too.
+            // A signal that ended the child has usually reached this process, too.
             if let Err(interrupted) = interrupt::check() {
-                // Both fail where it has ended.
+                // Both fail if the child has ended already.
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(interrupted);
@@ -199,9 +209,10 @@ impl Program {
         }
     }
 
-    /// What the program said, with its own exit code where that is known to mean something.
+    /// An error with the last line that the program printed to stderr, and with the program's exit code
+    /// if it is one that ptfast uses for errors.
     fn failed(&self, said: &str, status: ExitStatus) -> Error {
-        let said = said.lines().last().unwrap_or("it said nothing");
+        let said = said.lines().last().unwrap_or("it printed no error message");
         let message = said.strip_prefix("ptfast: ").unwrap_or(said).to_owned();
         let code = status.code().and_then(|code| u8::try_from(code).ok());
         let code = code.filter(|code| [2, 65, 74].contains(code)).unwrap_or(70);
@@ -210,8 +221,8 @@ impl Program {
 }
 
 impl Rendered {
-    /// Whether its plan was found by measuring: another time it may be another. Old versions tell only
-    /// how long it took, which is nothing where nothing was measured.
+    /// Whether the plan was chosen by a measurement, so that the next render may choose another one. Old
+    /// versions only report the time for planning, which is almost zero without a measurement.
     pub(super) fn measured_plan(&self) -> bool {
         match &self.planning {
             Some(planning) => planning == Planning::Measured.name(),
@@ -219,7 +230,7 @@ impl Rendered {
         }
     }
 
-    /// All the work that was counted.
+    /// Counters summed over all segments and stages.
     pub(super) fn counters(&self) -> Counters {
         let works = self.segments.iter().flat_map(|segment| segment.stages.values());
         works.filter_map(|work| work.counters).fold(Counters::default(), |mut sum, counters| {

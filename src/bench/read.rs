@@ -1,4 +1,4 @@
-//! Records from files, and what must hold of them.
+//! Reads records from files and checks them.
 
 use std::path::Path;
 
@@ -9,16 +9,16 @@ use crate::input::read_json;
 use crate::limits::MAX_JSON;
 use crate::statistics::Estimate;
 
-/// What is wrong at a place, and what would be right.
+/// A place in a record, and a message that says what would be right there.
 type Wrong = (String, String);
 
 impl Record {
-    /// From a file.
+    /// Reads a record from a file.
     ///
     /// # Errors
-    /// Where it cannot be read, or is no record of a bench.
+    /// If the file cannot be read, or is not a bench record.
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let record: Self = read_json(path, "the record of a bench", MAX_JSON)?;
+        let record: Self = read_json(path, "a bench record", MAX_JSON)?;
         record
             .check()
             .map_err(|(place, message)| Error::input(path.display().to_string(), place, message))?;
@@ -27,7 +27,7 @@ impl Record {
 
     fn check(&self) -> Result<(), Wrong> {
         if self.schema != SCHEMA {
-            let message = format!("version {} is not known, {SCHEMA} is", self.schema);
+            let message = format!("version {} is not supported, it must be {SCHEMA}", self.schema);
             return Err(("schema".to_owned(), message));
         }
         for (number, run) in self.runs.iter().enumerate() {
@@ -40,17 +40,17 @@ impl Record {
     }
 }
 
-/// Blocks of a run, at most.
+/// Maximum number of blocks of a run.
 const MOST_BLOCKS: usize = 20_000;
 
 fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
     let blocks = Estimate::LEAST..=MOST_BLOCKS;
     if !blocks.contains(&run.blocks.len()) {
-        let message = format!("there must be {} to {MOST_BLOCKS} of them", Estimate::LEAST);
+        let message = format!("a run must have {} to {MOST_BLOCKS} blocks", Estimate::LEAST);
         return Err((format!("{place}.blocks"), message));
     }
     if let Some(number) = run.blocks.iter().position(|block| !can_be(block)) {
-        let message = "seconds, rays, clock, load or interference cannot be so".to_owned();
+        let message = "seconds, rays, clock, load or interference is out of range".to_owned();
         return Err((format!("{place}.blocks[{number}]"), message));
     }
     check_estimate(&run.mrays_per_s, format!("{place}.mrays_per_s"))?;
@@ -58,12 +58,12 @@ fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
     match run.stages.iter().find(|(_, seconds)| !(0.0..1e12).contains(*seconds)) {
         None => Ok(()),
         Some((stage, _)) => {
-            Err((format!("{place}.stages.{stage}"), "must be seconds, 0 or more".to_owned()))
+            Err((format!("{place}.stages.{stage}"), "must be seconds, 0 to 1e12".to_owned()))
         }
     }
 }
 
-/// Numbers that a machine could give, whose sums and quotients are finite.
+/// Whether a machine could have measured these numbers, and their sums and quotients are finite.
 fn can_be(block: &Block) -> bool {
     let rays = [block.rays.primary, block.rays.bounce, block.rays.shadow];
     let taken = block.interference.unwrap_or_default();
@@ -80,5 +80,5 @@ fn check_estimate(Estimate { median, lo, hi }: &Estimate, place: String) -> Resu
     if 0.0 < *lo && lo <= median && median <= hi && hi.is_finite() {
         return Ok(());
     }
-    Err((place, "must be finite, 0 < lo <= median <= hi".to_owned()))
+    Err((place, "must be finite, with 0 < lo <= median <= hi".to_owned()))
 }

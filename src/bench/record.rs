@@ -1,4 +1,4 @@
-//! The record of a bench, as scripts read it: field names are fixed, more may be added.
+//! The record of a bench. Scripts read it, so its field names are fixed; fields may be added.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -7,42 +7,42 @@ use super::run::{Ratio, Run};
 use super::verdict::Gate;
 use crate::machine::Machine;
 
-/// The one version of the format.
+/// The only supported version of the format.
 pub(crate) const SCHEMA: u32 = 1;
 
-/// What was measured in one bench.
+/// Results of one bench.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Record {
     /// Version of the format.
     pub(crate) schema: u32,
-    /// When it began, in UTC (RFC 3339).
+    /// Start of the bench in UTC (RFC 3339).
     #[serde(default)]
     pub(crate) time: String,
-    /// Where it ran, and the build that was measured.
+    /// The machine, and the build that was measured.
     pub(crate) machine: Machine,
-    /// One for each scene, number of threads and engine.
+    /// One run for each scene, number of threads and engine.
     pub(crate) runs: Vec<Run>,
-    /// What was measured block by block beside each other.
+    /// Speed ratios of sides that were measured in the same blocks.
     pub(crate) ratios: Vec<Ratio>,
-    /// The other program, where there was one.
+    /// Results of the other program, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) against: Option<Against>,
-    /// What came of a comparison with a baseline or another program.
+    /// Result of a comparison with a baseline or another program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) gate: Option<Gate>,
 }
 
-/// Another program's part.
+/// Results of the other program of a bench.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Against {
-    /// Its build.
+    /// The machine, and the build of the other program.
     pub(crate) machine: Machine,
-    /// As those of this one.
+    /// Its runs, in the form of [`Record::runs`].
     pub(crate) runs: Vec<Run>,
 }
 
 impl Record {
-    /// The plan by which the work of an engine was counted.
+    /// The plan with which the work of an engine was counted.
     pub(super) fn plan(&self, scene: &str, threads: usize, engine: &str) -> Option<Value> {
         let same = |run: &&Run| {
             (&*run.work.engine, &*run.work.scene, run.work.threads) == (engine, scene, threads)
@@ -50,7 +50,7 @@ impl Record {
         self.runs.iter().find(same)?.plan.clone()
     }
 
-    /// How many times as fast `run` was as the side of its group that is named `to`.
+    /// Speed ratio of `run` to the side of its group named `to`.
     pub(crate) fn ratio(&self, run: &Run, to: &str) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
             (&ratio.scene, ratio.threads, &*ratio.of)
@@ -59,7 +59,7 @@ impl Record {
         })
     }
 
-    /// The control of a run's group: how many times as fast as itself a side was.
+    /// The control of a run's group: the speed ratio of a side to itself.
     pub(crate) fn control(&self, run: &Run) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
             (&ratio.scene, ratio.threads) == (&run.work.scene, run.work.threads)

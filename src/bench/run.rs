@@ -1,4 +1,4 @@
-//! A run: what one engine did on one scene, block by block.
+//! A run: the results of one engine on one scene, block by block.
 
 use std::collections::BTreeMap;
 
@@ -10,42 +10,43 @@ use crate::engine::RayCounts;
 use crate::machine::Interference;
 use crate::statistics::{Estimate, middle, sorted};
 
-/// One engine on one scene with so many threads.
+/// Results of one engine on one scene with one number of threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Run {
     #[serde(flatten)]
     pub(crate) work: Workload,
-    /// BLAKE3 of the linear image, the same in all blocks.
+    /// BLAKE3 hash of the linear image, which is the same in all blocks.
     pub(crate) hash: String,
     pub(crate) blocks: Vec<Block>,
-    /// Segments traced for closest hit or occlusion.
+    /// Millions of rays per second, traced for the closest hit or for occlusion.
     pub(crate) mrays_per_s: Estimate,
-    /// Camera paths.
+    /// Millions of camera paths per second.
     pub(crate) msamples_per_s: Estimate,
-    /// Seconds of a render, summed over threads: means over all blocks. Zeros where an engine has no
-    /// such stage.
+    /// Seconds that a render spends in each stage, summed over threads and averaged over all blocks.
+    /// Zero for stages that the engine does not have.
     pub(crate) stages: BTreeMap<String, f64>,
-    /// From a render that was not timed.
+    /// Counters of the counting render, which is not timed.
     pub(crate) counters: Counters,
-    /// From there too: lanes by segment and stage, of extend and connect those of the traversal.
+    /// Lanes of the counting render, by segment and stage. Those of extend and connect are the lanes of
+    /// the traversal.
     #[serde(default)]
     pub(crate) lanes: Vec<BTreeMap<String, Lanes>>,
-    /// The plan by which the wavefront engine worked there. As it was written: what other versions can
-    /// plan is no concern of the record.
+    /// Plan of the wavefront engine in the counting render. It stays raw JSON, so that a record can hold
+    /// the plans of other versions.
     #[serde(default)]
     pub(crate) plan: Option<Value>,
-    /// The plan by which it worked when it was timed.
+    /// Plan of the wavefront engine in the timed renders.
     #[serde(default)]
     pub(crate) timed_plan: Option<Value>,
     pub(crate) peak_rss_bytes: u64,
 }
 
-/// What is rendered, and how: runs of the same work can be compared.
+/// A scene and how it is rendered. Runs of the same work can be compared.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Workload {
     pub(crate) scene: String,
-    /// Versions of ptfast may hash the same scene differently: whether two runs rendered the same is
-    /// seen from their images, and this is no part of the comparison.
+    /// Hash of the scene. It is ignored by comparisons, since versions of ptfast may hash the same scene
+    /// differently; the images show whether two runs rendered the same.
     #[serde(default)]
     pub(crate) scene_hash: String,
     pub(crate) engine: String,
@@ -57,7 +58,7 @@ pub(crate) struct Workload {
     pub(crate) depth: u32,
     #[serde(default)]
     pub(crate) sampling: String,
-    /// Nothing where the program knew of no choice.
+    /// Empty for old versions of the program, which had no choice of samplers.
     #[serde(default)]
     pub(crate) sampler: String,
     pub(crate) seed: u64,
@@ -77,36 +78,36 @@ impl PartialEq for Workload {
 
 impl Eq for Workload {}
 
-/// One side in one block: two renders.
+/// Measurements of one side in one block, in which it renders twice.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Block {
-    /// Of a render, the mean of both.
+    /// Seconds per render: the mean of both.
     pub(crate) seconds: f64,
-    /// Of a render.
+    /// Rays per render.
     pub(crate) rays: RayCounts,
-    /// Clock of the cores in GHz: the mean over the block, the same for all sides.
+    /// Mean clock of the cores over the block in GHz, the same for all sides; 0 if it is unknown.
     #[serde(default)]
     pub(crate) clock: f64,
-    /// Share of all the machine's cores that other processes kept busy, 0 to 1: the same for all sides.
+    /// Share of all the machine's cores that other processes kept busy, 0 to 1; the same for all sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) load: Option<f64>,
-    /// What others took from both renders; unknown of programs that do not tell.
+    /// Interference by others during both renders; `None` for programs that do not report it.
     #[serde(default)]
     pub(crate) interference: Option<Interference>,
-    /// Whether that was too much.
+    /// Whether the interference was too strong.
     #[serde(default)]
     pub(crate) contaminated: bool,
 }
 
-/// Lanes of vectors.
+/// Number of vector lanes that were active, and of all that were issued.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lanes {
     pub(crate) active: u64,
     pub(crate) issued: u64,
 }
 
-/// How many times as fast one side was as another: the median over blocks. A side against itself is
-/// the control.
+/// Speed ratio of one side to another: the median over blocks. The ratio of a side to itself is the
+/// control.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Ratio {
     pub(crate) scene: String,
@@ -119,24 +120,24 @@ pub(crate) struct Ratio {
 }
 
 impl Block {
-    /// Rays a second.
+    /// Rays per second.
     pub(crate) fn rays_per_second(&self) -> f64 {
         self.rays.total() as f64 / self.seconds
     }
 
-    /// Camera paths a second.
+    /// Camera paths per second.
     pub(crate) fn paths_per_second(&self) -> f64 {
         self.rays.primary as f64 / self.seconds
     }
 }
 
 impl Run {
-    /// Of each block.
+    /// Camera paths per second in each block.
     pub(crate) fn paths_per_second(&self) -> Vec<f64> {
         self.blocks.iter().map(Block::paths_per_second).collect()
     }
 
-    /// Camera paths a cycle of the clock, of each block; `None` where clocks are not known.
+    /// Camera paths per clock cycle in each block; `None` if a clock is unknown.
     pub(crate) fn paths_per_cycle(&self) -> Option<Vec<f64>> {
         let of = |block: &Block| {
             (block.clock > 0.0).then(|| block.paths_per_second() / (block.clock * 1e9))
@@ -144,18 +145,19 @@ impl Run {
         self.blocks.iter().map(of).collect()
     }
 
-    /// Share of all cores that other processes kept busy: the median over blocks, where it is known.
+    /// Share of all cores that other processes kept busy: the median over blocks, or `None` if the load
+    /// of a block is unknown.
     pub(crate) fn load(&self) -> Option<f64> {
         let loads: Option<Vec<f64>> = self.blocks.iter().map(|block| block.load).collect();
         Some(middle(&sorted(loads?)))
     }
 
-    /// Blocks that others disturbed.
+    /// Number of contaminated blocks.
     pub(crate) fn contaminated(&self) -> usize {
         self.blocks.iter().filter(|block| block.contaminated).count()
     }
 
-    /// The share of lanes that were of use in the traversal; `None` where nothing was counted.
+    /// Share of active lanes in the traversal; `None` if nothing was counted.
     pub(crate) fn occupancy(&self) -> Option<f64> {
         let Counters { lanes_active, lanes_issued, .. } = self.counters;
         (lanes_issued > 0).then(|| lanes_active as f64 / lanes_issued as f64)

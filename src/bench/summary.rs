@@ -1,4 +1,4 @@
-//! From samples to records.
+//! Summarizes samples as records.
 
 use super::block::Series;
 use super::record::{Against, Record, SCHEMA};
@@ -8,7 +8,7 @@ use crate::engine::{Engine, Stage};
 use crate::statistics::Estimate;
 
 impl Bench {
-    /// What `sample` tells.
+    /// Summarizes `sample` as a record.
     pub(crate) fn record(&self, sample: &Sample) -> Record {
         let measured = || {
             let groups = self.groups.iter().zip(&sample.0);
@@ -60,14 +60,15 @@ fn run(group: &Group, side: &Side, series: &Series) -> Run {
     }
 }
 
-/// Of each pair of sides that is worth telling; `other` is the commit of the other program.
+/// Speed ratios of the pairs of sides worth reporting: wavefront to scalar, the control, and each engine
+/// to the same one of the other program, whose commit is `other`.
 fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
     let find = |program, engine| {
         let is = |side: &Side| side.program == program && side.engine == engine;
         group.sides.iter().position(is)
     };
     let name = |side: usize| group.sides[side].engine.name().to_owned();
-    // Series are in the order of turns: those of the sides, then the control.
+    // Series are in the order of turns: one for each side, then the control.
     let ratio = |of: usize, to: usize, to_name: String| Ratio {
         scene: group.task.scene.clone(),
         threads: group.task.threads,
@@ -89,7 +90,7 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
     ratios
 }
 
-/// How many times as fast `of` was as `to`, block by block.
+/// Speed ratio of `of` to `to`, computed block by block.
 fn speed_ratio(of: &[Block], to: &[Block]) -> Estimate {
     Estimate::of_positive(of.iter().zip(to).map(|(of, to)| to.seconds / of.seconds))
 }

@@ -1,100 +1,104 @@
-//! What is said of runs that are compared.
+//! Verdicts on compared runs: improved, same, regressed or unclear.
 
 use serde::{Deserialize, Serialize};
 
 use super::run::{Ratio, Run, Workload};
 use crate::statistics::Estimate;
 
-/// What came of a comparison.
+/// Result of comparing the runs of a record with a reference.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Gate {
-    /// The change that counts: 0.01 for 1%.
+    /// Smallest change that counts: 0.01 for 1%.
     pub(crate) threshold: f64,
-    /// Commit of what was compared with.
+    /// Commit of the baseline or of the other program.
     pub(crate) commit: String,
     pub(crate) verdicts: Vec<Verdict>,
-    /// What was measured again, since something seemed to have changed or was disturbed.
+    /// Further samples, measured because a run seemed to have changed or was disturbed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) again: Vec<Again>,
 }
 
-/// A further sample, of some groups.
+/// A further sample of some groups.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Again {
     pub(crate) runs: Vec<Run>,
     pub(crate) ratios: Vec<Ratio>,
-    /// Of the other program.
+    /// Runs of the other program.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) against: Vec<Run>,
 }
 
-/// Of a run.
+/// Verdict on one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Verdict {
     pub(crate) scene: String,
     pub(crate) engine: String,
     pub(crate) threads: usize,
-    /// Of each sample, the first one first.
+    /// One finding for each sample, in the order of measurement.
     pub(crate) findings: Vec<Finding>,
     pub(crate) outcome: Outcome,
-    /// Why it is unclear, or still the same.
+    /// Why the outcome is unclear, or is `Same` although a sample showed a change.
     #[serde(default)]
     pub(crate) reason: String,
 }
 
-/// What a sample says.
+/// Result of one sample of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Finding {
-    /// How many times as fast it is.
+    /// Speed ratio of the run to its reference.
     pub(crate) change: Estimate,
-    /// Why nothing follows from it.
+    /// Why the sample does not count, if so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) doubt: Option<Doubt>,
 }
 
+/// Reason why a sample does not count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Doubt {
-    /// It does other work.
+    /// The images differ, so the work differs, too.
     Image,
-    /// The baseline was disturbed, or had no control.
+    /// The baseline was disturbed or has no control.
     Baseline,
-    /// Others kept more cores busy than then, or fewer.
+    /// Other processes kept more or fewer cores busy than during the baseline.
     Load,
-    /// Nothing tells how noisy it was.
+    /// There is no control, so the noise is unknown.
     Uncontrolled,
-    /// Others disturbed most blocks.
+    /// Other processes or a hypervisor disturbed most blocks.
     Contaminated,
-    /// The same against the same is not 1.
+    /// The control, the speed ratio of a side to itself, differs too much from 1.
     Control,
 }
 
+/// Whether the speed of a run changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Outcome {
-    /// Faster by more than the threshold, twice.
+    /// Faster by more than the threshold in two samples.
     Improved,
-    /// Neither is shown.
+    /// Neither an improvement nor a regression was shown.
     Same,
-    /// Slower by more than the threshold, twice.
+    /// Slower by more than the threshold in two samples.
     Regressed,
-    /// Nothing can be said, for a reason that is told.
+    /// Undecided, for the reason in [`Verdict::reason`].
     Unclear,
 }
 
 impl Doubt {
     pub(crate) fn reason(self) -> &'static str {
         match self {
-            Self::Image => "another image",
+            Self::Image => "the images differ",
             Self::Baseline => "the baseline was disturbed or has no control",
-            Self::Load => "other processes kept more or fewer cores busy then",
+            Self::Load => {
+                "the load by other processes differs from the baseline by more than 0.1 cores"
+            }
             Self::Uncontrolled => "there is no control",
             Self::Contaminated => "most blocks are contaminated",
-            Self::Control => "the control is not 1",
+            Self::Control => "the control differs from 1 by more than the threshold",
         }
     }
 
-    /// Whether another sample may be free of it.
+    /// Whether another sample may be free of this doubt.
     fn passes(self) -> bool {
         matches!(self, Self::Contaminated | Self::Control | Self::Load)
     }
@@ -111,15 +115,15 @@ impl Outcome {
     }
 }
 
-/// Whether an interval that reaches within the threshold speaks for no change: its median is within, too,
-/// and its ends are not far beyond.
+/// Whether a change that [`decide`] calls `Same` shows that nothing changed: its median is within the
+/// threshold, and its ends are within three times the threshold.
 fn is_same(change: &Estimate, threshold: f64) -> bool {
     let off = |change: f64| change.max(1.0 / change) - 1.0;
     let ends = off(change.lo).max(off(change.hi));
     off(change.median) <= threshold && ends <= 3.0 * threshold
 }
 
-/// Improved or regressed only where the whole interval is beyond the threshold.
+/// Returns `Improved` or `Regressed` if the whole interval is beyond the threshold, else `Same`.
 pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
     if change.lo > 1.0 + threshold {
         Outcome::Improved
@@ -131,7 +135,7 @@ pub(crate) fn decide(change: &Estimate, threshold: f64) -> Outcome {
 }
 
 impl Verdict {
-    /// Of a run that nothing is known of.
+    /// A verdict on a run without findings.
     pub(super) fn new(Workload { scene, engine, threads, .. }: &Workload) -> Self {
         Self {
             scene: scene.clone(),
@@ -147,14 +151,14 @@ impl Verdict {
         (&self.scene, &self.engine, self.threads) == (&work.scene, &work.engine, work.threads)
     }
 
-    /// With what one more sample says.
+    /// Adds the finding of one more sample and updates the outcome.
     pub(super) fn add(&mut self, finding: Finding, threshold: f64) {
         self.findings.push(finding);
         let (outcome, reason) = self.conclude(threshold);
         (self.outcome, self.reason) = (outcome, reason.to_owned());
     }
 
-    /// A change needs two samples that agree, no change one.
+    /// Decides the outcome. A change needs two samples that agree, no change needs one.
     fn conclude(&self, threshold: f64) -> (Outcome, &'static str) {
         let samples: Vec<Outcome> =
             self.counted(threshold).map(|change| decide(change, threshold)).take(2).collect();
@@ -166,10 +170,14 @@ impl Verdict {
             _ => {}
         }
         let doubt = self.findings.last().and_then(|finding| finding.doubt);
-        (Outcome::Unclear, doubt.map_or("it may have changed", Doubt::reason))
+        let limit = match samples[..] {
+            [] => "the interval is not wholly within or beyond the threshold",
+            _ => "one sample is beyond the threshold, two are needed",
+        };
+        (Outcome::Unclear, doubt.map_or(limit, Doubt::reason))
     }
 
-    /// Whether another sample may tell more.
+    /// Whether another sample could settle the outcome.
     pub(super) fn is_open(&self, threshold: f64) -> bool {
         let lasting = |finding: &Finding| finding.doubt.is_some_and(|doubt| !doubt.passes());
         self.outcome == Outcome::Unclear
@@ -177,7 +185,8 @@ impl Verdict {
             && !self.findings.iter().any(lasting)
     }
 
-    /// Of the samples that count: nothing is against them, and they are sure of a change or of none.
+    /// Changes of the samples that count: those without a doubt that clearly show a change or clearly
+    /// show none.
     pub(crate) fn counted(&self, threshold: f64) -> impl Iterator<Item = &Estimate> {
         let clean = self.findings.iter().filter(|finding| finding.doubt.is_none());
         let changes = clean.map(|finding| &finding.change);
@@ -200,7 +209,7 @@ mod tests {
         verdict
     }
 
-    /// One whose interval reaches from there to a little beyond 1.
+    /// A finding whose interval is too wide to show a change or no change.
     fn wide(median: f64) -> Finding {
         let change = Estimate { median, lo: 0.97 * median, hi: 1.03 * median };
         Finding { change, doubt: None }
@@ -216,7 +225,14 @@ mod tests {
     fn a_change_needs_two_samples_that_agree() {
         let (slow, same, fast) = ((0.97, None), (1.0, None), (1.03, None));
         assert_eq!(told(&[same]), (Outcome::Same, String::new(), false));
-        assert_eq!(told(&[slow]), (Outcome::Unclear, "it may have changed".to_owned(), true));
+        assert_eq!(
+            told(&[slow]),
+            (
+                Outcome::Unclear,
+                "one sample is beyond the threshold, two are needed".to_owned(),
+                true
+            )
+        );
         assert_eq!(told(&[slow, slow]), (Outcome::Regressed, String::new(), false));
         assert_eq!(told(&[fast, fast]), (Outcome::Improved, String::new(), false));
         assert_eq!(told(&[slow, same]), (Outcome::Same, "not confirmed".to_owned(), false));

@@ -1,4 +1,4 @@
-//! Checkpoints in files.
+//! Reads and writes checkpoint files.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -8,25 +8,25 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Checkpoint, Identity, Shard};
+use super::{Checkpoint, Identity, Part, Shard};
 use crate::engine::{Rendering, Tally};
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
 use crate::limits::{Limits, check_image, check_sampling};
-use crate::output::Pending;
+use crate::output::write_atomically;
 
-/// The first line.
+/// First line of a checkpoint file.
 const MAGIC: &[u8] = b"ptfast film\n";
-/// The version of the format.
+/// Version of the format.
 const SCHEMA: u32 = 2;
-/// Bytes of the second line, at most.
+/// Maximum length of the second line in bytes.
 const MOST_HEADER: u64 = 1 << 16;
-/// A file of so many bytes is hashed in a second, whatever its header says.
+/// Largest file that is hashed even if its header is invalid, which takes about a second.
 const SOON_HASHED: u64 = 1 << 30;
-/// Longer than any render, and few enough for sums of many.
+/// Maximum time in seconds: longer than any render, but small enough to add many of them.
 const MOST_SECONDS: f64 = 1e12;
-/// More than any render has of anything, and few enough for sums of many.
+/// Maximum count: more than any render reaches, but small enough to add many of them.
 const MOST_COUNT: u64 = 1 << 53;
 
 #[derive(Serialize, Deserialize)]
@@ -42,19 +42,11 @@ struct Header {
 }
 
 impl Checkpoint {
-    /// Writes it to `path`: whole or not at all.
+    /// Writes the checkpoint to `path`, completely or not at all.
     ///
     /// # Errors
-    /// Where `path` cannot be written.
+    /// If `path` cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.pending(path)?.replace(path)
-    }
-
-    /// Writes it as a file that is to be in the folder of `path`.
-    ///
-    /// # Errors
-    /// As [`write`](Self::write).
-    pub(crate) fn pending(&self, path: &Path) -> Result<Pending> {
         let Rendering { film, tally, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
@@ -66,9 +58,9 @@ impl Checkpoint {
             tally: tally.clone(),
             seconds: *seconds,
         };
-        Pending::new(path, |file| {
+        write_atomically(path, |file| {
             let hashing = Hashing { inner: file, hasher: blake3::Hasher::new() };
-            // Hashes are made of many bytes at once.
+            // Hashing is faster with many bytes at once.
             let mut file = BufWriter::with_capacity(1 << 16, hashing);
             file.write_all(MAGIC)?;
             serde_json::to_writer(&mut file, &header)?;
@@ -79,26 +71,19 @@ impl Checkpoint {
         })
     }
 
-    /// Reads one from `path`, within `limits`.
+    /// Reads a checkpoint from `path`, within `limits`.
     ///
     /// # Errors
-    /// Where the file cannot be read, is no checkpoint, of a version that is not known, damaged, or beyond a
+    /// If the file cannot be read, is not a checkpoint, has an unsupported version, is damaged, or exceeds a
     /// limit.
     pub fn read(path: &Path, limits: &Limits) -> Result<Self> {
         let bad = |message: String| Error::input(path.display().to_string(), "", message);
         let failed = |error| Error::io(path, "read")(error);
-        let length = input::length(path)?;
-        let mut file = File::open(path).map(BufReader::new).map_err(failed)?;
-        let mut magic = [0; MAGIC.len()];
-        if length < MAGIC.len() as u64 || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
-            return Err(bad("not a checkpoint of ptfast".to_owned()));
-        }
-        let mut line = Vec::new();
-        file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
+        let (length, mut file, line) = open(path)?;
         let is_whole = |file: &mut BufReader<File>| {
             file.rewind().and_then(|()| is_whole(file, length)).map_err(failed)
         };
-        let damaged = || bad("damaged: it is not what ptfast wrote".to_owned());
+        let damaged = || bad("damaged: the content is not as ptfast wrote it".to_owned());
         let header = match header(&line) {
             Ok(header) => header,
             Err(message) if length <= SOON_HASHED && is_whole(&mut file)? => {
@@ -111,12 +96,12 @@ impl Checkpoint {
         limits.check_image(area.pixels(), Film::memory(area, first..end)).map_err(bad)?;
         let before = MAGIC.len() + line.len();
         let of_film = length.saturating_sub((before + blake3::OUT_LEN) as u64);
-        // At least the end of each pixel's samples.
+        // The film has at least 4 bytes for each pixel, the end of its samples.
         if of_film < 4 * area.pixels() {
-            return Err(bad("damaged: the film ends early".to_owned()));
+            return Err(bad("damaged: the film is too short".to_owned()));
         }
         if of_film > Film::most_bytes(area, first..end) {
-            return Err(bad("damaged: the film ends late".to_owned()));
+            return Err(bad("damaged: the film is too long".to_owned()));
         }
         if !is_whole(&mut file)? {
             return Err(damaged());
@@ -125,23 +110,49 @@ impl Checkpoint {
         let mut sums = file.take(of_film);
         let film = Film::read(area, first..end, &mut sums).map_err(|error| match error.kind() {
             ErrorKind::InvalidData => bad(format!("damaged: {error}")),
-            ErrorKind::UnexpectedEof => bad("damaged: the film ends early".to_owned()),
+            ErrorKind::UnexpectedEof => bad("damaged: the film is too short".to_owned()),
             _ => failed(error),
         })?;
         if sums.limit() > 0 {
-            return Err(bad("damaged: the film ends late".to_owned()));
+            return Err(bad("damaged: the film is too long".to_owned()));
         }
         let has = |x, y| shard.is_none_or(|shard| shard.has(identity.width, x, y));
         if !film.is_of(has) {
-            return Err(bad("damaged: its pixels are not those of its shard".to_owned()));
+            return Err(bad("damaged: the pixels are not those of its shard".to_owned()));
         }
         let mut rendering = Rendering::new(film);
         (rendering.tally, rendering.seconds) = (tally, seconds);
         Ok(Self { scene, identity, shard, rendering })
     }
+
+    /// Reads which part of which render the checkpoint at `path` holds, without reading the film.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its header is not that of a checkpoint.
+    pub(crate) fn read_part(path: &Path) -> Result<Part> {
+        let (_, _, line) = open(path)?;
+        let bad = |message| Error::input(path.display().to_string(), "", message);
+        let Header { identity, shard, samples: [first, end], .. } = header(&line).map_err(bad)?;
+        Ok(Part { identity, shard, samples: first..end })
+    }
 }
 
-/// Whether a file of so many bytes ends with the hash of what comes before.
+/// Opens a checkpoint and returns its length in bytes, the file positioned after the second line, and that
+/// line.
+fn open(path: &Path) -> Result<(u64, BufReader<File>, Vec<u8>)> {
+    let failed = |error| Error::io(path, "read")(error);
+    let length = input::length(path)?;
+    let mut file = File::open(path).map(BufReader::new).map_err(failed)?;
+    let mut magic = [0; MAGIC.len()];
+    if length < MAGIC.len() as u64 || file.read_exact(&mut magic).is_err() || magic != *MAGIC {
+        return Err(Error::input(path.display().to_string(), "", "not a checkpoint of ptfast"));
+    }
+    let mut line = Vec::new();
+    file.by_ref().take(MOST_HEADER).read_until(b'\n', &mut line).map_err(failed)?;
+    Ok((length, file, line))
+}
+
+/// Whether a file of `length` bytes ends with the hash of all bytes before the hash.
 fn is_whole(mut file: impl Read, length: u64) -> io::Result<bool> {
     let mut hasher = blake3::Hasher::new();
     let before = length.saturating_sub(blake3::OUT_LEN as u64);
@@ -151,13 +162,12 @@ fn is_whole(mut file: impl Read, length: u64) -> io::Result<bool> {
     Ok(hash == hasher.finalize().as_bytes())
 }
 
-/// The header in the second line, checked.
+/// Parses and checks the header, which is the second line of a file.
 fn header(line: &[u8]) -> Result<Header, String> {
     let wrong = |error: serde_json::Error| format!("header: {error}");
     let header: Value = serde_json::from_slice(line).map_err(wrong)?;
     if header["schema"] != SCHEMA {
-        let message =
-            format!("version {} of checkpoints is not known, {SCHEMA} is", header["schema"]);
+        let message = format!("version {} is not supported, it must be {SCHEMA}", header["schema"]);
         return Err(message);
     }
     let header: Header = serde_json::from_value(header).map_err(wrong)?;
@@ -165,26 +175,28 @@ fn header(line: &[u8]) -> Result<Header, String> {
         header.identity;
     check_image(width, height).and_then(|()| check_sampling(spp, depth))?;
     if !(left < right && right <= width && upper < lower && lower <= height) {
-        return Err(format!("the crop is not within {width} x {height}"));
+        return Err(format!("the crop is not within the image of {width} x {height} pixels"));
     }
     if header.shard.is_some_and(|Shard { index, count }| index >= count) {
-        return Err("the shard is none of so many".to_owned());
+        return Err("the shard index must be less than the shard count".to_owned());
     }
     let Header { tally, seconds, .. } = &header;
     if !(0.0..=MOST_SECONDS).contains(seconds) {
-        return Err("the seconds are none".to_owned());
+        return Err("the seconds must be 0 to 1e12".to_owned());
     }
     if tally.counts().any(|count| count > MOST_COUNT) {
-        return Err("the counts are none".to_owned());
+        return Err("each count must be at most 2^53".to_owned());
     }
     let [first, end] = header.samples;
     if !(first.is_multiple_of(CHUNK) && first < end && end <= spp) {
-        return Err(format!("the samples {first}..{end} cannot be of {spp}"));
+        return Err(format!(
+            "the samples {first}..{end} must begin at a multiple of {CHUNK} and end after it, at {spp} or less"
+        ));
     }
     Ok(header)
 }
 
-/// Hashes what goes through.
+/// A writer that hashes all bytes that pass through it.
 struct Hashing<'a, W> {
     inner: &'a mut W,
     hasher: blake3::Hasher,

@@ -1,4 +1,6 @@
-//! What decides an image, as checkpoints and image files name it.
+//! The identity of an image: the scene and settings that decide its bits.
+//!
+//! Checkpoints and image files store it.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -8,38 +10,38 @@ use crate::film::Tile;
 use crate::image::Metadata;
 use crate::scene::Scene;
 
-/// Scene and settings that decide an image: renders of equal identity have equal bits.
+/// Scene and settings that decide an image. Renders of equal identity have equal bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identity {
-    /// The version of the arithmetic, [`BITS`].
+    /// Version of the arithmetic, [`BITS`].
     pub bits: u32,
-    /// The hash of the scene.
+    /// Hash of the scene.
     pub scene_hash: String,
     /// Width of the whole image.
     pub width: u32,
     /// Height of the whole image.
     pub height: u32,
-    /// What is rendered of it: left, upper, right and lower edge.
+    /// Rendered part of the image: left, upper, right and lower edge.
     pub crop: [u32; 4],
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub spp: u32,
-    /// Most segments of a path.
+    /// Maximum number of segments of a path.
     pub depth: u32,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How light is found.
+    /// Name of the sampling strategy for light.
     pub sampling: String,
-    /// Where random numbers are from.
+    /// Name of the sampler, which provides the random numbers.
     pub sampler: String,
-    /// Whether paths of little weight end early.
+    /// Whether paths of little weight end early by Russian roulette.
     pub roulette: bool,
-    /// The largest component that a sample may have; none where all may be as large as they are.
+    /// Limit for the components of a sample; `None` for no limit.
     pub clamp: Option<f32>,
 }
 
 impl Identity {
-    /// Of a render of `crop`, a part of the image.
+    /// Identity of a render of `crop`, a part of the image.
     pub fn new(scene: &Scene, settings: &RenderSettings, crop: Tile) -> Self {
         let Tile { x, y, width, height } = crop;
         Self {
@@ -59,13 +61,13 @@ impl Identity {
         }
     }
 
-    /// The part of the image.
+    /// The rendered part of the image.
     pub fn area(&self) -> Tile {
         let [x, y, right, lower] = self.crop;
         Tile { x, y, width: right - x, height: lower - y }
     }
 
-    /// The first field in which the two differ, with the value here and there.
+    /// The first field that differs, with its values in `self` and in `other`.
     pub fn difference(&self, other: &Self) -> Option<(&'static str, Value, Value)> {
         let pairs = self.fields().into_iter().zip(other.fields());
         let mut differ = pairs.filter(|((_, here), (_, there))| here != there);
@@ -89,8 +91,8 @@ impl Identity {
         ]
     }
 
-    /// What an image file says of itself: the same for equal renders, whatever engine, threads or
-    /// machine made them.
+    /// Metadata of an image file whose pixels have this `hash`. It is the same for equal renders,
+    /// whatever engine, number of threads or machine rendered them.
     pub fn metadata(&self, hash: &str) -> Metadata {
         let mut settings = json!({
             "bits": self.bits,

@@ -1,30 +1,32 @@
-//! A whole render of its parts.
+//! Merges the parts of a render into the whole.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::{Checkpoint, Identity};
+use super::{Checkpoint, Identity, Shard};
 use crate::engine::Rendering;
 use crate::error::{Error, Result};
 use crate::film::{Conflict, Film, Sample};
+use crate::image::Image;
 use crate::limits::{Limit, Limits};
 
-/// The render of which `files` are all parts: shards, ranges of samples, or both. `limits` hold for each.
+/// Merges `files`, the parts of one render: shards, ranges of samples, or both. `limits` apply to each part,
+/// and the limit of memory also to the whole together with the largest part.
 ///
 /// # Errors
-/// Where a file cannot be read, is of another render than the first, is not done or overlaps with another;
-/// where a part is missing.
+/// If a file cannot be read, belongs to another render than the first, is not complete or overlaps with
+/// another, if a part is missing, or if a limit is exceeded.
 pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
-    let parts = files.iter().map(|file| Part::read(file, limits));
+    let parts = files.iter().map(|file| PartFile::read(file, limits));
     let mut parts = parts.collect::<Result<Vec<_>>>()?;
     let Some(first) = parts.first() else {
-        return Err(Error::Usage("there is nothing to be merged".to_owned()));
+        return Err(Error::Usage("there are no parts to merge".to_owned()));
     };
     let (scene, identity) = (first.scene.clone(), first.identity.clone());
     for part in &parts {
         part.check(first)?;
     }
-    // One film at a time is in memory, beside the whole.
+    // Memory holds the whole and one part at a time.
     let memory = |samples: &Range<u32>| Film::memory(identity.area(), samples.clone());
     let largest = parts.iter().map(|part| memory(&part.samples)).max().unwrap_or(0);
     limits.check(Limit::Memory, largest + memory(&(0..identity.spp))).map_err(Error::Usage)?;
@@ -37,43 +39,59 @@ pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
             Some(Conflict::Twice(sample)) => {
                 return Err(twice(part, &parts[..number], sample, limits)?);
             }
-            Some(Conflict::Missing(sample)) => return Err(missing(files, sample)),
+            Some(Conflict::Missing(sample)) => return Err(missing(&parts, sample)),
         }
     }
     match whole.film.missing() {
-        Some(sample) => Err(missing(files, sample)),
+        Some(sample) => Err(missing(&parts, sample)),
         None => Ok(Checkpoint { scene, identity, shard: None, rendering: whole }),
     }
 }
 
-/// What is known of a part before its film is read again.
-struct Part<'a> {
+/// Description of a part. Its film is read again when it is merged, to save memory.
+struct PartFile<'a> {
     file: &'a Path,
     scene: String,
     identity: Identity,
+    shard: Option<Shard>,
     samples: Range<u32>,
     percent: Option<u64>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> PartFile<'a> {
     fn read(file: &'a Path, limits: &Limits) -> Result<Self> {
-        let there = Checkpoint::read(file, limits)?;
-        let percent = (!there.is_complete()).then(|| there.percent());
-        let samples = there.rendering.film.samples();
-        Ok(Self { file, scene: there.scene, identity: there.identity, samples, percent })
+        Ok(Self::of(file, &Checkpoint::read(file, limits)?))
     }
 
-    /// Whether it is a part of the same render as `first`, and done.
+    fn of(file: &'a Path, part: &Checkpoint) -> Self {
+        Self {
+            file,
+            scene: part.scene.clone(),
+            identity: part.identity.clone(),
+            shard: part.shard,
+            samples: part.rendering.film.samples(),
+            percent: (!part.is_complete()).then(|| part.percent()),
+        }
+    }
+
+    /// Checks that the part belongs to the same render as `first`.
+    fn check_identity(&self, first: &Self) -> Result<()> {
+        let Some((field, here, there)) = self.identity.difference(&first.identity) else {
+            return Ok(());
+        };
+        let first = first.file.display();
+        let message = format!(
+            "belongs to a render with {field} {here}, but {first} to one with {field} {there}"
+        );
+        Err(Error::input(self.file.display().to_string(), "", message))
+    }
+
+    /// Checks that the part belongs to the same render as `first` and is complete.
     fn check(&self, first: &Self) -> Result<()> {
-        let bad = |message| Err(Error::input(self.file.display().to_string(), "", message));
-        if let Some((field, here, there)) = self.identity.difference(&first.identity) {
-            let first = first.file.display();
-            return bad(format!("is of a render with {field} {here}, {first} of one with {there}"));
-        }
-        if let Some(percent) = self.percent {
-            return bad(format!("is not done, but to {percent}%: go on with --resume"));
-        }
-        Ok(())
+        self.check_identity(first)?;
+        let Some(percent) = self.percent else { return Ok(()) };
+        let message = format!("is only {percent}% complete: continue this part before merging");
+        Err(Error::input(self.file.display().to_string(), "", message))
     }
 }
 
@@ -81,8 +99,13 @@ fn describe((x, y, sample): Sample) -> String {
     format!("sample {sample} of pixel {x},{y}")
 }
 
-/// That `part` has a sample which one of `before` has, too.
-fn twice(part: &Part<'_>, before: &[Part<'_>], sample: Sample, limits: &Limits) -> Result<Error> {
+/// The error for a `sample` of `part` that one of the parts `before` also has.
+fn twice(
+    part: &PartFile<'_>,
+    before: &[PartFile<'_>],
+    sample: Sample,
+    limits: &Limits,
+) -> Result<Error> {
     let mut other = None;
     for before in before {
         if Checkpoint::read(before.file, limits)?.rendering.film.has(sample) {
@@ -91,11 +114,78 @@ fn twice(part: &Part<'_>, before: &[Part<'_>], sample: Sample, limits: &Limits) 
         }
     }
     let other = other.unwrap_or_default();
-    let message = format!("{} is in {other}, too", describe(sample));
+    let message = format!("{} is also in {other}: parts must not overlap", describe(sample));
     Ok(Error::input(part.file.display().to_string(), "", message))
 }
 
-fn missing(files: &[PathBuf], sample: Sample) -> Error {
-    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    Error::input(names.join(", "), "", format!("{} is in none of these", describe(sample)))
+/// The error that `sample` is in no part. For shards of tiles, it names the missing shards.
+fn missing(parts: &[PartFile<'_>], sample: Sample) -> Error {
+    let names: Vec<String> = parts.iter().map(|part| part.file.display().to_string()).collect();
+    let shards: Option<Vec<Shard>> = parts.iter().map(|part| part.shard).collect();
+    let message = match shards.as_deref() {
+        Some([first, others @ ..]) if others.iter().all(|shard| shard.count == first.count) => {
+            let indices = || [first].into_iter().chain(others).map(|shard| shard.index);
+            let absent =
+                (0..first.count).filter(|&index| indices().all(|present| present != index));
+            // Many shards can be missing.
+            let absent: Vec<String> =
+                absent.take(10).map(|index| format!("{index}/{}", first.count)).collect();
+            match absent.is_empty() {
+                true => format!("{} is missing: add its part", describe(sample)),
+                false => format!("shards are missing: {}", absent.join(", ")),
+            }
+        }
+        _ => format!("{} is missing: add its part", describe(sample)),
+    };
+    Error::input(names.join(", "), "", message)
+}
+
+/// The image of the samples that are finished in parts of a render.
+pub(crate) struct PartialRender {
+    /// The name of the scene.
+    pub(crate) scene: String,
+    /// The mean of each pixel's finished samples; black for pixels without one.
+    pub(crate) image: Image,
+    /// Number of finished samples.
+    pub(crate) samples: u64,
+    /// Samples per pixel of the complete render.
+    pub(crate) spp: u32,
+}
+
+/// Averages the samples that are finished in `files`, which may be unfinished parts of one render, and need not be
+/// all parts.
+///
+/// # Errors
+/// If a file cannot be read, belongs to another render than the first, or exceeds a limit.
+pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<PartialRender> {
+    let mut first: Option<PartFile<'_>> = None;
+    let (mut sums, mut counts) = (Vec::new(), Vec::new());
+    for file in files {
+        let part = Checkpoint::read(file, limits)?;
+        let known = PartFile::of(file, &part);
+        match &first {
+            Some(first) => known.check_identity(first)?,
+            None => {
+                let pixels = known.identity.area().pixels() as usize;
+                (sums, counts) = (vec![[0.0f64; 3]; pixels], vec![0u64; pixels]);
+                first = Some(known);
+            }
+        }
+        let film = &part.rendering.film;
+        let pixels =
+            sums.iter_mut().zip(&mut counts).zip(film.means()?.into_iter().zip(film.counts()));
+        for ((sum, count), (mean, samples)) in pixels.filter(|(_, (_, samples))| *samples > 0) {
+            let add = |axis: usize| sum[axis] + f64::from(mean[axis]) * f64::from(samples);
+            *sum = [add(0), add(1), add(2)];
+            *count += u64::from(samples);
+        }
+    }
+    let Some(PartFile { scene, identity, .. }) = first else {
+        return Err(Error::Usage("there are no parts to merge".to_owned()));
+    };
+    let mean = |(sum, count): (&[f64; 3], &u64)| sum.map(|c| (c / (*count).max(1) as f64) as f32);
+    let pixels = sums.iter().zip(&counts).map(mean).collect();
+    let (area, spp) = (identity.area(), identity.spp);
+    let image = Image::from_pixels(area.width, area.height, pixels);
+    Ok(PartialRender { scene, image, samples: counts.iter().sum(), spp })
 }

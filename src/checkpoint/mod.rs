@@ -1,14 +1,16 @@
-//! Checkpoints: renders under way, and parts of renders, as files that can be continued and merged.
+//! Checkpoints: unfinished renders and parts of renders, in files that can be continued and merged.
 //!
-//! A file is a line that says what it is, a line of JSON, the film in binary, and a BLAKE3 hash of all that:
+//! A file consists of a line that identifies the format, a line of JSON, the film in binary, and a BLAKE3
+//! hash of everything before it:
 //! ```text
 //! ptfast film
 //! {"schema":2,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"tally":{...},"seconds":1.5}
-//! for each pixel of the crop, row by row: one past its last finished sample, u32; u32::MAX if the pixel is not in it
+//! for each pixel of the crop, row by row: one past its last finished sample, u32; u32::MAX if the pixel is in another shard
 //! the first kept sum of each pixel that has one: 3 f32; the second of each that has two; ...
 //! 32 bytes
 //! ```
-//! All numbers are little-endian. Which sums are kept follows from the samples ([`crate::film`]).
+//! All numbers are little-endian. The finished samples of a pixel determine which sums it has; see
+//! [`crate::film`].
 
 mod file;
 mod identity;
@@ -16,81 +18,111 @@ mod merge;
 mod shard;
 
 pub use identity::Identity;
-pub(crate) use merge::merge;
+pub(crate) use merge::{PartialRender, merge, merge_partial};
 pub(crate) use shard::Shard;
 
 use std::ops::Range;
 
 use crate::engine::Rendering;
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::film::Film;
 
-/// A render under way, or a part of one.
+/// The state of a render, or of a part of one.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
-    /// The name of its scene.
+    /// Name of the scene.
     pub scene: String,
-    /// What decides its image.
+    /// Scene and settings that decide the image.
     pub identity: Identity,
-    /// Which of its pixels, where not all.
+    /// The shard to render; `None` for all pixels of the crop.
     pub shard: Option<Shard>,
-    /// What there is of it.
+    /// The samples rendered so far, with their statistics.
     pub rendering: Rendering,
 }
 
-impl Checkpoint {
-    /// Whether it is of this render, of this shard and these samples, however far it is.
-    pub fn is_of(&self, wanted: &Identity, shard: Option<Shard>, samples: &Range<u32>) -> bool {
-        self.identity == *wanted && self.shard == shard && self.rendering.film.samples() == *samples
+/// Which part of which render a checkpoint holds. Equal parts have equal bits once they are complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Scene and settings.
+    pub identity: Identity,
+    /// The shard; `None` for all pixels of the crop.
+    pub shard: Option<Shard>,
+    /// The samples of each pixel.
+    pub samples: Range<u32>,
+}
+
+impl Part {
+    /// Whether the part is the whole render: all pixels of the crop and all samples.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.shard.is_none() && self.samples == (0..self.identity.spp)
     }
 
-    /// Whether nothing is left to be done for it.
+    /// A film for the part, without any samples.
+    ///
+    /// # Errors
+    /// [`Error::Resource`](crate::Error::Resource) if there is not enough memory.
+    pub(crate) fn empty_film(&self) -> Result<Film> {
+        let mut film = Film::new(self.identity.area(), self.samples.clone())?;
+        if let Some(shard) = self.shard {
+            film.retain(|x, y| shard.has(self.identity.width, x, y));
+        }
+        Ok(film)
+    }
+
+    /// Why a checkpoint of this part cannot be continued as `wanted`; `None` if it can. A checkpoint that
+    /// includes its render's last sample can be continued with more samples.
+    pub fn mismatch(&self, wanted: &Self) -> Option<String> {
+        let mut extended = self.clone();
+        let ends = |part: &Self| part.samples.end == part.identity.spp;
+        if ends(self) && ends(wanted) && self.identity.spp < wanted.identity.spp {
+            extended.identity.spp = wanted.identity.spp;
+            extended.samples.end = wanted.samples.end;
+        }
+        let Self { identity, shard, samples } = extended;
+        if let Some((field, here, wanted)) = identity.difference(&wanted.identity) {
+            return Some(format!("belongs to a render with {field} {here}, not {wanted}"));
+        }
+        if shard != wanted.shard {
+            let name = |shard: Option<Shard>| match shard {
+                Some(Shard { index, count }) => format!("shard {index}/{count}"),
+                None => "the whole image".to_owned(),
+            };
+            return Some(format!("holds {}, not {}", name(shard), name(wanted.shard)));
+        }
+        let name = |Range { start, end }: &Range<u32>| format!("{start}..{end}");
+        (samples != wanted.samples)
+            .then(|| format!("holds the samples {}, not {}", name(&samples), name(&wanted.samples)))
+    }
+}
+
+impl Checkpoint {
+    /// The part of a render that the checkpoint holds.
+    pub fn part(&self) -> Part {
+        let samples = self.rendering.film.samples();
+        Part { identity: self.identity.clone(), shard: self.shard, samples }
+    }
+
+    /// Whether all samples are done.
     pub fn is_complete(&self) -> bool {
         let film = &self.rendering.film;
         film.samples_done() == film.samples_to_do()
     }
 
-    /// How much of it is done.
+    /// The percentage of the samples that are done, rounded down.
     pub fn percent(&self) -> u64 {
         let film = &self.rendering.film;
         film.samples_done() * 100 / film.samples_to_do().max(1)
     }
 
-    /// Prepares the render of `wanted`, of so many `samples` a pixel, to be continued from here. There may be
-    /// more samples than there were to be.
+    /// Returns the rendering, ready to be continued as `wanted`, which may have more samples.
     ///
     /// # Errors
-    /// [`Error::Input`] that names the first difference that matters; `file` is where this is from.
-    pub fn resume(
-        mut self,
-        file: &str,
-        wanted: &Identity,
-        shard: Option<Shard>,
-        samples: Range<u32>,
-    ) -> Result<Rendering> {
-        let rendering = &mut self.rendering;
-        let grows = rendering.film.samples().end == self.identity.spp && samples.end == wanted.spp;
-        if grows && self.identity.spp < wanted.spp {
-            self.identity.spp = wanted.spp;
-            rendering.film.grow(samples.end);
+    /// The reason, if the checkpoint holds another render or another part; see [`Part::mismatch`].
+    pub fn resume(mut self, wanted: &Part) -> Result<Rendering, String> {
+        if let Some(mismatch) = self.part().mismatch(wanted) {
+            return Err(mismatch);
         }
-        if let Some((field, here, wanted)) = self.identity.difference(wanted) {
-            let message = format!("is of a render with {field} {here}, not {wanted}");
-            return Err(Error::input(file, "", message));
-        }
-        if self.shard != shard {
-            let name = |shard: Option<Shard>| match shard {
-                Some(Shard { index, count }) => format!("shard {index}/{count}"),
-                None => "all shards".to_owned(),
-            };
-            let message = format!("is of {}, not of {}", name(self.shard), name(shard));
-            return Err(Error::input(file, "", message));
-        }
-        if self.rendering.film.samples() != samples {
-            let Range { start, end } = self.rendering.film.samples();
-            let message =
-                format!("is of the samples {start}..{end}, not {}..{}", samples.start, samples.end);
-            return Err(Error::input(file, "", message));
-        }
+        self.rendering.film.grow(wanted.samples.end);
         Ok(self.rendering)
     }
 }

@@ -1,31 +1,32 @@
-//! Shards: one of every N tiles of an image.
+//! Shards: parts of an image that consist of one of every N tiles.
 
 use serde::{Deserialize, Serialize};
 
 use crate::math::random::mix32;
 
-/// Side of the tiles.
+/// Side of a tile in pixels.
 const TILE: u32 = 32;
 
-/// Of every `count` consecutive tiles of an image one: which, differs at random, so that no shard is a few columns.
+/// One of every `count` consecutive tiles of an image. The choice is pseudo-random, so that no shard consists of just
+/// a few columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
-    /// Its number, from 0.
+    /// Number of this shard, from 0.
     pub index: u32,
-    /// How many there are.
+    /// Number of all shards.
     pub count: u32,
 }
 
 impl Shard {
-    /// Whether pixel `(x, y)` of an image of this width is in it.
+    /// Whether the shard contains pixel `(x, y)` of an image of this width.
     pub fn has(&self, width: u32, x: u32, y: u32) -> bool {
         let tile = y / TILE * width.div_ceil(TILE) + x / TILE;
         index_of(tile, self.count) == self.index
     }
 }
 
-/// Which of `count` shards a tile is in.
+/// Index of the shard, of `count` shards, that contains a tile.
 fn index_of(tile: u32, count: u32) -> u32 {
     (tile + mix32(tile / count) % count) % count
 }
@@ -36,8 +37,8 @@ mod tests {
 
     use super::*;
 
-    /// Every number of shards: each tile is in one, all have the same number of tiles but for one, and none is a few
-    /// columns or rows, which might take longer than others.
+    /// For every number of shards, each tile is in exactly one shard, the numbers of tiles differ by at most one, and
+    /// no shard consists of just a few columns or rows, which might take longer than others.
     #[test]
     fn shards_are_disjoint_equal_and_spread() {
         for (width, height) in [(400, 400), (600, 600), (1280, 720), (1920, 1080), (33, 1)] {

@@ -1,114 +1,136 @@
-//! The arguments, parsed by clap.
+//! The commands and their arguments, which clap parses.
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
 use super::bench_args::BenchArgs;
+use super::checkpoint_args::CheckpointArgs;
+use super::compare::CompareArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
-use super::keep_args::KeepArgs;
-use super::limits::LimitArgs;
+use super::figures::FiguresArgs;
+use super::limits::SceneLimitArgs;
 use super::merge::MergeArgs;
 use super::named::named;
 use super::path::PathArgs;
-use super::progress::Telling;
-use super::sample_args::SampleArgs;
+use super::progress::ProgressMode;
+use super::rays::RaysArgs;
+use super::sample_args::{SampleArgs, SceneArg};
 use super::share::ShareArgs;
-use crate::accel::Kernel;
+use super::trace::TraceArgs;
 use crate::engine::{Engine, Pin};
 use crate::image::Transfer;
-use crate::limits::{MAX_RAYS, MAX_SPP, MAX_THREADS, MAX_WAVE};
+use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
 
-/// A CPU path tracer: same seed, same bits.
+const EXAMPLES: &str = "\
+Examples:
+  ptfast render spheres                    render a built-in scene
+  ptfast render my.ron --spp 64 -o my.exr  render a scene file
+  ptfast render bunny.obj                  show a mesh
+  ptfast scenes show cornell > my.ron      start a scene of your own
+  ptfast bench --quick                     measure the speed";
+
 #[derive(Debug, Parser)]
-#[command(name = "ptfast", version, about, max_term_width = 100)]
+#[command(name = "ptfast", version, about, max_term_width = 100, after_help = EXAMPLES)]
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
+    /// With --version: also print commit, instruction set and compiler
+    #[arg(short, long)]
+    verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Render a scene to an image file
-    Render(RenderArgs),
-    /// Make one image of the parts of a render
+    Render(Box<RenderArgs>),
+    /// Join the parts of a render, or write the picture of an unfinished one
     Merge(MergeArgs),
     /// List, show or check scenes
     Scenes(ScenesArgs),
-    /// Render the report's six figures and a page that shows them
+    /// Render the six figures of the report, with a page that shows them
     Figures(FiguresArgs),
-    /// Tell how two images differ
+    /// Measure how two images differ
     Compare(CompareArgs),
-    /// Write the rays that a render of a scene traces, with their hits
+    /// Record the rays of a render and their hits, for `trace` and other programs
     Rays(RaysArgs),
-    /// Trace one sample of one pixel with the reference engine, and tell its rays
+    /// Trace one sample of one pixel and print each ray
     Path(PathArgs),
-    /// Replay rays through each kernel, check every hit, and tell the speed
+    /// Replay recorded rays through each kernel, check every hit, and measure the speed
     Trace(TraceArgs),
-    /// Tell how fast scenes are rendered, by each engine, and whether that has changed
+    /// Measure the speed of renders, and compare it with a baseline or another build
     Bench(BenchArgs),
-    /// Tell how the error of pictures falls with samples and seconds
+    /// Measure how the error falls with samples and seconds
     Converge(ConvergeArgs),
-    /// Make a page of bench records: speed over commits, stages, lanes, counters
+    /// Write a page that shows the speed over many bench records
     Dashboard(DashboardArgs),
 }
+
+const IMAGE: &str = "Image";
+const SPEED: &str = "Speed";
+const REPORTS: &str = "Reports";
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) sample: SampleArgs,
-    /// Samples a pixel [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    /// Samples per pixel [default: the scene's]
+    #[arg(long, alias = "samples", value_name = "N", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     pub(super) spp: Option<u32>,
-    /// Scale samples down whose largest component is above this: hides fireflies, loses energy [default:
-    /// no clamping]
-    #[arg(long, value_name = "RADIANCE")]
+    /// Scale down samples with a component above this value. Hides fireflies, but loses energy [default: no
+    /// clamping]
+    #[arg(long, value_name = "RADIANCE", help_heading = IMAGE)]
     pub(super) clamp: Option<f32>,
-    /// Image file: .png, .exr, .hdr or .pfm, or .film, which can be continued and merged [default: the
-    /// scene's name with .png, or .film for a part]
-    #[arg(short, long, value_name = "FILE")]
+    /// Output file: an image (.png, .exr, .hdr, .pfm), a .film that can be continued and merged, or - for a PNG on
+    /// standard output [default: SCENE.png, or .film for a part]
+    #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]
     pub(super) output: Option<PathBuf>,
-    /// Worker threads; the image does not depend on them [default: one for each core that may be used]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
-    pub(super) threads: Option<u32>,
-    /// Engine; the image does not depend on it
-    #[arg(long, value_name = "ENGINE", default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
-    pub(super) engine: Engine,
     /// Transfer curve of 8-bit files
-    #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
+    #[arg(long, value_name = "GAMMA", help_heading = IMAGE, default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     pub(super) gamma: Transfer,
-    /// Paths that a worker traces at once; the image does not depend on it
-    #[arg(long, value_name = "PATHS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WAVE)))]
-    pub(super) wave_size: Option<u32>,
-    /// Whether threads stay on one core each; auto: where there is one for each core
-    #[arg(long, value_name = "PIN", default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
-    pub(super) pin: Pin,
-    /// Work as a plan says, which --json wrote, instead of by its own
-    #[arg(long, value_name = "FILE", conflicts_with = "wave_size")]
-    pub(super) plan: Option<PathBuf>,
+    /// Do nothing if the output file is complete and has the same scene, settings and seed
+    #[arg(long, help_heading = IMAGE)]
+    pub(super) skip_complete: bool,
     #[command(flatten)]
     pub(super) share: ShareArgs,
     #[command(flatten)]
-    pub(super) keep: KeepArgs,
-    /// Do nothing where the file is there already, of the same scene, settings and seed
-    #[arg(long)]
-    pub(super) skip_complete: bool,
-    /// How progress is told on standard error; json: an object a line
-    #[arg(long, value_name = "HOW", default_value = Telling::Auto.name(), value_parser = named(&Telling::ALL, Telling::name))]
-    pub(super) progress: Telling,
-    /// Print exact counts of what was done, and the time of each stage
-    #[arg(long)]
+    pub(super) checkpoint: CheckpointArgs,
+    /// Worker threads. The image does not depend on them [default: one per available core]
+    #[arg(short = 'j', long, value_name = "N", help_heading = SPEED, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    pub(super) threads: Option<u32>,
+    /// Engine. The image does not depend on it
+    #[arg(long, value_name = "ENGINE", help_heading = SPEED, default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
+    pub(super) engine: Engine,
+    /// Paths that a worker traces at once. The image does not depend on it
+    #[arg(long, value_name = "PATHS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WAVE)))]
+    pub(super) wave_size: Option<u32>,
+    /// Whether to pin each thread to a core; auto: if there is a core for each thread
+    #[arg(long, value_name = "PIN", help_heading = SPEED, default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
+    pub(super) pin: Pin,
+    /// Use the plan of an earlier render, from a file that --json wrote
+    #[arg(long, value_name = "FILE", help_heading = SPEED, conflicts_with = "wave_size")]
+    pub(super) plan: Option<PathBuf>,
+    /// How to show progress on standard error; json: one object per line
+    #[arg(long, value_name = "HOW", help_heading = REPORTS, default_value = ProgressMode::Auto.name(), value_parser = named(&ProgressMode::ALL, ProgressMode::name))]
+    pub(super) progress: ProgressMode,
+    /// Print only this to standard output: the image's BLAKE3 hash [default: a summary]
+    #[arg(long, value_name = "WHAT", help_heading = REPORTS, value_parser = ["hash"])]
+    pub(super) print: Option<String>,
+    /// Also print the plan, exact counts, and the time of each stage
+    #[arg(long, help_heading = REPORTS)]
     pub(super) stats: bool,
     /// Write a record of the render as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = REPORTS)]
     pub(super) json: Option<PathBuf>,
-    /// Write what each worker did when, as JSON that Perfetto and Chrome open
-    #[arg(long, value_name = "FILE")]
+    /// Write a timeline of each worker, as JSON for Perfetto and Chrome
+    #[arg(long, value_name = "FILE", help_heading = REPORTS)]
     pub(super) trace: Option<PathBuf>,
-    /// No progress, and no notices but of samples that were replaced
-    #[arg(long, short)]
+    /// Print errors only, and what --print asks for
+    #[arg(long, short, help_heading = REPORTS)]
     pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) limits: SceneLimitArgs,
 }
 
 #[derive(Debug, Args)]
@@ -119,94 +141,23 @@ pub(super) struct ScenesArgs {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum ScenesCommand {
-    /// The built-in scenes [default]
+    /// List the built-in scenes [default]
     List,
     /// Print a scene as RON or JSON
     Show {
-        /// Built-in scene, cloud:N, mesh:N or path
-        #[arg(value_name = "NAME|FILE")]
-        scene: String,
-        /// Print JSON
+        #[command(flatten)]
+        scene: SceneArg,
+        /// Print JSON instead of RON
         #[arg(long)]
         json: bool,
         #[command(flatten)]
-        limits: LimitArgs,
+        limits: SceneLimitArgs,
     },
-    /// Check a scene file and count what is in it
+    /// Check a scene, count its elements, and warn if its picture would be black
     Check {
-        /// Built-in scene, cloud:N, mesh:N or path
-        #[arg(value_name = "NAME|FILE")]
-        scene: String,
         #[command(flatten)]
-        limits: LimitArgs,
+        scene: SceneArg,
+        #[command(flatten)]
+        limits: SceneLimitArgs,
     },
-}
-
-#[derive(Debug, Args)]
-pub(super) struct FiguresArgs {
-    /// Folder for the six pictures and index.html; made if missing
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: PathBuf,
-    /// A tenth of the report's samples
-    #[arg(long)]
-    pub(super) quick: bool,
-    /// Worker threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
-    pub(super) threads: Option<u32>,
-    /// No progress and no notices
-    #[arg(long, short)]
-    pub(super) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct CompareArgs {
-    /// Image
-    pub(super) a: PathBuf,
-    /// Image it is compared with, the reference of relative measures
-    pub(super) b: PathBuf,
-    /// Compare display values: clamped to [0, 1], then through this curve [default: linear]
-    #[arg(long, value_name = "GAMMA", value_parser = named(&Transfer::ALL, Transfer::name))]
-    pub(super) display: Option<Transfer>,
-    /// Write a false-colour image of the differences
-    #[arg(long, value_name = "FILE")]
-    pub(super) heatmap: Option<PathBuf>,
-    #[command(flatten)]
-    pub(super) limits: LimitArgs,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct RaysArgs {
-    /// Built-in scene, cloud:N, mesh:N, or path of a .ron, .json or .txt file
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(super) scene: String,
-    /// Folder for the ray set; made if missing
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: PathBuf,
-    /// Samples a pixel [default: as many as give --max-rays primary rays]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
-    pub(super) spp: Option<u32>,
-    /// Largest number of rays of each kind, kept in runs of 2048 spread over the render
-    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..=MAX_RAYS))]
-    pub(super) max_rays: u64,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
-    #[command(flatten)]
-    pub(super) limits: LimitArgs,
-}
-
-#[derive(Debug, Args)]
-pub(super) struct TraceArgs {
-    /// Folder that `ptfast rays` wrote
-    #[arg(value_name = "DIR")]
-    pub(super) dir: PathBuf,
-    /// One kernel [default: all that might be fastest, and scalar]
-    #[arg(long, value_name = "KERNEL", value_parser = named(&Kernel::ALL, Kernel::name))]
-    pub(super) kernel: Option<Kernel>,
-    /// Repetitions, of which the median counts
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(super) reps: u32,
-    /// Write the table as JSON
-    #[arg(long, value_name = "FILE")]
-    pub(super) json: Option<PathBuf>,
 }

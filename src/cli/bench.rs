@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::bench_args::BenchArgs;
-use super::{advise_on_build, bench_options, bench_table, files, notice, printable};
+use super::console::{advise_on_build, notice, suppress_notices};
+use super::progress::duration;
+use super::{bench_options, bench_table, files};
 use crate::bench::{
     Bench, CountChanges, Format, Options, Outcome, Record, Reference, check_export, check_machine,
     check_works, count_changes, doubtful, export, export_file, judge,
@@ -16,36 +18,37 @@ use crate::isa::Isa;
 use crate::machine::Machine;
 use crate::output::{same_file, write_atomically};
 
-/// Exit code where something regressed.
+/// Exit code for a regression.
 const REGRESSION: u8 = 3;
 
 pub(super) fn run(args: &BenchArgs) -> Result<u8> {
-    // Whatever can fail fails before the work is done.
+    if args.quiet {
+        suppress_notices();
+    }
+    // Whatever can fail fails before the work begins.
     let ((options, read), exports) = (bench_options::options(args)?, bench_options::exports(args)?);
     let (blocks, threshold) = (bench_options::blocks(args), args.threshold / 100.0);
     check_files(args, &options, &read, &exports)?;
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
-    if !args.quiet {
-        advise_on_build(Isa::Avx512);
-        notice(format_args!("everything is rendered once, counted and not timed"));
-    }
-    // So that what is begun is cleared away.
+    advise_on_build(Isa::Avx512);
+    notice(format_args!("rendering everything once to count the work"));
+    // A signal ends the bench only after it has removed its temporary files.
     interrupt::watch()?;
     let bench = Bench::new(&options, baseline.as_ref().map(|(record, _)| record))?;
     if let Some((baseline, file)) = &baseline {
         check_works(&bench, baseline, file)?;
-        tell_other_build(&bench, baseline, args.quiet);
+        report_other_build(&bench, baseline);
     }
 
-    let mut progress = BlockReport::new(args.quiet);
-    let mut tell = |done, of| progress.tell(done, of);
-    let mut record = bench.record(&bench.measure(blocks, |_, _| true, &mut tell)?);
+    let mut progress = BlockReport::new();
+    let mut show = |done, of| progress.show(done, of);
+    let mut record = bench.record(&bench.measure(blocks, |_, _| true, &mut show)?);
     write(args, &record)?;
-    // What was measured is told, even where an export fails.
+    // The results are printed even if an export fails.
     let exported = exports.iter().try_for_each(|(format, folder)| export(&record, *format, folder));
     bench_table::print(&record)?;
-    if args.json.is_some() && !args.quiet {
-        tell_doubts(&record, threshold);
+    if args.json.is_some() {
+        report_doubts(&record, threshold);
     }
     let reference = match &baseline {
         Some((baseline, _)) => Reference::Baseline(baseline),
@@ -53,11 +56,11 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
         None => return exported.map(|()| 0),
     };
     bench_table::print_counts(&counts(&record, reference))?;
-    // What decides alone is measured twice as long: a few busy moments must not hide a change.
+    // Later samples decide alone and are twice as long, so that a few disturbed blocks do not hide a change.
     let again = args.gate.then_some(2 * blocks);
-    let gate = judge(&bench, &record, reference, threshold, again, &mut tell)?;
+    let gate = judge(&bench, &record, reference, threshold, again, &mut show)?;
     if !args.gate {
-        // What is not measured again is no verdict.
+        // Without repeated measurement there is no verdict.
         bench_table::print_gate(&record, &gate, false)?;
         return exported.map(|()| 0);
     }
@@ -68,26 +71,25 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     exported.map(|()| if regressed { REGRESSION } else { 0 })
 }
 
-/// A baseline, and its name.
+/// A baseline, and the name of its file.
 fn read_baseline(path: &Path) -> Result<(Record, String)> {
     let (record, file) = (Record::read(path)?, path.display().to_string());
     check_machine(&record, &file)?;
     Ok((record, file))
 }
 
-/// A line where the baseline was built otherwise: it may be that which is compared.
-fn tell_other_build(bench: &Bench, baseline: &Record, quiet: bool) {
+/// Prints a notice if the baseline was built in another way, which may explain a change of speed.
+fn report_other_build(bench: &Bench, baseline: &Record) {
     let build =
         |machine: &Machine| format!("{} ({}), {}", machine.isa, machine.flags, machine.rustc);
     let (here, there) = (build(bench.machine(0)), build(&baseline.machine));
-    if here != there && !quiet {
-        let (here, there) = (printable(&here), printable(&there));
-        notice(format_args!("the baseline was built for {there}, this for {here}"));
+    if here != there {
+        notice(format_args!("the baseline was built for {there}, this program for {here}"));
     }
 }
 
-/// A line where some runs of a record could not be compared with.
-fn tell_doubts(record: &Record, threshold: f64) {
+/// Prints a notice if some runs of a record are too noisy to serve as a baseline.
+fn report_doubts(record: &Record, threshold: f64) {
     let doubts: Vec<String> = doubtful(record, threshold)
         .into_iter()
         .map(|(work, doubt)| {
@@ -96,7 +98,7 @@ fn tell_doubts(record: &Record, threshold: f64) {
         .collect();
     if !doubts.is_empty() {
         let doubts = doubts.join(", ");
-        notice(format_args!("as a baseline it would tell nothing of {}", printable(&doubts)));
+        notice(format_args!("not usable as a baseline for {doubts}"));
     }
 }
 
@@ -117,7 +119,7 @@ fn write(args: &BenchArgs, record: &Record) -> Result<()> {
     write_atomically(path, |file| writeln!(file, "{json}"))
 }
 
-/// No file that is written is one that is read, or written twice.
+/// Checks that output files differ from each other and from input files.
 fn check_files(
     args: &BenchArgs,
     options: &Options,
@@ -139,14 +141,14 @@ fn check_files(
     let mut written: Vec<PathBuf> = args.json.clone().into_iter().collect();
     for (format, folder) in exports {
         check_export(&runs, *format, folder)?;
-        // Its folder may not be there yet.
+        // Its folder may not exist yet.
         let file = export_file(*format, folder);
         let place = |file: &Path| std::path::absolute(file).ok();
         let clash = |other: &Path| same_file(other, &file) || place(other) == place(&file);
         if read.iter().any(|(_, other)| other.exists() && clash(other))
             || written.iter().any(|other| clash(other))
         {
-            let message = format!("{}: is needed for an export", file.display());
+            let message = format!("{}: an export would overwrite this file", file.display());
             return Err(Error::Usage(message));
         }
         written.push(file);
@@ -154,30 +156,29 @@ fn check_files(
     Ok(())
 }
 
-/// Tells how many blocks are done.
+/// Shows how many blocks are done.
 struct BlockReport {
-    quiet: bool,
     start: Instant,
-    told: Instant,
+    shown: Instant,
 }
 
 /// Time between two lines.
 const INTERVAL: Duration = Duration::from_secs(5);
 
 impl BlockReport {
-    fn new(quiet: bool) -> Self {
+    fn new() -> Self {
         let now = Instant::now();
-        Self { quiet, start: now, told: now }
+        Self { start: now, shown: now }
     }
 
-    /// `done` of so many blocks are done; the first of a series begins anew.
-    fn tell(&mut self, done: usize, of: usize) {
+    /// Shows that `done` of `of` blocks are done; 0 starts a new series.
+    fn show(&mut self, done: usize, of: usize) {
         if done == 0 {
             self.start = Instant::now();
-        } else if !self.quiet && self.told.elapsed() >= INTERVAL {
-            self.told = Instant::now();
+        } else if self.shown.elapsed() >= INTERVAL {
+            self.shown = Instant::now();
             let left = self.start.elapsed().as_secs_f64() * (of - done) as f64 / done as f64;
-            notice(format_args!("{done} of {of} blocks  ETA {left:.0} s"));
+            notice(format_args!("{done} of {of} blocks  ETA {}", duration(left)));
         }
     }
 }

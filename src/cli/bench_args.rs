@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::limits::LimitArgs;
+use super::limits::SceneLimitArgs;
 use super::named::named;
 use crate::engine::Engine;
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
@@ -12,27 +12,26 @@ use crate::statistics::Estimate;
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// Built-in scene, cloud:N, mesh:N or path; may be given several times [default: the built-in
-    /// scenes]
-    #[arg(long = "scene", value_name = "NAME|FILE")]
+    /// Built-in scene, cloud:N, mesh:N or path; may be repeated [default: the built-in scenes]
+    #[arg(long = "scene", value_name = "SCENE")]
     pub(super) scenes: Vec<String>,
-    /// Engine; may be given several times [default: all]
+    /// Engine; may be repeated [default: all]
     #[arg(long = "engine", value_name = "ENGINE", value_parser = named(&Engine::ALL, Engine::name))]
     pub(super) engines: Vec<Engine>,
-    /// Worker threads; may be given several times [default: one, and one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    /// Worker threads; may be repeated [default: one, and one per available core]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     pub(super) threads: Vec<u32>,
-    /// A quarter of the pixels, and 6 blocks: about a minute
+    /// A quarter of the pixels and 6 blocks: takes about a minute
     #[arg(long)]
     pub(super) quick: bool,
-    /// Width in pixels, the height is in proportion [default: 640 x 360 pixels in all]
+    /// Width in pixels; the height is in proportion [default: as many pixels as 640 x 360]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) width: Option<u32>,
-    /// Blocks: each renders everything twice, forth and back [default: 12]
+    /// Number of blocks; each renders everything twice, in opposite orders [default: 12]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(Estimate::LEAST as i64..=10_000))]
     pub(super) blocks: Option<u32>,
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    /// Samples per pixel
+    #[arg(long, alias = "samples", value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     pub(super) spp: u32,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -40,22 +39,21 @@ pub(super) struct BenchArgs {
     /// Write the record as JSON
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,
-    /// Compare with a record that --json wrote on this machine
+    /// Compare with a record that --json wrote on this machine earlier
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(super) baseline: Option<PathBuf>,
-    /// Compare with another ptfast binary, in turn with this one
+    /// Compare with another ptfast binary, which runs alternately with this one
     #[arg(long, value_name = "PROGRAM")]
     pub(super) against: Option<PathBuf>,
-    /// Say of each row whether it improved or regressed, measure again what seems so or was disturbed, up
-    /// to three times, and exit with 3 where something regressed; rows that stay unclear do not change
-    /// the exit code
+    /// Judge each row: improved, same, regressed or unclear. Rows that seem changed or were disturbed are measured
+    /// again, up to three times. Exit with code 3 if a row regressed; unclear rows do not change the exit code
     #[arg(long)]
     pub(super) gate: bool,
-    /// Changes of speed that count for --gate, in percent
+    /// Smallest change of speed that counts for --gate, in percent
     #[arg(long, value_name = "PERCENT", default_value_t = 1.0)]
     pub(super) threshold: f64,
-    /// Also write the record as another program reads it: criterion, gha, bmf or csv; may be given
-    /// several times
+    /// Also write the record in another format: criterion, gha (github-action-benchmark), bmf (Bencher) or csv
+    /// (Apache Otava); may be repeated
     #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
     pub(super) export: Vec<String>,
     /// Measure another ptfast binary instead of this one
@@ -65,5 +63,5 @@ pub(super) struct BenchArgs {
     #[arg(long, short)]
     pub(super) quiet: bool,
     #[command(flatten)]
-    pub(super) limits: LimitArgs,
+    pub(super) limits: SceneLimitArgs,
 }

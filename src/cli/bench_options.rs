@@ -1,4 +1,4 @@
-//! What `ptfast bench` is asked to measure.
+//! The measurements that the arguments of `ptfast bench` ask for.
 
 use std::path::{Path, PathBuf};
 
@@ -10,16 +10,16 @@ use crate::error::{Error, Result, suggestion};
 use crate::limits::Limit;
 use crate::scene::BUILTIN_NAMES;
 
-/// How much is measured where nothing is said.
+/// Defaults.
 struct Usual {
-    /// Of an image, about.
+    /// Approximate number of pixels of an image.
     pixels: u32,
     blocks: u32,
 }
 const USUAL: Usual = Usual { pixels: 640 * 360, blocks: 12 };
 const QUICK: Usual = Usual { pixels: 320 * 180, blocks: 6 };
 
-/// How many blocks are measured.
+/// Number of blocks.
 pub(super) fn blocks(args: &BenchArgs) -> usize {
     args.blocks.unwrap_or(usual(args).blocks) as usize
 }
@@ -28,10 +28,10 @@ fn usual(args: &BenchArgs) -> Usual {
     if args.quick { QUICK } else { USUAL }
 }
 
-/// What is to be measured, and the files that its scenes were read from.
+/// The options of the bench, and the files that its scenes were read from.
 ///
 /// # Errors
-/// Where arguments contradict each other, or a scene cannot be read.
+/// If arguments contradict each other, or a scene cannot be read.
 pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
     if args.gate && args.baseline.is_none() && args.against.is_none() {
         return Err(Error::Usage(
@@ -57,14 +57,14 @@ pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
         let settings = RenderSettings { spp: args.spp, ..settings };
         let (pixels, most) = (settings.image().pixels(), settings.limits.get(Limit::Pixels));
         if pixels > most {
-            let message = format!("a bench renders {most} pixels at most, not {pixels}");
+            let message = format!("an image of {pixels} pixels exceeds the limit of {most}");
             return Err(Error::Usage(message));
         }
         settings.check()?;
         Ok((name, (settings.width, settings.height)))
     };
     let engines = match &args.engines[..] {
-        // The slow one first: it is what others are compared with.
+        // The scalar engine first: the others are compared with it.
         [] => vec![Engine::Scalar, Engine::Wavefront],
         some => without_repeats(some),
     };
@@ -99,16 +99,16 @@ fn without_repeats<T: Clone + PartialEq>(values: &[T]) -> Vec<T> {
     unique
 }
 
-/// Formats and folders.
+/// The formats and folders of the exports.
 ///
 /// # Errors
-/// Where a format is not known.
+/// If a format is unknown.
 pub(super) fn exports(args: &BenchArgs) -> Result<Vec<(Format, PathBuf)>> {
     let pair = |pair: &[String]| {
         let format = Format::ALL.into_iter().find(|format| format.name() == pair[0]);
         let format = format.ok_or_else(|| {
             let hint = suggestion(&pair[0], Format::ALL.map(Format::name));
-            Error::Usage(format!("--export: no format is named `{}`{hint}", pair[0]))
+            Error::Usage(format!("--export: unknown format `{}`{hint}", pair[0]))
         })?;
         Ok((format, PathBuf::from(&pair[1])))
     };
@@ -132,12 +132,12 @@ mod tests {
     }
 
     #[test]
-    fn without_arguments_everything_is_measured() {
+    fn defaults_cover_all_scenes_and_engines() {
         let args = parse(&[]);
         let (options, _) = options(&args).unwrap();
         let names: Vec<&str> = options.scenes.iter().map(|(name, _)| &**name).collect();
         assert_eq!(names, ["spheres", "spacetime", "checker", "cornell"]);
-        // In the proportions of 1280 x 720 and of 1 x 1.
+        // The proportions of 1280 x 720 and of 1 x 1.
         assert_eq!(options.scenes[0].1, (640, 360));
         assert_eq!(options.scenes[3].1, (480, 480));
         assert_eq!(options.engines, [Engine::Scalar, Engine::Wavefront]);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_is_measured_once() {
+    fn repeated_arguments_count_once() {
         let args = parse(&[
             "--quick",
             "--scene",

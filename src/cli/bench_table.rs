@@ -1,33 +1,30 @@
 //! What `ptfast bench` prints.
 
-use super::{printable, say};
+use super::console::say;
 use crate::bench::{CountChanges, Gate, Outcome, Ratio, Record, Run, Verdict, Workload};
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
 use crate::statistics::Estimate;
 
-/// The machine, then a line a run.
+/// Prints the machine, then a line per run.
 pub(super) fn print(record: &Record) -> Result<()> {
     let machine = &record.machine;
     say(format_args!(
         "machine {}, {} cores, {} ({} lanes), {}",
-        printable(&machine.cpu),
-        machine.cores,
-        printable(&machine.isa),
-        machine.lanes,
-        printable(&machine.os)
+        &machine.cpu, machine.cores, &machine.isa, machine.lanes, &machine.os
     ))?;
     let build = format!("{}, {}, commit {}", machine.rustc, machine.flags, machine.commit);
-    say(format_args!("build   {}", printable(&build)))?;
+    say(format_args!("build   {}", &build))?;
     if let Some(run) = record.runs.first() {
         let Workload { width, height, spp, seed, .. } = run.work;
         let blocks = run.blocks.len();
         say(format_args!(
-            "blocks  {blocks}, each twice {width} x {height} pixels or about as many, {spp} spp, seed {seed}"
+            "blocks  {blocks}, each renders everything twice at about {width} x {height} pixels, {spp} spp, seed {seed}"
         ))?;
     }
+    say(format_args!(""))?;
     say(format_args!(
-        "\n{}{:>8}  {:<7}{:>11}  {:<22}{:>6}  most time in",
+        "{}{:>8}  {:<7}{:>11}  {:<22}{:>6}  most time in",
         who(record, "scene", "threads", "engine"),
         "Mrays/s",
         "",
@@ -44,14 +41,14 @@ pub(super) fn print(record: &Record) -> Result<()> {
         for run in &other.runs {
             line(record, run, &format!("{}@", run.work.engine), "")?;
         }
-        say(format_args!("@: commit {}", printable(&other.machine.commit)))?;
+        say(format_args!("@: commit {}", &other.machine.commit))?;
     }
     noise(record)
 }
 
-/// The first columns, as wide as the longest names of a record need.
+/// The first columns, wide enough for the longest name in the record.
 fn who(record: &Record, scene: &str, threads: &str, engine: &str) -> String {
-    let names = record.runs.iter().map(|run| printable(&run.work.scene).chars().count());
+    let names = record.runs.iter().map(|run| run.work.scene.chars().count());
     let width = names.max().unwrap_or(0).max("spacetime".len()) + 2;
     format!("{scene:<width$}{threads:<9}{engine:<12}")
 }
@@ -63,7 +60,7 @@ fn line(record: &Record, run: &Run, engine: &str, speedup: &str) -> Result<()> {
     };
     let line = format!(
         "{}{:>8.2}  {:<7}{:>11.2}  {speedup:<22}{:>6}  {}{busy}",
-        who(record, &printable(&run.work.scene), &run.work.threads.to_string(), engine),
+        who(record, &run.work.scene, &run.work.threads.to_string(), engine),
         run.mrays_per_s.median,
         error(&run.mrays_per_s),
         run.msamples_per_s.median,
@@ -73,7 +70,7 @@ fn line(record: &Record, run: &Run, engine: &str, speedup: &str) -> Result<()> {
     say(format_args!("{}", line.trim_end()))
 }
 
-/// Shares of the three stages that take most of the time.
+/// The three stages with the largest shares of the time.
 fn stages(run: &Run) -> String {
     let all: f64 = run.stages.values().sum();
     let mut stages: Vec<(&str, f64)> = Stage::ALL
@@ -81,11 +78,17 @@ fn stages(run: &Run) -> String {
         .filter_map(|stage| Some((stage.name(), run.stages.get(stage.name())? / all)))
         .collect();
     stages.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let told = |(name, share): &(&str, f64)| format!("{name} {:.0}%", share * 100.0);
-    stages.iter().filter(|(_, share)| *share > 0.0).take(3).map(told).collect::<Vec<_>>().join(" ")
+    let describe = |(name, share): &(&str, f64)| format!("{name} {:.0}%", share * 100.0);
+    stages
+        .iter()
+        .filter(|(_, share)| *share > 0.0)
+        .take(3)
+        .map(describe)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
-/// The share of lanes in use, of engines that have some.
+/// The share of active lanes; empty for the scalar engine.
 fn lanes(run: &Run) -> String {
     let vectors = run.work.engine != Engine::Scalar.name();
     let share = run.occupancy().filter(|_| vectors);
@@ -101,54 +104,57 @@ fn error(estimate: &Estimate) -> String {
     format!("±{:.1}%", estimate.relative_error() * 100.0)
 }
 
-/// How far controls are off 1, and how many blocks were disturbed.
+/// Prints the controls, which should be 1, and how many blocks other processes disturbed.
 fn noise(record: &Record) -> Result<()> {
     let controls = record.ratios.iter().filter(|ratio| ratio.of == ratio.to);
     let controls: Vec<String> = controls
         .map(|Ratio { scene, threads, speed: Estimate { median, lo, hi }, .. }| {
-            format!("{} {threads} {median:.3} ({lo:.3} to {hi:.3})", printable(scene))
+            format!("{} {threads} {median:.3} ({lo:.3} to {hi:.3})", scene)
         })
         .collect();
-    say(format_args!("\ncontrol, the same against the same: {}", controls.join(", ")))?;
+    say(format_args!(""))?;
+    say(format_args!("control, a build against itself: {}", controls.join(", ")))?;
     let others = record.against.iter().flat_map(|against| &against.runs);
     let runs: Vec<&Run> = record.runs.iter().chain(others).collect();
     let disturbed: usize = runs.iter().map(|run| run.contaminated()).sum();
     let blocks: usize = runs.iter().map(|run| run.blocks.len()).sum();
     say(format_args!(
-        "contaminated, since others took 5% of the cores or more or threads had to leave them often: \
-         {disturbed} of {blocks} times a side in a block"
+        "contaminated blocks, in which other processes took 5% of the cores or preempted threads often: \
+         {disturbed} of {blocks}"
     ))
 }
 
-/// Exact counts that are not what they were.
+/// Prints the exact counts that changed.
 pub(super) fn print_counts(changes: &CountChanges) -> Result<()> {
     let CountChanges { compared, others, lines } = changes;
     let others = match others {
         0 => String::new(),
-        _ => format!("; {others} cannot be compared: other work, plan or lanes"),
+        _ => format!("; {others} differ in work, plan or lanes and cannot be compared"),
     };
-    let what = if lines.is_empty() { "no change" } else { "changed" };
-    say(format_args!("\nexact counts of {compared} runs compared: {what}{others}"))?;
-    lines.iter().try_for_each(|line| say(format_args!("counter {}", printable(line))))
+    let result = if lines.is_empty() { "no change" } else { "changed" };
+    say(format_args!(""))?;
+    say(format_args!("exact counts of {compared} runs compared: {result}{others}"))?;
+    lines.iter().try_for_each(|line| say(format_args!("counter {}", line)))
 }
 
-/// What became of each run of `record`; without outcomes, unless it was `judged`.
+/// Prints the change of each run of `record`; also the outcomes, if they were `judged`.
 pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<()> {
     let gated = if judged {
         format!("{:<29}by more than {}%", "measured again", gate.threshold * 100.0)
     } else {
         String::new()
     };
-    let times = format!("times {} ", printable(&gate.commit));
-    say(format_args!("\n{}{times:<29}{gated}", who(record, "scene", "threads", "engine")))?;
+    let times = format!("times {} ", &gate.commit);
+    say(format_args!(""))?;
+    say(format_args!("{}{times:<29}{gated}", who(record, "scene", "threads", "engine")))?;
     for run in &record.runs {
-        let told = match gate.verdicts.iter().find(|verdict| verdict.is_of(&run.work)) {
-            None => "no such run there".to_owned(),
-            Some(verdict) => told(verdict, gate.threshold, judged),
+        let change = match gate.verdicts.iter().find(|verdict| verdict.is_of(&run.work)) {
+            None => "not in the baseline".to_owned(),
+            Some(verdict) => describe(verdict, gate.threshold, judged),
         };
         let Workload { scene, threads, engine, .. } = &run.work;
-        let who = who(record, &printable(scene), &threads.to_string(), engine);
-        say(format_args!("{}", format!("{who}{told}").trim_end()))?;
+        let who = who(record, scene, &threads.to_string(), engine);
+        say(format_args!("{}", format!("{who}{change}").trim_end()))?;
     }
     if !judged {
         return Ok(());
@@ -164,8 +170,8 @@ pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
     ))
 }
 
-/// The samples that decided it, or else the last one; and what came of it.
-fn told(verdict: &Verdict, threshold: f64, judged: bool) -> String {
+/// The samples that decided the verdict, or else the last one, and the outcome.
+fn describe(verdict: &Verdict, threshold: f64, judged: bool) -> String {
     let change = |estimate: &Estimate| {
         let Estimate { median, lo, hi } = estimate;
         format!("{median:.4} ({lo:.4} to {hi:.4})")

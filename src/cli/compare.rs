@@ -1,14 +1,45 @@
 //! `ptfast compare`.
 
-use super::args::CompareArgs;
-use super::say;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::console::say;
+use super::files;
+use super::limits::LimitArgs;
+use super::named::named;
 use crate::error::Result;
 use crate::image::{Format, Image, Metadata, Transfer, compare};
 
-/// 0 where the images are identical, else 1.
+#[derive(Debug, Args)]
+pub(super) struct CompareArgs {
+    /// First image
+    a: PathBuf,
+    /// Second image, the reference for relative errors
+    b: PathBuf,
+    /// Compare display values: clamped to [0, 1], then through this transfer curve [default: linear values]
+    #[arg(long, value_name = "GAMMA", value_parser = named(&Transfer::ALL, Transfer::name))]
+    display: Option<Transfer>,
+    /// Write a false-colour image of the differences
+    #[arg(
+        short = 'o',
+        long = "output",
+        alias = "out",
+        visible_alias = "heatmap",
+        value_name = "FILE"
+    )]
+    heatmap: Option<PathBuf>,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// Returns exit code 0 if the images are identical, else 1.
 pub(super) fn run(args: &CompareArgs) -> Result<u8> {
     if let Some(path) = &args.heatmap {
         Format::of_path(path)?;
+        let read =
+            [("an image that is compared", &*args.a), ("an image that is compared", &*args.b)];
+        files::check(&read, &[("the heatmap", path)])?;
     }
     let limits = args.limits.limits();
     let allow = |pixels: u64, memory: u64| limits.check_image(pixels, memory);

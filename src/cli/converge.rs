@@ -7,9 +7,11 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::limits::LimitArgs;
+use super::console::{notice, say, say_lines};
+use super::files;
+use super::limits::SceneLimitArgs;
 use super::named::named;
-use super::{files, notice, say};
+use super::sample_args::SceneArg;
 use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
 use crate::engine::{Pin, RenderSettings};
 use crate::error::{Error, Result};
@@ -21,48 +23,46 @@ use crate::scene::{Sampling, Scene};
 
 #[derive(Debug, Args)]
 pub(super) struct ConvergeArgs {
-    /// Built-in scene or path
-    #[arg(long, value_name = "NAME|FILE")]
-    scene: String,
-    /// How light is found; may be given several times [default: all ways that the scene has]
+    #[command(flatten)]
+    scene: SceneArg,
+    /// Sampling of light; may be repeated [default: all that differ for the scene]
     #[arg(long = "sampling", value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     samplings: Vec<Sampling>,
-    /// Where random numbers are from; may be given several times [default: all]
+    /// Source of random numbers; may be repeated [default: all]
     #[arg(long = "sampler", value_name = "SAMPLER", value_parser = named(&Sampler::ALL, Sampler::name))]
     samplers: Vec<Sampler>,
-    /// Samples a pixel of the longest renders; the others have half as many each
+    /// Samples per pixel of the longest renders; the others have 1, 2, 4, ... samples
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
     spp: u32,
-    /// Renders of each number of samples
+    /// Number of renders for each number of samples
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
-    /// Samples a pixel of the reference, half of them independent of the others [default: 32 times
-    /// --spp]
+    /// Samples per pixel of the reference, in two independent halves [default: 32 times --spp]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
     reference: Option<u32>,
-    /// Width in pixels, the height is in proportion
+    /// Width in pixels; the height is in proportion
     #[arg(long, value_name = "PIXELS", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     width: u32,
-    /// Worker threads [default: one for each core that may be used]
+    /// Worker threads [default: one per available core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     threads: Option<u32>,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Seconds after which errors are compared [default: those of the fastest of the longest renders]
+    /// Seconds at which errors are compared [default: the time of the fastest of the longest renders]
     #[arg(long, value_name = "SECONDS")]
     at: Option<f64>,
-    /// Write what is measured as JSON
+    /// Write the measurements as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a plot: .svg
+    /// Write a plot as .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// No progress
+    /// No progress and no notices
     #[arg(short, long)]
     quiet: bool,
     #[command(flatten)]
-    limits: LimitArgs,
+    limits: SceneLimitArgs,
 }
 
 pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
@@ -72,14 +72,17 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
     if let Some(plot) =
         args.plot.as_ref().filter(|plot| plot.extension().is_none_or(|e| e != "svg"))
     {
-        return Err(Error::Usage(format!("{}: a plot must end with .svg", plot.display())));
+        return Err(Error::Usage(format!(
+            "{}: the name of a plot must end with .svg",
+            plot.display()
+        )));
     }
-    let scene = args.limits.load(&args.scene)?;
+    let scene = args.limits.load(args.scene.name())?;
     let options = options(args, &scene);
     let written = [("the record", &args.json), ("the plot", &args.plot)];
     let written: Vec<_> =
         written.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))).collect();
-    files::check(&files::of_scene(&args.scene, &scene), &written)?;
+    files::check(&files::of_scene(args.scene.name(), &scene), &written)?;
 
     let bar = (!args.quiet && stderr().is_terminal()).then(|| {
         let style = "{prefix} {wide_bar} {percent:>3}%  {eta}";
@@ -121,7 +124,6 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
     for &sampling in &samplings {
         for &sampler in samplers {
             let way = Way { sampling, sampler };
-            // Each once, however often it is named.
             if !ways.contains(&way) {
                 ways.push(way);
             }
@@ -138,7 +140,7 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
     }
 }
 
-/// The seconds that all ways reach.
+/// The longest time that all curves reach.
 fn common_seconds(curves: &[Curve]) -> f64 {
     let ends = curves.iter().filter_map(|curve| Some(curve.points.last()?.seconds));
     ends.fold(f64::INFINITY, f64::min)
@@ -179,12 +181,13 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
     let RenderSettings { width, height, .. } = options.settings;
     let Some(first) = curves.first() else { return Ok(()) };
     say(format_args!(
-        "{}, {width} x {height} pixels, mean squared error of {} renders each beside {} samples a pixel\n",
+        "{}, {width} x {height} pixels, mean squared error of {} renders against a reference of {} samples per pixel",
         scene.name(),
         options.rounds,
         2 * options.reference
     ))?;
-    // Every other number of samples, the last among them.
+    say(format_args!(""))?;
+    // Every other number of samples, including the last.
     let shown: Vec<usize> = (0..first.points.len()).rev().step_by(2).collect();
     let shown: Vec<usize> = shown.into_iter().rev().collect();
     let spp = |&i: &usize| format!("{:>11}", format!("{} spp", first.points[i].spp));
@@ -216,31 +219,31 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
     }
     if curves.iter().flat_map(|curve| &curve.points).any(|point| point.mse <= 0.0) {
         notice(format_args!(
-            "some errors are smaller than the reference can tell: more --reference"
+            "some errors are below the noise of the reference: increase --reference"
         ));
     } else if unknown {
         notice(format_args!(
-            "not all were rendered for so short and so long as {} s: more --spp, or another --at",
+            "some renders have no error at {} s: increase --spp, or choose another --at",
             brief(seconds)
         ));
     }
-    say(format_args!(
-        "\nslope: of the error over samples, with its standard error; over time: over seconds\n\
-         x: how many times smaller than in the first line, after the same seconds"
-    ))
+    say_lines(
+        "\nslope: of the error over samples, with its standard error; over time: of the error over seconds\n\
+         x: how many times smaller the error is than in the first line, at equal seconds",
+    )
 }
 
 fn or_none(text: Option<String>) -> String {
     text.unwrap_or_else(|| "–".to_owned())
 }
 
-/// Three digits, of what is above 100 all before the point.
+/// `x` with two decimals, or none from 100 on.
 fn times(x: f64) -> String {
     let digits = if x < 100.0 { 2 } else { 0 };
     format!("{x:.digits$}")
 }
 
-/// Three digits.
+/// Seconds with two or three decimals.
 fn brief(seconds: f64) -> String {
     let digits = if seconds < 1.0 { 3 } else { 2 };
     format!("{seconds:.digits$}")

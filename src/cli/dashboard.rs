@@ -3,39 +3,45 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
+use std::slice;
 
 use clap::Args;
 
-use super::say;
+use super::console::say;
+use super::folder;
 use crate::dashboard::{History, page};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
 #[derive(Debug, Args)]
 pub(super) struct DashboardArgs {
-    /// Folder of records that `ptfast bench --json` wrote, one a run
+    /// Folder with bench records, from `ptfast bench --json`
     #[arg(long, value_name = "DIR")]
     pub(super) history: PathBuf,
-    /// Folder for index.html; made if missing
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: PathBuf,
-    /// Folder of criterion's own report, which is linked if it is there
+    /// Folder for index.html; created if missing
+    #[arg(short, long, visible_alias = "out", value_name = "DIR")]
+    pub(super) output: PathBuf,
+    /// Folder of criterion's report; the page links to it if it exists
     #[arg(long, value_name = "DIR", default_value = "target/criterion")]
     pub(super) criterion: PathBuf,
 }
 
+/// The page's title, by which it is recognised.
+const TITLE: &str = "<title>ptfast: speed over commits</title>";
+
 pub(super) fn run(args: &DashboardArgs) -> Result<()> {
     let history = History::read(&args.history)?;
-    fs::create_dir_all(&args.out).map_err(Error::io(&args.out, "make the folder"))?;
+    let file = args.output.join("index.html");
+    folder::check_unrelated(slice::from_ref(&file), |file| folder::contains(file, TITLE))?;
+    fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create the folder"))?;
     let report = args.criterion.join("report").join("index.html");
-    let link = report.is_file().then(|| link(&args.out, &report)).transpose()?;
+    let link = report.is_file().then(|| link(&args.output, &report)).transpose()?;
     let html = page(&history, link.as_deref())?;
-    let file = args.out.join("index.html");
     write_atomically(&file, |out| out.write_all(html.as_bytes()))?;
     say(format_args!("{} records  {}", history.records.len(), file.display()))
 }
 
-/// The way from a page in `folder` to `file`.
+/// The relative link from a page in `folder` to `file`.
 fn link(folder: &Path, file: &Path) -> Result<String> {
     let folder = fs::canonicalize(folder).map_err(Error::io(folder, "find"))?;
     let file = fs::canonicalize(file).map_err(Error::io(file, "find"))?;
@@ -51,7 +57,7 @@ fn relative(folder: &Path, file: &Path) -> String {
     up.chain(down).collect::<Vec<String>>().join("/")
 }
 
-/// What has a meaning in links stands for itself (RFC 3986).
+/// `name` with percent escapes for characters that have a meaning in links (RFC 3986).
 fn encoded(name: &str) -> String {
     let plain = |c: u8| c.is_ascii_alphanumeric() || b"-._~".contains(&c);
     name.bytes()

@@ -1,17 +1,21 @@
-//! `ptfast figures`: the report's six pictures and a page that shows them.
+//! `ptfast figures`: the six figures of the report, and a page that shows them.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
-use super::args::FiguresArgs;
-use super::progress::{self, Telling};
-use super::{advise_on_build, say};
+use clap::Args;
+
+use super::console::{advise_on_build, say, suppress_notices};
+use super::folder;
+use super::progress::{self, ProgressMode};
 use crate::checkpoint::Identity;
 use crate::engine::{Pin, RenderSettings, Renderer};
 use crate::error::{Error, Result};
-use crate::image::Transfer;
+use crate::image::{Metadata, Transfer};
 use crate::isa::Isa;
+use crate::limits::MAX_THREADS;
 use crate::machine::Machine;
 use crate::output::{check_writable, write_atomically};
 use crate::scene::{Sampling, Scene};
@@ -22,9 +26,9 @@ struct Figure {
     scene: &'static str,
     sampling: Sampling,
     spp: u32,
-    /// The report's.
+    /// The caption in the report.
     caption: &'static str,
-    /// What the report says of its time, on 8 cores of an Apple M1.
+    /// The time in the report, on 8 cores of an Apple M1.
     report_time: &'static str,
 }
 
@@ -79,7 +83,7 @@ const FIGURES: [Figure; 6] = [
     },
 ];
 
-/// A figure as rendered here.
+/// A figure that was rendered.
 struct Rendered<'a> {
     figure: &'a Figure,
     settings: RenderSettings,
@@ -89,16 +93,42 @@ struct Rendered<'a> {
     hash: String,
 }
 
+#[derive(Debug, Args)]
+pub(super) struct FiguresArgs {
+    /// Folder for the six pictures and index.html; created if missing
+    #[arg(short, long, visible_alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// A tenth of the report's samples
+    #[arg(long)]
+    quick: bool,
+    /// Worker threads [default: one per available core]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    threads: Option<u32>,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+const PAGE: &str = "index.html";
+
 pub(super) fn run(args: &FiguresArgs) -> Result<()> {
-    fs::create_dir_all(&args.out).map_err(Error::io(&args.out, "make the folder"))?;
-    let page = args.out.join("index.html");
-    check_writable(&page)?;
-    if !args.quiet {
-        advise_on_build(Isa::Avx2);
+    if args.quiet {
+        suppress_notices();
     }
+    let pictures = FIGURES.iter().map(|figure| args.output.join(figure.file()));
+    let files: Vec<PathBuf> = pictures.chain([args.output.join(PAGE)]).collect();
+    folder::check_unrelated(&files, is_figure)?;
+    fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create the folder"))?;
+    let page = args.output.join(PAGE);
+    check_writable(&page)?;
+    advise_on_build(Isa::Avx2);
     let mut rendered = Vec::new();
     for figure in &FIGURES {
         let result = render(figure, args)?;
+        if args.quiet {
+            rendered.push(result);
+            continue;
+        }
         say(format_args!(
             "figure {}  {:<9} {:>3} spp  {:<5}  {:>7.2} s  {}",
             figure.number,
@@ -106,12 +136,26 @@ pub(super) fn run(args: &FiguresArgs) -> Result<()> {
             result.settings.spp,
             figure.sampling.name(),
             result.seconds,
-            args.out.join(&result.file).display()
+            args.output.join(figure.file()).display()
         ))?;
         rendered.push(result);
     }
     write_atomically(&page, |file| file.write_all(html(&rendered).as_bytes()))?;
-    say(format_args!("page      {}", page.display()))
+    if args.quiet { Ok(()) } else { say(format_args!("page      {}", page.display())) }
+}
+
+/// Whether `figures` wrote this file: its pictures have metadata, and its page a title.
+fn is_figure(file: &Path) -> bool {
+    if file.ends_with(PAGE) {
+        return folder::contains(file, "<title>The report's figures by ptfast</title>");
+    }
+    Metadata::read(file).is_ok_and(|metadata| metadata.get("ptfast:scene").is_some())
+}
+
+impl Figure {
+    fn file(&self) -> String {
+        format!("figure-{}.png", self.number)
+    }
 }
 
 fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
@@ -126,12 +170,12 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
     };
     let renderer = Renderer::new(&scene, settings.clone())?;
     let title = format!("figure {}", figure.number);
-    let telling = if args.quiet { Telling::None } else { Telling::Auto };
-    let render = progress::render(&renderer, &title, telling)?;
+    let mode = if args.quiet { ProgressMode::None } else { ProgressMode::Auto };
+    let render = progress::render(&renderer, &title, mode)?;
     let hash = render.image.hash();
     let whole = settings.image();
-    let file = format!("figure-{}.png", figure.number);
-    let path = args.out.join(&file);
+    let file = figure.file();
+    let path = args.output.join(&file);
     render.image.write(
         &path,
         Transfer::Gamma2,
@@ -141,7 +185,7 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
     Ok(Rendered { figure, settings, file, seconds, rays: render.tally.rays.total(), hash })
 }
 
-/// One page without scripts or files from elsewhere; pictures are beside it.
+/// A page without scripts or files from other sites. The pictures are beside it.
 fn html(rendered: &[Rendered<'_>]) -> String {
     let machine = Machine::this();
     let threads = rendered.first().map_or(0, |r| r.settings.threads);
@@ -159,8 +203,8 @@ fn html(rendered: &[Rendered<'_>]) -> String {
 <table>
 <tr><th>here<td>{seconds:.2} s, {msamples:.2} Msamples/s, {mrays:.2} Mrays/s
 <tr><th>report<td>{report}{report_note}
-<tr><th>settings<td>{width} × {height}, {spp} samples a pixel, <code>--sampling {sampling}</code>
-<tr><th>repeat<td><code>ptfast render --scene {scene} --spp {spp} --sampling {sampling} --gamma 2</code>
+<tr><th>settings<td>{width} × {height}, {spp} samples per pixel, <code>--sampling {sampling}</code>
+<tr><th>repeat<td><code>ptfast render {scene} --spp {spp} --sampling {sampling} --gamma 2</code>
 <tr><th>hash<td><code>{hash}</code>
 </table>
 </figcaption>
@@ -174,7 +218,7 @@ fn html(rendered: &[Rendered<'_>]) -> String {
             report_note = if figure.spp == *spp {
                 String::new()
             } else {
-                format!(" for {} samples a pixel", figure.spp)
+                format!(" for {} samples per pixel", figure.spp)
             },
             scene = figure.scene,
             sampling = figure.sampling.name(),

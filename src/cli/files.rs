@@ -1,4 +1,4 @@
-//! Files that a command reads and writes: none twice.
+//! Checks of the files that a command reads and writes.
 
 use std::iter;
 use std::path::Path;
@@ -7,31 +7,31 @@ use crate::error::{Error, Result};
 use crate::output::{check_writable, same_file};
 use crate::scene::Scene;
 
-/// A file, and what it is: "the record".
+/// A file with its role in messages, such as "the record".
 pub(super) type Named<'a> = (&'a str, &'a Path);
 
-/// The files that `scene` was read from, which the user calls `name`.
+/// The files that the scene `name` was read from.
 pub(super) fn of_scene<'a>(name: &'a str, scene: &'a Scene) -> Vec<Named<'a>> {
     let parts = scene.files().map(|file| ("a part of the scene", file));
     iter::once(("the scene", Path::new(name))).chain(parts).collect()
 }
 
-/// Finds out, before the work is done, whether every file of `written` can be written and is another one
-/// than the others and those of `read`.
+/// Checks, before the work begins, that every file of `written` can be written, and differs from the others and
+/// from those of `read`.
 ///
 /// # Errors
-/// Where one is not.
+/// If a file fails a check.
 pub(super) fn check(read: &[Named<'_>], written: &[Named<'_>]) -> Result<()> {
     for (number, (name, file)) in written.iter().enumerate() {
         let same = |(_, other): &&Named<'_>| same_file(other, file);
         if let Some((other, _)) = written[..number].iter().find(same) {
-            let message = format!("{}: {other} and {name} need two files", file.display());
+            let message = format!("{}: {other} and {name} need different files", file.display());
             return Err(Error::Usage(message));
         }
         if let Some((other, path)) =
             read.iter().find(|(_, path)| path.is_file() && same_file(path, file))
         {
-            let message = format!("{}: {name} would replace {other}", path.display());
+            let message = format!("{}: {name} would overwrite {other}", path.display());
             return Err(Error::Usage(message));
         }
         check_writable(file)?;

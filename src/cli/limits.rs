@@ -5,21 +5,30 @@ use clap::Args;
 
 use crate::error::Result;
 use crate::limits::{Limit, Limits, Refused};
-use crate::scene::Scene;
+use crate::scene::{Scene, Source};
 
 const HEADING: &str = "Limits";
 
+/// Limits for any input.
 #[derive(Debug, Args)]
-// Not `next_help_heading`: what comes after these in other commands would have it, too.
+// Not `next_help_heading`, which would also apply to the arguments after these.
 pub(super) struct LimitArgs {
-    /// Allow more (or less) than usual: scene-bytes, nesting, primitives, mesh-bytes, texture-bytes or pixels;
-    /// N may be such as 2GiB
+    /// Change a limit: scene-bytes, primitives, mesh-bytes, texture-bytes or pixels. N can have a unit, such as
+    /// 2GiB
     #[arg(help_heading = HEADING, long = "limit", value_name = "NAME=N", value_parser = limit)]
     limits: Vec<(Limit, u64)>,
-    /// Refuse what would take more memory, by estimate, such as 4GiB [default: what the machine and the process have]
+    /// Reject input whose estimated memory exceeds SIZE, such as 4GiB [default: the memory that the machine and the
+    /// process have]
     #[arg(help_heading = HEADING, long, value_name = "SIZE", value_parser = size)]
     memory_limit: Option<u64>,
-    /// Let a scene read textures and meshes from outside its folder
+}
+
+/// Limits for scenes.
+#[derive(Debug, Args)]
+pub(super) struct SceneLimitArgs {
+    #[command(flatten)]
+    limits: LimitArgs,
+    /// Allow a scene to read textures and meshes from outside its folder
     #[arg(help_heading = HEADING, long)]
     outside_files: bool,
 }
@@ -27,30 +36,48 @@ pub(super) struct LimitArgs {
 impl LimitArgs {
     pub(super) fn limits(&self) -> Limits {
         let memory = self.memory_limit.map(|size| (Limit::Memory, size));
-        let usual = Limits::default().with_outside_files(self.outside_files).with_advice(advice);
+        let usual = Limits::default().with_advice(advice);
         let given = self.limits.iter().copied().chain(memory);
         given.fold(usual, |limits, (limit, value)| limits.with(limit, value))
     }
+}
 
-    /// The arguments again, for another process.
+impl SceneLimitArgs {
+    pub(super) fn limits(&self) -> Limits {
+        self.limits.limits().with_outside_files(self.outside_files)
+    }
+
+    /// The same arguments as strings, for a child process.
     pub(super) fn arguments(&self) -> Vec<String> {
+        let LimitArgs { limits, memory_limit } = &self.limits;
         let limits =
-            self.limits.iter().map(|(limit, value)| format!("--limit={}={value}", limit.name()));
-        let memory = self.memory_limit.map(|size| format!("--memory-limit={size}"));
+            limits.iter().map(|(limit, value)| format!("--limit={}={value}", limit.name()));
+        let memory = memory_limit.map(|size| format!("--memory-limit={size}"));
         let outside = self.outside_files.then(|| "--outside-files".to_owned());
         limits.chain(memory).chain(outside).collect()
     }
 
-    /// As [`Scene::load_within`].
-    pub(super) fn load(&self, name_or_path: &str) -> Result<Scene> {
-        Scene::load_within(name_or_path, &self.limits())
+    /// The source that `name` stands for; `-` is standard input, which is read here.
+    pub(super) fn source(&self, name: &str) -> Result<Source> {
+        match name {
+            "-" => Source::from_reader(std::io::stdin().lock(), &self.limits()),
+            _ => Source::find(name),
+        }
+    }
+
+    /// Loads the scene `name` within these limits.
+    pub(super) fn load(&self, name: &str) -> Result<Scene> {
+        self.source(name)?.read(&self.limits())?.resolve()
     }
 }
 
-/// The flag that allows what was refused.
+/// The flag that allows what was rejected.
 fn advice(refused: Refused) -> String {
     match refused {
-        Refused::Beyond(Limit::Memory, value) => format!("--memory-limit {value} raises it"),
+        Refused::Beyond(Limit::Memory, value) => {
+            // In whole MiB, rounded up.
+            format!("--memory-limit {}MiB raises it", value.div_ceil(1 << 20))
+        }
         Refused::Beyond(limit, value) => format!("--limit {}={value} raises it", limit.name()),
         Refused::OutsideFile => "--outside-files allows it".to_owned(),
     }
@@ -72,7 +99,7 @@ fn limit(text: &str) -> Result<(Limit, u64), String> {
     let value = size(value)?;
     match value <= limit.most() {
         true => Ok((limit, value)),
-        false => Err(format!("{name} can be {} at most", limit.most())),
+        false => Err(format!("{name} must be at most {}", limit.most())),
     }
 }
 
@@ -85,12 +112,12 @@ mod tests {
     #[derive(Debug, Parser)]
     struct Command {
         #[command(flatten)]
-        limits: LimitArgs,
+        limits: SceneLimitArgs,
     }
 
     #[test]
-    fn arguments_say_the_same_again() {
-        let given = ["--limit", "pixels=100", "--limit", "nesting=7", "--memory-limit", "1MiB"];
+    fn arguments_survive_a_round_trip() {
+        let given = ["--limit", "pixels=100", "--memory-limit", "1MiB"];
         let args = Command::parse_from(["a"].iter().chain(&given).chain(&["--outside-files"]));
         let arguments = args.limits.arguments();
         let again = Command::parse_from(std::iter::once("a".to_owned()).chain(arguments));
@@ -102,11 +129,12 @@ mod tests {
     fn limits_are_read() {
         assert_eq!(limit("mesh-bytes=8GiB"), Ok((Limit::MeshBytes, 8 << 30)));
         assert_eq!(limit("primitives=1000"), Ok((Limit::Primitives, 1000)));
-        for wrong in ["", "mesh-bytes", "mesh-bytes=", "mesh-bytes=0", "memory=1", "nesting=-1"] {
+        for wrong in ["", "mesh-bytes", "mesh-bytes=", "mesh-bytes=0", "memory=1", "pixels=-1"] {
             assert!(limit(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(limit("nesting=128"), Err("nesting can be 127 at most".to_owned()));
-        assert!(limit("meshes=1").unwrap_err().starts_with("one of scene-bytes, nesting"));
+        let message = "primitives must be at most 33554432";
+        assert_eq!(limit("primitives=4000000000"), Err(message.to_owned()));
+        assert!(limit("meshes=1").unwrap_err().contains("one of scene-bytes, primitives"));
         assert_eq!(size("1.5 KiB"), Ok(1536));
     }
 }

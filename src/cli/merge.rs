@@ -4,22 +4,26 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::console::say;
+use super::files;
 use super::limits::LimitArgs;
 use super::named::named;
 use super::target::Target;
-use super::{files, say};
-use crate::checkpoint::{Checkpoint, merge};
-use crate::error::Result;
-use crate::image::Transfer;
+use crate::checkpoint::{Checkpoint, PartialRender, merge, merge_partial};
+use crate::error::{Error, Result};
+use crate::image::{Metadata, Transfer};
 
 #[derive(Debug, Args)]
 pub(super) struct MergeArgs {
     /// All parts of one render, in any order: .film files of `ptfast render`
     #[arg(required = true, value_name = "FILE")]
     parts: Vec<PathBuf>,
-    /// Image file: .png, .exr, .hdr or .pfm, or .film, which can be continued
-    #[arg(short, long, value_name = "FILE")]
+    /// Output file: an image (.png, .exr, .hdr, .pfm), or a .film that can be continued
+    #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
+    /// Write the picture of the samples that are finished so far, also of unfinished or missing parts
+    #[arg(long)]
+    partial: bool,
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     gamma: Transfer,
@@ -29,17 +33,29 @@ pub(super) struct MergeArgs {
 
 pub(super) fn run(args: &MergeArgs) -> Result<()> {
     let output = Target::of_path(args.output.clone())?;
+    let Some(file) = output.path() else {
+        return Err(Error::Usage("-o -: merge writes to files only".to_owned()));
+    };
     let read: Vec<_> = args.parts.iter().map(|part| ("a part", part.as_path())).collect();
-    files::check(&read, &[("the image", output.path())])?;
+    files::check(&read, &[("the image", file)])?;
+    match &output {
+        Target::Film(_) if args.partial => Err(Error::Usage(format!(
+            "{output}: --partial writes an image: .png, .exr, .hdr or .pfm"
+        ))),
+        _ if args.partial => write_partial(args, &output),
+        _ => write_whole(args, &output),
+    }
+}
+
+fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     let whole = merge(&args.parts, &args.limits.limits())?;
-    if let Target::Film(path) = &output {
+    if let Target::Film(path) = output {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let tally = &rendering.tally;
     let image = rendering.image()?;
     let hash = image.hash();
-    if let Target::Image(path) = &output {
+    if let Target::Image(path) = output {
         image.write(path, args.gamma, &identity.metadata(&hash))?;
     }
     say(format_args!(
@@ -50,7 +66,20 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         identity.seed,
         args.parts.len()
     ))?;
-    say(format_args!("rays    {:.2} M", tally.rays.total() as f64 * 1e-6))?;
+    say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;
     say(format_args!("hash    {hash}"))?;
-    say(format_args!("file    {}", output.path().display()))
+    say(format_args!("file    {output}"))
+}
+
+fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
+    let PartialRender { scene, image, samples, spp } =
+        merge_partial(&args.parts, &args.limits.limits())?;
+    let metadata = Metadata::of_program().with("ptfast:partial", samples);
+    image.write(&args.output, args.gamma, &metadata)?;
+    let (width, height) = (image.width(), image.height());
+    let per_pixel = samples as f64 / (f64::from(width) * f64::from(height));
+    say(format_args!(
+        "scene   {scene}, {width} x {height}, {per_pixel:.1} of {spp} spp on average"
+    ))?;
+    say(format_args!("file    {output}"))
 }

@@ -1,9 +1,10 @@
-//! `ptfast path`: one sample, ray by ray.
+//! `ptfast path`: prints each ray of one sample.
 
 use clap::Args;
 
+use super::console::say;
+use super::limits::SceneLimitArgs;
 use super::sample_args::SampleArgs;
-use super::say;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::limits::MAX_SPP;
@@ -13,20 +14,24 @@ use crate::scene::Scene;
 pub(super) struct PathArgs {
     #[command(flatten)]
     of: SampleArgs,
-    /// The pixel, from the top left
+    /// Column and row of the pixel, from the top left
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
-    /// The number of the sample, from 0
+    /// Number of the sample, from 0
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..i64::from(MAX_SPP)))]
     sample: u32,
+    #[command(flatten)]
+    limits: SceneLimitArgs,
 }
 
 fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
     let parsed = text.split_once(',').and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
-    parsed.ok_or_else(|| format!("two whole numbers and a comma, such as 17,4, not `{text}`"))
+    parsed.ok_or_else(|| {
+        format!("must be two whole numbers with a comma, such as 17,4, not `{text}`")
+    })
 }
 
-/// The command that traces this sample again; `given` is the scene as the user named it.
+/// The command that traces this sample again. `given` is the scene as the user named it.
 pub(super) fn command(
     given: &str,
     settings: &RenderSettings,
@@ -34,14 +39,14 @@ pub(super) fn command(
     sample: u32,
 ) -> String {
     let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
-    // Quoted where a shell would read it otherwise.
+    // Quoted if a shell would not take it literally.
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
     let scene = match given.chars().all(plain) {
         true => given.to_owned(),
         false => format!("'{}'", given.replace('\'', r"'\''")),
     };
     format!(
-        "ptfast path --scene {scene} --width {width} --height {height} --depth {depth} --seed {seed} \
+        "ptfast path {scene} --width {width} --height {height} --depth {depth} --seed {seed} \
          --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
         sampling.name(),
         sampler.name(),
@@ -50,7 +55,7 @@ pub(super) fn command(
 }
 
 pub(super) fn run(args: &PathArgs) -> Result<()> {
-    let scene = args.of.limits.load(&args.of.scene)?;
+    let scene = args.limits.load(args.of.scene.name())?;
     let settings = args.of.settings(&scene);
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {
@@ -65,7 +70,7 @@ pub(super) fn run(args: &PathArgs) -> Result<()> {
         say(format_args!("{}", describe(&scene, ray)))?;
     }
     let [r, g, b] = radiance.to_array();
-    let odd = if radiance.is_finite() { "" } else { ", which is not finite and counts as black" };
+    let odd = if radiance.is_finite() { "" } else { ", not finite: it counts as black" };
     say(format_args!("radiance ({r}, {g}, {b}){odd}"))
 }
 
@@ -106,7 +111,7 @@ mod tests {
         let scene = Scene::load("cornell").unwrap();
         let settings = RenderSettings { seed: 7, ..RenderSettings::of(&scene) };
         let command = command("it's.ron", &settings, (3, 4), 5);
-        assert!(command.starts_with(r"ptfast path --scene 'it'\''s.ron' --width 400"), "{command}");
+        assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
         assert!(command.ends_with("--roulette on --pixel 3,4 --sample 5"), "{command}");
         assert_eq!(
             (pixel("3,4"), pixel("3").is_err(), pixel("a,4").is_err()),

@@ -1,4 +1,4 @@
-//! Progress on standard error: a bar on a terminal, else a plain line every few seconds, or lines of JSON.
+//! Progress on standard error: a bar on a terminal, otherwise a line every few seconds, or JSON.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
@@ -8,28 +8,27 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::notice;
+use super::console::notice;
 use crate::engine::{Observer, Pinned, Progress, Render, Renderer, Rendering};
 use crate::error::Error;
 use crate::error::Result;
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(3);
-/// And between lines of JSON.
+/// Time between lines of JSON.
 const JSON_INTERVAL: Duration = Duration::from_secs(1);
 
-/// How progress is told.
+/// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Telling {
-    /// A bar on a terminal, else lines.
+pub(super) enum ProgressMode {
+    /// A bar on a terminal, otherwise lines.
     Auto,
-    /// A JSON object a line: `schema`, `event`, `done` and `total` samples, `eta_s`, `rays`.
+    /// One JSON object per line: `schema`, `event`, `done` and `total` samples, `eta_s`, `rays`.
     Json,
-    /// Not at all.
     None,
 }
 
-impl Telling {
+impl ProgressMode {
     pub(super) const ALL: [Self; 3] = [Self::Auto, Self::Json, Self::None];
 
     pub(super) fn name(self) -> &'static str {
@@ -41,19 +40,19 @@ impl Telling {
     }
 }
 
-/// Renders the image and shows how far it is.
-pub(super) fn render(renderer: &Renderer, title: &str, telling: Telling) -> Result<Render> {
+/// Renders the image and shows the progress.
+pub(super) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Result<Render> {
     let mut rendering = renderer.begin()?;
-    let progress = ProgressReport::new(renderer, title, &rendering, telling);
+    let progress = ProgressReport::new(renderer, title, &rendering, mode);
     let advanced = renderer.advance(&mut rendering, &progress);
     progress.finish();
     advanced.and_then(|()| renderer.finish(&mut rendering))
 }
 
-/// Shows how far one render is.
+/// Shows the progress of one render.
 pub(super) struct ProgressReport {
     start: Instant,
-    /// What was done before.
+    /// The progress when the report began: earlier runs of a continued render.
     begun: Progress,
     samples: u64,
     display: Display,
@@ -62,12 +61,12 @@ pub(super) struct ProgressReport {
 enum Display {
     None,
     Bar(ProgressBar),
-    Lines { title: String, last: Mutex<Told> },
-    Json { last: Mutex<Told> },
+    Lines { title: String, last: Mutex<Shown> },
+    Json { last: Mutex<Shown> },
 }
 
-/// What was told last, and when.
-struct Told {
+/// The last report.
+struct Shown {
     samples: u64,
     when: Instant,
 }
@@ -77,30 +76,28 @@ impl ProgressReport {
         renderer: &Renderer,
         title: &str,
         rendering: &Rendering,
-        telling: Telling,
+        mode: ProgressMode,
     ) -> Self {
-        static SAID: Once = Once::new();
-        if renderer.pinned() == Pinned::Failed && telling == Telling::Auto {
-            SAID.call_once(|| {
-                notice(format_args!(
-                    "threads cannot be pinned to cores here, speeds may vary more"
-                ));
+        static REPORTED: Once = Once::new();
+        if renderer.pinned() == Pinned::Failed && mode == ProgressMode::Auto {
+            REPORTED.call_once(|| {
+                notice(format_args!("cannot pin threads to cores: speeds may vary more"));
             });
         }
         let (begun, samples) = (rendering.progress(), rendering.film.samples_to_do());
         let start = Instant::now();
-        let last = Mutex::new(Told { samples: begun.samples, when: start });
-        let display = match telling {
-            Telling::None => Display::None,
-            Telling::Json => Display::Json { last },
-            Telling::Auto if stderr().is_terminal() => {
+        let last = Mutex::new(Shown { samples: begun.samples, when: start });
+        let display = match mode {
+            ProgressMode::None => Display::None,
+            ProgressMode::Json => Display::Json { last },
+            ProgressMode::Auto if stderr().is_terminal() => {
                 let bar = ProgressBar::new(samples);
                 let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
                 bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
                 bar.set_prefix(title.to_owned());
                 Display::Bar(bar)
             }
-            Telling::Auto => Display::Lines { title: title.to_owned(), last },
+            ProgressMode::Auto => Display::Lines { title: title.to_owned(), last },
         };
         let report = Self { start, begun, samples, display };
         report.event("start", begun, None);
@@ -114,35 +111,35 @@ impl ProgressReport {
         }
     }
 
-    /// All is done, and written.
+    /// The render is complete and its output is written.
     pub(super) fn done(&self, progress: Progress) {
         self.event("done", progress, None);
     }
 
-    /// The render is kept in `file`; `event` says why.
-    pub(super) fn kept(&self, event: &str, progress: Progress, file: &Path) {
+    /// The render was saved in `file`; `event` is the reason.
+    pub(super) fn saved(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(("file", file.display().to_string())));
     }
 
-    /// The render is stopped, and not kept.
+    /// The render was stopped, and could not be saved.
     pub(super) fn lost(&self, progress: Progress) {
         self.event("stopped", progress, None);
     }
 
-    /// Tells what went wrong, though the render goes on.
+    /// Reports an error after which the render continues.
     pub(super) fn warn(&self, progress: Progress, error: &Error) {
         match &self.display {
             Display::Json { .. } => {
                 self.event("warning", progress, Some(("message", error.to_string())));
             }
             Display::Bar(bar) => {
-                bar.suspend(|| notice(format_args!("{error}, the render goes on")))
+                bar.suspend(|| notice(format_args!("{error}; the render continues")))
             }
-            _ => notice(format_args!("{error}, the render goes on")),
+            _ => notice(format_args!("{error}; the render continues")),
         }
     }
 
-    /// Samples a second, since the report began.
+    /// Events per second since the report began.
     fn rate(&self, count: u64, begun: u64) -> f64 {
         (count - begun) as f64 / self.start.elapsed().as_secs_f64()
     }
@@ -153,14 +150,14 @@ impl ProgressReport {
 
     fn rates(&self, progress: Progress) -> String {
         format!(
-            "{:.2} Msamples/s  {:.2} Mrays/s  ETA {:.0} s",
+            "{:.2} Msamples/s  {:.2} Mrays/s  ETA {}",
             self.rate(progress.samples, self.begun.samples) * 1e-6,
             self.rate(progress.rays, self.begun.rays) * 1e-6,
-            self.eta(progress),
+            duration(self.eta(progress)),
         )
     }
 
-    /// A line for programs.
+    /// Writes a JSON line, if that is the mode.
     fn event(&self, event: &str, progress: Progress, more: Option<(&str, String)>) {
         if !matches!(self.display, Display::Json { .. }) {
             return;
@@ -181,13 +178,13 @@ impl ProgressReport {
         if let Some((name, value)) = more {
             line[name] = Value::from(value);
         }
-        tell_programs(&line);
+        write_line(&line);
     }
 }
 
-/// Tells programs that a render of so many samples was done before: nobody knows by how many rays.
-pub(super) fn tell_complete(samples: u64) {
-    tell_programs(&json!({
+/// Writes the JSON line for a render that an earlier run completed. The number of its rays is unknown.
+pub(super) fn write_complete(samples: u64) {
+    write_line(&json!({
         "schema": 1,
         "event": "done",
         "done": samples,
@@ -197,19 +194,33 @@ pub(super) fn tell_complete(samples: u64) {
     }));
 }
 
-fn tell_programs(line: &Value) {
-    // There is nowhere to say that standard error is closed.
+/// Seconds as `7 s`, `3 min 20 s` or `2 h 05 min`.
+pub(super) fn duration(seconds: f64) -> String {
+    if !seconds.is_finite() {
+        return "unknown".to_owned();
+    }
+    let seconds = seconds.round() as u64;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    match (hours, minutes) {
+        (0, 0) => format!("{seconds} s"),
+        (0, _) => format!("{minutes} min {:02} s", seconds % 60),
+        _ => format!("{hours} h {minutes:02} min"),
+    }
+}
+
+fn write_line(line: &Value) {
+    // If standard error is closed, nobody can be informed.
     let _ = writeln!(stderr(), "{line}");
 }
 
 impl Observer for ProgressReport {
     fn progressed(&self, progress: Progress) {
-        // Several threads report: an earlier report may come later.
-        let due = |last: &Mutex<Told>, interval, tell: &dyn Fn()| {
+        // Several threads report, and an earlier state can arrive after a later one.
+        let due = |last: &Mutex<Shown>, interval, show: &dyn Fn()| {
             let Ok(mut last) = last.lock() else { return };
             if last.when.elapsed() >= interval && progress.samples >= last.samples {
-                *last = Told { samples: progress.samples, when: Instant::now() };
-                tell();
+                *last = Shown { samples: progress.samples, when: Instant::now() };
+                show();
             }
         };
         match &self.display {
@@ -228,5 +239,19 @@ impl Observer for ProgressReport {
                 due(last, JSON_INTERVAL, &|| self.event("progress", progress, None));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_hours_and_minutes() {
+        let cases = [(6.6, "7 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 05 min")];
+        for (seconds, text) in cases {
+            assert_eq!(duration(seconds), text);
+        }
+        assert_eq!(duration(f64::INFINITY), "unknown");
     }
 }

@@ -1,23 +1,51 @@
 //! `ptfast rays`.
 
-use super::args::RaysArgs;
-use super::say;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::console::say;
+use super::folder;
+use super::limits::SceneLimitArgs;
+use super::sample_args::SceneArg;
 use crate::accel::HitBatch;
 use crate::engine::RenderSettings;
 use crate::error::Result;
-use crate::limits::MAX_SPP;
+use crate::limits::{MAX_RAYS, MAX_SPP};
 use crate::output::check_folder;
 use crate::rayset;
 
+#[derive(Debug, Args)]
+pub(super) struct RaysArgs {
+    #[command(flatten)]
+    scene: SceneArg,
+    /// Folder for the ray set; created if missing
+    #[arg(short, long, visible_alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Samples per pixel [default: enough for --max-rays primary rays]
+    #[arg(long, alias = "samples", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    spp: Option<u32>,
+    /// Maximum number of rays of each kind, in runs of 2048 that are spread over the render
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..=MAX_RAYS))]
+    max_rays: u64,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    limits: SceneLimitArgs,
+}
+
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
-    check_folder(&args.out)?;
-    let scene = args.limits.load(&args.scene)?;
+    check_folder(&args.output)?;
+    let is_set = rayset::is_set(&args.output);
+    folder::check_unrelated(&rayset::files(&args.output), |_| is_set)?;
+    let scene = args.limits.load(args.scene.name())?;
     let mut settings = RenderSettings { seed: args.seed, ..RenderSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let enough = args.max_rays.div_ceil(pixels).min(u64::from(MAX_SPP));
     settings.spp = args.spp.unwrap_or(enough as u32);
     let sets = rayset::record(&scene, &settings, args.max_rays)?;
-    rayset::write(&sets, &args.out)?;
+    rayset::write(&sets, &args.output)?;
     say(format_args!(
         "scene   {}, {} x {}, {} spp, seed {}, sampling {}",
         scene.name(),
@@ -32,5 +60,5 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
         let share = 100.0 * hits as f64 / set.rays.len() as f64;
         say(format_args!("{:<7} {} rays, {share:.1}% hit", set.name, set.rays.len()))?;
     }
-    say(format_args!("folder  {}", args.out.display()))
+    say(format_args!("folder  {}", args.output.display()))
 }

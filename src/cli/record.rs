@@ -1,4 +1,4 @@
-//! The record of a render, as scripts read it, and the text kept in image files.
+//! The JSON record of a render.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -17,18 +17,18 @@ pub(super) struct StepSeconds {
     pub(super) write: f64,
 }
 
-/// A run of `ptfast render`, of which the record and the summary tell.
+/// A finished run of `ptfast render`, for the record and the summary.
 pub(super) struct Run<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
     pub(super) renderer: &'a Renderer,
     pub(super) render: &'a Render,
-    /// None for a part of an image.
+    /// `None` for a part of an image.
     pub(super) hash: Option<&'a str>,
     pub(super) seconds: StepSeconds,
 }
 
-/// `render --json`: field names are fixed, more may be added.
+/// The record of `render --json`. Field names are fixed; more fields may be added.
 pub(super) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
     let Run { scene, settings, renderer, render, hash, seconds } = *run;
     let samples = render.tally.rays.primary as f64;
@@ -74,7 +74,7 @@ pub(super) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
     })
 }
 
-/// What was done for paths on one of their segments.
+/// The work on one segment of the paths.
 fn segment(segment: &SegmentWork) -> Value {
     let stage = |stage: Stage| {
         let StageWork { active, issued, seconds, counters } = segment.stage(stage);
@@ -91,7 +91,7 @@ fn segment(segment: &SegmentWork) -> Value {
     })
 }
 
-/// JSON has no infinity.
+/// `None` for infinity, which JSON cannot represent.
 fn finite(number: f32) -> Option<f32> {
     Some(number).filter(|number| number.is_finite())
 }

@@ -1,178 +1,221 @@
 //! `ptfast render`.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::place::Place;
-use super::progress::{self, ProgressReport, Telling};
+use super::checkpoint_file::CheckpointFile;
+use super::console::{self, advise_on_build, notice, say};
+use super::progress::{self, ProgressMode, ProgressReport};
 use super::record::{self, Run, StepSeconds};
-use super::share::Share;
-use super::summary::summarize;
 use super::target::Target;
-use super::{advise_on_build, files, for_programs, keep, notice, plan, say, timeline};
-use crate::checkpoint::{Checkpoint, Identity};
-use crate::engine::{Engine, MOST_EVENTS, RenderSettings, Renderer, Rendering};
+use super::watch::Schedule;
+use super::{checkpointing, files, path, plan, stats, summary, timeline};
+use crate::checkpoint::{Checkpoint, Part};
+use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::interrupt;
 use crate::isa::Isa;
-use crate::limits::Limits;
 use crate::machine::Interference;
-use crate::output::{same_file, write_atomically};
+use crate::output::write_atomically;
 use crate::scene::Scene;
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
-    for_programs(args.telling() == Telling::Json);
+    console::write_json(args.mode() == ProgressMode::Json);
+    if args.quiet {
+        console::suppress_notices();
+    }
     interrupt::leave_at_once(true);
     interrupt::watch()?;
-    // Whatever can fail fails before the work is done.
-    args.output.clone().map(Target::of_path).transpose()?;
-    let scene = args.sample.limits.load(&args.sample.scene)?;
-    let load = start.elapsed().as_secs_f64();
-    let settings = settings(args, &scene)?;
-    settings.check()?;
-    let share = args.share.share(&settings)?;
-    settings.check_memory(&scene, Film::memory(share.area, share.samples.clone()))?;
-    let identity = Identity::new(&scene, &settings, share.area);
-    let output = Target::new(args.output.clone(), &args.sample.scene, &share, &identity)?;
-    let beside = [&args.json, &args.trace].into_iter().flatten().all(|file| file.exists());
-    if args.skip_complete
-        && output.is_complete(&identity, &share, args.gamma, scene.limits())?
-        && beside
-    {
-        say(format_args!("{} is complete", output.path().display()))?;
-        if args.telling() == Telling::Json {
-            progress::tell_complete(share.film(&identity)?.samples_to_do());
-        }
-        return Ok(());
+    let job = Job::new(args, start)?;
+    if args.skip_complete && job.is_complete()? {
+        return job.report_complete();
     }
-    let mut keeping = args.keep.keeping(output.path(), output.transfer(args.gamma), start)?;
-    check_files(args, &scene, &output, None, None)?;
-    // Where the render is kept depends on what is resumed.
-    let mut place = args.keep.place(output.path());
-    let (rendering, is_of_more) = begin(args, &place, &identity, &share, scene.limits())?;
-    if is_of_more {
-        args.keep.spare_resumed(&mut keeping, &mut place)?;
-    }
-    let partial = keeping.transfer.map(|_| place.image());
-    check_files(args, &scene, &output, Some(place.file()), partial.as_deref())?;
+    job.run()
+}
 
-    let mut checkpoint =
-        Checkpoint { scene: scene.name().to_owned(), identity, shard: share.shard, rendering };
-    let film = &checkpoint.rendering.film;
-    let left = film.samples_to_do() - film.samples_done();
-    let renderer = Renderer::for_paths(&scene, settings.clone(), left)?;
-    let quiet = args.telling() != Telling::Auto;
-    if !quiet {
+/// A render whose arguments are valid, and whose output files can be written.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    start: Instant,
+    scene: Scene,
+    /// Seconds that loading the scene took.
+    load: f64,
+    settings: RenderSettings,
+    part: Part,
+    output: Target,
+}
+
+impl<'a> Job<'a> {
+    fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
+        // A wrong extension is reported before a large scene is loaded.
+        args.output.clone().map(Target::of_path).transpose()?;
+        let loading = Instant::now();
+        let scene = args.limits.load(args.sample.scene.name())?;
+        let load = loading.elapsed().as_secs_f64();
+        scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
+        let settings = settings(args, &scene)?;
+        settings.check()?;
+        let part = args.share.part(&scene, &settings)?;
+        let film = Film::memory(part.identity.area(), part.samples.clone());
+        settings.check_memory(&scene, film)?;
+        let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
+        if output == Target::StandardOutput && args.print.is_some() {
+            let message = "--print and the image both need standard output: use -o FILE";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        Ok(Self { args, start, scene, load, settings, part, output })
+    }
+
+    /// Whether all output files exist, and the image or film is that of this render.
+    fn is_complete(&self) -> Result<bool> {
+        let reports = [&self.args.json, &self.args.trace];
+        let exist = reports.into_iter().flatten().all(|file| file.exists());
+        Ok(exist && self.output.is_complete(&self.part, self.args.gamma, self.scene.limits())?)
+    }
+
+    fn report_complete(&self) -> Result<()> {
+        if !self.args.quiet {
+            say(format_args!("{} is complete", self.output))?;
+        }
+        if self.args.mode() == ProgressMode::Json {
+            progress::write_complete(self.part.empty_film()?.samples_to_do());
+        }
+        Ok(())
+    }
+
+    fn run(&self) -> Result<()> {
+        let Self { args, scene, part, .. } = self;
+        let mut file = CheckpointFile::new(
+            &self.output,
+            args.sample.scene.name(),
+            args.checkpoint.checkpoint.as_deref(),
+        );
+        self.check_files(&file)?;
+        let rendering = file.load(part, scene.limits())?;
+        let left = rendering.film.samples_to_do() - rendering.progress().samples;
+        let renderer = Renderer::for_paths(scene, self.settings.clone(), left)?;
+        let mut checkpoint = Checkpoint {
+            scene: scene.name().to_owned(),
+            identity: part.identity.clone(),
+            shard: part.shard,
+            rendering,
+        };
         advise_on_build(Isa::Avx2);
-    }
-    if let Some(plan) = renderer.plan().filter(|_| !quiet) {
-        notice(format_args!("{}", plan::describe(plan)));
-    }
-    let before = Interference::so_far();
-    // From here on there is something to be kept.
-    interrupt::leave_at_once(false);
-    let progress =
-        ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.telling());
-    let not_kept = keep::render(&renderer, &mut checkpoint, &keeping, &mut place, &progress)?;
-    let interference = Interference::so_far().since(before);
-
-    let writing = Instant::now();
-    let render = renderer.finish(&mut checkpoint.rendering)?;
-    // A part has no image, and so no hash of one.
-    let part = share.is_part(&checkpoint.identity);
-    let hash = (!part).then(|| render.image.hash());
-    let written = match &output {
-        Target::Film(path) => checkpoint.write(path),
-        Target::Image(path) => {
-            let metadata = checkpoint.identity.metadata(hash.as_deref().unwrap_or_default());
-            render.image.write(path, args.gamma, &metadata)
+        if file.exists() {
+            let (file, percent) = (file.path().display(), checkpoint.percent());
+            notice(format_args!("continuing {file}, which has {percent}% of the samples"));
         }
-    };
-    written.map_err(|error| keep::instead(&checkpoint, &mut place, error))?;
-    let seconds = StepSeconds {
-        load,
-        build: render.seconds.build,
-        plan: render.seconds.plan,
-        render: render.seconds.render,
-        write: writing.elapsed().as_secs_f64(),
-    };
-    let (settings, hash) = (&settings, hash.as_deref());
-    let run = Run { scene: &scene, settings, renderer: &renderer, render: &render, hash, seconds };
-    if let Some(path) = &args.json {
-        let record = record::render_record(&run, interference);
-        write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+        let before = Interference::so_far();
+        // From here on, a signal saves the samples that are finished.
+        interrupt::leave_at_once(false);
+        let progress =
+            ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.mode());
+        let schedule = Schedule {
+            every: args.checkpoint.checkpoint_every,
+            time_limit: args.checkpoint.time_limit,
+            start: self.start,
+        };
+        checkpointing::render(&renderer, &mut checkpoint, &file, &schedule, args.gamma, &progress)?;
+        let interference = Interference::so_far().since(before);
+
+        let writing = Instant::now();
+        let render = renderer.finish(&mut checkpoint.rendering)?;
+        // Only whole images have a hash.
+        let hash = part.is_whole().then(|| render.image.hash());
+        self.write(&checkpoint, &render, hash.as_deref())
+            .map_err(|error| checkpointing::save_instead(&checkpoint, &file, error))?;
+        let finished = file.finish(&checkpoint, left > 0);
+        let seconds = StepSeconds {
+            load: self.load,
+            build: render.seconds.build,
+            plan: render.seconds.plan,
+            render: render.seconds.render,
+            write: writing.elapsed().as_secs_f64(),
+        };
+        let (settings, hash) = (&self.settings, hash.as_deref());
+        let run = Run { scene, settings, renderer: &renderer, render: &render, hash, seconds };
+        self.report(&run, interference)?;
+        finished?;
+        progress.done(checkpoint.rendering.progress());
+        Ok(())
     }
-    if let Some(path) = &args.trace {
-        timeline::write(path, scene.name(), renderer.threads(), &render)?;
-        if render.timeline.len() == MOST_EVENTS {
-            notice(format_args!("{}: ends after {MOST_EVENTS} events", path.display()));
+
+    /// Rejects output files that cannot be written, are the same, or would overwrite input files.
+    fn check_files(&self, file: &CheckpointFile) -> Result<()> {
+        let args = self.args;
+        let mut read = files::of_scene(args.sample.scene.name(), &self.scene);
+        read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
+        let written = [
+            ("the image", self.output.path()),
+            ("the checkpoint", Some(file.path())),
+            ("the partial image", file.picture()),
+            ("the record", args.json.as_deref()),
+            ("the timeline", args.trace.as_deref()),
+        ];
+        let written: Vec<_> =
+            written.into_iter().filter_map(|(name, file)| Some((name, file?))).collect();
+        files::check(&read, &written)
+    }
+
+    /// Writes the image or the film.
+    fn write(&self, checkpoint: &Checkpoint, render: &Render, hash: Option<&str>) -> Result<()> {
+        let metadata = || checkpoint.identity.metadata(hash.unwrap_or_default());
+        match &self.output {
+            Target::Film(path) => checkpoint.write(path),
+            Target::Image(path) => render.image.write(path, self.args.gamma, &metadata()),
+            Target::StandardOutput => {
+                let write = || {
+                    let mut out = io::stdout().lock();
+                    render.image.write_png(&mut out, self.args.gamma, &metadata())?;
+                    out.flush()
+                };
+                write().map_err(Error::io(Path::new("standard output"), "write"))
+            }
         }
     }
-    if args.stats {
-        super::stats::print(&render, renderer.plan())?;
-    }
-    summarize(&run, &args.sample.scene, output.path())?;
-    if let Some(error) = not_kept {
-        return Err(error);
-    }
-    progress.done(checkpoint.rendering.progress());
-    Ok(())
-}
 
-/// Refuses files that cannot be written, and files that are the same.
-fn check_files(
-    args: &RenderArgs,
-    scene: &Scene,
-    output: &Target,
-    checkpoint: Option<&Path>,
-    partial: Option<&Path>,
-) -> Result<()> {
-    let mut read = files::of_scene(&args.sample.scene, scene);
-    read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
-    let image = [("the image", Some(output.path())), ("the checkpoint", checkpoint)];
-    let beside = [
-        ("the partial image", partial),
-        ("the record", args.json.as_deref()),
-        ("the trace", args.trace.as_deref()),
-    ];
-    let given = |(name, file): (_, Option<_>)| Some((name, file?));
-    let beside: Vec<_> = beside.into_iter().filter_map(given).collect();
-    let image: Vec<_> = image.into_iter().filter_map(given).collect();
-    files::check(&read, &[&*image, &beside].concat())?;
-    // What is resumed may be replaced by what has more of it.
-    let resumed = args.keep.resume.as_deref().map(|file| ("the checkpoint", file));
-    files::check(resumed.as_slice(), &beside)
-}
-
-/// What there is of the render already, and whether it is for more samples than that was.
-fn begin(
-    args: &RenderArgs,
-    place: &Place,
-    identity: &Identity,
-    share: &Share,
-    limits: &Limits,
-) -> Result<(Rendering, bool)> {
-    let resumed = args.keep.resume.as_ref();
-    let is_new = resumed.is_none_or(|file| !same_file(file, place.file()));
-    // One film at a time is in memory.
-    let there = if is_new { place.done(identity, share, limits)? } else { 0 };
-    let (rendering, is_of_more) = match resumed {
-        None => (share.film(identity).map(Rendering::new)?, false),
-        Some(file) => {
-            let (there, samples) = (Checkpoint::read(file, limits)?, share.samples.clone());
-            let is_of_more = !there.is_of(identity, share.shard, &samples);
-            let name = file.display().to_string();
-            (there.resume(&name, identity, share.shard, samples)?, is_of_more)
+    /// Writes the reports, and prints the summary.
+    fn report(&self, run: &Run<'_>, interference: Interference) -> Result<()> {
+        let Run { scene, renderer, render, settings, .. } = *run;
+        let args = self.args;
+        if let Some(path) = &args.json {
+            let record = record::render_record(run, interference);
+            write_atomically(path, |file| writeln!(file, "{record:#}"))?;
         }
-    };
-    let film = &rendering.film;
-    match there > film.samples_done() {
-        true => Err(place.has_more(there * 100 / film.samples_to_do())),
-        false => Ok((rendering, is_of_more)),
+        if let Some(path) = &args.trace {
+            timeline::write(path, scene.name(), renderer.threads(), render)?;
+            if render.timeline.len() == MOST_EVENTS {
+                notice(format_args!("{}: ends after {MOST_EVENTS} events", path.display()));
+            }
+        }
+        let (non_finite, clamped) = (&render.tally.non_finite, render.tally.clamped);
+        if let Some((x, y, sample)) = non_finite.first {
+            notice(format_args!(
+                "{} samples were not finite and count as black; to trace the first again: {}",
+                non_finite.count,
+                path::command(args.sample.scene.name(), settings, (x, y), sample)
+            ));
+        }
+        if settings.clamp < f32::INFINITY {
+            notice(format_args!("{clamped} samples were clamped to {}", settings.clamp));
+        }
+        if self.output == Target::StandardOutput {
+            return Ok(());
+        }
+        if args.print.is_some() {
+            return run.hash.map_or(Ok(()), |hash| say(format_args!("{hash}")));
+        }
+        if args.quiet {
+            return Ok(());
+        }
+        if args.stats {
+            stats::print(render, renderer.plan())?;
+        }
+        summary::print(run, &self.output)
     }
 }
 
@@ -180,8 +223,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
-    let quiet = args.telling() != Telling::Auto;
-    let plan = args.plan.as_deref().map(|file| plan::read(file, scene, quiet)).transpose()?;
+    let plan = args.plan.as_deref().map(|file| plan::read(file, scene)).transpose()?;
     let of_samples = args.sample.settings(scene);
     Ok(RenderSettings {
         spp: args.spp.unwrap_or(of_samples.spp),
@@ -198,7 +240,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
 }
 
 impl RenderArgs {
-    fn telling(&self) -> Telling {
-        if self.quiet { Telling::None } else { self.progress }
+    fn mode(&self) -> ProgressMode {
+        if self.quiet { ProgressMode::None } else { self.progress }
     }
 }

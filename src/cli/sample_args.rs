@@ -1,44 +1,61 @@
-//! The arguments that decide a sample.
+//! The arguments that name a scene, and those that decide the value of a sample.
 
 use clap::{Args, ValueEnum};
 
-use super::limits::LimitArgs;
 use super::named::named;
 use crate::engine::{Pin, RenderSettings};
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 
-/// What decides a sample.
+const IMAGE: &str = "Image";
+
+/// A scene, with or without `--scene` before it.
+#[derive(Debug, Args)]
+pub(super) struct SceneArg {
+    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N), a scene file (.ron, .json, .txt), a
+    /// mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
+    #[arg(value_name = "SCENE", required_unless_present = "scene", conflicts_with = "scene")]
+    positional: Option<String>,
+    /// The same as SCENE
+    #[arg(long, value_name = "SCENE", hide = true)]
+    scene: Option<String>,
+}
+
+impl SceneArg {
+    /// The scene as the user named it.
+    pub(super) fn name(&self) -> &str {
+        self.positional.as_deref().or(self.scene.as_deref()).expect("clap requires one")
+    }
+}
+
+/// The arguments that decide the value of each sample.
 #[derive(Debug, Args)]
 pub(super) struct SampleArgs {
-    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N) or path of a .ron,
-    /// .json or .txt file
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(super) scene: String,
+    #[command(flatten)]
+    pub(super) scene: SceneArg,
     /// Width in pixels [default: the scene's, or in proportion to --height]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    #[arg(long, value_name = "PIXELS", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) width: Option<u32>,
     /// Height in pixels [default: the scene's, or in proportion to --width]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    #[arg(long, value_name = "PIXELS", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) height: Option<u32>,
-    /// Largest number of segments of a path [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
+    /// Maximum number of segments of a path [default: the scene's]
+    #[arg(long, value_name = "N", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub(super) depth: Option<u32>,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", help_heading = IMAGE, default_value_t = 1)]
     pub(super) seed: u64,
-    /// How light is found [default: the scene's, or mis where it has lights, else bsdf]
-    #[arg(long, value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
+    /// Sampling of light: by materials, by lights, or both [default: the scene's, or mis if it has lights, else
+    /// bsdf]
+    #[arg(long, value_name = "SAMPLING", help_heading = IMAGE, value_parser = named(&Sampling::ALL, Sampling::name))]
     pub(super) sampling: Option<Sampling>,
-    /// Where random numbers are from
-    #[arg(long, value_name = "SAMPLER", default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
+    /// Source of random numbers
+    #[arg(long, value_name = "SAMPLER", help_heading = IMAGE, default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
     pub(super) sampler: Sampler,
-    /// Whether paths of little weight end early at random, without bias
-    #[arg(long, value_enum, default_value_t = Switch::On)]
+    /// Russian roulette: end paths of low throughput at random, without bias
+    #[arg(long, value_enum, help_heading = IMAGE, default_value_t = Switch::On)]
     pub(super) roulette: Switch,
-    #[command(flatten)]
-    pub(super) limits: LimitArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,7 +65,7 @@ pub(super) enum Switch {
 }
 
 impl SampleArgs {
-    /// The scene's settings where these say nothing.
+    /// These settings, and the scene's defaults for the others.
     pub(super) fn settings(&self, scene: &Scene) -> RenderSettings {
         let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
         RenderSettings {

@@ -1,9 +1,9 @@
 //! `ptfast scenes`.
 
 use super::args::ScenesCommand;
-use super::say;
+use super::console::{notice, say, say_lines};
 use crate::error::Result;
-use crate::scene::{BUILTIN_NAMES, Scene, Source};
+use crate::scene::{BUILTIN_NAMES, Scene};
 
 pub(super) fn run(command: &ScenesCommand) -> Result<()> {
     match command {
@@ -11,13 +11,15 @@ pub(super) fn run(command: &ScenesCommand) -> Result<()> {
             .iter()
             .try_for_each(|name| say(format_args!("{}", summary(&Scene::load(name)?)))),
         ScenesCommand::Show { scene, json, limits } => {
-            let parsed = Source::find(scene)?.read(&limits.limits())?;
+            let parsed = limits.source(scene.name())?.read(&limits.limits())?;
             parsed.resolve()?;
             let text = if *json { parsed.to_json() } else { parsed.to_ron() };
-            say(format_args!("{}", text.trim_end()))
+            say_lines(text.trim_end())
         }
         ScenesCommand::Check { scene, limits } => {
-            say(format_args!("{}", summary(&limits.load(scene)?)))
+            let scene = limits.load(scene.name())?;
+            scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
+            say(format_args!("{}", summary(&scene)))
         }
     }
 }

@@ -1,19 +1,20 @@
-//! Which shard a task of Slurm or Kubernetes is.
+//! The shard of a task of Slurm or Kubernetes.
 
 use crate::checkpoint::Shard;
 use crate::error::{Error, Result};
 
-/// The shard of `count` that this is, where the environment's variables are those of an array job or an indexed job.
+/// The shard of this process, from the environment variables of a Slurm array or a Kubernetes indexed job.
 ///
 /// # Errors
-/// [`Error::Usage`] where they do not tell it.
+/// [`Error::Usage`] if they are missing or contradict each other.
 pub(super) fn shard(
     count: Option<u32>,
     variable: impl Fn(&str) -> Option<String>,
 ) -> Result<Shard> {
     let number = |name: &str| -> Result<Option<u32>> {
         let parse = |text: String| {
-            let wrong = || Error::Usage(format!("--shard auto: {name} is no number: `{text}`"));
+            let wrong =
+                || Error::Usage(format!("--shard auto: {name} must be a number, is `{text}`"));
             text.trim().parse().map_err(|_| wrong())
         };
         variable(name).map(parse).transpose()
@@ -40,17 +41,17 @@ pub(super) fn shard(
     if let (Some(most), Some(count)) = (number("SLURM_ARRAY_TASK_MAX")?, count)
         && most.checked_sub(least).is_none_or(|last| last / step + 1 != count)
     {
-        // Of 0, 2 and 5, 5 would be none of three.
+        // Of the tasks 0, 2 and 5, 5 is beyond three shards.
         let message = format!("the tasks {least} to {most} by {step} are not {count}");
         return Err(Error::Usage(format!("--shard auto: {message}: give --shard I/N")));
     }
     match (index, count) {
         (Some(index), Some(count)) if index < count => Ok(Shard { index, count }),
         (Some(index), Some(count)) => {
-            Err(Error::Usage(format!("--shard auto: task {index}, from 0, is none of {count}")))
+            Err(Error::Usage(format!("--shard auto: task {index} is out of range: there are {count} shards, from 0")))
         }
         (Some(_), None) => Err(Error::Usage(
-            "--shard auto: SLURM_ARRAY_TASK_COUNT is not set: tell how many there are with auto/N"
+            "--shard auto: SLURM_ARRAY_TASK_COUNT is not set: give the number of shards with auto/N"
                 .to_owned(),
         )),
         (None, _) => Err(Error::Usage(
@@ -64,8 +65,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn schedulers_tell_the_shard() {
-        let told = |count, variables: &[(&str, &str)]| {
+    fn shards_come_from_the_environment() {
+        let found = |count, variables: &[(&str, &str)]| {
             shard(count, |name| {
                 variables
                     .iter()
@@ -78,16 +79,16 @@ mod tests {
             ("SLURM_ARRAY_TASK_MIN", "5"),
             ("SLURM_ARRAY_TASK_COUNT", "4"),
         ];
-        assert_eq!(told(None, &slurm).unwrap(), Shard { index: 2, count: 4 });
+        assert_eq!(found(None, &slurm).unwrap(), Shard { index: 2, count: 4 });
         let regular = [&slurm[..], &[("SLURM_ARRAY_TASK_MAX", "8")]].concat();
-        assert_eq!(told(None, &regular).unwrap(), Shard { index: 2, count: 4 });
+        assert_eq!(found(None, &regular).unwrap(), Shard { index: 2, count: 4 });
         let steps = [("SLURM_ARRAY_TASK_STEP", "2"), ("SLURM_ARRAY_TASK_MAX", "11")];
         assert_eq!(
-            told(None, &[&slurm[..], &steps].concat()).unwrap(),
+            found(None, &[&slurm[..], &steps].concat()).unwrap(),
             Shard { index: 1, count: 4 }
         );
         assert_eq!(
-            told(Some(9), &[("JOB_COMPLETION_INDEX", "8")]).unwrap(),
+            found(Some(9), &[("JOB_COMPLETION_INDEX", "8")]).unwrap(),
             Shard { index: 8, count: 9 }
         );
         for (count, variables) in [
@@ -100,7 +101,7 @@ mod tests {
             (None, &[&slurm[..], &[("SLURM_ARRAY_TASK_MAX", "9")]].concat()),
             (None, &[&slurm[..], &[("SLURM_ARRAY_TASK_MAX", "4")]].concat()),
         ] {
-            assert_eq!(told(count, variables).unwrap_err().exit_code(), 2, "{variables:?}");
+            assert_eq!(found(count, variables).unwrap_err().exit_code(), 2, "{variables:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Which part of a render is rendered: pixels, samples, or a shard of many.
+//! The arguments that select a part of a render: pixels, samples, or one of many shards.
 
 use std::env;
 use std::ops::Range;
@@ -6,23 +6,26 @@ use std::ops::Range;
 use clap::Args;
 
 use super::scheduler;
-use crate::checkpoint::{Identity, Shard};
+use crate::checkpoint::{Identity, Part, Shard};
 use crate::engine::RenderSettings;
 use crate::error::{Error, Result};
-use crate::film::{CHUNK, Film, Tile};
+use crate::film::{CHUNK, Tile};
+use crate::scene::Scene;
+
+const HEADING: &str = "Parts and long renders";
 
 #[derive(Debug, Args)]
 pub(super) struct ShareArgs {
     /// Render only these pixels: left, upper, right and lower edge, from the top left of the image
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    #[arg(long, help_heading = HEADING, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<[u32; 4]>,
-    /// Render shard I, from 0, of N into a .film, for `ptfast merge`; auto: as SLURM_ARRAY_TASK_ID says;
-    /// auto/N: or JOB_COMPLETION_INDEX
-    #[arg(long, value_name = "I/N|auto|auto/N", value_parser = shard)]
+    /// Render shard I of N, counted from 0, into a .film for `ptfast merge`; auto: the task of a Slurm array;
+    /// auto/N: the task of a Slurm array or a Kubernetes indexed job
+    #[arg(long, help_heading = HEADING, value_name = "I/N|auto|auto/N", value_parser = shard)]
     shard: Option<ShardChoice>,
-    /// Render the samples A to B-1 of each pixel into a .film, for `ptfast merge`: both multiples of 16, but
-    /// for the last
-    #[arg(long, value_name = "A..B", value_parser = samples)]
+    /// Render the samples A to B-1 of each pixel into a .film for `ptfast merge`. A and B must be multiples of 16,
+    /// except for the last sample
+    #[arg(long, help_heading = HEADING, value_name = "A..B", value_parser = samples)]
     sample_range: Option<SampleRange>,
 }
 
@@ -32,7 +35,7 @@ enum ShardChoice {
     Auto(Option<u32>),
 }
 
-/// `a..b`, not empty.
+/// A non-empty range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct SampleRange {
     first: u32,
@@ -49,14 +52,14 @@ fn crop(text: &str) -> Result<[u32; 4], String> {
     let edges =
         numbers(text, ",").filter(|[left, upper, right, lower]| left < right && upper < lower);
     edges.ok_or_else(|| {
-        "four edges, the first two less than the others, such as 0,0,640,360".to_owned()
+        "must be left,upper,right,lower with left < right and upper < lower, such as 0,0,640,360".to_owned()
     })
 }
 
 fn samples(text: &str) -> Result<SampleRange, String> {
     match numbers(text, "..") {
         Some([first, end]) if first < end => Ok(SampleRange { first, end }),
-        _ => Err("two numbers, the first less than the second, such as 0..64".to_owned()),
+        _ => Err("must be two numbers, the first less than the second, such as 0..64".to_owned()),
     }
 }
 
@@ -70,7 +73,7 @@ fn shard(text: &str) -> Result<ShardChoice, String> {
         }
         None => numbers(text, "/").and_then(given).map(ShardChoice::Given),
     };
-    choice.ok_or_else(|| "0/4 to 3/4 for four shards, auto, or auto/4".to_owned())
+    choice.ok_or_else(|| "must be I/N with I < N, such as 0/4, or auto, or auto/4".to_owned())
 }
 
 impl ShardChoice {
@@ -82,18 +85,12 @@ impl ShardChoice {
     }
 }
 
-/// What is rendered of an image.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Share {
-    pub(super) area: Tile,
-    pub(super) samples: Range<u32>,
-    pub(super) shard: Option<Shard>,
-}
-
 impl ShareArgs {
+    /// The part of the image of `scene` to render.
+    ///
     /// # Errors
-    /// [`Error::Usage`] where the image has no such part.
-    pub(super) fn share(&self, settings: &RenderSettings) -> Result<Share> {
+    /// [`Error::Usage`] if the image has no such part.
+    pub(super) fn part(&self, scene: &Scene, settings: &RenderSettings) -> Result<Part> {
         let RenderSettings { width, height, spp, .. } = *settings;
         let [left, upper, right, lower] = self.crop.unwrap_or([0, 0, width, height]);
         if right > width || lower > height {
@@ -108,43 +105,25 @@ impl ShareArgs {
                 "--sample-range must begin and end at multiples of {CHUNK}, or end at {spp}, is {first}..{end}"
             )));
         }
-        Ok(Share {
-            area: Tile { x: left, y: upper, width: right - left, height: lower - upper },
-            samples: first..end,
+        let area = Tile { x: left, y: upper, width: right - left, height: lower - upper };
+        Ok(Part {
+            identity: Identity::new(scene, settings, area),
             shard: self.shard.map(ShardChoice::shard).transpose()?,
+            samples: first..end,
         })
     }
 }
 
-impl Share {
-    /// Whether it is but a part of the samples of the image, which makes no image by itself.
-    pub(super) fn is_part(&self, identity: &Identity) -> bool {
-        self.shard.is_some() || self.samples != (0..identity.spp)
-    }
-
-    /// An empty film for it.
-    ///
-    /// # Errors
-    /// [`Error::Internal`] where there is no memory for it.
-    pub(super) fn film(&self, identity: &Identity) -> Result<Film> {
-        let mut film = Film::new(self.area, self.samples.clone())?;
-        if let Some(shard) = self.shard {
-            film.retain(|x, y| shard.has(identity.width, x, y));
-        }
-        Ok(film)
-    }
-
-    /// What is added to the name of a scene for the name of its file.
-    pub(super) fn suffix(&self, identity: &Identity) -> String {
-        let [left, upper, right, lower] = identity.crop;
-        let part = identity.crop != [0, 0, identity.width, identity.height];
-        let crop = part.then(|| format!(".crop-{left}-{upper}-{right}-{lower}"));
-        let shard = self.shard.map(|Shard { index, count }| format!(".{index}-of-{count}"));
-        let Range { start, end } = self.samples;
-        let some = (start, end) != (0, identity.spp);
-        let samples = some.then(|| format!(".samples-{start}-{end}"));
-        [crop, shard, samples].into_iter().flatten().collect()
-    }
+/// The suffix of the default output name for a part of an image.
+pub(super) fn suffix(Part { identity, shard, samples }: &Part) -> String {
+    let [left, upper, right, lower] = identity.crop;
+    let cropped = identity.crop != [0, 0, identity.width, identity.height];
+    let crop = cropped.then(|| format!(".crop-{left}-{upper}-{right}-{lower}"));
+    let shard = shard.map(|Shard { index, count }| format!(".{index}-of-{count}"));
+    let Range { start, end } = *samples;
+    let some = (start, end) != (0, identity.spp);
+    let samples = some.then(|| format!(".samples-{start}-{end}"));
+    [crop, shard, samples].into_iter().flatten().collect()
 }
 
 #[cfg(test)]
@@ -170,10 +149,13 @@ mod tests {
         let settings = RenderSettings { spp: 50, ..RenderSettings::of(&scene) };
         let share = |crop, samples: Option<(u32, u32)>| {
             let sample_range = samples.map(|(first, end)| SampleRange { first, end });
-            ShareArgs { crop, shard: None, sample_range }.share(&settings)
+            ShareArgs { crop, shard: None, sample_range }.part(&scene, &settings)
         };
         assert_eq!(share(None, None).unwrap().samples, 0..50);
-        assert_eq!(share(Some([5, 6, 15, 400]), Some((16, 50))).unwrap().area.height, 394);
+        assert_eq!(
+            share(Some([5, 6, 15, 400]), Some((16, 50))).unwrap().identity.area().height,
+            394
+        );
         for samples in [(0, 51), (1, 16), (16, 33), (48, 64)] {
             assert!(share(None, Some(samples)).is_err(), "{samples:?}");
         }

@@ -1,18 +1,20 @@
-//! `ptfast render --stats`: what was done, as tables.
+//! `ptfast render --stats`: tables of the work.
 
-use super::say;
+use super::console::say;
+use super::plan::describe;
 use crate::engine::{Plan, Render, SegmentWork, Stage, StageWork, WaveStats};
 use crate::error::Result;
 
-/// Prints what a render did, by `plan` if it had one.
+/// Prints the work of a render, with its `plan` if it had one.
 pub(super) fn print(render: &Render, plan: Option<&Plan>) -> Result<()> {
     counts(render)?;
     let Some(plan) = plan else { return Ok(()) };
+    say(format_args!("{}", describe(plan)))?;
     stages(render)?;
     segments(render, plan)
 }
 
-/// Rays by kind, paths by ending.
+/// Prints the number of rays by kind, and of paths by ending.
 fn counts(render: &Render) -> Result<()> {
     let rays = &render.tally.rays;
     say(format_args!(
@@ -33,11 +35,12 @@ fn percent(part: u64, of: u64) -> f64 {
     part as f64 / of as f64 * 100.0
 }
 
-/// The stages one by one. Times are summed over threads.
+/// Prints a line per stage. Times are summed over threads.
 fn stages(render: &Render) -> Result<()> {
     let (waves, paths) = (&render.waves, render.tally.rays.primary as f64);
     let all = waves.seconds();
-    say(format_args!("\nstage            ms  share  ns a path  lanes"))?;
+    say(format_args!(""))?;
+    say(format_args!("stage            ms  share  ns/path    lanes"))?;
     for stage in Stage::ALL {
         let work = waves.stage(stage);
         if work.active > 0 {
@@ -54,11 +57,11 @@ fn stages(render: &Render) -> Result<()> {
     Ok(())
 }
 
-/// The segments one by one: how their rays were traced, counting included, and the share of lanes in
-/// use.
+/// Prints a line per segment: how its rays were traced, with counters, and the share of active lanes.
 fn segments(render: &Render, plan: &Plan) -> Result<()> {
+    say(format_args!(""))?;
     say(format_args!(
-        "\nsegment  rays          miss  {TRACE_HEAD}  sort  shade  order  shadow rays   {TRACE_HEAD}"
+        "segment  rays          miss  {TRACE_HEAD}  sort  shade  order  shadow rays   {TRACE_HEAD}"
     ))?;
     for (number, segment) in (1..).zip(&render.waves.segments) {
         let (how, work) = (plan.segment(number), |stage| segment.stage(stage));
@@ -91,7 +94,7 @@ fn misses(segment: &SegmentWork) -> u64 {
 
 const TRACE_HEAD: &str = "by                  ns  nodes  tests  lanes";
 
-/// What a ray takes.
+/// The cost of a ray: kernel, time, nodes, tests, and active lanes.
 fn trace(by: &str, work: &StageWork) -> String {
     let a_ray = |count: u64| count as f64 / work.active as f64;
     let (nodes, tests) = (a_ray(work.counters.node_visits), a_ray(work.counters.leaf_tests));

@@ -1,14 +1,13 @@
-//! What `ptfast render` says of a render that is done.
+//! The summary that `ptfast render` prints.
 
-use std::path::Path;
-
+use super::console::say;
 use super::record::Run;
-use super::{notice, path, say};
+use super::target::Target;
 use crate::engine::RenderSettings;
 use crate::error::Result;
 
-/// Of the scene that was `given`, whose image or film is `output`.
-pub(super) fn summarize(run: &Run<'_>, given: &str, output: &Path) -> Result<()> {
+/// Prints the summary of `run`, which wrote `output`.
+pub(super) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
     let Run { scene, settings, renderer, render, hash, seconds } = *run;
     let RenderSettings { width, height, spp, depth, seed, .. } = settings;
     let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
@@ -17,16 +16,6 @@ pub(super) fn summarize(run: &Run<'_>, given: &str, output: &Path) -> Result<()>
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
     let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
-    if let Some((x, y, sample)) = render.tally.non_finite.first {
-        notice(format_args!(
-            "{} samples were not finite and count as black; the first again, ray by ray: {}",
-            render.tally.non_finite.count,
-            path::command(given, settings, (x, y), sample)
-        ));
-    }
-    if settings.clamp < f32::INFINITY {
-        notice(format_args!("{} samples were clamped to {}", render.tally.clamped, settings.clamp));
-    }
     say(format_args!(
         "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",
         scene.name()
@@ -56,5 +45,5 @@ pub(super) fn summarize(run: &Run<'_>, given: &str, output: &Path) -> Result<()>
         say(format_args!("hash    {hash}"))?;
     }
     say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
-    say(format_args!("file    {}", output.display()))
+    say(format_args!("file    {}", output))
 }

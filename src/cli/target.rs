@@ -1,9 +1,10 @@
-//! The file that a render makes: an image, or a film that can be continued and merged.
+//! The output of a render: an image, or a film that can be continued and merged.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::share::Share;
-use crate::checkpoint::{Checkpoint, Identity};
+use super::share::suffix;
+use crate::checkpoint::{Checkpoint, Identity, Part};
 use crate::error::{Error, Result};
 use crate::image::{Format, Image, Metadata, Transfer};
 use crate::limits::Limits;
@@ -12,14 +13,28 @@ use crate::limits::Limits;
 pub(super) enum Target {
     Image(PathBuf),
     Film(PathBuf),
+    /// A PNG image on standard output.
+    StandardOutput,
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.path() {
+            Some(path) => path.display().fmt(f),
+            None => f.write_str("standard output"),
+        }
+    }
 }
 
 impl Target {
-    /// By the file's extension.
+    /// The kind of output by the extension of the file; `-` is standard output.
     ///
     /// # Errors
-    /// [`Error::Usage`] where no writer knows it.
+    /// [`Error::Usage`] if no writer knows the extension.
     pub(super) fn of_path(path: PathBuf) -> Result<Self> {
+        if path.as_os_str() == "-" {
+            return Ok(Self::StandardOutput);
+        }
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film")) {
             return Ok(Self::Film(path));
         }
@@ -27,72 +42,65 @@ impl Target {
         Ok(Self::Image(path))
     }
 
-    /// The file named `given`, or else one in the current folder after the name of the scene, for `share`.
+    /// The file `given`, or a file in the current folder that is named after the scene, for `part`.
     ///
     /// # Errors
-    /// [`Error::Usage`] where no writer knows the extension, or `share` makes no image.
-    pub(super) fn new(
-        given: Option<PathBuf>,
-        scene: &str,
-        share: &Share,
-        identity: &Identity,
-    ) -> Result<Self> {
-        let part = share.is_part(identity);
+    /// [`Error::Usage`] if no writer knows the extension, or if the file is an image and `part` is not a
+    /// whole render.
+    pub(super) fn new(given: Option<PathBuf>, scene: &str, part: &Part) -> Result<Self> {
         let Some(path) = given else {
-            let extension = if part { "film" } else { "png" };
-            let suffix = share.suffix(identity);
+            let extension = if part.is_whole() { "png" } else { "film" };
+            let suffix = suffix(part);
             return Self::of_path(PathBuf::from(format!("{}{suffix}.{extension}", stem(scene))));
         };
         let output = Self::of_path(path)?;
         match &output {
-            Self::Image(path) if part => Err(Error::Usage(format!(
-                "{}: a part of a render makes no image: name a .film, for `ptfast merge`",
-                path.display()
-            ))),
+            Self::Image(_) | Self::StandardOutput if !part.is_whole() => {
+                Err(Error::Usage(format!(
+                    "{output}: --shard and --sample-range render a part of an image: use -o part.film, then join \
+                 the parts with `ptfast merge`"
+                )))
+            }
             _ => Ok(output),
         }
     }
 
-    pub(super) fn path(&self) -> &Path {
+    /// The file; `None` for standard output.
+    pub(super) fn path(&self) -> Option<&Path> {
         match self {
-            Self::Image(path) | Self::Film(path) => path,
+            Self::Image(path) | Self::Film(path) => Some(path),
+            Self::StandardOutput => None,
         }
     }
 
-    /// `transfer`, for images.
-    pub(super) fn transfer(&self, transfer: Transfer) -> Option<Transfer> {
-        matches!(self, Self::Image(_)).then_some(transfer)
-    }
-
-    /// Whether the file is there already, whole, of this render and with this curve.
+    /// Whether the file exists, is complete, and has this render with this transfer curve.
     ///
     /// # Errors
-    /// [`Error::Usage`] for files that cannot tell.
+    /// [`Error::Usage`] for formats without metadata.
     pub(super) fn is_complete(
         &self,
-        identity: &Identity,
-        share: &Share,
+        part: &Part,
         curve: Transfer,
         limits: &Limits,
     ) -> Result<bool> {
         Ok(match self {
-            Self::Film(path) => Checkpoint::read(path, limits).is_ok_and(|there| {
-                there.is_of(identity, share.shard, &share.samples) && there.is_complete()
-            }),
-            Self::Image(path) if !Format::of_path(path)?.has_metadata() => {
+            Self::Film(path) => Checkpoint::read(path, limits)
+                .is_ok_and(|there| there.part() == *part && there.is_complete()),
+            Self::Image(path) if Format::of_path(path)?.has_metadata() => {
+                is_image_of(path, &part.identity, curve, limits)
+            }
+            Self::Image(_) | Self::StandardOutput => {
                 return Err(Error::Usage(format!(
-                    "{}: --skip-complete needs a file that tells what it is of: .png, .exr or .film",
-                    path.display()
+                    "{self}: --skip-complete needs a format with metadata: .png, .exr or .film"
                 )));
             }
-            Self::Image(path) => is_image_of(path, identity, curve, limits),
         })
     }
 }
 
 fn is_image_of(path: &Path, identity: &Identity, curve: Transfer, limits: &Limits) -> bool {
     let Ok(there) = Metadata::read(path) else { return false };
-    // The hash is not known before.
+    // The hash is unknown before the render.
     let wanted = identity.metadata("");
     let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
     let transfer = there.get("ptfast:transfer");
@@ -101,14 +109,17 @@ fn is_image_of(path: &Path, identity: &Identity, curve: Transfer, limits: &Limit
     {
         return false;
     }
-    // Those without a curve have the very values.
+    // Formats without a curve store the linear values.
     Image::read_where(path, &|pixels, memory| limits.check_image(pixels, memory))
         .is_ok_and(|image| transfer.is_some() || there.get("ptfast:hash") == Some(&image.hash()))
 }
 
-/// `spheres` for `spheres` and for `folder/spheres.ron`.
-fn stem(scene: &str) -> String {
+/// The name of output files for a scene: `spheres` for `spheres` and `folder/spheres.ron`.
+pub(super) fn stem(scene: &str) -> String {
+    if scene == "-" {
+        return "stdin".to_owned();
+    }
     let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
-    // `cloud:1000` is no name for a file everywhere.
+    // Some file systems do not allow `cloud:1000`.
     stem.replace(':', "-")
 }

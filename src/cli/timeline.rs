@@ -1,5 +1,5 @@
-//! `ptfast render --trace`: what each worker did when, in the Trace Event Format that Perfetto and
-//! Chrome open.
+//! `ptfast render --trace`: a timeline of each worker, in the Trace Event Format that Perfetto and Chrome
+//! read.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,17 +1,36 @@
 //! `ptfast trace`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
+use clap::Args;
 use serde_json::json;
 
-use super::args::TraceArgs;
-use super::{advise_on_build, files, notice, printable, say};
+use super::console::{advise_on_build, notice, say};
+use super::files;
+use super::named::named;
 use crate::accel::{Accelerator, Kernel};
 use crate::error::Result;
 use crate::isa::Isa;
 use crate::machine::Machine;
 use crate::output::write_atomically;
 use crate::rayset::{self, RaySet, Replay};
+
+#[derive(Debug, Args)]
+pub(super) struct TraceArgs {
+    /// Folder with a ray set, from `ptfast rays`
+    #[arg(value_name = "DIR")]
+    dir: PathBuf,
+    /// One kernel [default: the kernels that suit the scene's size, and scalar]
+    #[arg(long, value_name = "KERNEL", value_parser = named(&Kernel::ALL, Kernel::name))]
+    kernel: Option<Kernel>,
+    /// Number of repetitions; the median is printed
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    reps: u32,
+    /// Write the table as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
 
 pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     let record = args.json.as_deref().map(|file| ("the record", file));
@@ -20,9 +39,9 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     files::check(&read, record.as_slice())?;
     let sets = rayset::read(&args.dir)?;
     advise_on_build(Isa::Avx512);
-    let name = printable(&sets.scene);
+    let name = &sets.scene;
     say(format_args!("scene   {name}, {} primitives", sets.geometry.len()))?;
-    // Pinned, the process sees one core.
+    // Once the process is pinned, it sees one core.
     let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
     let accelerator = Accelerator::new(sets.geometry.clone());
@@ -53,21 +72,24 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
     }
     if different > 0 {
-        notice(format_args!("{}: {different} hits differ from the set's", args.dir.display()));
+        notice(format_args!(
+            "{}: {different} hits differ from those of the ray set",
+            args.dir.display()
+        ));
         return Ok(1);
     }
     Ok(0)
 }
 
-/// Speed is told of one core: not of two in turn.
+/// Pins the process, so that all speeds are of one core.
 fn pin_to_one_core() {
     let core = core_affinity::get_core_ids().and_then(|cores| cores.into_iter().next());
     if !core.is_some_and(core_affinity::set_for_current) {
-        notice(format_args!("cannot pin to one core, the speeds may vary more"));
+        notice(format_args!("cannot pin to one core: the speeds may vary more"));
     }
 }
 
-/// The kernels that are asked for: by default all that may be fastest, and the reference.
+/// The chosen kernel; by default, all that may be fastest, and the reference.
 fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
     let suits = |kernel: &Kernel| *kernel == Kernel::Scalar || accelerator.may_win(*kernel);
     choice.map_or_else(|| Kernel::ALL.into_iter().filter(suits).collect(), |kernel| vec![kernel])
@@ -76,13 +98,13 @@ fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
 fn say_build(accelerator: &Accelerator, kernel: Kernel, primitives: usize) -> Result<()> {
     let (tree, layout, name) = (accelerator.tree(), accelerator.prepare(kernel), kernel.name());
     let each = |bytes: usize| bytes as f64 / primitives.max(1) as f64;
-    // The reference has a tree of its own, over all primitives; one kernel has none.
-    let (tree, kept) = match kernel {
+    // The reference has its own tree over all primitives, and `flat` has no tree.
+    let (tree, shared) = match kernel {
         Kernel::Scalar | Kernel::Flat => (0.0, String::new()),
         _ => (tree.seconds, format!(" + {:.1} of the tree", each(tree.bytes))),
     };
     say(format_args!(
-        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {:.1} bytes a primitive{kept}",
+        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {:.1} bytes per primitive{shared}",
         tree + layout.seconds,
         layout.seconds,
         each(layout.bytes),
@@ -97,14 +119,14 @@ fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {
         String::new()
     } else {
         format!(
-            "  a ray: {:.2} nodes, {:.2} leaf tests, {active:.0}% of lanes active",
+            "  per ray: {:.2} nodes, {:.2} leaf tests, {active:.0}% of lanes active",
             a_ray(counters.node_visits),
             a_ray(counters.leaf_tests),
         )
     };
     let left = match counters.scalar_rays {
         left if left > 0 && replay.kernel != Kernel::Scalar => {
-            format!(", {left} rays left to scalar")
+            format!(", {left} rays traced by scalar")
         }
         _ => String::new(),
     };

@@ -1,50 +1,58 @@
-//! When a render under way is to be kept, or to end.
+//! When a render writes a checkpoint, and when it ends.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::keep_args::Keeping;
 use super::progress::ProgressReport;
 use crate::engine::{Observer, Progress, Stop};
 use crate::interrupt;
 
-/// How long workers may take to finish what they are at, once a render is to be stopped.
+/// How long workers may finish their work once the render is to end; what they have not finished then is lost.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Watches a render, and stops it where something is to be done.
+/// When a render writes checkpoints, and how long it may take.
+pub(super) struct Schedule {
+    /// Time between checkpoints.
+    pub(super) every: Duration,
+    pub(super) time_limit: Option<Duration>,
+    /// When the program started, from which the time limit counts.
+    pub(super) start: Instant,
+}
+
+/// Reports the progress of a render, and stops it for the next checkpoint or for good.
 pub(super) struct Watch<'a> {
-    keeping: &'a Keeping,
+    schedule: &'a Schedule,
     progress: &'a ProgressReport,
-    /// When it began, and how long it goes on at least before it is kept.
+    /// When rendering started or continued.
     start: Instant,
+    /// Minimum time until the next checkpoint.
     gap: Duration,
-    /// Whether something was done since: a limit of time that was over before would end every run at nothing.
+    /// Whether any work was finished since. Otherwise a time limit that has passed would end each run before
+    /// it makes progress.
     advanced: AtomicBool,
     /// When it was first noticed that the render is to end.
     noticed: OnceLock<Instant>,
 }
 
 impl<'a> Watch<'a> {
-    pub(super) fn new(keeping: &'a Keeping, progress: &'a ProgressReport, gap: Duration) -> Self {
+    pub(super) fn new(schedule: &'a Schedule, progress: &'a ProgressReport, gap: Duration) -> Self {
         let (start, advanced) = (Instant::now(), AtomicBool::new(false));
-        Self { keeping, progress, start, gap, advanced, noticed: OnceLock::new() }
+        Self { schedule, progress, start, gap, advanced, noticed: OnceLock::new() }
     }
 
-    /// Whether the render is to end, and since when that is known.
+    /// When it was noticed that the render is to end; `None` if it continues.
     pub(super) fn ends(&self) -> Option<Instant> {
-        let is_over = |limit: Duration| self.keeping.start.elapsed() >= limit;
+        let is_over = |limit: Duration| self.schedule.start.elapsed() >= limit;
         let ends = interrupt::signal().is_some()
-            || self.keeping.time_limit.is_some_and(is_over)
+            || self.schedule.time_limit.is_some_and(is_over)
                 && self.advanced.load(Ordering::Relaxed);
         ends.then(|| *self.noticed.get_or_init(Instant::now))
     }
 
-    fn is_to_be_kept(&self) -> bool {
-        let since = self.start.elapsed();
-        let due = self.keeping.every.is_some_and(|every| since >= every);
-        let advanced = self.advanced.load(Ordering::Relaxed);
-        due && since >= self.gap || interrupt::is_requested() && advanced
+    fn checkpoint_is_due(&self) -> bool {
+        let due = self.start.elapsed() >= self.schedule.every.max(self.gap);
+        due || interrupt::is_requested() && self.advanced.load(Ordering::Relaxed)
     }
 }
 
@@ -58,7 +66,7 @@ impl Observer for Watch<'_> {
         match self.ends() {
             Some(noticed) if noticed.elapsed() > PATIENCE => Stop::Now,
             Some(_) => Stop::Soon,
-            None if self.is_to_be_kept() => Stop::Soon,
+            None if self.checkpoint_is_due() => Stop::Soon,
             None => Stop::No,
         }
     }

@@ -1,8 +1,8 @@
-//! How fast the error of pictures falls: with samples, and with seconds.
+//! Measures how fast the error of images falls with samples and with seconds.
 //!
-//! The error of a picture x is its mean squared difference to the true one, over pixels and channels. Two
-//! long renders a and b that have nothing in common stand for that: the mean of (x − a)(x − b) is right on
-//! average, however noisy these are, where (x − a)² would be too large by the noise of a.
+//! The error of an image x is its mean squared difference from the true image, over pixels and channels.
+//! Two long, independent renders a and b stand in for the true image. The mean of (x − a)(x − b) is
+//! right on average, however noisy a and b are, while (x − a)² would be too large by the noise of a.
 
 mod plot;
 mod slope;
@@ -18,21 +18,22 @@ use crate::statistics::{middle, sorted};
 pub(crate) use plot::plot;
 pub(crate) use slope::{Slope, at_seconds};
 
-/// What is rendered.
+/// Options of a measurement.
 pub(crate) struct Options {
-    /// All but samplings, samplers, samples and seeds.
+    /// Settings of all renders, except for the sampling, the sampler and the number of samples. The seeds
+    /// of the renders derive from its seed.
     pub(crate) settings: RenderSettings,
-    /// The ways that are compared.
+    /// The ways to compare.
     pub(crate) ways: Vec<Way>,
-    /// Samples of the longest render; those before have half as many each.
+    /// Samples per pixel of the longest renders. Each shorter length is half of the next longer one.
     pub(crate) most: u32,
-    /// Renders of each number of samples.
+    /// Number of renders per length and way.
     pub(crate) rounds: u32,
-    /// Samples of each half of the reference.
+    /// Samples per pixel of each of the two reference renders.
     pub(crate) reference: u32,
 }
 
-/// How light is found, and by which numbers.
+/// A sampling strategy for light, and a sampler that provides its random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Way {
     pub(crate) sampling: Sampling,
@@ -40,35 +41,36 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// As it is told in tables and plots.
+    /// Name in tables and plots.
     pub(crate) fn name(self) -> String {
         format!("{} {}", self.sampling.name(), self.sampler.name())
     }
 }
 
-/// The error of renders of one number of samples.
+/// Error of the renders with one number of samples.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Point {
     pub(crate) spp: u32,
-    /// Mean over renders.
+    /// Mean squared error, averaged over the renders.
     pub(crate) mse: f64,
-    /// Standard error of that mean, of the noise of renders; with one render it is not known, and 0.
+    /// Standard error of `mse` due to the noise of the renders; 0 with a single render, when it is unknown.
     pub(crate) mse_error: f64,
-    /// Median of the renders alone, without the building of trees.
+    /// Median time of the renders, without building trees.
     pub(crate) seconds: f64,
 }
 
-/// What came of a way.
+/// The measured errors of one way.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     pub(crate) way: Way,
     pub(crate) points: Vec<Point>,
 }
 
-/// Renders everything. Tells `progress` what is done of all, in samples.
+/// Renders everything and returns a curve for each way. Reports the numbers of finished samples and of
+/// all samples to `progress`.
 ///
 /// # Errors
-/// Where a setting is out of its range, or a render fails.
+/// If a setting is out of range, or a render fails.
 pub(crate) fn measure(
     scene: &Scene,
     options: &Options,
@@ -91,7 +93,7 @@ pub(crate) fn measure(
         progress(done, all);
         Ok(render)
     };
-    // Seeds far from each other; the reference's are nobody else's.
+    // Seeds are far apart, and no other render uses those of the reference.
     let seed = |which: u64| options.settings.seed.wrapping_add(which << 32);
     let best = Way { sampling: scene.default_sampling(), sampler: Sampler::Sobol };
     let truth = [1, 2].map(|half| render(best, options.reference, seed(half)));
@@ -100,7 +102,7 @@ pub(crate) fn measure(
     let mut found = vec![vec![Vec::new(); counts.len()]; options.ways.len()];
     for round in 0..options.rounds {
         for (index, &spp) in counts.iter().enumerate() {
-            // Forth and back, so that no way is always first.
+            // The order alternates, so that no way is always first.
             let mut order: Vec<usize> = (0..options.ways.len()).collect();
             if round % 2 == 1 {
                 order.reverse();
@@ -151,8 +153,8 @@ mod tests {
         Options { settings, ways: ways.into(), most, rounds: 4, reference: 512 }
     }
 
-    /// Under an even sky a diffuse ball is smooth but for its rim: the error of independent samples
-    /// falls as 1/n, that of Sobol' points faster.
+    /// Under a smooth sky, the image of a diffuse ball is smooth except at the rim. The error of
+    /// independent samples falls as 1/n, that of Sobol' points faster.
     #[test]
     fn errors_fall_as_theory_says() {
         let text = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
@@ -176,7 +178,7 @@ mod tests {
         );
     }
 
-    /// A noisy reference makes the estimate of the error noisy, not larger.
+    /// A noisy reference makes the estimated error noisier, not larger.
     #[test]
     fn the_noise_of_the_reference_does_not_count() {
         let scene = Scene::load("cornell").unwrap();
@@ -187,8 +189,8 @@ mod tests {
             let curves = measure(&scene, &options, &mut |_, _| ()).unwrap();
             curves[0].points[4]
         });
-        // The noise of both references together is as large as that of the pictures: what it adds to
-        // all differences alike is noise too, of about the same size.
+        // The noise of both small references together is as large as that of the renders. It affects all
+        // differences alike, so it adds an error of about the same size that `mse_error` does not cover.
         let error = (few.mse_error * few.mse_error + many.mse_error * many.mse_error).sqrt();
         assert!((few.mse - many.mse).abs() < 12.0 * error, "{few:?} {many:?}");
     }

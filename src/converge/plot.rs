@@ -1,4 +1,4 @@
-//! The picture: error over samples beside error over seconds, all logarithmic.
+//! Plots the error over samples next to the error over seconds, on logarithmic axes.
 
 use std::ops::Range;
 
@@ -7,15 +7,15 @@ use plotters::prelude::*;
 use super::{Curve, Point, Slope};
 use crate::error::{Error, Result};
 
-/// An SVG document.
+/// Draws `curves` as an SVG document.
 ///
 /// # Errors
-/// [`Error::Internal`] where it cannot be drawn.
+/// [`Error::Internal`] if the plot cannot be drawn.
 pub(crate) fn plot(title: &str, curves: &[Curve]) -> Result<String> {
     let mut svg = String::new();
     match draw(&mut svg, title, curves) {
         Ok(()) => {}
-        Err(error) => return Err(Error::Internal(format!("the plot cannot be drawn: {error}"))),
+        Err(error) => return Err(Error::Internal(format!("cannot draw the plot: {error}"))),
     }
     Ok(svg)
 }
@@ -28,13 +28,13 @@ fn draw<'a>(
     let area = SVGBackend::with_string(svg, (1120, 520)).into_drawing_area();
     area.fill(&WHITE)?;
     let halves = area.titled(title, ("sans-serif", 20))?.split_evenly((1, 2));
-    panel(&halves[0], "samples a pixel", curves, |point| f64::from(point.spp))?;
+    panel(&halves[0], "samples per pixel", curves, |point| f64::from(point.spp))?;
     panel(&halves[1], "seconds", curves, |point| point.seconds)?;
     area.present()?;
     Ok(())
 }
 
-/// Colours that people tell apart who see few of them (Okabe and Ito).
+/// A palette for people with and without colour blindness (Okabe and Ito).
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -87,7 +87,7 @@ fn panel<'a>(
     Ok(())
 }
 
-/// The way, and its slope over samples.
+/// Label of a curve: the name of its way, and its slope over samples.
 fn label(curve: &Curve) -> String {
     let slope = Slope::of_samples(&curve.points);
     let slope = slope.map_or_else(String::new, |slope| format!(", slope {:.2}", slope.slope));
@@ -96,7 +96,7 @@ fn label(curve: &Curve) -> String {
 
 type LogRange = plotters::coord::combinators::LogCoord<f64>;
 
-/// From a little below the least to a little above the largest.
+/// The range from a little below the smallest value to a little above the largest.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));

@@ -1,29 +1,29 @@
-//! Straight lines through errors, both logarithmic.
+//! Fits straight lines to errors on logarithmic axes.
 #![expect(clippy::disallowed_methods, reason = "no bit of an image depends on these")]
 
 use super::Point;
 
-/// How steeply errors fall: −1 is what independent samples do.
+/// Slope of errors on logarithmic axes: −1 for independent samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slope {
     pub(crate) slope: f64,
-    /// Standard error, of the noise of renders; 0 where that is not known.
+    /// Standard error of the slope due to the noise of the renders; 0 if that noise is unknown.
     pub(crate) error: f64,
 }
 
 impl Slope {
-    /// Over samples.
+    /// Slope over samples.
     pub(crate) fn of_samples(points: &[Point]) -> Option<Self> {
         Self::of(points, |point| f64::from(point.spp))
     }
 
-    /// Over seconds.
+    /// Slope over seconds.
     pub(crate) fn of_seconds(points: &[Point]) -> Option<Self> {
         Self::of(points, |point| point.seconds)
     }
 
-    /// By least squares; `None` of fewer than two errors. The first two numbers of samples are left out
-    /// where there are others: they say little of how it goes on.
+    /// Fits a line by least squares; `None` if fewer than two errors are known. With more than four
+    /// points, the two with the fewest samples are left out, since they say little about the trend.
     fn of(points: &[Point], x: impl Fn(&Point) -> f64) -> Option<Self> {
         let from = if points.len() > 4 { 2 } else { 0 };
         let known = points[from..].iter().filter(|point| point.mse > 0.0 && x(point) > 0.0);
@@ -40,8 +40,8 @@ impl Slope {
     }
 }
 
-/// The error after so many seconds: on a straight line between the points before and after. `None` where
-/// nothing was rendered for so short or so long, or an error is not known.
+/// The error after `seconds`, interpolated between the points before and after on logarithmic axes.
+/// `None` if all renders took longer or all took less time, or if an error is unknown.
 pub(crate) fn at_seconds(points: &[Point], seconds: f64) -> Option<f64> {
     if let Some(point) = points.iter().find(|point| point.seconds == seconds && point.mse > 0.0) {
         return Some(point.mse);
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!((Slope::of_samples(&black), at_seconds(&black, 0.05)), (None, None));
     }
 
-    /// Of two errors with noise: the noise of their difference.
+    /// The slope through two noisy errors has the noise of their difference.
     #[test]
     fn noise_of_errors_is_noise_of_slopes() {
         let of = |mse_error| {

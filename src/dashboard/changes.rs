@@ -1,32 +1,34 @@
-//! Change points: where a series begins to be faster or slower.
+//! Finds change points: the records at which a series becomes faster or slower.
 
 use serde::Serialize;
 
 use crate::bench::{Outcome, decide};
 use crate::statistics::{Estimate, middle, sorted};
 
-/// A change of speed that counts: 1%.
+/// Smallest change of speed that counts: 1%.
 const THRESHOLD: f64 = 0.01;
 
-/// A series changed at a record.
+/// A change of speed that begins at a record.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Change {
-    /// How many times as fast it has been from there on.
+    /// Speed ratio of the record to the level before it.
     pub(super) ratio: Estimate,
-    /// Whether the next record says the same; the last has none yet.
+    /// Whether the next record shows the same change; `false` if there is no next record yet.
     pub(super) confirmed: bool,
 }
 
-/// Records that a level is made of, at most: the last ones.
+/// Maximum number of records that make up a level: the latest ones.
 const LEVEL: usize = 8;
 
-/// How far records are off their level before any is known: four of half a percent.
+/// Deviations of records from their level that are assumed before any is measured: four of 0.5%.
 const OFF_AT_FIRST: [f64; 4] = [0.005; 4];
 
-/// Where speeds change: `records` holds those of each record's blocks, none where it does not take part.
-/// A record begins another level where it is beyond the threshold beside the blocks of the level so
-/// far, by more than records have been off their levels before, and so is the next, the same way: a busy
-/// hour alone does not.
+/// Finds the change points of a series. `records` holds the speeds of each record's blocks, none for
+/// records that do not take part.
+///
+/// A record begins a new level if its speed differs from the blocks of the current level by more than the
+/// threshold, even after allowing for the deviations of earlier records from their levels. The next
+/// record, if there is one, must differ in the same direction, so that a single busy hour is no change.
 pub(super) fn changes(records: &[&[f64]]) -> Vec<Option<Change>> {
     let mut changes = vec![None; records.len()];
     let mut level: Vec<&[f64]> = Vec::new();
@@ -70,8 +72,8 @@ fn change(level: &[f64], blocks: &[f64], next: Option<&[f64]>, spread: f64) -> O
     }
 }
 
-/// By how much a record may be off its level, as a factor: three standard deviations of how far others
-/// were, which follow from their median, so that one bad record is not what decides.
+/// Factor by which a record may deviate from its level by chance: three standard deviations of the
+/// earlier deviations `off`. They are estimated from the median, which a single bad record hardly moves.
 fn spread(off: &[f64]) -> f64 {
     1.0 + 3.0 * 1.4826 * middle(&sorted(off.iter().copied()))
 }
@@ -81,14 +83,14 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    /// Ten blocks a record, with noise of a percent, at these speeds.
+    /// Records at these speeds, each of ten blocks with one percent of noise.
     fn history(random: &mut Stream, speeds: &[f64]) -> Vec<Vec<f64>> {
         let mut block = |speed: f64| speed * f64::from(random.between(0.99, 1.01));
         speeds.iter().map(|&speed| (0..10).map(|_| block(speed)).collect()).collect()
     }
 
     #[test]
-    fn records_that_say_nothing_are_passed_over() {
+    fn records_without_blocks_are_skipped() {
         let mut random = Stream::new(5);
         let mut records = history(&mut random, &[100.0, 1.0, 100.0, 90.0, 1.0, 90.0]);
         records[1].clear();
@@ -104,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_found_and_one_bad_record_is_none() {
+    fn steps_are_found_and_one_bad_record_is_ignored() {
         let mut random = Stream::new(3);
         let speeds = [100.0, 100.0, 100.0, 95.0, 95.0, 95.0, 80.0, 95.0, 110.0];
         let found = found(&history(&mut random, &speeds));
@@ -115,13 +117,13 @@ mod tests {
         assert!(!found[8].unwrap().confirmed);
     }
 
-    /// Hours differ by a standard deviation of 1%, all blocks of a record alike; a step of 8% is found
-    /// nevertheless.
+    /// Whole records vary with a standard deviation of 1%, which rarely counts as a change; a step of 8%
+    /// is still found.
     #[test]
-    fn records_that_differ_among_each_other_are_no_changes() {
+    fn noise_between_records_is_no_change() {
         const SERIES: usize = 200;
         let mut random = Stream::new(6);
-        // Twelve uniform numbers have a variance of 1.
+        // The sum of twelve uniform numbers has a variance of 1.
         let mut normal = move || (0..12).map(|_| f64::from(random.uniform())).sum::<f64>() - 6.0;
         let (mut alarms, mut missed) = (0, 0);
         let mut random = Stream::new(7);
@@ -135,7 +137,8 @@ mod tests {
         assert!(missed <= SERIES / 20, "{missed} of {SERIES}");
     }
 
-    /// Without a change none is found, but for 2.5% either way: it has to be beyond the threshold, too.
+    /// A 95% interval misses the true value in 2.5% of the cases on either side, but a change must exceed
+    /// the threshold, too: a steady series has none.
     #[test]
     fn steady_series_have_no_changes() {
         let mut random = Stream::new(4);

@@ -1,5 +1,5 @@
 "use strict";
-// Charts: lines with bands of intervals over places on x, which have labels.
+// Charts: lines with bands for intervals, over labelled positions on x.
 
 function element(parent, tag, text, attributes = {}) {
   const made = document.createElement(tag);
@@ -8,11 +8,11 @@ function element(parent, tag, text, attributes = {}) {
   parent.append(made);
   return made;
 }
-const told = (value) => (Math.abs(value) >= 1000 ? Math.round(value).toLocaleString("en") : value.toPrecision(4));
+const shortened = (value) => (Math.abs(value) >= 1000 ? Math.round(value).toLocaleString("en") : value.toPrecision(4));
 
 const plots = [];
 const HEIGHT = 260;
-// `lines`: { label, values, lo, hi, color, fill, tell, changes }. `labels` are those of x.
+// Draws `lines`, each { label, values, lo, hi, color, fill, shown, changes }, over the `labels` of x.
 function chart(parent, title, labels, lines, more = {}) {
   const box = element(parent, "div", undefined, { class: "chart", "data-title": title });
   element(box, "h3", title);
@@ -21,13 +21,13 @@ function chart(parent, title, labels, lines, more = {}) {
   const bands = [];
   for (const line of lines) {
     const at = columns.length;
-    const values = line.tell || line.values;
-    const digits = (_, value, s, i) => (values[i] === null || values[i] === undefined ? "" : told(values[i]));
+    const values = line.shown || line.values;
+    const digits = (_, value, s, i) => (values[i] === null || values[i] === undefined ? "" : shortened(values[i]));
     const style = { stroke: line.color, width: 2, points: { show: true, size: 6 } };
     series.push({ label: line.label, value: digits, fill: line.fill, ...style });
     columns.push(line.values);
     if (line.hi) {
-      // A band of one record would be nothing: its ends are points.
+      // With a single record the band would be invisible, so its ends are drawn as points.
       const points = { show: labels.length === 1, size: 4, stroke: line.color };
       const edge = { stroke: "transparent", points, class: "edge" };
       series.push({ ...edge, label: "hi" }, { ...edge, label: "lo" });
@@ -58,7 +58,8 @@ function chart(parent, title, labels, lines, more = {}) {
   if (more.click) plot.over.addEventListener("click", () => plot.cursor.idx !== null && more.click(plot));
   return plot;
 }
-// From a little below the least to a little above the greatest, and at least 10% of it.
+// The range from a little below the smallest value to a little above the largest, with at least 5% of the
+// largest as a margin on either side.
 function range(_, lo, hi) {
   if (lo === null || hi === null) return [0, 1];
   const room = Math.max((hi - lo) * 0.15, Math.abs(hi) * 0.05, 1e-9);

@@ -1,9 +1,9 @@
-//! The commands that repeat a run.
+//! Shell commands that repeat a run.
 
 use crate::bench::{Record, Run, Workload};
 
-/// Measures all engines again, so that the speed-up is told too. The bench is that of the checkout where
-/// it is run, since old commits have none.
+/// Command that measures all engines again, to include the speed-up. It uses the bench of the current
+/// checkout, since old commits have none.
 pub(super) fn bench(record: &Record, run: &Run) -> String {
     format!(
         "{}cargo run --release -- bench --program {}/target/release/ptfast {} --blocks {}",
@@ -14,10 +14,10 @@ pub(super) fn bench(record: &Record, run: &Run) -> String {
     )
 }
 
-/// Renders the image once.
+/// Command that renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
     let Workload { engine, height, depth, sampling, sampler, .. } = &run.work;
-    // Old programs have no such option.
+    // Old programs have no option `--sampler`.
     let sampler =
         if sampler.is_empty() { String::new() } else { format!(" --sampler {}", quoted(sampler)) };
     format!(
@@ -30,11 +30,14 @@ pub(super) fn render(record: &Record, run: &Run) -> String {
     )
 }
 
-/// Builds the commit as it was built, beside the checkout.
+/// Commands that build the commit with its original flags in a worktree next to the checkout.
 fn build(record: &Record) -> String {
     let (commit, flags) = (&record.machine.commit, &record.machine.flags);
-    let changed =
-        if commit.ends_with("-dirty") { "# and with changes that no commit has\n" } else { "" };
+    let changed = if commit.ends_with("-dirty") {
+        "# measured with uncommitted changes, which are not repeated\n"
+    } else {
+        ""
+    };
     let (commit, folder) = (quoted(clean(commit)), folder(record));
     format!(
         "{changed}[ -d {folder} ] || git worktree add {folder} {commit}\n\
@@ -57,7 +60,7 @@ fn work(work: &Workload) -> String {
     format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
 }
 
-/// A word of a shell, whatever it holds.
+/// Quotes a word for the shell if necessary.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:@".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

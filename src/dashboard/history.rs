@@ -1,4 +1,4 @@
-//! A folder of bench records, one JSON a run.
+//! Reads a folder of bench records, one JSON file per record.
 
 use std::fs;
 use std::path::Path;
@@ -8,18 +8,18 @@ use jiff::Timestamp;
 use crate::bench::Record;
 use crate::error::{Error, Result};
 
-/// Records in the order of time.
+/// Bench records in chronological order.
 #[derive(Debug)]
 pub(crate) struct History {
-    /// With the names of their files.
+    /// The records, with the names of their files.
     pub(crate) records: Vec<(String, Record)>,
 }
 
 impl History {
-    /// All `.json` files of `folder`.
+    /// Reads all `.json` files of `folder`.
     ///
     /// # Errors
-    /// Where one of them, or the folder, cannot be read or is no record of a bench.
+    /// If the folder has no such file, if it or a file cannot be read, or if a file is not a bench record.
     pub(crate) fn read(folder: &Path) -> Result<Self> {
         let mut records = Vec::new();
         for entry in fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
@@ -31,16 +31,16 @@ impl History {
             }
         }
         if records.is_empty() {
-            let message = "no record is there: `ptfast bench --json FILE` writes one";
+            let message = "the folder has no bench records: `ptfast bench --json FILE` writes one";
             return Err(Error::input(folder.display().to_string(), "", message));
         }
-        // Those that do not tell come first, records of one second by their names.
+        // Records without a time come first; records of the same second are sorted by file name.
         records.sort_by(|(first, a, _), (second, b, _)| (first, a).cmp(&(second, b)));
         Ok(Self { records: records.into_iter().map(|(_, name, record)| (name, record)).collect() })
     }
 }
 
-/// When a record was begun, if it tells.
+/// Start time of a record; `None` if the record has none.
 fn time(record: &Record, path: &Path) -> Result<Option<Timestamp>> {
     if record.time.is_empty() {
         return Ok(None);

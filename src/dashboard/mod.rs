@@ -1,4 +1,4 @@
-//! The dashboard: what a folder of bench records tells, as one page that needs nothing else.
+//! The dashboard: a folder of bench records as one self-contained page.
 
 mod changes;
 mod command;

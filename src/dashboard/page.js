@@ -1,5 +1,5 @@
 "use strict";
-// DATA is { machines, records, series }: see series.rs. Charts have records on x, one series a line.
+// DATA is { machines, records, series }, see series.rs. Charts have records on x and one line per series.
 
 const COLORS = ["#3b7dd8", "#d8703b", "#3ba55d", "#a05bd6", "#c9a227", "#d64a7b", "#2aa5a5", "#777777"];
 const STAGES = ["generate", "extend", "sort", "shade", "connect", "order", "accumulate"];
@@ -7,16 +7,16 @@ const estimate = (name) => (point) => point[name];
 const METRICS = {
   mrays: { label: "Mrays/s", of: estimate("mrays") },
   msamples: { label: "Msamples/s", of: estimate("msamples") },
-  cycle: { label: "paths a million clock cycles", of: (point) => scaled(point.cycle, 1e6) },
-  speedup: { label: "times as fast as scalar", of: estimate("speedup") },
-  seconds: { label: "seconds of the render", of: estimate("seconds") },
+  cycle: { label: "paths per million clock cycles", of: (point) => scaled(point.cycle, 1e6) },
+  speedup: { label: "speed relative to scalar", of: estimate("speedup") },
+  seconds: { label: "seconds per render", of: estimate("seconds") },
 };
 const COUNTERS = ["node_visits", "leaf_tests", "lanes_issued", "lanes_active"];
 
 const byId = (id) => document.getElementById(id);
 const unique = (values) => [...new Set(values)];
 const keyOf = (series) => `${series.engine} ${series.threads}`;
-// A colour for each engine and number of threads, whatever is shown.
+// Each engine and number of threads keeps its colour, whatever the filters show.
 const KEYS = unique(DATA.series.map(keyOf));
 function scaled(e, by) {
   return e && { median: e.median * by, lo: e.lo * by, hi: e.hi * by };
@@ -47,15 +47,16 @@ function shown() {
 
 // Charts.
 
+const label = (series) => `${series.engine}, ${series.threads} ${series.threads === 1 ? "thread" : "threads"}`;
 function name(series, all) {
   const alike = all.filter((other) => keyOf(other) === keyOf(series));
-  return alike.length > 1 ? `${keyOf(series)} (${series.settings})` : keyOf(series);
+  return alike.length > 1 ? `${label(series)} (${series.settings})` : label(series);
 }
 function color(series, all) {
   const alike = all.filter((other) => keyOf(other) === keyOf(series));
   return COLORS[(KEYS.indexOf(keyOf(series)) + KEYS.length * alike.indexOf(series)) % COLORS.length];
 }
-// The records that any of these series has, in order: what stands on x.
+// The records of any of these series in order, which are the positions on x.
 const recordsOf = (all) => unique(all.flatMap((s) => s.points.map((p) => p.record))).sort((a, b) => a - b);
 const commit = (record) => DATA.records[record].commit.slice(0, 7) + (DATA.records[record].commit.endsWith("-dirty") ? "+" : "");
 const column = (series, records, of) => records.map((record) => {
@@ -83,14 +84,14 @@ function speeds(all) {
       const y = plot.posToVal(plot.cursor.top, "y");
       const near = lines.map((line, i) => [Math.abs((line.values[plot.cursor.idx] ?? Infinity) - y), i]);
       near.sort((a, b) => a[0] - b[0]);
-      tell(of[near[0][1]], records[plot.cursor.idx]);
+      show(of[near[0][1]], records[plot.cursor.idx]);
     };
     chart(byId("speeds"), `${scene}: ${metric.label}`, records.map(commit), lines, { click });
     numbers(byId("speeds").lastChild, of, records, metric);
   }
 }
 
-// The same as numbers, with a button for what a click on a point does.
+// A table of the same numbers, with a button that does the same as a click on a point.
 function numbers(box, all, records, metric) {
   const details = element(box, "details");
   element(details, "summary", "as a table");
@@ -101,22 +102,22 @@ function numbers(box, all, records, metric) {
       const value = point && metric.of(point);
       if (!value) continue;
       const row = element(table, "tr");
-      [commit(record), name(series, all), `${told(value.median)} (${told(value.lo)} to ${told(value.hi)})`]
+      [commit(record), name(series, all), `${shortened(value.median)} (${shortened(value.lo)} to ${shortened(value.hi)})`]
         .forEach((text) => element(row, "td", text));
-      const button = element(element(row, "td"), "button", "how to repeat it", { type: "button" });
-      button.addEventListener("click", () => tell(series, record));
+      const button = element(element(row, "td"), "button", "how to repeat", { type: "button" });
+      button.addEventListener("click", () => show(series, record));
     }
   }
 }
 
-function tell(series, record) {
+function show(series, record) {
   const point = series.points.find((point) => point.record === record);
   if (!point) return;
   const { file, time, commit, rustc, flags, os } = DATA.records[record];
   const section = byId("point");
   section.replaceChildren();
   section.hidden = false;
-  element(section, "h3", `${series.scene}, ${name(series, [series])} threads, commit ${commit}`);
+  element(section, "h3", `${series.scene}, ${name(series, [series])}, commit ${commit}`);
   const { median, lo, hi } = point.mrays;
   element(section, "div", `${median.toFixed(2)} Mrays/s (${lo.toFixed(2)} to ${hi.toFixed(2)}), ${point.blocks} blocks, ${point.contaminated} contaminated; ${series.settings}`);
   element(section, "div", `${time}, ${rustc}, ${flags}, ${os}, ${file}`);
@@ -125,10 +126,24 @@ function tell(series, record) {
   section.scrollIntoView({ block: "nearest" });
 }
 
+// The newest figures of each series.
+function latest(all) {
+  const table = byId("latest");
+  const head = element(table, "tr");
+  ["scene", "engine, threads", "commit", "Mrays/s", "Msamples/s", "speed relative to scalar"].forEach((text) => element(head, "th", text));
+  const text = (e) => (e ? `${shortened(e.median)} (${shortened(e.lo)} to ${shortened(e.hi)})` : "");
+  for (const series of all) {
+    const point = series.points.at(-1);
+    const row = element(table, "tr");
+    [series.scene, name(series, [series]), commit(point.record), text(point.mrays), text(point.msamples), text(point.speedup)]
+      .forEach((cell) => element(row, "td", cell));
+  }
+}
+
 function changes(all) {
   const table = byId("changes");
   const head = element(table, "tr");
-  ["commit", "time", "scene", "engine", "threads", "times as fast", ""].forEach((text) => element(head, "th", text));
+  ["commit", "time", "scene", "engine", "threads", "speed ratio", ""].forEach((text) => element(head, "th", text));
   for (const series of all) {
     for (const point of series.points.filter((p) => p.change)) {
       const { ratio, confirmed } = point.change;
@@ -142,11 +157,11 @@ function changes(all) {
   if (table.rows.length === 1) element(element(table, "tr"), "td", "none", { colspan: 7 });
 }
 
-// Exact counts that are not those of the record before.
+// Exact counts that differ from those of the record before.
 function countChanges(all) {
   const table = byId("countchanges");
   const head = element(table, "tr");
-  ["commit", "scene", "engine", "threads", "times as many"].forEach((text) => element(head, "th", text));
+  ["commit", "scene", "engine", "threads", "count ratio"].forEach((text) => element(head, "th", text));
   for (const series of all) {
     const counted = series.points.filter((p) => p.counters.lanes_issued > 0);
     counted.slice(1).forEach((point, i) => {
@@ -168,12 +183,12 @@ function stages(all) {
     const records = recordsOf([series]);
     const used = STAGES.filter((stage) => series.points.some((p) => p.stages[stage] > 0));
     const sum = (p) => used.reduce((all, stage) => all + (p.stages[stage] || 0), 0);
-    // Drawn from the top: each covers what lies above the next.
+    // The lines are drawn from the top of the stack down, each over the lower part of the one before.
     const lines = used.map((_, i) => ({
       label: used[i],
       color: COLORS[i % COLORS.length],
       fill: COLORS[i % COLORS.length],
-      tell: column(series, records, (p) => (sum(p) > 0 ? (100 * (p.stages[used[i]] || 0)) / sum(p) : null)),
+      shown: column(series, records, (p) => (sum(p) > 0 ? (100 * (p.stages[used[i]] || 0)) / sum(p) : null)),
       values: column(series, records, (p) => {
         const upTo = used.slice(0, i + 1).reduce((all, stage) => all + (p.stages[stage] || 0), 0);
         return sum(p) > 0 ? (100 * upTo) / sum(p) : null;
@@ -199,15 +214,19 @@ function lanes(all) {
   }
 }
 
+// The counters of series in which any of them changed.
 function counters(all) {
-  for (const series of all.filter((s) => s.points.some((p) => p.counters.lanes_issued > 0))) {
+  for (const series of all) {
+    const counted = series.points.filter((p) => p.counters.lanes_issued > 0);
+    const changed = (counter) => counted.some((p) => p.counters[counter] !== counted[0].counters[counter]);
+    if (!COUNTERS.some(changed)) continue;
     const records = recordsOf([series]);
     const lines = COUNTERS.map((counter, i) => ({
       label: counter.replace("_", " "),
       color: COLORS[i],
       values: column(series, records, (p) => (p.counters.lanes_issued > 0 ? p.counters[counter] / p.rays : null)),
     }));
-    const title = `${series.scene}, ${name(series, [series])}: a ray`;
+    const title = `${series.scene}, ${name(series, [series])}: per ray`;
     chart(byId("counters"), title, records.map(commit), lines, { y: { distr: 3 } });
   }
 }
@@ -215,15 +234,16 @@ function counters(all) {
 function draw() {
   plots.splice(0).forEach((plot) => plot.destroy());
   byId("point").hidden = true;
-  for (const id of ["speeds", "changes", "stages", "lanes", "counters", "countchanges"]) byId(id).replaceChildren();
+  for (const id of ["latest", "speeds", "changes", "stages", "lanes", "counters", "countchanges"]) byId(id).replaceChildren();
   const all = shown();
+  latest(all);
   speeds(all);
   changes(all);
   stages(all);
   lanes(all);
   counters(all);
   countChanges(all);
-  // Once all are there, the columns have their width.
+  // The columns have their final width only after all charts are added.
   plots.forEach((plot) => plot.setSize({ width: plot.root.parentElement.clientWidth - 24, height: HEIGHT }));
 }
 
@@ -232,7 +252,7 @@ options(byId("metric"), Object.entries(METRICS).map(([value, { label }]) => [val
 boxes(byId("scenes"), "scene", unique(DATA.series.map((s) => s.scene)));
 boxes(byId("engines"), "engine", unique(DATA.series.map((s) => s.engine)));
 boxes(byId("threads"), "thread", unique(DATA.series.map((s) => String(s.threads))));
-// The machine of the newest record first.
+// The machine of the newest record is selected first.
 byId("machine").value = DATA.series.reduce((best, s) => (s.points.at(-1).record >= best.record ? { record: s.points.at(-1).record, machine: s.machine } : best), { record: -1, machine: 0 }).machine;
 draw();
 let resizing;

@@ -1,20 +1,20 @@
-//! The page: data, charts and styles in one file.
+//! Builds the page: data, charts and styles in one file.
 
 use super::history::History;
 use super::series::Data;
 use crate::error::{Error, Result};
 
-/// A page of `history` that opens from disk without a network, with a link to criterion's own
-/// report if there is one.
+/// Returns a page about `history` that opens from disk without a network. It links to criterion's own
+/// report if `criterion` is given.
 ///
 /// # Errors
-/// Never, but for faults of the program.
+/// [`Error::Internal`] if the data cannot be serialized, which is a fault of the program.
 pub(crate) fn page(history: &History, criterion: Option<&str>) -> Result<String> {
     let data = serde_json::to_string(&Data::of(history));
     let data = data.map_err(|error| Error::Internal(error.to_string()))?;
     let criterion = criterion.map_or_else(String::new, |link| {
         format!(
-            r#"<p><a href="{}">Criterion's report</a> of single kernels, stages and frames.</p>"#,
+            r#"<p><a href="{}">Criterion's report</a> on single kernels, stages and frames.</p>"#,
             attribute(link)
         )
     });
@@ -27,14 +27,14 @@ pub(crate) fn page(history: &History, criterion: Option<&str>) -> Result<String>
         ("/*page.js*/", include_str!("page.js")),
         ("<!--criterion-->", &criterion),
         ("<!--version-->", env!("CARGO_PKG_VERSION")),
-        // Last: nothing is looked for in what files say.
+        // The data comes last, so that no marker is searched for in the content of files.
         ("/*data*/", &in_script(&data)),
     ];
     let page = include_str!("page.html").to_owned();
     Ok(parts.into_iter().fold(page, |page, (mark, part)| page.replacen(mark, part, 1)))
 }
 
-/// JSON that cannot end the script it stands in.
+/// Escapes JSON so that it cannot end the script element around it.
 fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_files_say_stays_data() {
+    fn content_of_files_cannot_become_markup() {
         assert_eq!(in_script(r#"{"a":"</script>"}"#), r#"{"a":"\u003c/script>"}"#);
         assert_eq!(attribute("a\"b&<"), "a&quot;b&amp;&lt;");
     }

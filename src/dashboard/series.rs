@@ -1,4 +1,4 @@
-//! Runs of a history, sorted into series that may be joined by a line.
+//! Sorts the runs of a history into series of comparable runs, which the page joins by lines.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +12,16 @@ use crate::bench::{Lanes, Record, Run, Workload};
 use crate::machine::Machine;
 use crate::statistics::Estimate;
 
-/// All that the page shows.
+/// All data that the page shows.
 #[derive(Debug, Serialize)]
 pub(super) struct Data {
-    /// What machines were measured on, as the page names them.
+    /// Names of the machines.
     machines: Vec<String>,
     records: Vec<Entry>,
     series: Vec<Series>,
 }
 
-/// A record.
+/// Description of a record.
 #[derive(Debug, Serialize)]
 struct Entry {
     file: String,
@@ -35,43 +35,44 @@ struct Entry {
 /// Runs of the same work on the same machine.
 #[derive(Debug, Serialize)]
 struct Series {
-    /// Place in `machines`.
+    /// Index into [`Data::machines`].
     machine: usize,
     scene: String,
     engine: String,
     threads: usize,
-    /// Size, samples and what else decides the work.
+    /// Size, samples and the other settings that decide the work.
     settings: String,
     points: Vec<Point>,
 }
 
-/// A run.
+/// A run of a series.
 #[derive(Debug, Serialize)]
 struct Point {
-    /// Place in `records`.
+    /// Index into [`Data::records`].
     record: usize,
     mrays: Estimate,
     msamples: Estimate,
     cycle: Option<Estimate>,
     seconds: Estimate,
     speedup: Option<Estimate>,
-    /// Seconds.
+    /// Seconds by stage.
     stages: BTreeMap<String, f64>,
-    /// Of the whole render.
+    /// Counters of the whole render.
     counters: Counters,
     rays: u64,
-    /// Shares of lanes in use, by segment and stage.
+    /// Shares of active lanes, by segment and stage.
     lanes: Vec<BTreeMap<String, f64>>,
     blocks: usize,
     contaminated: usize,
     change: Option<Change>,
-    /// What repeats it.
+    /// Command that repeats the measurement.
     bench: String,
+    /// Command that repeats the render.
     render: String,
 }
 
-/// Machines are told apart by what decides speed beside the program; builds for another instruction
-/// set are not the same program.
+/// Name that identifies a machine by everything that decides speed besides the program. It includes the
+/// instruction set, since a build for another one counts as another program.
 fn machine_name(machine: &Machine) -> String {
     let Machine { cpu, cpu_model, cores, isa, lanes, .. } = machine;
     let model = if cpu_model.is_empty() { String::new() } else { format!(" ({cpu_model})") };
@@ -126,7 +127,7 @@ impl Data {
     }
 }
 
-/// Where a name is in a list; it is added if it is not there.
+/// Index of `name` in `names`. A missing name is added.
 fn place(names: &mut Vec<String>, name: String) -> usize {
     names.iter().position(|known| *known == name).unwrap_or_else(|| {
         names.push(name);
@@ -139,9 +140,9 @@ fn entry((file, record): &(String, Record)) -> Entry {
     Entry { file: file.clone(), time: record.time.clone(), commit, rustc, flags, os }
 }
 
-/// Changes of paths a cycle, since clocks change from hour to hour; of paths a second where no run of the
-/// series knows its clock. Runs that do not know it, and those of which most blocks are contaminated, do
-/// not take part.
+/// Finds the changes of a series in paths per cycle, since clocks change from hour to hour, or in paths
+/// per second if the clock of every run is unknown. Runs without a known clock, if others have one, and
+/// runs with mostly contaminated blocks are skipped.
 fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
     let cycles = || runs.iter().map(|run| run.paths_per_cycle());
     let mut speeds: Vec<Vec<f64>> = if cycles().any(|speeds| speeds.is_some()) {

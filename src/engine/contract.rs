@@ -1,33 +1,36 @@
-//! What decides bits, and so is the same in every engine.
+//! Constants and formulas that determine the image bit by bit, shared by all engines.
 
 use glam::Vec3;
 
 use crate::math::{Real, max_element};
 
-/// The version of the arithmetic: another one where any image has other bits than before.
+/// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
 pub const BITS: u32 = 1;
 
-/// First segment that a path reaches only by Russian roulette.
+/// First segment that a path reaches only if it survives Russian roulette.
 pub(super) const ROULETTE_FROM: u32 = 5;
-/// Largest chance of surviving it.
+/// Maximum probability of surviving Russian roulette.
 pub(super) const ROULETTE_MAX: f32 = 0.95;
 
-/// The part of the way to a light that has to be free, as in pbrt (Pharr et al. 2023, 6.8.6).
+/// Fraction of the distance to a light that must be unoccluded, as in pbrt (Pharr et al. 2023,
+/// 6.8.6).
 ///
-/// In the last 10⁻⁴ lie the light itself, with what rounding does to its distance in this or another
-/// program (but for grazing rays and silhouettes), and surfaces that are flush with it.
+/// The last 10⁻⁴ contain surfaces flush with the light, and the light itself even with the rounding
+/// errors of its distance in this or another program (except for grazing rays and silhouettes).
 pub(super) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
-/// Weight of a sample that was drawn with density `of` where `other` could have drawn it too
-/// (Veach 1997, section 9.2.4, exponent 2), written so that no square overflows.
+/// Power heuristic: the weight of a sample that was drawn with density `of`, and that another
+/// strategy draws with density `other` (Veach 1997, section 9.2.4, exponent 2). Squaring the ratio
+/// instead of the densities avoids overflow.
 #[inline(always)]
 pub(super) fn power_heuristic<R: Real>(of: R, other: R) -> R {
     let ratio = other / of;
     R::ONE / (R::ONE + ratio * ratio)
 }
 
-/// The radiance that a sample adds to its pixel, and whether it was clamped: scaled down so that its
-/// largest component is `clamp`. `None` if it is not finite.
+/// Returns the radiance that a sample adds to its pixel, and whether it was clamped, that is,
+/// scaled down so that its largest component is `clamp`. Returns `None` if the radiance is not
+/// finite.
 #[inline]
 pub(super) fn counted(radiance: Vec3, clamp: f32) -> Option<(Vec3, bool)> {
     if !radiance.is_finite() {

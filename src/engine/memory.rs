@@ -1,4 +1,4 @@
-//! Memory of a render, by estimate: told before it is allocated.
+//! Estimates the memory of a render, so that it is checked before anything is allocated.
 
 use super::pool;
 use super::rendering::MOST_EVENTS;
@@ -8,21 +8,21 @@ use crate::error::{Error, Result};
 use crate::limits::Limit;
 use crate::scene::{LIGHT_BYTES, Scene};
 
-/// The program itself.
+/// Bytes of the program itself.
 const PROGRAM: u64 = 16 << 20;
-/// Bytes for each primitive, trees and their making included: 350 were measured.
+/// Bytes per primitive, including trees and temporary memory to build them: 350 were measured.
 const PRIMITIVE: u64 = 400;
-/// Paths of the largest waves that are tried.
+/// Number of paths of the largest waves in trials.
 const PATHS: u64 = 1 << 15;
-/// Bytes for each path of a wave where there are many kinds of materials.
+/// Bytes per path of a wave, in scenes with many kinds of materials.
 const PATH: u64 = 320;
 
 impl RenderSettings {
-    /// Refuses a render of `scene` for which there is not enough memory, with a film that takes so many bytes:
-    /// the limit is named.
+    /// Checks the estimated memory of a render of `scene` against the limit. The film takes `film`
+    /// bytes.
     ///
     /// # Errors
-    /// [`Error::Usage`].
+    /// If the estimate exceeds the limit, returns [`Error::Usage`], which names the limit.
     pub(crate) fn check_memory(&self, scene: &Scene, film: u64) -> Result<()> {
         let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
         let paths = PATHS.max(given.into()) * pool::threads(self.threads) as u64;

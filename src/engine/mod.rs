@@ -1,4 +1,4 @@
-//! Engines turn a scene into an image. Every engine returns the same bits.
+//! Engines render a scene to an image. All engines return bit-identical images.
 
 mod contract;
 mod memory;

@@ -1,4 +1,4 @@
-//! Observers: they see how far a render is, and may stop it.
+//! Observers watch the progress of a render and may stop it.
 
 use super::rendering::Progress;
 
@@ -16,7 +16,7 @@ pub trait Observer: Sync {
 /// Whether, and how fast, a render must stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stop {
-    /// It continues.
+    /// The render continues.
     #[default]
     No,
     /// Workers finish their current unit of work, a few thousand paths.

@@ -1,18 +1,19 @@
-//! The plan: how rays are traced. It decides the speed and never the image.
+//! The plan of the wavefront engine: how rays are traced. It affects the speed but never the image.
 
 use serde::{Deserialize, Serialize};
 
 use crate::accel::Kernel;
 use crate::limits;
 
-/// How the wavefront engine works: in large renders found by measuring. Given back, it repeats a run
-/// with the same work and the same counts.
+/// How the wavefront engine traces rays. In large renders, the engine measures which plan is
+/// fastest. Passing that plan to a later render repeats its work and its counts exactly.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Most paths that a worker traces at once, where a pixel's are not more: 1 to 262 144.
+    /// Maximum number of paths that a worker traces at once, 1 to 262 144. A wave is larger only if
+    /// a single pixel has more paths.
     pub wave_size: u32,
-    /// Of segments 1, 2, …; the last holds for all that follow.
+    /// The plans of segments 1, 2, …; the last one also applies to all later segments.
     pub segments: Vec<SegmentPlan>,
 }
 
@@ -20,23 +21,23 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentPlan {
-    /// Whether rays that start near each other and go the same way are put together first. Camera
-    /// rays are anyway.
+    /// Whether rays are sorted first, so that neighbours start near each other and have similar
+    /// directions. Camera rays are coherent without sorting.
     pub ordered: bool,
-    /// Finds their closest hits.
+    /// The kernel that finds the closest hits.
     pub closest: Kernel,
-    /// Finds whether the shadow rays from there are occluded.
+    /// The kernel that tests whether the shadow rays from these hits are occluded.
     pub occluded: Kernel,
 }
 
-/// Where a plan is from.
+/// The origin of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planning {
-    /// From the settings.
+    /// The settings contain the plan.
     Given,
-    /// What is mostly best, in renders too small to measure anything.
+    /// The plan that is best for most scenes, in renders too small for measurements.
     Usual,
-    /// The fastest of some, by a measurement that may end otherwise another time.
+    /// The fastest plan of several in a measurement, whose outcome may vary from run to run.
     Measured,
 }
 
@@ -51,9 +52,11 @@ impl Planning {
     }
 }
 
-/// Paths of a wave: with fewer the last segments have too few, with more they leave the caches.
+/// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more,
+/// the paths no longer fit in the caches.
 const USUAL_WAVE: u32 = 1 << 14;
-/// Waves for each thread in small renders, so that threads end at about the same time.
+/// Minimum number of waves per thread in small renders, so that all threads finish at about the
+/// same time.
 const LEAST_WAVES: u64 = 4;
 
 impl Plan {
@@ -63,17 +66,17 @@ impl Plan {
         &self.segments[last.min(segment as usize - 1)]
     }
 
-    /// `Err` says which number is out of range.
+    /// Checks that all numbers are in range.
     ///
     /// # Errors
-    /// Where one is.
+    /// If a number is out of range, returns a message that names it.
     pub fn check(&self) -> Result<(), String> {
         limits::check("wave_size", self.wave_size, limits::MAX_WAVE)?;
         limits::check("number of segments", self.segments.len() as u32, limits::MAX_DEPTH)
     }
 
-    /// The best plan for most scenes with so many primitives, in a render of `paths` paths. A
-    /// `wave_size` of 0 stands for the usual one.
+    /// The best plan for most scenes with `primitives` primitives, in a render of `paths` paths. A
+    /// `wave_size` of 0 stands for the usual size.
     pub(super) fn usual(primitives: usize, paths: u64, threads: usize, wave_size: u32) -> Self {
         let share = (paths / (LEAST_WAVES * threads as u64)).max(1);
         let [first, later] = match primitives {
@@ -96,7 +99,7 @@ impl Plan {
 }
 
 impl SegmentPlan {
-    /// How its closest hits are found, in words.
+    /// Describes how closest hits are found, for example `ordered packet`.
     pub(crate) fn closest_by(&self) -> String {
         format!("{}{}", if self.ordered { "ordered " } else { "" }, self.closest.name())
     }

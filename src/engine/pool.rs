@@ -9,21 +9,21 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{Error, Result};
 
-/// Whether threads stay on one core each.
+/// Whether each thread is pinned to a core.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pin {
-    /// They do, or nothing is rendered.
+    /// Threads are pinned. If that fails, nothing is rendered.
     On,
-    /// The operating system moves them.
+    /// Threads are not pinned: the operating system may move them.
     #[default]
     Off,
-    /// They do where there is one for each core that the process may use: two processes of fewer
-    /// threads could else end up on the same cores.
+    /// Threads are pinned if there is one for each core that the process may use: otherwise, two
+    /// processes with fewer threads could end up on the same cores.
     Auto,
 }
 
 impl Pin {
-    /// All ways.
+    /// All variants.
     pub const ALL: [Self; 3] = [Self::On, Self::Off, Self::Auto];
 
     /// The name on the command line.
@@ -35,8 +35,8 @@ impl Pin {
         }
     }
 
-    /// Whether so many threads are to be pinned where the process may use so many cores, 0 if that
-    /// is not known.
+    /// Whether to try to pin `threads` threads if the process may use `cores` cores, 0 if their
+    /// number is unknown.
     fn tries(self, threads: usize, cores: usize) -> bool {
         match self {
             Self::On => true,
@@ -46,14 +46,14 @@ impl Pin {
     }
 }
 
-/// What has come of pinning.
+/// The outcome of pinning threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pinned {
-    /// Each thread is on a core.
+    /// Each thread is pinned to a core.
     Yes,
-    /// It was not tried.
+    /// Pinning was not tried.
     No,
-    /// It was tried, and some thread is not.
+    /// Pinning failed for at least one thread.
     Failed,
 }
 
@@ -68,13 +68,13 @@ impl Pinned {
     }
 }
 
-/// The cores that the process may use, as they were before any thread was pinned.
+/// The cores that the process may use, determined before any thread is pinned.
 fn cores() -> &'static [CoreId] {
     static CORES: OnceLock<Vec<CoreId>> = OnceLock::new();
     CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
 }
 
-/// The number of threads that the setting `threads` stands for: 0 is as many as the process may use.
+/// The number of threads for the setting `threads`, where 0 means as many as the process may use.
 pub(super) fn threads(threads: u32) -> usize {
     match threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -85,17 +85,18 @@ pub(super) fn threads(threads: u32) -> usize {
 /// The threads that a renderer works on.
 #[derive(Debug)]
 pub(super) enum Pool {
-    /// Threads of its own.
+    /// The renderer's own threads.
     Own(ThreadPool, Pinned),
-    /// The rayon pool that it is called from, or else rayon's global one.
+    /// The rayon pool from which the renderer is called, or otherwise rayon's global pool.
     Caller,
 }
 
 impl Pool {
-    /// Starts threads: 0 for as many as the process may use.
+    /// Starts `threads` threads, or for 0 as many as the process may use.
     ///
     /// # Errors
-    /// [`Error::Internal`] if they cannot be started, or not be pinned with [`Pin::On`].
+    /// If the threads cannot be started, or cannot be pinned with [`Pin::On`], returns
+    /// [`Error::Resource`].
     pub(super) fn start(threads: u32, pin: Pin) -> Result<Self> {
         let threads = self::threads(threads);
         let cores = cores();
@@ -113,27 +114,31 @@ impl Pool {
                 }
             })
             .build()
-            .map_err(|error| Error::Internal(format!("cannot start the threads: {error}")))?;
-        // Every thread has begun when all have answered.
+            .map_err(|error| {
+                Error::Resource(format!(
+                    "cannot start {threads} threads ({error}): use fewer threads"
+                ))
+            })?;
+        // Once every thread has answered, all start handlers have run.
         pool.broadcast(|_| ());
         let pinned = match (tried, failed.load(Ordering::Relaxed)) {
             (false, _) => Pinned::No,
             (true, false) => Pinned::Yes,
             (true, true) if pin == Pin::On => {
-                let message = "threads cannot be pinned to cores here: pin auto goes on without";
-                return Err(Error::Internal(message.to_owned()));
+                let message = "threads cannot be pinned to cores here; pin auto continues without";
+                return Err(Error::Resource(message.to_owned()));
             }
             (true, true) => Pinned::Failed,
         };
         Ok(Self::Own(pool, pinned))
     }
 
-    /// Calls `work` once for each thread, with its number. Threads of the caller's pool that are busy
-    /// with other things do not take part: others do their share.
+    /// Calls `work` once for each thread, with the thread's number. In the caller's pool, threads
+    /// that are busy with other work do not take part, and other threads make their calls.
     pub(super) fn broadcast<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
         match self {
             Self::Own(pool, _) => pool.broadcast(|thread| work(thread.index())),
-            // rayon's broadcast would wait for all threads.
+            // rayon's `broadcast` would wait for all threads, including busy ones.
             Self::Caller => {
                 (0..self.threads()).into_par_iter().with_max_len(1).map(&work).collect()
             }
@@ -148,7 +153,7 @@ impl Pool {
         }
     }
 
-    /// Whether they are pinned to cores.
+    /// Whether the threads are pinned to cores.
     pub(super) fn pinned(&self) -> Pinned {
         match self {
             Self::Own(_, pinned) => *pinned,
@@ -164,14 +169,14 @@ mod tests {
     #[test]
     fn threads_are_pinned_where_they_fill_the_cores() {
         assert!(Pin::Auto.tries(4, 4) && !Pin::Auto.tries(3, 4) && !Pin::Auto.tries(5, 4));
-        // Unknown cores: it is tried, fails, and is told.
+        // With unknown cores, pinning is tried, and its failure is reported.
         assert!(Pin::Auto.tries(4, 0));
         for (threads, cores) in [(1, 4), (4, 4), (9, 4), (1, 0)] {
             assert!(Pin::On.tries(threads, cores) && !Pin::Off.tries(threads, cores));
         }
         let pool = Pool::start(3, Pin::Off).unwrap();
         assert_eq!((pool.threads(), pool.pinned()), (3, Pinned::No));
-        // More threads than cores share them.
+        // If there are more threads than cores, threads share cores.
         let cores_known = !cores().is_empty();
         let pinned = Pool::start(cores().len() as u32 + 1, Pin::On).ok().map(|pool| pool.pinned());
         assert_eq!(pinned, cores_known.then_some(Pinned::Yes));

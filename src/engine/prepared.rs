@@ -1,4 +1,4 @@
-//! Prepared scenes: trees and tables, made once for all views.
+//! Prepared scenes: a scene with its trees and tables, which are built once for all views.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,10 +6,10 @@ use super::settings::RenderSettings;
 use crate::accel::Accelerator;
 use crate::scene::{CameraFrame, Scene, SceneTables};
 
-/// A scene with the trees and tables that engines render it by.
+/// A scene with the trees and tables from which engines render it.
 ///
-/// They do not depend on the camera or the settings, and each is made when it is first needed. Clones
-/// share everything, also between threads.
+/// Trees and tables do not depend on the camera or the settings. Each is built on first use. Clones
+/// share them, even across threads.
 #[derive(Clone, Debug)]
 pub struct PreparedScene(Arc<Inner>);
 
@@ -21,7 +21,7 @@ struct Inner {
 }
 
 impl PreparedScene {
-    /// Prepares `scene`. The first renderer makes the trees.
+    /// Prepares `scene`. Its first renderer builds the trees.
     pub fn new(scene: Scene) -> Self {
         let accelerator = Accelerator::new(Arc::clone(scene.geometry()));
         Self(Arc::new(Inner { scene, accelerator, tables: OnceLock::new() }))
@@ -59,7 +59,7 @@ impl From<&PreparedScene> for PreparedScene {
     }
 }
 
-/// A prepared scene as one camera sees it: what the workers of a render share.
+/// A prepared scene as seen by one camera, shared by the workers of a render.
 #[derive(Clone, Debug)]
 pub(super) struct View {
     pub(super) prepared: PreparedScene,

@@ -1,4 +1,4 @@
-//! The rays of paths, as the reference engine traces them.
+//! Records the rays of paths as the reference engine traces them.
 
 use glam::Vec3;
 
@@ -8,56 +8,58 @@ use super::settings::RenderSettings;
 use crate::error::Result;
 use crate::geometry::{Hit, Ray};
 
-/// What a ray is traced for.
+/// The purpose of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RayKind {
-    /// From the camera, for the closest hit.
+    /// A ray from the camera, traced for the closest hit.
     Primary,
-    /// From a surface or out of a medium, for the closest hit.
+    /// A ray from a surface or from within a medium, traced for the closest hit.
     Bounce,
-    /// From there to a light, for any hit.
+    /// A ray from a surface or from within a medium to a light, traced for any hit.
     Shadow,
 }
 
-/// A ray and what it hits.
+/// A ray and its hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TracedRay {
-    /// What for.
+    /// The purpose of the ray.
     pub kind: RayKind,
-    /// Segment of the path, from 1; of a shadow ray the one that it starts at the end of.
+    /// Segment of the path, from 1. For a shadow ray, the segment at whose end it starts.
     pub segment: u32,
     /// The ray.
     pub ray: Ray,
-    /// Upper end of the open interval of distances that starts at 0.
+    /// Upper end of the open interval of distances in which hits count. The lower end is 0.
     pub t_max: f32,
-    /// What it hits. A shadow ray's hit is primitive 0 at distance 0 where it is occluded.
+    /// The hit, if any. For an occluded shadow ray it is primitive 0 at distance 0.
     pub hit: Option<Hit>,
-    /// Distance of the collision in a medium that ends the segment before that.
+    /// Distance of the collision in a medium that ends the segment before `hit`, if any.
     pub collision: Option<f32>,
 }
 
-/// A path, and what arrives along it.
+/// A path and the radiance that arrives along it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TracedPath {
-    /// In the order in which they are traced.
+    /// The rays in the order in which they were traced.
     pub rays: Vec<TracedRay>,
-    /// Neither clamped nor counted as black.
+    /// The radiance before clamping. It may be non-finite.
     pub radiance: Vec3,
 }
 
-/// Traces paths with the reference engine and tells their rays.
+/// Traces paths with the reference engine and returns their rays.
 #[derive(Debug)]
 pub(crate) struct PathRecorder(ScalarEngine);
 
 impl PathRecorder {
+    /// Creates a recorder of paths in `scene`.
+    ///
     /// # Errors
-    /// Where a setting is out of its range.
+    /// If a setting is out of range, returns [`Error::Usage`](crate::Error::Usage).
     pub(crate) fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
         Ok(Self(ScalarEngine::new(View::new(scene.into(), settings))))
     }
 
-    /// Sample `sample` of pixel `(x, y)`.
+    /// Traces the path of sample `sample` of pixel `(x, y)`.
     pub(crate) fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
         let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
         let (ray, key) = self.0.camera_ray(x, y, sample);
@@ -66,7 +68,7 @@ impl PathRecorder {
     }
 }
 
-/// Keeps what it is asked and what it answers.
+/// Records each ray query together with the tree's answer.
 struct Recording<'a> {
     tree: Tree<'a>,
     rays: Vec<TracedRay>,
@@ -88,7 +90,7 @@ impl Intersect for Recording<'_> {
     }
 
     fn collided(&mut self, t: f32) {
-        self.rays.last_mut().expect("closest was asked before").collision = Some(t);
+        self.rays.last_mut().expect("`closest` recorded the ray").collision = Some(t);
     }
 
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {

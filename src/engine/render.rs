@@ -1,4 +1,4 @@
-//! What a finished render is.
+//! The result of a render: its image, counts and times.
 
 use std::time::Instant;
 
@@ -13,15 +13,16 @@ use crate::image::Image;
 pub struct Render {
     /// The linear image.
     pub image: Image,
-    /// What was traced, and what came of it.
+    /// Counts of rays, path endings and samples.
     pub tally: Tally,
-    /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
-    /// the work of its rays, without times.
+    /// The work of the wavefront engine's stages. For the scalar engine, the work of its rays
+    /// without times, if the settings ask for counting.
     #[doc(hidden)]
     pub waves: WaveStats,
-    /// Time of each step.
+    /// The time of each step.
     pub seconds: Seconds,
-    /// What each worker did when, if the settings ask for it; the first two million events.
+    /// The activities of all workers, if the settings ask for them: only the first two million
+    /// events.
     #[doc(hidden)]
     pub timeline: Vec<Event>,
 }
@@ -31,14 +32,14 @@ pub struct Render {
 pub struct Seconds {
     /// Building the acceleration structure and starting the threads.
     pub build: f64,
-    /// Finding the plan, and making what its trials need.
+    /// Finding the plan, including building the trees that its trials need.
     pub plan: f64,
     /// Rendering.
     pub render: f64,
 }
 
 impl Seconds {
-    /// What it took since `start` to make `engine`.
+    /// The times for building `engine`, which began at `start`.
     pub(super) fn of_build(engine: &dyn UnitEngine, start: Instant) -> Self {
         let plan = engine.plan().map_or(0.0, |(.., seconds)| seconds);
         Self { build: start.elapsed().as_secs_f64() - plan, plan, render: 0.0 }

@@ -1,4 +1,4 @@
-//! From a scene and settings to an image: units of work on threads, whatever the engine.
+//! The renderer distributes a render's units of work to threads, for any engine.
 
 use std::mem;
 use std::sync::Mutex;
@@ -20,7 +20,7 @@ use super::wavefront::WavefrontEngine;
 use crate::error::Result;
 use crate::film::{Film, Schedule};
 
-/// A prepared scene, the settings of a render, and threads.
+/// Renders images of a prepared scene, with settings that may change and threads that stay.
 #[derive(Debug)]
 pub struct Renderer {
     prepared: PreparedScene,
@@ -49,7 +49,8 @@ fn engine(
     }
 }
 
-/// Tells the other workers when one fails, by an error or a panic: what they do would be in vain.
+/// Stops the other workers when it is dropped, because their results would be discarded. Only a
+/// worker that fails, by an error or a panic, drops it.
 struct Alarm<'a>(&'a AtomicBool);
 
 impl Drop for Alarm<'_> {
@@ -59,22 +60,25 @@ impl Drop for Alarm<'_> {
 }
 
 impl Renderer {
-    /// Checks the settings, starts the threads, builds what the prepared scene lacks, and finds the plan.
+    /// Checks the settings, starts the threads, builds the trees and tables that the prepared scene
+    /// lacks, and finds the plan.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
-    /// suffice, [`Error::Internal`](crate::Error::Internal) if the threads cannot be started, or not be
-    /// pinned with [`Pin::On`](super::Pin::On).
+    /// If a setting is out of range or the render would exceed the memory limit, returns
+    /// [`Error::Usage`](crate::Error::Usage).
+    ///
+    /// If the threads cannot be started, or cannot be pinned with [`Pin::On`](super::Pin::On),
+    /// returns [`Error::Resource`](crate::Error::Resource).
     pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         let paths = settings.paths();
         Self::for_paths(scene, settings, paths)
     }
 
-    /// [`new`](Self::new) for a render of which only `paths` paths are left to do: the fewer there are,
-    /// the fewer plans are tried.
+    /// Like [`new`](Self::new), for a render with only `paths` paths left: the fewer paths, the
+    /// fewer plans are tried.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// Returns the same errors as [`new`](Self::new).
     pub fn for_paths(
         scene: impl Into<PreparedScene>,
         settings: RenderSettings,
@@ -84,12 +88,13 @@ impl Renderer {
         Self::on(scene.into(), settings, paths, start)
     }
 
-    /// A renderer without threads of its own: it works on the rayon pool that it is called from, or else
-    /// on rayon's global pool. The settings `threads` and `pin` have no effect.
+    /// Creates a renderer without threads of its own. It runs in the rayon pool from which it is
+    /// called, or otherwise in rayon's global pool. The settings `threads` and `pin` have no
+    /// effect.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
-    /// suffice.
+    /// If a setting is out of range or the render would exceed the memory limit, returns
+    /// [`Error::Usage`](crate::Error::Usage).
     pub fn in_current_pool(
         scene: impl Into<PreparedScene>,
         settings: RenderSettings,
@@ -114,13 +119,13 @@ impl Renderer {
         Ok(Self { prepared, settings, engine, pool, seconds })
     }
 
-    /// Changes the camera and the settings. Trees, tables, threads and their pinning stay as they are, and
-    /// so does a plan that was found by measuring, unless the engine, the plan or the size of waves is to
-    /// be another. After an error nothing has changed.
+    /// Changes the camera and the settings. Trees, tables, threads and their pinning stay as they
+    /// are. A measured plan is kept, too, unless the engine, the plan or the wave size changes.
+    /// After an error, the renderer is unchanged.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) if a setting is out of its range or memory would not
-    /// suffice.
+    /// If a setting is out of range or the render would exceed the memory limit, returns
+    /// [`Error::Usage`](crate::Error::Usage).
     pub fn set(&mut self, settings: RenderSettings) -> Result<()> {
         let RenderSettings { threads, pin, .. } = self.settings;
         let settings = RenderSettings { threads, pin, ..settings };
@@ -133,7 +138,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// The plan that was found by measuring, if it serves `settings`, too.
+    /// Returns the current plan if it was measured and also suits `settings`.
     fn measured_plan(&self, settings: &RenderSettings) -> Option<Plan> {
         let serves = settings.wave_size == self.settings.wave_size && settings.plan.is_none();
         let (plan, planning, _) = self.engine.plan()?;
@@ -150,22 +155,22 @@ impl Renderer {
         &self.settings
     }
 
-    /// How the wavefront engine works; `None` for others.
+    /// The plan of the wavefront engine; `None` for other engines.
     pub fn plan(&self) -> Option<&Plan> {
         self.engine.plan().map(|(plan, ..)| plan)
     }
 
-    /// Where that is from.
+    /// The origin of the plan; `None` for engines without a plan.
     pub fn planning(&self) -> Option<Planning> {
         self.engine.plan().map(|(_, planning, _)| planning)
     }
 
-    /// Worker threads.
+    /// Number of worker threads.
     pub fn threads(&self) -> usize {
         self.pool.threads()
     }
 
-    /// Whether they are pinned to cores.
+    /// Whether the worker threads are pinned to cores.
     pub fn pinned(&self) -> Pinned {
         self.pool.pinned()
     }
@@ -173,40 +178,41 @@ impl Renderer {
     /// Renders the image.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for the image.
+    /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
+    /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
     pub fn render(&self) -> Result<Render> {
         let mut rendering = self.begin()?;
         self.advance(&mut rendering, &())?;
         self.finish(&mut rendering)
     }
 
-    /// A render of the whole image, of which nothing is done.
+    /// Begins a render of the whole image, without any samples yet.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) where memory would not suffice for the image,
-    /// [`Error::Internal`](crate::Error::Internal) where there is none.
+    /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
+    /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
     pub fn begin(&self) -> Result<Rendering> {
         let (image, samples) = (self.settings.image(), 0..self.settings.spp);
         self.settings.check_memory(self.prepared.scene(), Film::memory(image, samples.clone()))?;
         Film::new(image, samples).map(Rendering::new)
     }
 
-    /// Renders what is left of `rendering`, or until `observer` stops it.
+    /// Renders all missing samples of `rendering`, unless `observer` stops it.
     ///
     /// # Errors
-    /// Those of [`advance_to`](Self::advance_to).
+    /// Returns the same errors as [`advance_to`](Self::advance_to).
     pub fn advance(&self, rendering: &mut Rendering, observer: &dyn Observer) -> Result<()> {
         let end = rendering.film.samples().end;
         self.advance_to(rendering, end, observer)
     }
 
-    /// Renders what `rendering` lacks of its first `end` samples a pixel, or until `observer` stops it.
-    /// Passes of any size give the same image.
+    /// Renders the missing samples among the first `end` of each pixel of `rendering`, unless
+    /// `observer` stops it. The image does not depend on the number or size of such passes.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) if `rendering` has samples of another scene or view, or with
-    /// other settings that decide the image; [`Error::Internal`](crate::Error::Internal) where memory runs
-    /// out.
+    /// If `rendering` has samples of another scene or view, or rendered with other settings that
+    /// affect the image, returns [`Error::Usage`](crate::Error::Usage). If memory runs out, returns
+    /// [`Error::Resource`](crate::Error::Resource).
     pub fn advance_to(
         &self,
         rendering: &mut Rendering,
@@ -228,7 +234,7 @@ impl Renderer {
                     return shared.next();
                 }
                 drop(shared);
-                // A worker that is held up may hold up others, but not have them pile up what they did.
+                // Wait for the delayed worker, so that finished units do not pile up in memory.
                 thread::sleep(Duration::from_millis(1));
             }
             None
@@ -236,7 +242,7 @@ impl Renderer {
         let abandon = || stop() == Stop::Now;
         let work = |thread: usize| {
             let alarm = Alarm(&failed);
-            // None for threads that find no work.
+            // Created with the first task: a thread that finds no work allocates nothing.
             let mut worker = None;
             while let Some(task) = next() {
                 let worker = worker.get_or_insert_with(|| self.engine.worker(most_paths));
@@ -262,10 +268,12 @@ impl Renderer {
         worked.map(|_| ())
     }
 
-    /// The image as far as it is rendered. Takes the timeline out of `rendering`: it may be large.
+    /// Returns the image rendered so far. Moves the timeline out of `rendering`, as it may be
+    /// large.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
+    /// If there is not enough memory for the image, returns
+    /// [`Error::Resource`](crate::Error::Resource).
     pub fn finish(&self, rendering: &mut Rendering) -> Result<Render> {
         Ok(Render {
             image: rendering.image()?,

@@ -1,4 +1,4 @@
-//! A render under way: what there is of it so far.
+//! A render in progress: the samples, counts and times so far.
 
 use std::time::Instant;
 
@@ -12,33 +12,34 @@ use crate::film::{Film, Part, Schedule, Tile};
 use crate::image::Image;
 use crate::scene::Scene;
 
-/// Events of a timeline, at most: some hundred megabytes.
+/// Maximum number of events of a timeline: about a hundred megabytes.
 pub(crate) const MOST_EVENTS: usize = 1 << 21;
 
-/// Units that wait for another, at most, but for one a worker: each has some thousand paths.
+/// Number of finished units, of some thousand paths each, that may wait for an earlier unit. Each
+/// worker may exceed it by one.
 const MOST_EARLY: usize = 1000;
 
-/// A render under way.
+/// A render in progress.
 #[derive(Clone, Debug)]
 pub struct Rendering {
-    /// The samples so far.
+    /// The samples rendered so far.
     #[doc(hidden)]
     pub film: Film,
-    /// What was traced for them, and what came of it.
+    /// Counts of rays, path endings and samples so far.
     pub tally: Tally,
-    /// What the stages of the wavefront engine did; of the scalar engine, where it is asked to count,
-    /// the work of its rays, without times.
+    /// The work of the wavefront engine's stages. For the scalar engine, the work of its rays
+    /// without times, if the settings ask for counting.
     pub(crate) waves: WaveStats,
-    /// Wall-clock seconds that it took.
+    /// Wall-clock seconds of rendering so far.
     pub seconds: f64,
-    /// What each worker did when, if that was asked for; the first `MOST_EVENTS`.
+    /// The activities of all workers, if the settings ask for them: only the first `MOST_EVENTS`.
     pub(crate) timeline: Vec<Event>,
-    /// The scene and the settings of the samples, once there are any.
+    /// The scene and settings that the samples belong to; `None` before the first pass.
     source: Option<(Scene, RenderSettings)>,
 }
 
 impl Rendering {
-    /// Nothing but a film.
+    /// A rendering with the samples of `film`, and with empty counts.
     pub(crate) fn new(film: Film) -> Self {
         Self {
             film,
@@ -50,10 +51,11 @@ impl Rendering {
         }
     }
 
-    /// Notes that samples of `scene` with `settings` are to come.
+    /// Records that the following samples belong to `scene` and `settings`.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there are samples of another scene, or with other settings that decide the image.
+    /// If earlier samples belong to another scene, or to other settings that affect the image,
+    /// returns [`Error::Usage`].
     pub(super) fn claim(&mut self, scene: &Scene, settings: &RenderSettings) -> Result<()> {
         match &self.source {
             Some((other, with)) if other != scene || !with.same_image(settings) => {
@@ -68,46 +70,46 @@ impl Rendering {
         }
     }
 
-    /// Counts what was traced for another part of the render, too.
+    /// Adds the counts and seconds of another part of the same render.
     pub(crate) fn add(&mut self, other: &Self) {
         self.tally.add(&other.tally);
         self.seconds += other.seconds;
     }
 
-    /// The image as far as it is; black where nothing is done.
+    /// Returns the image rendered so far. Pixels without samples are black.
     ///
     /// # Errors
-    /// [`Error::Internal`] where there is no memory for it.
+    /// If there is not enough memory for the image, returns [`Error::Resource`].
     pub fn image(&self) -> Result<Image> {
         let Tile { width, height, .. } = self.film.area();
         Ok(Image::from_pixels(width, height, self.film.means()?))
     }
 
-    /// How far it is.
+    /// The progress of the render so far.
     pub fn progress(&self) -> Progress {
         Progress { samples: self.film.samples_done(), rays: self.tally.rays.total() }
     }
 }
 
-/// How far a render is.
+/// Progress of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Samples finished.
+    /// Number of finished samples.
     pub samples: u64,
-    /// Rays traced.
+    /// Number of traced rays.
     pub rays: u64,
 }
 
-/// What the workers share.
+/// The state that the workers of a pass share.
 #[derive(Debug)]
 pub(super) struct Shared<'a> {
     rendering: &'a mut Rendering,
     schedule: Schedule,
     progress: Progress,
     start: Instant,
-    /// Seconds of the timeline that were before.
+    /// Seconds at which the timeline of earlier passes ends: the offset of new events.
     before: f64,
-    /// What came of units whose pixels lack earlier samples, which another worker still has.
+    /// Finished units whose pixels lack earlier samples, which another worker is still rendering.
     early: Vec<(Part, Tally)>,
 }
 
@@ -119,22 +121,22 @@ impl<'a> Shared<'a> {
         Self { rendering, schedule, progress, start, before, early: Vec::new() }
     }
 
-    /// Whether so much waits for what another worker still has that more would take memory in vain.
+    /// Whether the limit of finished units that wait for an earlier one is reached.
     pub(super) fn is_far_ahead(&self) -> bool {
         self.early.len() >= MOST_EARLY
     }
 
-    /// The next unit of work.
+    /// Returns the next unit of work; `None` if no unit is left.
     pub(super) fn next(&mut self) -> Option<Task> {
         let film = &self.rendering.film;
         let unit = self.schedule.next(film)?;
         Some(Task { unit, open: film.open_sums(unit) })
     }
 
-    /// Adds what came of one, and tells how far the render is.
+    /// Adds a finished unit of worker number `worker`, and returns the progress of the render.
     ///
     /// # Errors
-    /// Where there is no memory for it.
+    /// If there is not enough memory for its samples, returns [`Error::Resource`].
     pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
         let Taken { part, tally, waves, laps } = taken;
         let Rendering { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;

@@ -1,4 +1,4 @@
-//! What a render is made of besides its scene.
+//! Settings of a render: the camera, image size, sampling and engine.
 
 use crate::error::{Error, Result};
 use crate::film::Tile;
@@ -12,10 +12,10 @@ use super::pool::Pin;
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
-    /// Waves of paths, stage by stage, in vectors.
+    /// Traces waves of paths stage by stage, with vector instructions.
     #[default]
     Wavefront,
-    /// The reference: one ray, one loop.
+    /// Traces one ray at a time, as the reference.
     Scalar,
 }
 
@@ -32,7 +32,7 @@ impl Engine {
     }
 }
 
-/// Settings of a render. Only the first group decides the image.
+/// Settings of a render. Only the first group affects the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The camera.
@@ -41,46 +41,47 @@ pub struct RenderSettings {
     pub width: u32,
     /// Image height in pixels, 1 to 65 536.
     pub height: u32,
-    /// Samples a pixel, 1 to 16 777 216.
+    /// Samples per pixel, 1 to 16 777 216.
     pub spp: u32,
     /// Largest number of segments of a path, 1 to 65 536.
     pub depth: u32,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How light is found.
+    /// How paths find light: by scattering, by sampling lights, or by both.
     pub sampling: Sampling,
-    /// Where random numbers are from.
+    /// The source of random numbers.
     pub sampler: Sampler,
-    /// Whether paths of little weight end by Russian roulette from segment 5 on.
+    /// Whether Russian roulette may terminate paths of low throughput, from segment 5 on.
     pub roulette: bool,
-    /// The largest component that a sample may have, above 0: brighter ones are scaled down, which
-    /// hides fireflies and loses energy. Infinite for none of that.
+    /// Maximum component of a sample, above 0; infinite to disable clamping. Brighter samples are
+    /// scaled down, which hides fireflies and loses energy.
     pub clamp: f32,
 
-    /// The engine; the image does not depend on it.
+    /// The engine. It does not affect the image.
     pub engine: Engine,
-    /// Worker threads, 0 for as many as the process may use; the image does not depend on
-    /// them.
+    /// Number of worker threads, 0 for as many as the process may use. It does not affect the
+    /// image.
     pub threads: u32,
-    /// Whether the threads stay on one core each.
+    /// Whether each thread is pinned to a core.
     pub pin: Pin,
-    /// Most paths that a worker of the wavefront engine traces at once, where a pixel's are not more; 0
-    /// for what suits it. The image does not depend on it.
+    /// Maximum number of paths that a worker of the wavefront engine traces at once; 0 lets the
+    /// engine choose. A wave is larger only if a single pixel has more paths. It does not affect
+    /// the image.
     pub wave_size: u32,
-    /// How the wavefront engine works, waves included; `None` for its own.
+    /// The plan of the wavefront engine, including the wave size; `None` lets the engine choose.
     pub plan: Option<Plan>,
-    /// Whether kernels count their work, which costs them some time.
+    /// Whether kernels count their work, which takes some time.
     #[doc(hidden)]
     pub count: bool,
-    /// Whether it is kept what each worker did when.
+    /// Whether to record a timeline of the workers' activities.
     #[doc(hidden)]
     pub timeline: bool,
-    /// How many pixels there may be, and how much memory.
+    /// Limits on the number of pixels and on memory.
     pub limits: Limits,
 }
 
 impl RenderSettings {
-    /// The camera and settings that `scene` asks for, seed 1, all threads.
+    /// The camera and default settings of `scene`, with seed 1 and all threads.
     pub fn of(scene: &Scene) -> Self {
         let defaults = scene.defaults();
         Self {
@@ -105,7 +106,8 @@ impl RenderSettings {
         }
     }
 
-    /// Of this width and height. Where only one is given, the other follows in proportion, rounded.
+    /// Sets the width and height. If only one is given, the other is scaled in proportion and
+    /// rounded.
     #[must_use]
     pub fn with_size(self, width: Option<u32>, height: Option<u32>) -> Self {
         let scale = |side: u32, by: u32, of: u32| {
@@ -122,8 +124,10 @@ impl RenderSettings {
         Self { width, height, ..self }
     }
 
+    /// Checks that all settings are in range.
+    ///
     /// # Errors
-    /// [`Error::Usage`] that names the first setting out of range.
+    /// If a setting is out of range, returns [`Error::Usage`], which names the first such setting.
     pub fn check(&self) -> Result<()> {
         limits::check_image(self.width, self.height)
             .and_then(|()| self.limits.check(Limit::Pixels, self.image().pixels()))
@@ -138,7 +142,8 @@ impl RenderSettings {
             .map_err(Error::Usage)
     }
 
-    /// Whether samples with either settings belong to one image. Their number may differ.
+    /// Whether samples rendered with either settings belong to the same image. The number of
+    /// samples may differ.
     pub(super) fn same_image(&self, other: &Self) -> bool {
         let size =
             |settings: &Self| (settings.width, settings.height, settings.depth, settings.seed);
@@ -149,18 +154,18 @@ impl RenderSettings {
             && self.clamp == other.clamp
     }
 
-    /// All pixels.
+    /// The tile of all pixels.
     #[doc(hidden)]
     pub fn image(&self) -> Tile {
         Tile { x: 0, y: 0, width: self.width, height: self.height }
     }
 
-    /// Paths of the image.
+    /// Number of paths of the image.
     pub fn paths(&self) -> u64 {
         self.image().pixels() * u64::from(self.spp)
     }
 
-    /// Whether light is looked for by sampling lights.
+    /// Whether paths sample the lights of `scene`.
     pub(super) fn samples_lights(&self, scene: &Scene) -> bool {
         self.sampling != Sampling::Bsdf && scene.lights() > 0
     }

@@ -1,28 +1,28 @@
-//! The stages of the wavefront engine, by name.
+//! The stages of the wavefront engine and their names.
 
 /// The stages of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Camera rays.
+    /// Generates camera rays.
     Generate,
-    /// Closest hits.
+    /// Finds the closest hits of rays.
     Extend,
-    /// Collisions in media, where there are any.
+    /// Finds collisions in media. Scenes without media skip this stage.
     Collide,
-    /// Paths to the queues of what they hit.
+    /// Sorts paths into queues by the kind of surface or medium that they hit.
     Sort,
-    /// Emission, scattering, light samples.
+    /// Adds emitted light, samples lights, and scatters paths.
     Shade,
-    /// Shadow rays.
+    /// Traces shadow rays and adds the light that reaches surfaces.
     Connect,
-    /// Rays of the next segment, put in order.
+    /// Builds the rays of the next segment, sorted if the plan asks for it.
     Order,
-    /// Samples to pixels.
+    /// Adds samples to their pixels.
     Accumulate,
 }
 
 impl Stage {
-    /// All stages, in order.
+    /// All stages, in the order in which they run.
     pub const ALL: [Self; 8] = [
         Self::Generate,
         Self::Extend,

@@ -1,4 +1,4 @@
-//! What the stages of the wavefront engine did, and the seconds it took them.
+//! Work and times of the wavefront engine's stages.
 
 use std::time::Instant;
 
@@ -8,31 +8,33 @@ use super::timeline::{Activity, Lap};
 use crate::accel::Counters;
 use crate::simd::LANES;
 
-/// What a stage did.
+/// The work and time of a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageWork {
-    /// Paths, or rays, that it worked on.
+    /// Number of paths or rays that the stage processed.
     pub active: u64,
-    /// Lanes of the vectors that it took for them.
+    /// Number of vector lanes that the stage used for them.
     pub issued: u64,
-    /// Summed over threads.
+    /// Seconds, summed over threads.
     pub seconds: f64,
-    /// Of extend and connect, where it is asked for.
+    /// Work of the kernels. Only extend and connect have it, and only if the settings ask for
+    /// counting.
     pub counters: Counters,
 }
 
 impl StageWork {
-    /// Of so many paths or rays, side by side in vectors.
+    /// The work on `items` paths or rays that are packed into vectors without gaps.
     pub(super) fn of(items: usize) -> Self {
         Self::in_lanes(items, items.next_multiple_of(LANES))
     }
 
-    /// Of so many in more lanes.
+    /// The work on `active` paths or rays in `issued` lanes.
     pub(super) fn in_lanes(active: usize, issued: usize) -> Self {
         Self { active: active as u64, issued: issued as u64, ..Self::default() }
     }
 
-    /// The share of its lanes that did any of the work: in the traversal, where that is counted.
+    /// The share of lanes that were active: in the traversal, if its work was counted, otherwise in
+    /// the whole stage.
     pub fn occupancy(&self) -> f64 {
         let (active, issued) = match self.counters.lanes_issued {
             0 => (self.active, self.issued),
@@ -49,16 +51,17 @@ impl StageWork {
     }
 }
 
-/// What the stages did for paths on one of their segments.
+/// The work of all stages for one segment of the paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SegmentWork {
-    /// Paths that ended on it: rays are endings and rays of the next segment.
+    /// Paths that ended on this segment. Its rays are these paths plus the rays of the next
+    /// segment.
     pub endings: Endings,
     works: [StageWork; Stage::ALL.len()],
 }
 
 impl SegmentWork {
-    /// What `stage` did.
+    /// The work of `stage`.
     pub fn stage(&self, stage: Stage) -> &StageWork {
         &self.works[stage as usize]
     }
@@ -71,19 +74,19 @@ impl SegmentWork {
     }
 }
 
-/// What the stages did, by segment of the paths.
+/// The work of all stages, by segment of the paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WaveStats {
-    /// Of segments 1, 2, … and, in the last, of all from [`WaveStats::SEGMENTS`] on. Generate and
-    /// accumulate count for the first.
+    /// The work for segments 1, 2, …. Entry number [`WaveStats::SEGMENTS`] is the last and covers
+    /// all later segments, too. Generate and accumulate belong to the first segment.
     pub segments: Vec<SegmentWork>,
 }
 
 impl WaveStats {
-    /// Segments that are told apart.
+    /// Maximum number of segments that are counted separately.
     pub const SEGMENTS: usize = 16;
 
-    /// What `stage` did for all segments.
+    /// The work of `stage` for all segments.
     pub fn stage(&self, stage: Stage) -> StageWork {
         self.segments.iter().fold(StageWork::default(), |mut sum, segment| {
             sum.add(segment.stage(stage));
@@ -91,17 +94,17 @@ impl WaveStats {
         })
     }
 
-    /// All that was done took so long, summed over threads.
+    /// Seconds of all stages, summed over threads.
     pub fn seconds(&self) -> f64 {
         Stage::ALL.map(|stage| self.stage(stage).seconds).into_iter().sum()
     }
 
-    /// Notes what `stage` did for paths on their segment `segment`.
+    /// Adds the work of `stage` for segment number `segment`.
     pub(super) fn note(&mut self, stage: Stage, segment: u32, work: &StageWork) {
         self.segment_mut(segment).works[stage as usize].add(work);
     }
 
-    /// Where work for paths on their segment `segment` is noted.
+    /// The entry for segment number `segment`, from 1. Adds entries as needed.
     fn segment_mut(&mut self, segment: u32) -> &mut SegmentWork {
         let index = (segment as usize).min(Self::SEGMENTS) - 1;
         if self.segments.len() <= index {
@@ -120,28 +123,28 @@ impl WaveStats {
     }
 }
 
-/// Takes the time of stages.
+/// Measures the time of stages.
 #[derive(Debug)]
 pub(super) struct Stopwatch {
     stats: WaveStats,
-    /// The stages one by one, where that is asked for.
+    /// One lap per stage, if a timeline is recorded.
     laps: Option<Vec<Lap>>,
     last: Instant,
 }
 
 impl Stopwatch {
-    /// Keeps the stages one by one where that is asked for.
+    /// Creates a stopwatch, which records laps if `timeline` is set.
     pub(super) fn new(timeline: bool) -> Self {
         let laps = timeline.then(Vec::new);
         Self { stats: WaveStats::default(), laps, last: Instant::now() }
     }
 
-    /// The next stage begins.
+    /// Starts the first stage.
     pub(super) fn start(&mut self) {
         self.last = Instant::now();
     }
 
-    /// A stage that did `work` for paths on their segment `segment` has ended, the next begins.
+    /// Ends `stage`, which did `work` for segment number `segment`, and starts the next stage.
     pub(super) fn lap(&mut self, stage: Stage, segment: u32, work: StageWork) {
         let now = Instant::now();
         let seconds = (now - self.last).as_secs_f64();
@@ -153,13 +156,13 @@ impl Stopwatch {
         self.stats.note(stage, segment, &StageWork { seconds, ..work });
     }
 
-    /// What was noted since the last time.
+    /// Returns the work and laps since the last call.
     pub(super) fn take(&mut self) -> (WaveStats, Vec<Lap>) {
         let laps = self.laps.as_mut().map(std::mem::take);
         (std::mem::take(&mut self.stats), laps.unwrap_or_default())
     }
 
-    /// So many paths ended on their segment `segment`.
+    /// Adds the paths that ended on segment number `segment`.
     pub(super) fn ended(&mut self, segment: u32, endings: &Endings) {
         self.stats.segment_mut(segment).endings.add(endings);
     }

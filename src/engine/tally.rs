@@ -1,27 +1,28 @@
-//! Exact counts of what was rendered, the same for every engine.
+//! Exact counts of rays, path endings and unusual samples, identical for all engines.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::contract::counted;
 
-/// What was traced, and what came of it.
+/// Counts of rays, path endings, and samples that were non-finite or clamped.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tally {
-    /// Rays traced.
+    /// Numbers of traced rays.
     pub rays: RayCounts,
-    /// How the paths ended.
+    /// Numbers of paths by how they ended.
     pub endings: Endings,
-    /// Samples that were not finite, and counted as black.
+    /// Non-finite samples, which are replaced by black.
     pub non_finite: NonFinite,
-    /// Samples that were clamped.
+    /// Number of clamped samples.
     pub clamped: u64,
 }
 
 impl Tally {
-    /// What a sample of this radiance adds to its pixel, where components above `clamp` are clamped: notes
-    /// pixel and sample, `(x, y, sample)`, if it is not finite, and whether it was clamped.
+    /// Returns the radiance that a sample adds to its pixel: `radiance`, scaled down if a component
+    /// exceeds `clamp`, or black if it is non-finite. Counts clamped and non-finite samples.
+    /// `sample` is `(x, y, sample)`.
     #[inline]
     pub(super) fn counted(&mut self, radiance: Vec3, clamp: f32, sample: (u32, u32, u32)) -> Vec3 {
         match counted(radiance, clamp) {
@@ -36,7 +37,7 @@ impl Tally {
         }
     }
 
-    /// All numbers in it.
+    /// All counts.
     pub(crate) fn counts(&self) -> impl Iterator<Item = u64> {
         let RayCounts { primary, bounce, shadow } = self.rays;
         let endings = self.endings.each().map(|(_, paths)| paths);
@@ -51,19 +52,19 @@ impl Tally {
     }
 }
 
-/// Rays by kind.
+/// Numbers of rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
-    /// From the camera.
+    /// Rays from the camera.
     pub primary: u64,
-    /// From a surface or out of a medium, for the closest hit.
+    /// Rays from a surface or from within a medium, traced for the closest hit.
     pub bounce: u64,
-    /// From there to a light.
+    /// Rays from a surface or from within a medium to a light.
     pub shadow: u64,
 }
 
 impl RayCounts {
-    /// All rays.
+    /// Number of all rays.
     pub fn total(&self) -> u64 {
         self.primary + self.bounce + self.shadow
     }
@@ -78,9 +79,9 @@ impl RayCounts {
 /// Samples whose radiance was NaN or infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NonFinite {
-    /// How many.
+    /// Number of these samples.
     pub count: u64,
-    /// Pixel and sample of the first in the order of the image.
+    /// Pixel and sample, `(x, y, sample)`, of the first one in image order.
     pub first: Option<(u32, u32, u32)>,
 }
 
@@ -96,30 +97,30 @@ impl NonFinite {
     }
 }
 
-/// How paths ended.
+/// Numbers of paths by how they ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Endings {
-    /// They left the scene.
+    /// Paths that left the scene.
     pub background: u64,
-    /// At a light.
+    /// Paths that hit a light.
     pub light: u64,
-    /// By a surface that scattered them into itself, or that scatters nothing.
+    /// Paths that a surface absorbed, because it scattered them into itself or not at all.
     pub absorbed: u64,
-    /// They could add nothing any more: black surfaces and media.
+    /// Paths whose throughput became zero, at black surfaces or in black media.
     pub black: u64,
-    /// By Russian roulette.
+    /// Paths that Russian roulette terminated.
     pub roulette: u64,
-    /// At a surface or in a medium, after the last segment that was allowed.
+    /// Paths that hit a surface or a medium at the end of the last allowed segment.
     pub depth: u64,
 }
 
 impl Endings {
-    /// All paths.
+    /// Number of all paths.
     pub fn total(&self) -> u64 {
         self.each().into_iter().map(|(_, paths)| paths).sum()
     }
 
-    /// Names and numbers.
+    /// The name and count of each ending.
     pub fn each(&self) -> [(&'static str, u64); 6] {
         let Self { background, light, absorbed, black, roulette, depth } = *self;
         [

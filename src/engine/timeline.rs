@@ -1,40 +1,40 @@
-//! What each worker did when, for those who ask.
+//! Timeline of a render: the activities of each worker and their times, recorded on request.
 
 use std::time::Instant;
 
 use super::stage::Stage;
 use crate::film::Unit;
 
-/// Something that took a worker's time.
+/// An activity of a worker, with its time.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// Number of the worker, from 0.
     pub worker: usize,
     /// Seconds from the start of the render.
     pub start: f64,
-    /// Seconds that it took.
+    /// Duration in seconds.
     pub seconds: f64,
-    /// What.
+    /// The activity.
     pub activity: Activity,
 }
 
-/// What a worker did.
+/// An activity of a worker.
 #[derive(Clone, Copy, Debug)]
 pub enum Activity {
     /// A unit of work.
     Unit(Unit),
     /// A stage of a wave.
     Stage {
-        /// Which one.
+        /// The stage.
         stage: Stage,
-        /// The segment that the paths were on, from 1.
+        /// The segment of the paths, from 1.
         segment: u32,
-        /// Paths, or rays, that it worked on.
+        /// Number of paths or rays that the stage processed.
         active: u64,
     },
 }
 
-/// An [`Event`] before it is known when the render began, and whose it is.
+/// An activity with absolute times, from which [`Lap::event`] makes an [`Event`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lap {
     pub(super) start: Instant,
@@ -43,7 +43,7 @@ pub(super) struct Lap {
 }
 
 impl Lap {
-    /// Of worker number `worker` in a render that began at `origin`.
+    /// The event of worker number `worker`, with times relative to `origin`.
     pub(super) fn event(&self, origin: Instant, worker: usize) -> Event {
         Event {
             worker,

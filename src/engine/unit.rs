@@ -1,4 +1,4 @@
-//! Units of work: what the renderer hands to an engine's workers, and what they return.
+//! Units of work that the renderer hands to an engine's workers, and their results.
 
 use glam::Vec3;
 
@@ -8,48 +8,49 @@ use super::tally::Tally;
 use super::timeline::Lap;
 use crate::film::{Part, Plane, Unit};
 
-/// What an engine does: its workers take units of work.
+/// An engine, which creates workers that render units of work.
 pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
-    /// What a thread works with, for units of at most so many paths.
+    /// Creates the worker of a thread, for units of at most `paths` paths.
     fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_>;
 
-    /// Paths that it takes best at once.
+    /// The number of paths of a unit that suits the engine best.
     fn unit_paths(&self) -> u32;
 
-    /// How it works, if it has a plan, where that is from, and the seconds that finding it took.
+    /// The plan, its origin, and the seconds spent on finding it; `None` for engines without a
+    /// plan.
     fn plan(&self) -> Option<(&Plan, Planning, f64)> {
         None
     }
 }
 
-/// What a thread does.
+/// Renders units of work on one thread.
 pub(super) trait UnitWorker {
-    /// Renders `task`; `None` where `abandon`, which is called now and then, returns true.
+    /// Renders `task`. Calls `abandon` now and then, and returns `None` if it returns true.
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken>;
 }
 
-/// A unit of work, and what it adds to.
+/// A unit of work, and the sums to which its samples are added.
 #[derive(Debug)]
 pub(super) struct Task {
     pub(super) unit: Unit,
-    /// [`Film::open_sums`](crate::film::Film::open_sums).
+    /// The unit's [`Film::open_sums`](crate::film::Film::open_sums).
     pub(super) open: Plane,
 }
 
 impl Task {
-    /// The sum that the samples of pixel number `pixel` of the unit are added to.
+    /// The sum to which the samples of the unit's pixel number `pixel` are added.
     #[inline]
     pub(super) fn open_sum(&self, pixel: u32) -> Vec3 {
         self.open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum))
     }
 }
 
-/// What came of a unit of work.
+/// The result of a unit of work.
 #[derive(Debug)]
 pub(super) struct Taken {
     pub(super) part: Part,
     pub(super) tally: Tally,
     pub(super) waves: WaveStats,
-    /// The stages one by one, if that was asked for.
+    /// The times of the stages and of the unit, if a timeline is recorded.
     pub(super) laps: Vec<Lap>,
 }

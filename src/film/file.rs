@@ -1,5 +1,8 @@
-//! Films as bytes, little-endian: for each pixel, one past its last finished sample, or [`ABSENT`];
-//! then the first kept sum of each pixel that has one, the second of each that has two, and so on.
+//! The binary format of films.
+//!
+//! All numbers are little-endian. The file starts with a number for each pixel: one past its last
+//! finished sample, or [`ABSENT`]. Then come the first kept sum of each pixel that has one, the
+//! second of each pixel that has two, and so on.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -8,10 +11,10 @@ use super::tile::Tile;
 use super::{ABSENT, Film};
 
 impl Film {
-    /// Writes it.
+    /// Writes the film to `file`.
     ///
     /// # Errors
-    /// Those of `file`.
+    /// If writing to `file` fails.
     pub(crate) fn write(&self, file: &mut impl Write) -> io::Result<()> {
         self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
         for (number, sums) in self.sums.iter().enumerate() {
@@ -22,11 +25,11 @@ impl Film {
         Ok(())
     }
 
-    /// Reads one of the samples `samples` of the pixels of `area`.
+    /// Reads a film of the samples `samples` of the pixels of `area`.
     ///
     /// # Errors
-    /// Those of `file`; [`io::ErrorKind::InvalidData`] where it is no such film,
-    /// [`io::ErrorKind::OutOfMemory`] where there is no memory for it.
+    /// If reading `file` fails; [`io::ErrorKind::InvalidData`] if its content is not such a film,
+    /// and [`io::ErrorKind::OutOfMemory`] if the film does not fit in memory.
     pub(crate) fn read(area: Tile, samples: Range<u32>, file: &mut impl Read) -> io::Result<Self> {
         let memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
         let mut film = Self::new(area, samples).map_err(memory)?;
@@ -36,7 +39,8 @@ impl Film {
             file.read_exact(&mut bytes)?;
             *done = u32::from_le_bytes(bytes);
             if !((start..=end).contains(done) || *done == ABSENT) {
-                let message = format!("a pixel's samples end at {done} of {start}..{end}");
+                let message =
+                    format!("a pixel's samples end at {done}, which is not in {start} to {end}");
                 return Err(io::Error::new(io::ErrorKind::InvalidData, message));
             }
         }
@@ -69,7 +73,7 @@ mod tests {
     use crate::film::tests::{AREA, rendered, rendered_film};
 
     #[test]
-    fn films_come_back() {
+    fn films_survive_a_round_trip() {
         let mut partly = Film::new(AREA, 16..333).unwrap();
         partly.retain(|x, y| x * y % 3 > 0);
         let mut schedule = Schedule::new(&partly, 333, 100);
@@ -94,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_cannot_be_are_refused() {
+    fn impossible_sample_counts_are_rejected() {
         let area = Tile { width: 1, height: 1, ..AREA };
         let read = |done: u32| {
             let bytes: Vec<u8> = done.to_le_bytes().into_iter().chain([0; 100]).collect();

@@ -1,4 +1,4 @@
-//! One film of several that have its pixels and samples between them.
+//! Merges films with different pixels or samples into one film.
 
 use std::ops::Range;
 
@@ -6,24 +6,25 @@ use super::sum::{self, CHUNK};
 use super::{ABSENT, Film};
 use crate::error::Result;
 
-/// A sample: the pixel's place in the image, and its number.
+/// A sample: the x and y of its pixel in the image, and its number.
 pub(crate) type Sample = (u32, u32, u32);
 
-/// Why one film does not go on where another ends.
+/// Why a film cannot be appended to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Conflict {
-    /// Both have this sample.
+    /// Both films have this sample.
     Twice(Sample),
-    /// None has this sample, and one has later ones of the pixel.
+    /// Neither film has this sample, but one has later samples of the pixel.
     Missing(Sample),
 }
 
 impl Film {
-    /// Adds all samples of `film`, which is of the same area and complete. The samples of each of its pixels
-    /// are to be the next ones here. After a conflict this film is of no use.
+    /// Appends all samples of `film`, which must be complete and have the same area. For each of
+    /// its pixels, they must directly follow the samples that `self` has; otherwise the first
+    /// conflict is returned, and `self` is no longer usable.
     ///
     /// # Errors
-    /// [`Error::Internal`](crate::Error::Internal) where there is no memory for it.
+    /// [`Error::Resource`](crate::Error::Resource) if memory runs out.
     pub(crate) fn append(&mut self, film: &Self) -> Result<Option<Conflict>> {
         let start = film.samples.start;
         let mut first = 0;
@@ -39,13 +40,13 @@ impl Film {
         Ok(None)
     }
 
-    /// The first sample that is not done, if there is one.
+    /// The first unfinished sample, if any.
     pub(crate) fn missing(&self) -> Option<Sample> {
         let pixel = self.done.iter().position(|&done| done < self.samples.end)?;
         Some(self.sample(pixel, self.done[pixel]))
     }
 
-    /// Whether the sample is done.
+    /// Whether the sample is finished.
     pub(crate) fn has(&self, (x, y, sample): Sample) -> bool {
         let pixel =
             (y - self.area.y) as usize * self.area.width as usize + (x - self.area.x) as usize;
@@ -58,7 +59,8 @@ impl Film {
         (x, y, sample)
     }
 
-    /// The next pixels from number `first` on, in one row, that `film` has, all equally far here.
+    /// The next run of pixels that `film` has, at or after pixel number `first`. All are in one row
+    /// and have the same number of samples in `self`.
     fn next_run(&self, film: &Self, first: usize) -> Option<Range<usize>> {
         let width = self.area.width as usize;
         let present = |pixel: &usize| film.done[*pixel] != ABSENT;
@@ -86,16 +88,16 @@ mod tests {
     use super::*;
     use crate::film::tests::{AREA, rendered_film, want};
 
-    /// Appends all, until a conflict.
+    /// Appends `films` in order, until a conflict.
     fn merged(samples: Range<u32>, films: &[&Film]) -> (Film, Option<Conflict>) {
         let mut merged = Film::new(AREA, samples).unwrap();
         let conflict = films.iter().find_map(|film| merged.append(film).unwrap());
         (merged, conflict)
     }
 
-    /// Splits by pixels and by samples, and by both.
+    /// Merges films that are split by pixels, by samples, and by both.
     #[test]
-    fn parts_make_the_whole() {
+    fn parts_merge_into_the_whole() {
         let (all, spp) = (|_: u32, _: u32| true, 333);
         let even = |x: u32, y: u32| (x + y / 3).is_multiple_of(2);
         let odd = move |x: u32, y: u32| !even(x, y);
@@ -123,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_and_gaps_are_told() {
+    fn overlaps_and_gaps_are_reported() {
         let (all, right) = (|_: u32, _: u32| true, |x: u32, _: u32| x > 10);
         let conflict = |films: &[&Film]| merged(0..50, films).1;
         let [begin, end] = [rendered_film(0..32, all), rendered_film(32..50, all)];

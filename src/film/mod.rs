@@ -20,84 +20,92 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 
-/// A value of each pixel, row by row.
+/// One RGB value per pixel, row by row.
 pub(crate) type Plane = Vec<[f32; 3]>;
 
-/// The sums of the samples of some pixels of an image.
+/// Sums of the samples of some pixels of an image.
 #[derive(Clone, Debug)]
 pub struct Film {
     area: Tile,
     samples: Range<u32>,
-    /// For each pixel of `area`, one past the last finished sample; [`ABSENT`] for pixels of other
-    /// films.
+    /// For each pixel of `area`, one past the last finished sample; [`ABSENT`] for pixels that
+    /// belong to other films.
     done: Vec<u32>,
     /// Plane 0 holds the first kept sum of each pixel, plane 1 the second, and so on: the nodes of
-    /// `sum.rs`, then the running sum of a chunk that is not complete.
+    /// `sum.rs`, then the running sum of an incomplete chunk.
     sums: Vec<Plane>,
 }
 
+/// Marks a pixel that the film does not have.
 const ABSENT: u32 = u32::MAX;
 
 /// The result of a [`Unit`] of work.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Part {
-    /// The samples.
+    /// The samples that were rendered.
     pub unit: Unit,
-    /// For each pixel, the sum of its chunk up to `unit.end`: the unit's samples, added in order to
-    /// [`Film::open_sums`].
+    /// For each pixel, the sum of its chunk up to `unit.end`: the samples of the unit, added in
+    /// order to [`Film::open_sums`].
     pub sums: Plane,
 }
 
 impl Film {
-    /// For the samples `samples`, of which the first is the first of a chunk, of the pixels of `area`; none
-    /// is done.
+    /// Creates a film without any finished samples, for the samples `samples` of the pixels of
+    /// `area`. The first sample must be the first of a chunk.
     ///
     /// # Errors
-    /// [`Error::Internal`] where there is no memory for it.
+    /// [`Error::Resource`] if memory runs out.
     pub(crate) fn new(area: Tile, samples: Range<u32>) -> Result<Self> {
         let done = plane(area, samples.start)?;
         Ok(Self { area, samples, done, sums: Vec::new() })
     }
 
-    /// Bytes of memory for it when it is complete, and for its means.
+    /// Memory in bytes for a complete film and its means.
     pub(crate) fn memory(area: Tile, samples: Range<u32>) -> u64 {
         Self::most_bytes(area, samples) + 12 * area.pixels()
     }
 
-    /// Bytes that it has at most, in memory and in a file.
+    /// Largest size of a film in bytes, in memory and in a file.
     pub(crate) fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
         let chunks = (samples.end - samples.start).div_ceil(CHUNK);
-        // Of each level two nodes, or one where all begins with sample 0; and a chunk that is not complete.
+        // At most two nodes per level, or one if the samples start with sample 0, and one
+        // incomplete chunk.
         let levels = u64::from(u32::BITS - chunks.leading_zeros());
         let sums = 1 + levels * if samples.start == 0 { 1 } else { 2 };
         area.pixels() * (4 + 12 * sums)
     }
 
-    /// The pixels that it may have.
+    /// The rectangle that contains the pixels of the film.
     pub fn area(&self) -> Tile {
         self.area
     }
 
-    /// The samples that each of its pixels is to have.
+    /// The samples that each pixel of the complete film has.
     pub(crate) fn samples(&self) -> Range<u32> {
         self.samples.clone()
     }
 
-    /// The least end of the samples of a pixel, as far as all is done.
+    /// For each pixel of the area, the number of its finished samples.
+    pub(crate) fn counts(&self) -> impl Iterator<Item = u32> {
+        let count = |&done: &u32| if done == ABSENT { 0 } else { done - self.samples.start };
+        self.done.iter().map(count)
+    }
+
+    /// The smallest end of a pixel's finished samples: every pixel has all samples before it.
     fn least_done(&self) -> u32 {
         self.done.iter().copied().min().unwrap_or(0).min(self.samples.end)
     }
 
-    /// The first of `samples` that the pixels of `tile` lack, or the end; `None` where it differs
-    /// from pixel to pixel.
+    /// The first of `samples` that the pixels of `tile` lack, or `samples.end` if they lack none;
+    /// `None` if it differs from pixel to pixel.
     fn first_lacking(&self, tile: Tile, samples: &Range<u32>) -> Option<u32> {
         let lacking = |done: u32| done.clamp(samples.start, samples.end);
         let first = lacking(self.done[self.row(tile, 0).start]);
         self.all(tile, |done| lacking(done) == first).then_some(first)
     }
 
-    /// For each pixel of `unit`, the sum of the samples before those of the unit in the same chunk.
-    /// Empty if the unit begins a chunk.
+    /// For each pixel of `unit`, the sum of the earlier samples of the same chunk. Empty if the
+    /// unit starts a chunk.
     pub(crate) fn open_sums(&self, unit: Unit) -> Plane {
         if unit.first.is_multiple_of(CHUNK) {
             return Plane::new();
@@ -107,23 +115,23 @@ impl Film {
         rows.flatten().copied().collect()
     }
 
-    /// Whether each pixel of `unit` has exactly the samples before those of the unit.
+    /// Whether each pixel of `unit` has exactly the samples before `unit.first`.
     pub(crate) fn is_next(&self, unit: Unit) -> bool {
         self.all(unit.tile, |done| done == unit.first)
     }
 
-    /// Whether `is` holds for the end of the samples of each pixel of `tile`.
+    /// Whether `is` holds for the end of the finished samples of each pixel of `tile`.
     fn all(&self, tile: Tile, is: impl Fn(u32) -> bool) -> bool {
         (0..tile.height).all(|row| self.done[self.row(tile, row)].iter().all(|&done| is(done)))
     }
 
-    /// Adds samples that [are next](Self::is_next).
+    /// Adds the samples of `part`, which must be [next](Self::is_next).
     ///
     /// # Errors
-    /// [`Error::Internal`] where there is no memory for them.
+    /// [`Error::Resource`] if memory runs out.
     pub(crate) fn add(&mut self, part: &Part) -> Result<()> {
         let Unit { tile, first, end } = part.unit;
-        // The sum of an open chunk replaces what there was of it.
+        // The new sum of an open chunk includes the old one, and overwrites it.
         let kept = sum::sums(&(self.samples.start..first / CHUNK * CHUNK));
         let node = end.is_multiple_of(CHUNK).then_some((0, first / CHUNK));
         for (row, sums) in (0..).zip(part.sums.chunks_exact(tile.width as usize)) {
@@ -134,8 +142,8 @@ impl Film {
         Ok(())
     }
 
-    /// Adds `sums` of a node, or of a chunk that is not complete, to the `kept` sums of `pixels`, and tells how
-    /// many they are now.
+    /// Adds the sums of a node, or of an incomplete chunk, to the `kept` sums of `pixels`, and
+    /// returns the new number of kept sums.
     fn push(
         &mut self,
         pixels: Range<usize>,
@@ -156,10 +164,10 @@ impl Film {
         Ok(index + 1)
     }
 
-    /// The means of the samples that are done; black where none is.
+    /// The means of the finished samples; black for pixels without any.
     ///
     /// # Errors
-    /// [`Error::Internal`] where there is no memory for them.
+    /// [`Error::Resource`] if memory runs out.
     pub fn means(&self) -> Result<Plane> {
         let begin = self.samples.start;
         let mut means = plane(self.area, [0.0; 3])?;
@@ -170,10 +178,10 @@ impl Film {
         Ok(means)
     }
 
-    /// For each pixel, one past its last finished sample, and the number of sums that it keeps.
+    /// For each pixel, one past its last finished sample, and the number of sums kept for it.
     fn kept(&self) -> impl Iterator<Item = (u32, usize)> {
         let begin = self.samples.start;
-        // Most pixels are as far as the one before.
+        // Most pixels have as many samples as the one before.
         let mut last = (begin, 0);
         self.done.iter().map(move |&done| {
             let done = if done == ABSENT { begin } else { done };
@@ -184,8 +192,8 @@ impl Film {
         })
     }
 
-    /// Leaves the pixels out for which `keep`, which is told their place in the image, says so. What there
-    /// was of them is gone.
+    /// Keeps only the pixels for which `keep` returns true, given their x and y in the image. The
+    /// samples of all other pixels are lost.
     pub(crate) fn retain(&mut self, keep: impl Fn(u32, u32) -> bool) {
         for (pixel, done) in (0..).zip(&mut self.done) {
             let (x, y) = self.area.pixel(pixel);
@@ -195,7 +203,8 @@ impl Film {
         }
     }
 
-    /// Whether it has the pixels for which `has`, which is told their place in the image, says so, and no others.
+    /// Whether the film has exactly the pixels for which `has` returns true, given their x and y in
+    /// the image.
     pub(crate) fn is_of(&self, has: impl Fn(u32, u32) -> bool) -> bool {
         (0..).zip(&self.done).all(|(pixel, &done)| {
             let (x, y) = self.area.pixel(pixel);
@@ -203,24 +212,24 @@ impl Film {
         })
     }
 
-    /// Sets the end of its samples to `end`, unless it is later already.
+    /// Extends the samples of the film to `end`, unless they end later already.
     pub(crate) fn grow(&mut self, end: u32) {
         self.samples.end = self.samples.end.max(end);
     }
 
-    /// Samples that are done, of all pixels together.
+    /// Number of finished samples, over all pixels.
     pub fn samples_done(&self) -> u64 {
         let done = self.done.iter().filter(|&&done| done != ABSENT);
         done.map(|done| u64::from(done - self.samples.start)).sum()
     }
 
-    /// Samples that are to be done, of all pixels together.
+    /// Number of samples of the complete film, over all pixels.
     pub fn samples_to_do(&self) -> u64 {
         let pixels = self.done.iter().filter(|&&done| done != ABSENT).count() as u64;
         pixels * u64::from(self.samples.end - self.samples.start)
     }
 
-    /// Room for so many sums of each pixel.
+    /// Makes room for `sums` sums per pixel.
     fn make_room(&mut self, sums: usize) -> Result<()> {
         while self.sums.len() < sums {
             self.sums.push(plane(self.area, [0.0; 3])?);
@@ -228,7 +237,7 @@ impl Film {
         Ok(())
     }
 
-    /// Where the row of `tile` number `row` is in planes.
+    /// The range of row number `row` of `tile` in planes.
     fn row(&self, tile: Tile, row: u32) -> Range<usize> {
         let Tile { x, y, width, .. } = self.area;
         let first = (tile.y - y + row) as usize * width as usize + (tile.x - x) as usize;
@@ -236,12 +245,12 @@ impl Film {
     }
 }
 
-/// So many values as `area` has pixels.
+/// Allocates a plane with `value` for each pixel of `area`.
 fn plane<T: Clone>(area: Tile, value: T) -> Result<Vec<T>> {
     let mut plane = Vec::new();
     plane.try_reserve_exact(area.pixels() as usize).map_err(|_| {
         let Tile { width, height, .. } = area;
-        Error::Internal(format!("no memory for an image of {width} × {height} pixels"))
+        Error::Resource(format!("not enough memory for an image of {width} × {height} pixels"))
     })?;
     plane.resize(area.pixels() as usize, value);
     Ok(plane)

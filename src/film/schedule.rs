@@ -1,52 +1,53 @@
-//! The order in which the samples of a film are taken.
+//! The order in which the samples of a film are rendered.
 
 use super::Film;
 use super::sum::CHUNK;
 use super::tile::{Grid, Tile};
 
-/// Samples of one chunk, of neighbouring pixels: what a worker renders at once.
+/// Samples of one chunk for neighbouring pixels, which a worker renders at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit {
     /// The pixels.
     pub tile: Tile,
     /// The first sample of each pixel.
     pub first: u32,
-    /// The end of its samples.
+    /// One past the last sample of each pixel.
     pub end: u32,
 }
 
 impl Unit {
-    /// Samples of a pixel.
+    /// Number of samples per pixel.
     pub fn samples(&self) -> u32 {
         self.end - self.first
     }
 
-    /// Samples of all pixels.
+    /// Number of samples of all pixels.
     pub fn paths(&self) -> u64 {
         self.tile.pixels() * u64::from(self.samples())
     }
 }
 
-/// The units that a film still lacks, chunk after chunk over all pixels: whenever the work stops, the
-/// image is equally good everywhere. (More samples of fewer pixels at once are not faster.)
+/// The units that a film still lacks, chunk after chunk over all pixels. The image is therefore
+/// equally good everywhere whenever rendering stops. (Rendering more samples of fewer pixels at
+/// once is not faster.)
 #[derive(Debug)]
 pub(crate) struct Schedule {
     area: Tile,
-    /// Most paths of a unit, where a pixel's are not more.
+    /// Largest number of paths per unit, unless a single pixel has more.
     paths: u64,
-    /// The end of all samples.
+    /// One past the last sample to render.
     end: u32,
-    /// The samples that are taken now, ...
+    /// First sample of the current chunk.
     first: u32,
-    /// ... the tiles that are still to be looked at, ...
+    /// Tiles of the current chunk that are still to be examined.
     tiles: Grid,
-    /// ... and what is left of the one that was looked at last.
+    /// Remaining parts of the tile that was examined last.
     rest: Vec<Tile>,
 }
 
 impl Schedule {
-    /// For what `film` lacks of the samples before `end`, in units of at most `paths` paths or of one
-    /// pixel.
+    /// Schedules the samples before `end` that `film` lacks, in units of at most `paths` paths or
+    /// of one pixel.
     pub(crate) fn new(film: &Film, end: u32, paths: u32) -> Self {
         let (area, samples) = (film.area(), film.samples());
         let end = end.min(samples.end);
@@ -63,7 +64,7 @@ impl Schedule {
         schedule
     }
 
-    /// Takes the chunk that begins with sample `first`, if there is one.
+    /// Starts the chunk that begins with sample `first`, if that is before the end.
     fn begin(&mut self, first: u32) {
         self.first = first;
         if first < self.end {
@@ -75,17 +76,18 @@ impl Schedule {
         self.end.min(self.first + CHUNK)
     }
 
-    /// The next unit of `film`, for which this was made, and to which nothing was added since but what came
-    /// of units from here.
+    /// Returns the next unit to render. `film` must be the film that the schedule was created for,
+    /// with nothing added since except units of this schedule.
     pub(crate) fn next(&mut self, film: &Film) -> Option<Unit> {
         loop {
             let tile = self.rest.pop().or_else(|| self.next_tile())?;
-            // Earlier chunks that other workers still have count as done.
+            // Earlier chunks that other workers are still rendering count as finished.
             let end = self.chunk_end();
             match film.first_lacking(tile, &(self.first..end)) {
                 Some(first) if first < end => return Some(Unit { tile, first, end }),
                 Some(_) => {}
-                // An earlier run cut it into other units, or only a part of it is on the film.
+                // An earlier run cut the tile into other units, or the film has only some of its
+                // pixels.
                 None => self.rest.extend(tile.halves()),
             }
         }
@@ -99,7 +101,7 @@ impl Schedule {
         self.tiles.next()
     }
 
-    /// Most paths that a unit has.
+    /// Largest number of paths that a unit can have.
     pub(crate) fn most_paths(&self) -> u64 {
         self.paths.max(u64::from(self.end.saturating_sub(self.first)).min(u64::from(CHUNK)))
     }
@@ -109,7 +111,7 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    /// Chunk after chunk, each pixel once, in units of the size that was asked for.
+    /// Units take chunk after chunk, include each pixel once, and respect the requested size.
     #[test]
     fn all_samples_are_taken_once() {
         let area = Tile { x: 3, y: 2, width: 23, height: 9 };

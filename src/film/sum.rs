@@ -1,24 +1,26 @@
 //! Sums of a pixel's samples, in an order that any split into chunks can repeat.
 //!
-//! Samples are added one after the other in chunks of [`CHUNK`], chunks by a binary tree over their
-//! index, in which a missing right child adds nothing. What is kept of a range of chunks are the sums of
-//! the largest complete subtrees that it consists of, its *nodes*, from left to right: at most two for
-//! each level. Two neighbouring ranges have all that their union needs.
+//! Within a chunk of [`CHUNK`] samples, samples are added one after the other. Chunks are added by
+//! a binary tree over their index, in which a missing right child adds nothing. Of a range of
+//! chunks, a film keeps the sums of the *nodes*: the largest complete subtrees that make up the
+//! range, from left to right, at most two per level. The nodes of two neighbouring ranges are
+//! enough to compute those of their union.
 
 use std::ops::Range;
 
 use glam::Vec3;
 
-/// Samples that are added one after the other; a split by samples goes by whole chunks.
+/// Number of samples that are added one after the other. Renders can be split by samples only
+/// between chunks.
 pub(crate) const CHUNK: u32 = 16;
 
-/// The chunks that are complete in a range of samples, which begins with a chunk.
+/// The complete chunks of a range of samples, which must start with a chunk.
 fn complete(samples: &Range<u32>) -> Range<u32> {
     debug_assert!(samples.start.is_multiple_of(CHUNK), "{samples:?}");
     samples.start / CHUNK..samples.end / CHUNK
 }
 
-/// The nodes of a range of chunks: level and first chunk.
+/// The nodes of a range of chunks, each as its level and its first chunk.
 pub(super) fn nodes(chunks: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
     let mut first = chunks.start;
     std::iter::from_fn(move || {
@@ -29,14 +31,15 @@ pub(super) fn nodes(chunks: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
     })
 }
 
-/// How many sums are kept of a range of samples: of its nodes, and of the samples after the last
+/// Number of sums kept for a range of samples: one per node, and one for the samples after the last
 /// complete chunk.
 pub(super) fn sums(samples: &Range<u32>) -> usize {
     nodes(complete(samples)).count() + usize::from(!samples.end.is_multiple_of(CHUNK))
 }
 
-/// How many nodes of a range that begins with chunk `begin` and ends where this node begins are its left
-/// siblings, one level after the other: they are added to it, and their parent takes their place.
+/// Number of nodes that merge with a node appended to a range of chunks that starts at `begin`. The
+/// appended node is given by its level and its first chunk. Its left sibling is added to it, then
+/// the left sibling of their parent, and so on while the range contains one.
 pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> usize {
     let mut siblings = 0;
     while (first >> level) & 1 == 1 && first - begin >= 1 << level {
@@ -47,7 +50,7 @@ pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> u
     siblings
 }
 
-/// The mean of so many samples by the sums that are kept of them; black without any.
+/// Mean of `samples` samples, computed from the sums kept for them; black without any.
 pub(super) fn mean(sums: impl DoubleEndedIterator<Item = Vec3>, samples: u32) -> Vec3 {
     let sum = sums.rev().reduce(|right, left| left + right);
     sum.map_or(Vec3::ZERO, |sum| sum / samples as f32)
@@ -57,7 +60,7 @@ pub(super) fn mean(sums: impl DoubleEndedIterator<Item = Vec3>, samples: u32) ->
 mod tests {
     use super::*;
 
-    /// Every range of chunks: nodes are aligned, as large as can be, and without gaps.
+    /// In every range of chunks, nodes are aligned, as large as possible, and without gaps.
     #[test]
     fn nodes_are_the_largest_subtrees() {
         for begin in 0..40u32 {
@@ -75,7 +78,7 @@ mod tests {
         }
     }
 
-    /// A range in two parts has the nodes of the whole, once siblings are added.
+    /// Two neighbouring ranges have the nodes of their union, once siblings are added.
     #[test]
     fn neighbouring_ranges_join() {
         for begin in 0..20u32 {
@@ -87,7 +90,7 @@ mod tests {
                         let rest = joined.len() - siblings;
                         let first = joined.get(rest).map_or(node.1, |left| left.1.min(node.1));
                         for (k, left) in joined[rest..].iter().rev().enumerate() {
-                            assert_eq!(left.0, node.0 + k as u32, "a sibling is as large");
+                            assert_eq!(left.0, node.0 + k as u32, "a sibling has the same level");
                         }
                         joined.truncate(rest);
                         joined.push((node.0 + siblings as u32, first));

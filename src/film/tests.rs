@@ -1,4 +1,4 @@
-//! Tests of films, and films for other tests.
+//! Tests of films, and sample films for tests of other modules.
 
 use super::*;
 use crate::math::random::Stream;
@@ -11,7 +11,7 @@ fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
     Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
 }
 
-/// The result of `unit`, which is next on `film`.
+/// The result of `unit`, which must be next on `film`.
 pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
     let open = film.open_sums(unit);
     let sum = |pixel: u32| {
@@ -22,7 +22,7 @@ pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
     Part { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
 }
 
-/// The definition: node (level, index) of the tree is the sum of its children, if they exist.
+/// By definition, node (level, index) of the tree is the sum of its children, if they exist.
 fn node(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
     if level == 0 {
         return chunks.get(index).copied();
@@ -31,7 +31,7 @@ fn node(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
     Some(node(chunks, level - 1, 2 * index + 1).map_or(left, |right| left + right))
 }
 
-/// The mean of so many samples of the pixel.
+/// Mean of the first `samples` samples of the pixel.
 fn mean(pixel: (u32, u32), samples: u32) -> [f32; 3] {
     let numbers: Vec<u32> = (0..samples).collect();
     let chunk = |numbers: &[u32]| {
@@ -45,7 +45,7 @@ pub(super) fn want(samples: u32) -> Plane {
     (0..AREA.pixels() as u32).map(|pixel| mean(AREA.pixel(pixel), samples)).collect()
 }
 
-/// A film of some pixels, all samples done.
+/// A film of the pixels that `keep` selects, with all samples finished.
 pub(super) fn rendered_film(samples: Range<u32>, keep: impl Fn(u32, u32) -> bool) -> Film {
     let mut film = Film::new(AREA, samples).unwrap();
     film.retain(keep);
@@ -61,7 +61,7 @@ fn render(film: &mut Film, schedule: &mut Schedule) {
     }
 }
 
-/// However the units are cut, and whenever the work stops.
+/// Means depend neither on the sizes of units nor on interruptions.
 #[test]
 fn units_of_all_sizes_give_the_same_means() {
     let mut random = Stream::new(3);
@@ -85,7 +85,7 @@ fn units_of_all_sizes_give_the_same_means() {
     }
 }
 
-/// As if the film had been made for that many.
+/// A film that grows has the same means as one that was created with the larger number of samples.
 #[test]
 fn films_grow() {
     for (from, to) in [(16, 333), (50, 51), (50, 64), (15, 100), (48, 48)] {
@@ -100,7 +100,8 @@ fn films_grow() {
     }
 }
 
-/// A film that grows sample by sample, and is stopped in the middle of passes, has the same sums.
+/// A film that grows by a few samples at a time, and stops in the middle of passes, has the same
+/// means.
 #[test]
 fn chunks_are_continued() {
     let mut random = Stream::new(4);
@@ -129,7 +130,7 @@ fn chunks_are_continued() {
 }
 
 #[test]
-fn means_are_those_of_what_is_done() {
+fn means_are_those_of_finished_samples() {
     let area = Tile { width: 4, height: 1, ..AREA };
     let mut film = Film::new(area, 0..20).unwrap();
     let [one, two] = [1, 2].map(|width| Tile { width, ..area });

@@ -14,17 +14,17 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// How many pixels it has.
+    /// Number of pixels.
     pub fn pixels(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// Where in the image its pixel number `index` is, row by row.
+    /// Position in the image of pixel number `index`, counted row by row.
     pub fn pixel(&self, index: u32) -> (u32, u32) {
         (self.x + index % self.width, self.y + index / self.width)
     }
 
-    /// Cut across the longer side.
+    /// The two halves of the tile, cut across its longer side.
     pub(super) fn halves(&self) -> [Self; 2] {
         let Self { x, y, width, height } = *self;
         if width >= height {
@@ -40,7 +40,8 @@ impl Tile {
     }
 }
 
-/// Parts of a tile, row by row: all about equally large, and about as wide as high.
+/// Iterator over the parts of a tile, row by row. All parts are about equally large, and about as
+/// wide as high.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grid {
     whole: Tile,
@@ -50,7 +51,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Of parts of at most so many pixels, at least 1.
+    /// Cuts `whole` into parts of at most `pixels` pixels, or of one pixel if `pixels` is 0.
     pub(crate) fn new(whole: Tile, pixels: u64) -> Self {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
@@ -60,12 +61,12 @@ impl Grid {
         Self { whole, columns: columns as u32, rows: rows as u32, next: 0 }
     }
 
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub(crate) fn size(&self) -> [u32; 2] {
         [self.columns, self.rows]
     }
 
-    /// The part in a column and a row.
+    /// The part at `column` and `row`.
     pub(crate) fn part(&self, column: u32, row: u32) -> Tile {
         let cut = |begin: u32, length: u32, parts: u32, part: u32| {
             let at = |part: u32| (u64::from(length) * u64::from(part) / u64::from(parts)) as u32;

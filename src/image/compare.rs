@@ -1,34 +1,34 @@
-//! Differences between two images.
+//! Measures the differences between two images.
 
 use super::{Image, Transfer};
 use crate::error::{Error, Result};
 
-/// How two images of the same size differ. Sums are in f64.
+/// Differences between two images of the same size. Sums are in f64.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Comparison {
     /// Whether all bits agree.
     pub identical: bool,
     /// Mean squared error over pixels and channels.
     pub mse: f64,
-    /// Mean of (a − b)² / (b² + 0.01): relative to the second image, in which 0.01 keeps
-    /// black from dividing by zero (Rousselle et al. 2011).
+    /// Mean of (a − b)² / (b² + 0.01): the error relative to the second image, where 0.01 avoids a
+    /// division by zero at black pixels (Rousselle et al. 2011).
     pub relative_mse: f64,
-    /// Peak signal-to-noise ratio in dB for a peak of 1; infinite where the MSE is 0.
+    /// Peak signal-to-noise ratio in dB for a peak of 1; infinite if the MSE is 0.
     pub psnr: f64,
     /// Largest absolute difference of a channel.
     pub largest: f64,
-    /// Pixel of the largest difference, from the top left.
+    /// Pixel with the largest difference, from the top left.
     pub largest_at: (u32, u32),
     /// Mean of the first image over the mean of the second.
     pub ratio_of_means: f64,
 }
 
-/// Compares `a` with the reference `b`, by linear values or, with `display`, by display
-/// values: clamped to `[0, 1]`, then through the curve, not rounded. The image returned
-/// shows the differences in false colours.
+/// Compares `a` with the reference `b`. Returns the measures, and an image of the differences in
+/// false colours. With `display`, it compares display values instead of linear ones: clamped to
+/// `[0, 1]`, mapped by the curve, and not rounded.
 ///
 /// # Errors
-/// [`Error::Usage`] where the sizes differ.
+/// [`Error::Usage`] if the sizes differ.
 pub(crate) fn compare(
     a: &Image,
     b: &Image,
@@ -36,7 +36,7 @@ pub(crate) fn compare(
 ) -> Result<(Comparison, Image)> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::Usage(format!(
-            "images of different size: {} × {} and {} × {}",
+            "cannot compare images of different sizes: {} × {} and {} × {}",
             a.width, a.height, b.width, b.height
         )));
     }
@@ -58,7 +58,7 @@ pub(crate) fn compare(
             sums[1] += d2 / (vb * vb + 0.01);
             sums[2] += va;
             sums[3] += vb;
-            // NaN is the worst difference of all.
+            // NaN counts as the largest difference.
             worst = if d <= worst { worst } else { d };
         }
         if !(worst <= largest.0) {
@@ -81,8 +81,8 @@ pub(crate) fn compare(
     Ok((comparison, Image::from_pixels(a.width, a.height, pixels)))
 }
 
-/// Black over red and yellow to white, for `x` in `[0, 1]`; its square root is shown, so
-/// that small differences are seen.
+/// Maps `x` in `[0, 1]` to a colour from black over red and yellow to white. The colour shows the
+/// square root of `x`, so that small differences are visible.
 fn false_colour(x: f64) -> [f32; 3] {
     let s = 3.0 * x.sqrt() as f32;
     [s, s - 1.0, s - 2.0].map(|c| crate::math::clamp(c, 0.0, 1.0))
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn measures_are_what_they_say() {
+    fn measures_match_values_computed_by_hand() {
         let a = Image::from_pixels(2, 1, vec![[1.0; 3], [0.5, 0.5, 0.8]]);
         let b = Image::from_pixels(2, 1, vec![[1.0; 3], [0.5; 3]]);
         let (c, heatmap) = compare(&a, &b, None).unwrap();

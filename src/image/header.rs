@@ -1,18 +1,18 @@
-//! What comes before the pixels of an image: decoders take memory for it before they tell how large the image is.
+//! Limits on image headers, which decoders load into memory before they report the image size.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
 use image::ImageFormat;
 
-/// Bytes that a header of text may have, or one of attributes.
+/// Largest size in bytes of a header that consists of text or attributes.
 pub(super) const MAX_HEADER: u64 = 1 << 16;
-/// Chunks before the pixels of a PNG file.
+/// Largest number of chunks before the pixels of a PNG file.
 const MAX_CHUNKS: usize = 256;
 
-/// `Err` where the header of `file` has more than it may have; whether it is right is for the decoder to tell.
+/// Checks that the header of `file` is within the limits. Its validity is left to the decoder.
 ///
 /// # Errors
-/// Those of `file` too.
+/// If the header exceeds a limit, or `file` cannot be read.
 pub(super) fn check(
     format: Option<ImageFormat>,
     mut file: impl BufRead + Seek,
@@ -20,10 +20,10 @@ pub(super) fn check(
     match format {
         Some(ImageFormat::Png) => match chunks(&mut file) {
             Ok(count) if count > MAX_CHUNKS => {
-                Err(format!("there can be {MAX_CHUNKS} chunks at most before its pixels"))
+                Err(format!("too many chunks before the pixels (at most {MAX_CHUNKS} are allowed)"))
             }
             Ok(_) => Ok(()),
-            // The decoder says it better.
+            // The decoder has a better message for this.
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(()),
             Err(error) => Err(error.to_string()),
         },
@@ -32,7 +32,7 @@ pub(super) fn check(
     }
 }
 
-/// Chunks before the first of pixels; some more than there may be, where there are more.
+/// Number of chunks before the first one with pixels, counted up to `MAX_CHUNKS + 1`.
 fn chunks(file: &mut (impl Read + Seek)) -> io::Result<usize> {
     file.seek(SeekFrom::Start(8))?;
     for count in 0..=MAX_CHUNKS {
@@ -48,13 +48,13 @@ fn chunks(file: &mut (impl Read + Seek)) -> io::Result<usize> {
     Ok(MAX_CHUNKS + 1)
 }
 
-/// Whether the header ends with `end`, soon enough.
+/// Checks that the header, which ends with `end`, has at most [`MAX_HEADER`] bytes.
 fn ends(file: impl Read, end: &[u8]) -> Result<(), String> {
     let mut begin = Vec::new();
     let read = file.take(MAX_HEADER).read_to_end(&mut begin).map_err(|error| error.to_string())?;
     match begin.windows(end.len()).any(|bytes| bytes == end) || (read as u64) < MAX_HEADER {
         true => Ok(()),
-        false => Err(format!("its header can have {MAX_HEADER} bytes at most")),
+        false => Err(format!("the header is too long (at most {MAX_HEADER} bytes are allowed)")),
     }
 }
 
@@ -72,16 +72,16 @@ mod tests {
         };
         let check = |bytes: Vec<u8>| check(Some(ImageFormat::Png), Cursor::new(bytes));
         assert!(check(png(MAX_CHUNKS - 1)).is_ok());
-        assert!(check(png(MAX_CHUNKS)).unwrap_err().starts_with("there can be 256 chunks"));
-        assert!(check(png(3)[..50].to_vec()).is_ok(), "the decoder tells");
+        assert!(check(png(MAX_CHUNKS)).unwrap_err().starts_with("too many chunks"));
+        assert!(check(png(3)[..50].to_vec()).is_ok(), "left to the decoder");
     }
 
     #[test]
-    fn headers_of_text_end_soon() {
+    fn long_text_headers_are_rejected() {
         let check = |bytes: &[u8]| check(Some(ImageFormat::Hdr), Cursor::new(bytes));
         let text = [&b"#?RADIANCE\n"[..], &b"A=B\n".repeat(20_000), b"\n-Y 1 +X 1\n"].concat();
         assert!(check(&text).unwrap_err().contains("65536 bytes"));
         assert!(check(&[&text[..100], b"\n\n", &[0; 100_000]].concat()).is_ok());
-        assert!(check(b"#?RADIANCE\n").is_ok(), "the decoder tells");
+        assert!(check(b"#?RADIANCE\n").is_ok(), "left to the decoder");
     }
 }

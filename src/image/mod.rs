@@ -1,4 +1,4 @@
-//! Linear images, their hash, and the files that hold them.
+//! Linear images, their hash, and the image files that ptfast reads and writes.
 
 mod compare;
 mod header;
@@ -12,10 +12,10 @@ pub use transfer::Transfer;
 pub(crate) use write::Format;
 pub use write::Metadata;
 
+use std::io;
 use std::path::Path;
 
 use crate::error::Result;
-use crate::output::Pending;
 
 /// A linear RGB image of 32-bit floats, row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,50 +34,57 @@ impl Image {
     /// An image of the given pixels, row by row from the top.
     ///
     /// # Panics
-    /// Where their number is not `width × height`.
+    /// If the number of pixels is not `width × height`.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
-        assert_eq!(pixels.len(), width as usize * height as usize, "{width} × {height}");
+        assert_eq!(
+            pixels.len(),
+            width as usize * height as usize,
+            "pixels do not match the size {width} × {height}"
+        );
         Self { width, height, pixels }
     }
 
     /// Reads PNG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
     ///
-    /// 8- and 16-bit files are decoded by their transfer curve: the one that ptfast noted
-    /// in the file, or sRGB. Alpha is dropped.
+    /// 8- and 16-bit files are decoded with the transfer curve that ptfast recorded in the file, or
+    /// else with sRGB. Alpha is dropped.
     ///
     /// # Errors
-    /// Where the file cannot be read, is damaged, or is of another format.
+    /// If the file cannot be read, is damaged, or has another format.
     pub fn read(path: &Path) -> Result<Self> {
         read::read(path, &|_, _| Ok(()))
     }
 
-    /// As [`read`](Self::read), where `allow` does: it is told how many pixels there will be and how many bytes
-    /// of memory reading them takes, before that is allocated.
+    /// As [`read`](Self::read), but calls `allow` with the number of pixels and the bytes of memory
+    /// that reading them takes, before it allocates that memory.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and with the message of `allow`.
+    /// As [`read`](Self::read), and with the message of `allow` if that returns one.
     #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
         read::read(path, allow)
     }
 
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).
-    /// The file appears whole or not at all.
+    /// The file is written atomically: it appears complete or not at all.
     ///
     /// # Errors
-    /// Where no writer knows the extension or the file cannot be written.
+    /// If no writer supports the extension, or the file cannot be written.
     pub fn write(&self, path: &Path, transfer: Transfer, metadata: &Metadata) -> Result<()> {
-        self.pending(path, transfer, metadata)?.replace(path)
+        write::write(self, path, transfer, metadata)
     }
 
-    /// As [`write`](Self::write), as a file that is to be in the folder of `path`.
-    pub(crate) fn pending(
+    /// Writes the image to `out` as PNG.
+    ///
+    /// # Errors
+    /// If `out` cannot be written.
+    pub(crate) fn write_png(
         &self,
-        path: &Path,
+        out: impl io::Write,
         transfer: Transfer,
         metadata: &Metadata,
-    ) -> Result<Pending> {
-        write::pending(self, path, transfer, metadata)
+    ) -> io::Result<()> {
+        write::write_png(self, out, transfer, metadata)
     }
 
     /// Width in pixels.
@@ -95,7 +102,7 @@ impl Image {
         &self.pixels
     }
 
-    /// The rows from the top.
+    /// All rows, from the top.
     pub(crate) fn rows(&self) -> impl DoubleEndedIterator<Item = &[[f32; 3]]> {
         self.pixels.chunks_exact(self.width.max(1) as usize)
     }
@@ -111,8 +118,8 @@ impl Image {
         sum.map(|s| s / self.pixels.len() as f64)
     }
 
-    /// BLAKE3 over width and height (u32 little-endian) and the rows of f32 RGB
-    /// (little-endian, top row first), in hexadecimal: the identity of the image.
+    /// The identity of the image: the BLAKE3 hash, in hexadecimal, of width and height (u32
+    /// little-endian) and the rows of f32 RGB (little-endian, top row first).
     pub fn hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&self.width.to_le_bytes());

@@ -1,16 +1,16 @@
-//! Portable float maps.
+//! Reads portable float maps (PFM).
 
 use super::Image;
 use crate::limits::MAX_SIDE;
 
-/// What the header of a portable float map says: `PF` (colour) or `Pf` (grey), size, scale whose sign is the
-/// byte order.
+/// Header of a portable float map: `PF` (colour) or `Pf` (grey), the size, and a scale whose sign
+/// gives the byte order.
 pub(super) struct Pfm {
     width: u32,
     height: u32,
     channels: usize,
     little_endian: bool,
-    /// Bytes of the header.
+    /// Length of the header in bytes.
     begin: usize,
 }
 
@@ -18,8 +18,12 @@ impl Pfm {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let mut rest = bytes;
         let mut word = || {
-            let end = rest.iter().position(u8::is_ascii_whitespace).ok_or("damaged PFM header")?;
-            let word = std::str::from_utf8(&rest[..end]).map_err(|_| "damaged PFM header")?;
+            let end = rest
+                .iter()
+                .position(u8::is_ascii_whitespace)
+                .ok_or("damaged PFM header: expected `PF` or `Pf`, width, height and scale")?;
+            let word = std::str::from_utf8(&rest[..end])
+                .map_err(|_| "damaged PFM header: it is not text")?;
             rest = &rest[end + 1..];
             Ok::<&str, String>(word)
         };
@@ -37,7 +41,7 @@ impl Pfm {
         };
         let (width, height) = (side()?, side()?);
         let scale: f32 =
-            word()?.parse().map_err(|_| "damaged PFM header: the scale is no number")?;
+            word()?.parse().map_err(|_| "damaged PFM header: the scale is not a number")?;
         let begin = bytes.len() - rest.len();
         Ok(Self { width, height, channels, little_endian: scale < 0.0, begin })
     }
@@ -52,12 +56,10 @@ impl Pfm {
         if found == expected {
             return Ok(());
         }
-        Err(format!(
-            "damaged PFM: {width} × {height} need {expected} bytes of pixels, found {found}"
-        ))
+        Err(format!("damaged PFM: {width} × {height} pixels need {expected} bytes, found {found}"))
     }
 
-    /// The image in `bytes`, whose length is right.
+    /// Decodes the image in `bytes`, whose length must be right.
     pub(super) fn image(&self, bytes: &[u8]) -> Image {
         let value = |b: &[u8]| {
             let b = [b[0], b[1], b[2], b[3]];

@@ -1,4 +1,4 @@
-//! Readers into linear f32.
+//! Reads image files into linear f32.
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
@@ -16,11 +16,11 @@ use crate::error::{Error, Result};
 use crate::input;
 use crate::limits::MAX_SIDE;
 
-/// Bytes that a decoder may allocate besides the pixels.
+/// Bytes that a decoder may allocate in addition to the pixels.
 const MAX_BESIDES: u64 = 1 << 23;
-/// Bytes of a text in a PNG file, at most.
+/// Largest size in bytes of a text in a PNG file.
 const MAX_TEXT: usize = 1 << 16;
-/// Bytes of a PFM file that its header may have.
+/// Largest size in bytes of the header of a PFM file.
 const MAX_PFM_HEADER: u64 = 1 << 10;
 
 pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Image> {
@@ -39,11 +39,11 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
         let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
         return pfm.check_length(bytes.len() as u64).map(|()| pfm.image(&bytes)).map_err(bad);
     }
-    // Headers of text may be as long as the file.
+    // A text header may be as long as the file.
     allow(0, length.saturating_mul(3)).map_err(bad)?;
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
-    // TGA files begin with nothing that tells them.
+    // TGA files do not start with a signature.
     let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
     if reader.format().is_none() && is_tga {
         reader.set_format(ImageFormat::Tga);
@@ -66,7 +66,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
             Error::io(path, "read")(error)
         }
         ImageError::Unsupported(error) if matches!(error.kind(), UnsupportedErrorKind::Format(_)) => bad(
-            "not an image of a lossless format that ptfast reads: PNG, EXR, HDR, PFM, BMP, TGA, PNM"
+            "unsupported image: ptfast reads the lossless formats PNG, EXR, HDR, PFM, BMP, TGA and PNM"
                 .into(),
         ),
         other => bad(format!("damaged image: {other}")),
@@ -80,10 +80,10 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
-        return Err(bad(format!("damaged image: {width} × {height} pixels")));
+        return Err(bad(format!("damaged image: its size is {width} × {height} pixels")));
     }
     let pixels = u64::from(width) * u64::from(height);
-    // As the file has them, again while they are decoded, and as they are wanted.
+    // Memory for the stored pixels, another copy while they are decoded, and the linear pixels.
     let decoding = decoder.total_bytes().saturating_mul(2);
     allow(pixels, decoding.saturating_add(24 * pixels)).map_err(bad)?;
     limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
@@ -93,10 +93,10 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
 }
 
 impl Metadata {
-    /// The metadata of the file `path`: PNG and EXR files have some, if ptfast wrote them.
+    /// Reads the metadata of the file `path`. PNG and EXR files have metadata if ptfast wrote them.
     ///
     /// # Errors
-    /// If the file cannot be read, or is no such image.
+    /// If the file cannot be read, or is not a PNG or EXR image.
     pub fn read(path: &Path) -> Result<Self> {
         metadata(path)
     }
@@ -126,7 +126,7 @@ fn metadata(path: &Path) -> Result<Metadata> {
     Ok(texts.fold(Metadata::default(), entries))
 }
 
-/// One that refuses texts and profiles that are too long.
+/// A decoder that rejects texts and profiles that are too long.
 fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
     png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES as usize })
 }
@@ -136,15 +136,15 @@ fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {
     Transfer::from_name(&text(note)?)
 }
 
-/// The text of a chunk, if it is not too long: compressed, it could be any length.
+/// The text of a chunk; `None` if it is too long. A short compressed text can expand to any length.
 fn text(chunk: &ITXtChunk) -> Option<String> {
     let mut chunk = chunk.clone();
     chunk.decompress_text_with_limit(MAX_TEXT).ok()?;
     chunk.get_text().ok()
 }
 
-/// What there is in an OpenEXR file: the pixels of its largest part, shown or not, and the bytes of them all and
-/// of the largest block, several of which are decoded at once.
+/// Size of an OpenEXR file: the number of pixels of its largest part, displayed or not, and the
+/// bytes of all parts and of the largest blocks, because several blocks are decoded at once.
 fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
     let begin = BufReader::new(file.take(MAX_HEADER));
     let headers = exr::meta::MetaData::read_from_buffered(begin, false)?.headers;
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_without_a_mark_are_told_by_their_names() {
+    fn tga_is_recognized_by_its_extension() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.TGA");
         // True colour, 1 × 1 pixel of 24 bits: blue, green, red.
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_and_foreign_files_say_so() {
+    fn damaged_and_foreign_files_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();

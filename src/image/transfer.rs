@@ -6,37 +6,38 @@ use std::sync::LazyLock;
 use crate::math::precise::pow_12_5;
 use crate::math::{max, min};
 
-/// PNG text key under which ptfast notes the transfer curve.
+/// PNG text key under which ptfast records the transfer curve.
 pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 
-/// How linear values become display values.
+/// Curve that maps linear values to display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {
-    /// IEC 61966-2-1.
+    /// The sRGB curve of IEC 61966-2-1.
     #[default]
     Srgb,
-    /// Square root, as the report displays its pictures.
+    /// Square root, the curve of the pictures in the report.
     Gamma2,
 }
 
-/// What a code means, and from which linear value on it is chosen.
+/// Linear values of the codes, and the thresholds between them.
 struct Table {
     /// Linear value of each code.
     linear: [f32; 256],
-    /// Entry k: the linear value half-way, on the curve, between codes k and k + 1; nothing is beyond the last.
+    /// Entry k is the linear value half-way, on the curve, between codes k and k + 1. The last
+    /// entry is infinite.
     thresholds: [f32; 256],
-    /// The code of the least value of each range of values, 2⁸ to an octave: so narrow that they have one
-    /// threshold at most.
+    /// The code of the smallest value of each range of values. There are 2⁸ ranges per octave, so
+    /// narrow that each contains at most one threshold.
     codes: [u8; RANGES],
 }
 
-/// Below it all is code 0, on every curve.
+/// Smaller linear values have code 0 on every curve.
 const DARK: f32 = 1.0 / (1 << 18) as f32;
-/// Low bits that may differ within a range: an `f32` has 23 to an octave.
+/// Number of low bits that vary within a range: an octave of `f32` spans 23 bits.
 const RANGE_BITS: u32 = 23 - 8;
 const RANGES: usize = range(1.0) + 1;
 
-/// The range of a value in `[DARK, 1]`.
+/// The index of the range of a value in `[DARK, 1]`.
 const fn range(linear: f32) -> usize {
     (linear.to_bits() - DARK.to_bits()) as usize >> RANGE_BITS
 }
@@ -76,7 +77,7 @@ impl Transfer {
         }
     }
 
-    /// The nearest of the 256 codes, clamped; NaN gives 0.
+    /// The nearest of the 256 codes. Values outside `[0, 1]` are clamped, and NaN gives 0.
     #[inline]
     pub fn encode(self, linear: f32) -> u8 {
         let Table { thresholds, codes, .. } = self.table();
@@ -90,7 +91,7 @@ impl Transfer {
         self.table().linear[usize::from(code)]
     }
 
-    /// The display value in `[0, 1]` of a linear value, not rounded to a code; NaN stays.
+    /// The display value in `[0, 1]` of a linear value, not rounded to a code. NaN stays NaN.
     #[allow(clippy::disallowed_methods)] // a measure of differences, not a rendered value
     pub(super) fn display(self, linear: f32) -> f64 {
         let x = f64::from(linear).clamp(0.0, 1.0);
@@ -118,14 +119,14 @@ impl Transfer {
         }
     }
 
-    /// The curve of that name.
+    /// The curve called `name`.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|t| t.name() == name)
     }
 }
 
 #[cfg(test)]
-#[allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+#[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
     use super::*;
 

@@ -1,18 +1,20 @@
-//! Writers by file extension. A file appears whole or not at all.
+//! Writes images in the format of their file extension.
+//!
+//! Files are written atomically: they appear complete or not at all.
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use super::{Image, Transfer, row_bytes};
 use crate::error::{Error, Result};
-use crate::output::Pending;
+use crate::output::write_atomically;
 
-/// Text that goes into a file's header: the same for equal renders.
+/// Text entries of a file's header. Equal renders have equal entries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Metadata(pub Vec<(String, String)>);
 
 impl Metadata {
-    /// The program that writes the file.
+    /// Metadata that names the program and its version.
     pub fn of_program() -> Self {
         Self::default().with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
     }
@@ -48,15 +50,15 @@ impl Format {
     const ALL: [(&'static str, Self); 4] =
         [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
 
-    /// Whether its files tell what they are of.
+    /// Whether files of this format contain [`Metadata`].
     pub(crate) fn has_metadata(self) -> bool {
         matches!(self, Self::Png | Self::Exr)
     }
 
-    /// The format of a path's extension.
+    /// The format for the extension of `path`.
     ///
     /// # Errors
-    /// Where no writer knows the extension.
+    /// If no writer supports the extension.
     pub(crate) fn of_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let format = Self::ALL.iter().find(|(name, _)| *name == extension);
@@ -69,14 +71,14 @@ impl Format {
     }
 }
 
-pub(super) fn pending(
+pub(super) fn write(
     image: &Image,
     path: &Path,
     transfer: Transfer,
     metadata: &Metadata,
-) -> Result<Pending> {
+) -> Result<()> {
     let format = Format::of_path(path)?;
-    Pending::new(path, |file| match format {
+    write_atomically(path, |file| match format {
         Format::Png => write_png(image, file, transfer, metadata),
         Format::Exr => write_exr(image, file, metadata),
         Format::Hdr => write_hdr(image, file),
@@ -84,7 +86,7 @@ pub(super) fn pending(
     })
 }
 
-fn write_png(
+pub(super) fn write_png(
     image: &Image,
     file: impl Write,
     transfer: Transfer,
@@ -93,7 +95,7 @@ fn write_png(
     let mut encoder = png::Encoder::new(file, image.width(), image.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Writing takes a quarter of the time, and noise compresses as well as by the usual one.
+    // Fast compression takes a quarter of the time of the default, and compresses noise as well.
     encoder.set_compression(png::Compression::Fast);
     match transfer {
         Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
@@ -119,8 +121,8 @@ fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io:
         let [r, g, b] = image.pixels()[p.y() * width + p.x()];
         (r, g, b)
     });
-    // One attribute of several lines: the crate writes custom attributes in an order that
-    // changes from run to run.
+    // All entries go into one attribute of several lines: the crate writes custom attributes in an
+    // order that changes from run to run.
     let lines: Vec<String> =
         metadata.0.iter().map(|(key, value)| format!("{key}: {value}")).collect();
     let attributes = LayerAttributes {
@@ -144,7 +146,7 @@ fn write_hdr(image: &Image, file: impl Write) -> io::Result<()> {
         })
 }
 
-/// Rows run from the bottom up; a negative scale says little-endian.
+/// In PFM, rows run from the bottom up, and a negative scale means little-endian.
 fn write_pfm(image: &Image, mut file: impl Write) -> io::Result<()> {
     write!(file, "PF\n{} {}\n-1.0\n", image.width(), image.height())?;
     image.rows().rev().try_for_each(|row| file.write_all(&row_bytes(row)))

@@ -1,33 +1,30 @@
-//! Limits that the user may raise.
+//! Limits on scenes and renders that the user can raise.
 
 use super::memory;
 use super::{MAX_PRIMITIVES, MAX_SIDE};
 
-/// What there may be only so much of, unless the user allows more.
+/// A quantity that is limited, unless the user allows more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Limit {
-    /// Bytes of a scene file.
+    /// Size of a scene file in bytes.
     SceneBytes,
-    /// How deep the brackets of a scene file are nested.
-    Nesting,
-    /// Primitives of a scene.
+    /// Number of primitives of a scene.
     Primitives,
-    /// Bytes of the file of a mesh.
+    /// Size of a mesh file in bytes.
     MeshBytes,
-    /// Bytes of a texture in memory, 12 a pixel.
+    /// Size of a texture in memory in bytes, 12 per pixel.
     TextureBytes,
-    /// Pixels of an image.
+    /// Number of pixels of an image.
     Pixels,
-    /// Bytes of memory altogether, by estimate.
+    /// Estimated total memory in bytes.
     Memory,
 }
 
 impl Limit {
     /// All limits.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::SceneBytes,
-        Self::Nesting,
         Self::Primitives,
         Self::MeshBytes,
         Self::TextureBytes,
@@ -39,7 +36,6 @@ impl Limit {
     pub fn name(self) -> &'static str {
         match self {
             Self::SceneBytes => "scene-bytes",
-            Self::Nesting => "nesting",
             Self::Primitives => "primitives",
             Self::MeshBytes => "mesh-bytes",
             Self::TextureBytes => "texture-bytes",
@@ -48,11 +44,23 @@ impl Limit {
         }
     }
 
-    /// Where the user says nothing.
+    /// `value` as text, bytes with a unit.
+    fn amount(self, value: u64) -> String {
+        let units = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
+        match self {
+            Self::Primitives | Self::Pixels => value.to_string(),
+            _ if value < 1 << 10 => format!("{value} bytes"),
+            _ => {
+                let unit = (value.ilog2() / 10) as usize;
+                format!("{:.1} {}", value as f64 / (1u64 << (10 * unit)) as f64, units[unit - 1])
+            }
+        }
+    }
+
+    /// The default value.
     fn usual(self) -> u64 {
         match self {
             Self::SceneBytes => 1 << 28,
-            Self::Nesting => 32,
             Self::Primitives => 1 << 24,
             Self::MeshBytes => 1 << 32,
             Self::TextureBytes => 1 << 30,
@@ -62,33 +70,32 @@ impl Limit {
         }
     }
 
-    /// What it can be raised to.
+    /// The largest value that the limit can be raised to.
     pub fn most(self) -> u64 {
         match self {
             Self::SceneBytes | Self::MeshBytes | Self::TextureBytes | Self::Memory => u64::MAX,
-            // The depth that a parser's stack is safe with.
-            Self::Nesting => 127,
             Self::Primitives => MAX_PRIMITIVES as u64,
             Self::Pixels => MAX_SIDE as u64 * MAX_SIDE as u64,
         }
     }
 }
 
-/// What a scene or a render was refused for.
+/// Why a scene or a render was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// It needs more than a limit allows, but not more than the limit can be raised to.
+    /// It needs this much of a quantity: more than the limit allows, but not more than the limit
+    /// can be raised to.
     Beyond(Limit, u64),
     /// The scene names a file outside its folder.
     OutsideFile,
 }
 
-/// What error messages tell users to do, in the words of the program that they use.
+/// Advice to users in error messages, in the words of the program that they use.
 #[derive(Clone, Copy, Debug)]
 struct Advice(fn(Refused) -> String);
 
-/// Limits with other words are the same limits.
+/// Advice does not affect whether limits are equal.
 impl PartialEq for Advice {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -106,26 +113,26 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// The usual ones; of memory, what the process may use.
+    /// The default limits. The limit on memory is the amount that the process may use.
     fn default() -> Self {
         Self { values: Limit::ALL.map(Limit::usual), outside_files: false, advice: None }
     }
 }
 
 impl Limits {
-    /// What is allowed.
+    /// The value of `limit`.
     pub fn get(&self, limit: Limit) -> u64 {
         self.values[limit as usize]
     }
 
-    /// Allows `value`, but not more than [can be](Limit::most).
+    /// Sets `limit` to `value`, or to its [largest value](Limit::most) if `value` is larger.
     #[must_use]
     pub fn with(mut self, limit: Limit, value: u64) -> Self {
         self.values[limit as usize] = value.min(limit.most());
         self
     }
 
-    /// Whether textures and meshes may be outside the folder of the scene file.
+    /// Sets whether textures and meshes may be outside the folder of the scene file.
     #[must_use]
     pub fn with_outside_files(self, outside_files: bool) -> Self {
         Self { outside_files, ..self }
@@ -136,18 +143,18 @@ impl Limits {
         self.outside_files
     }
 
-    /// Ends error messages with what `advice` says, such as `--limit pixels=100 raises it`.
+    /// Appends advice to error messages, such as `--limit pixels=100 raises it`.
     #[must_use]
     pub fn with_advice(self, advice: fn(Refused) -> String) -> Self {
         Self { advice: Some(Advice(advice)), ..self }
     }
 
-    /// The end of an error message.
+    /// The end of an error message: a colon and the advice, or nothing.
     pub(crate) fn advice(&self, refused: Refused) -> String {
         self.advice.map_or_else(String::new, |Advice(advice)| format!(": {}", advice(refused)))
     }
 
-    /// `Err` where an image is of too many pixels, or reading it takes too many bytes of memory.
+    /// Checks the number of pixels of an image, and the bytes of memory that reading it takes.
     ///
     /// # Errors
     /// As [`check`](Self::check).
@@ -158,19 +165,22 @@ impl Limits {
     /// Checks `value` against the limit.
     ///
     /// # Errors
-    /// A message, if it is beyond the limit.
+    /// A message if `value` exceeds the limit.
     pub fn check(&self, limit: Limit, value: u64) -> Result<(), String> {
         let allowed = self.get(limit);
         if value <= allowed {
             return Ok(());
         }
-        let name = limit.name();
-        // Memory is estimated step by step, and the next may need more.
-        let least = if limit == Limit::Memory { "at least " } else { "" };
-        let raise = match value <= limit.most() {
+        // Memory is estimated step by step, and later steps may need more.
+        let (least, most) = match limit {
+            Limit::Memory => ("at least ", memory::of_process()),
+            _ => ("", limit.most()),
+        };
+        let raise = match value <= most {
             true => self.advice(Refused::Beyond(limit, value)),
             false => String::new(),
         };
+        let (name, allowed, value) = (limit.name(), limit.amount(allowed), limit.amount(value));
         Err(format!("the limit of {name} is {allowed}, this needs {least}{value}{raise}"))
     }
 }
@@ -183,15 +193,18 @@ mod tests {
     fn messages_name_the_limit_and_end_with_advice() {
         let limits = Limits::default().with(Limit::MeshBytes, 100).with(Limit::Memory, 1000);
         assert_eq!(limits.check(Limit::MeshBytes, 100), Ok(()));
-        let message = "the limit of mesh-bytes is 100, this needs 101";
+        let message = "the limit of mesh-bytes is 100 bytes, this needs 101 bytes";
         assert_eq!(limits.check(Limit::MeshBytes, 101), Err(message.to_owned()));
         let limits = limits.with_advice(|refused| format!("{refused:?}"));
-        let message = "the limit of memory is 1000, this needs at least 2000: Beyond(Memory, 2000)";
+        let message =
+            "the limit of memory is 1000 bytes, this needs at least 2.0 KiB: Beyond(Memory, 2000)";
         assert_eq!(limits.check(Limit::Memory, 2000), Err(message.to_owned()));
-        let raised = limits.with(Limit::Nesting, 1 << 40);
-        assert_eq!(raised.get(Limit::Nesting), 127);
-        let message = "the limit of nesting is 127, this needs 128";
-        assert_eq!(raised.check(Limit::Nesting, 128), Err(message.to_owned()));
+        let message = limits.check(Limit::Memory, 1 << 60).unwrap_err();
+        assert!(message.ends_with("this needs at least 1.0 EiB"), "{message}");
+        let raised = limits.with(Limit::Primitives, 1 << 40);
+        assert_eq!(raised.get(Limit::Primitives), MAX_PRIMITIVES as u64);
+        let message = "the limit of primitives is 33554432, this needs 33554433";
+        assert_eq!(raised.check(Limit::Primitives, 33_554_433), Err(message.to_owned()));
         for limit in Limit::ALL {
             assert!((1..=limit.most()).contains(&limit.usual()), "{limit:?}");
             assert_eq!(Limit::ALL[limit as usize], limit);

@@ -1,11 +1,13 @@
-//! How much memory the process may use.
+//! Finds out how much memory the process may use.
 
 use std::fs;
 use std::path::Path;
 
-/// That of the machine, of the process's control groups, or of its address space, whichever is least, in bytes;
-/// without a limit where the operating system does not tell. What is free just now would refuse at one time what it
-/// allows at another.
+/// The smallest of the machine's memory and the limits on the process's control groups and address
+/// space, in bytes; `u64::MAX` if the operating system reports nothing.
+///
+/// The amount of free memory is not used, because the same render would then be refused at one time
+/// and allowed at another.
 pub(super) fn of_process() -> u64 {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let machine = total(&read("/proc/meminfo"));
@@ -18,8 +20,9 @@ pub(super) fn of_process() -> u64 {
     groups.chain(machine).chain(space).min().unwrap_or(u64::MAX)
 }
 
-/// The control group by a line of `/proc/self/cgroup`: where its kind is mounted, which it is there, and the file that
-/// tells its memory; of version 2, and of 1.
+/// Parses a line of `/proc/self/cgroup`, version 2 or 1. Returns the mount point of the hierarchy,
+/// the path of the group in it, and the name of the file with its memory limit; `None` if the line
+/// is not about memory.
 fn group(line: &str) -> Option<(&'static str, &str, &'static str)> {
     let mut parts = line.splitn(3, ':').skip(1);
     let (kinds, group) = (parts.next()?, parts.next()?.strip_prefix('/')?);
@@ -32,7 +35,7 @@ fn group(line: &str) -> Option<(&'static str, &str, &'static str)> {
     }
 }
 
-/// The least memory that `file` tells of a group and those around it.
+/// The smallest limit in the files called `file` of a group and its ancestors.
 fn of_group(root: &Path, group: &str, file: &str) -> Option<u64> {
     let folder = root.join(group);
     let within = folder.ancestors().take_while(|folder| folder.starts_with(root));
@@ -42,13 +45,14 @@ fn of_group(root: &Path, group: &str, file: &str) -> Option<u64> {
     limits.min()
 }
 
-/// The soft limit by the text of `/proc/self/limits`; `None` where there is none.
+/// The soft limit on the address space from the text of `/proc/self/limits`; `None` if it is
+/// unlimited.
 fn address_space(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// The machine's memory by the text of `/proc/meminfo`.
+/// The machine's memory in bytes, from the text of `/proc/meminfo`.
 fn total(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

@@ -1,4 +1,4 @@
-//! What is refused before anything is allocated for it.
+//! Limits on inputs, which are checked before memory is allocated for them.
 
 mod limit;
 mod memory;
@@ -7,40 +7,40 @@ pub use limit::{Limit, Limits, Refused};
 
 /// Largest width or height of an image, in pixels.
 pub(crate) const MAX_SIDE: u32 = 65_536;
-/// Largest number of samples a pixel.
+/// Largest number of samples per pixel.
 pub(crate) const MAX_SPP: u32 = 1 << 24;
 /// Largest number of segments of a path.
 pub(crate) const MAX_DEPTH: u32 = 1 << 16;
-/// Largest number of primitives that a generated scene is asked for.
+/// Largest number of primitives that can be requested from a generated scene.
 pub(crate) const MAX_GENERATED: u32 = 1 << 24;
 /// Largest number of primitives of a scene: `BlockRef` stores the index of a block in 25 bits.
 pub(crate) const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.
 pub(crate) const MAX_MEDIA: usize = 64;
-/// Largest file of the record of a bench, or the manifest of a ray set.
+/// Largest size in bytes of the record of a bench, or of the manifest of a ray set.
 pub(crate) const MAX_JSON: u64 = 1 << 24;
-/// Largest file of a plan, or of the record of a render that has one.
+/// Largest size in bytes of a plan file, or of the record of a render that contains a plan.
 pub(crate) const MAX_PLAN: u64 = 1 << 20;
 /// Largest number of rays of each kind in a ray set: 12 GB of files.
 pub(crate) const MAX_RAYS: u64 = 1 << 28;
-/// Largest number of paths of a wave.
+/// Largest number of paths in a wave.
 pub(crate) const MAX_WAVE: u32 = 1 << 18;
 /// Largest number of threads.
 pub(crate) const MAX_THREADS: u32 = 4096;
 
-/// `Err` says which side is out of range.
+/// Checks the size of an image. The error names the side that is out of range.
 pub(crate) fn check_image(width: u32, height: u32) -> Result<(), String> {
     check("width", width, MAX_SIDE)?;
     check("height", height, MAX_SIDE)
 }
 
-/// `Err` says which number is out of range.
+/// Checks the samples per pixel and the depth. The error names the number that is out of range.
 pub(crate) fn check_sampling(spp: u32, depth: u32) -> Result<(), String> {
     check("spp", spp, MAX_SPP)?;
     check("depth", depth, MAX_DEPTH)
 }
 
-/// `Err` where `value` is not in 1 to `most`.
+/// Checks that `value` is in 1 to `most`.
 pub(crate) fn check(name: &str, value: u32, most: u32) -> Result<(), String> {
     if (1..=most).contains(&value) {
         Ok(())

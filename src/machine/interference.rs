@@ -1,12 +1,12 @@
-//! What else a machine did while something was timed.
+//! Measures how much other work on the machine disturbed a timing.
 
 use std::fs;
 use std::ops::Add;
 
 use serde::{Deserialize, Serialize};
 
-/// What was taken from this process: by others, or by its own threads where they are more than cores.
-/// Zeros where the operating system does not tell.
+/// CPU time that this process lost to others, or to its own threads if they outnumber the cores.
+/// Values that the operating system does not report are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Interference {
     /// Seconds that a hypervisor took from all cores of this machine (proc_stat(5), steal).
@@ -14,7 +14,7 @@ pub(crate) struct Interference {
     /// Seconds that threads of this process were ready and waited for a core, summed
     /// (/proc/PID/task/TID/schedstat).
     pub waited: f64,
-    /// Times that threads of this process had to leave a core to others (proc_pid_status(5)).
+    /// Number of times that a thread of this process was preempted (proc_pid_status(5)).
     pub switches: u64,
 }
 
@@ -31,14 +31,14 @@ impl Add for Interference {
 }
 
 impl Interference {
-    /// Since the machine, and the threads that are alive, began.
+    /// Totals since the machine booted and the live threads started.
     pub(crate) fn so_far() -> Self {
         let (waited, switches) = threads()
             .fold((0.0, 0), |(waited, switches), thread| (waited + thread.0, switches + thread.1));
         Self { stolen: stolen().unwrap_or(0.0), waited, switches }
     }
 
-    /// What came after `earlier`, when no other threads were alive than are now.
+    /// The increase since `earlier`. It is correct only if no thread has ended in between.
     pub(crate) fn since(self, earlier: Self) -> Self {
         Self {
             stolen: (self.stolen - earlier.stolen).max(0.0),
@@ -48,50 +48,52 @@ impl Interference {
     }
 }
 
-/// Linux tells times of all cores in hundredths of a second, whatever its own clock.
+/// Linux reports CPU times in hundredths of a second, whatever its own clock.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// Of all cores: the eighth number after `cpu` in the first line.
+/// Stolen seconds of all cores: the eighth number after `cpu` in the first line.
 fn stolen() -> Option<f64> {
     let stat = fs::read_to_string("/proc/stat").ok()?;
     Some(ticks(&stat, 1)?.nth(7)? / TICKS_PER_SECOND)
 }
 
-/// Seconds that other processes have kept cores busy since the machine began, summed over its cores, and
-/// how many these are, whether this process may use them or not. Others are all but this one and those of
-/// its children that have ended. `None` where the operating system does not tell.
+/// Seconds that other processes have kept cores busy since the machine booted, summed over its
+/// cores, and the number of these cores, whether this process may use them or not. Others are all
+/// processes except this one and its children that have ended. `None` if the operating system does
+/// not report them.
 pub(crate) fn busy_seconds_of_others() -> Option<(f64, usize)> {
     let (stat, own) =
         (fs::read_to_string("/proc/stat").ok()?, fs::read_to_string("/proc/self/stat").ok()?);
     Some(((busy(&stat)? - of_process(&own)?) / TICKS_PER_SECOND, cores(&stat)))
 }
 
-/// A line `cpu` with a number each.
+/// Number of cores: the lines that start with `cpu` and a number.
 fn cores(stat: &str) -> usize {
     let number = |line: &str| line.strip_prefix("cpu").is_some_and(|rest| !rest.starts_with(' '));
     stat.lines().filter(|line| number(line)).count()
 }
 
-/// Numbers of the first line, from place `first` on.
+/// The numbers of the first line, from word number `first` on.
 fn ticks(stat: &str, first: usize) -> Option<impl Iterator<Item = f64>> {
     let words = stat.lines().next()?.split_whitespace().skip(first);
     Some(words.filter_map(|word| word.parse().ok()))
 }
 
-/// User, nice, system, then after idle and waiting for disks: interrupts of both kinds (proc_stat(5)).
+/// Busy time: user, nice, system, and both kinds of interrupts, which follow after idle and iowait
+/// (proc_stat(5)).
 fn busy(stat: &str) -> Option<f64> {
     let all: Vec<f64> = ticks(stat, 1)?.collect();
     [0, 1, 2, 5, 6].iter().map(|&place| all.get(place)).sum()
 }
 
-/// User and system, of the process and of its children (proc_pid_stat(5), fields 14 to 17). Its name,
-/// field 2, may hold anything.
+/// User and system time of the process and of its children (proc_pid_stat(5), fields 14 to 17).
+/// Parsing starts after the name, field 2, because a name can contain any characters.
 fn of_process(stat: &str) -> Option<f64> {
     let (_, after_name) = stat.rsplit_once(')')?;
     Some(ticks(after_name, 11)?.take(4).sum())
 }
 
-/// Of each thread: seconds waited, and switches.
+/// Seconds waited and number of preemptions of each thread.
 fn threads() -> impl Iterator<Item = (f64, u64)> {
     let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     tasks.map(|task| {
@@ -100,7 +102,7 @@ fn threads() -> impl Iterator<Item = (f64, u64)> {
     })
 }
 
-/// The second number, in nanoseconds.
+/// Seconds waited: the second number, in nanoseconds.
 fn waited(schedstat: &str) -> Option<f64> {
     let nanoseconds: u64 = schedstat.split_whitespace().nth(1)?.parse().ok()?;
     Some(nanoseconds as f64 * 1e-9)
@@ -116,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_found() {
+    fn numbers_are_parsed() {
         assert_eq!(waited("1203 2000000000 7\n"), Some(2.0));
         assert_eq!(waited(""), None);
         let status = "Name:\ta\nvoluntary_ctxt_switches:\t3\nnonvoluntary_ctxt_switches:\t5\n";
@@ -132,7 +134,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn threads_that_crowd_the_cores_leave_them() {
+    fn threads_that_outnumber_the_cores_are_preempted() {
         use std::sync::atomic::{AtomicBool, Ordering};
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let (before, seen) = (Interference::so_far(), AtomicBool::new(false));
@@ -144,7 +146,7 @@ mod tests {
                     }
                 });
             }
-            // Four threads a core cannot all go on without leaving it.
+            // Four threads per core cannot all run without being preempted.
             for _ in 0..10_000 {
                 std::thread::sleep(std::time::Duration::from_millis(10));
                 if Interference::so_far().since(before).switches > 0 {

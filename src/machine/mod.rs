@@ -1,4 +1,4 @@
-//! The machine and build that a record speaks of.
+//! Describes the machine and the build in records.
 
 mod interference;
 
@@ -10,19 +10,19 @@ use serde::{Deserialize, Serialize};
 use crate::isa::{compiled_isa, cpu_model, cpu_name};
 use crate::simd::LANES;
 
-/// Where and with what a figure was measured.
+/// The machine and the build that a figure was measured with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Machine {
-    /// The CPU's name.
+    /// Name of the CPU.
     pub cpu: String,
-    /// Its family, model and stepping; empty where they are not known.
+    /// Family, model and stepping of the CPU; empty if unknown.
     #[serde(default)]
     pub cpu_model: String,
-    /// Logical cores that the process may use.
+    /// Number of logical cores that the process may use.
     pub cores: usize,
     /// Instruction set that the program was compiled for.
     pub isa: String,
-    /// f32 lanes of its vectors.
+    /// Number of f32 lanes per vector.
     pub lanes: u32,
     /// Operating system and kernel.
     pub os: String,
@@ -30,7 +30,7 @@ pub(crate) struct Machine {
     pub rustc: String,
     /// `RUSTFLAGS` of the build.
     pub flags: String,
-    /// Commit of the source, `-dirty` where it was changed.
+    /// Commit of the source, with `-dirty` if it was changed.
     pub commit: String,
 }
 
@@ -52,8 +52,8 @@ impl Machine {
     }
 }
 
-/// Largest resident set of the process so far in bytes; `None` where the operating system
-/// does not tell.
+/// Largest resident set of the process so far in bytes; `None` if the operating system does not
+/// report it.
 pub(crate) fn peak_rss_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

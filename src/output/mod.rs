@@ -1,91 +1,48 @@
-//! Files that appear whole or not at all.
+//! Writes files atomically: they appear complete or not at all.
 
 mod temporary;
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
-use std::iter;
 use std::path::{Path, PathBuf};
 
 use self::temporary::Temporary;
 use crate::error::{Error, Result};
 
-/// Links that are followed from one to the next.
+/// Largest number of symbolic links that are followed.
 const MOST_LINKS: usize = 40;
 
-/// Calls `fill` with a temporary file, which takes the place of `path` once it is complete. On failure `path` is
-/// what it was and the temporary file is gone; a process that is killed leaves one only in the moment before it
-/// takes its place, or where the file system has no files without a name.
+/// Calls `fill` with a temporary file, which replaces `path` once it is complete and on the disk.
+/// After an error `path` is unchanged, and the temporary file is removed. If the process is killed,
+/// a temporary file can remain only on a file system without unnamed files, or during the
+/// replacement.
 ///
 /// # Errors
-/// Where `path` is something else than a file, its folder cannot be written, or `fill` fails.
+/// If `path` is not a regular file, its folder cannot be written, or `fill` fails.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
 ) -> Result<()> {
-    Pending::new(path, fill)?.replace(path)
-}
-
-/// A file that is on the disk, and has no name yet: it is gone with the process.
-#[must_use]
-pub(crate) struct Pending(Temporary);
-
-impl Pending {
-    /// Calls `fill` with a file that is to be in the folder of `path`, or where the link `path` leads to.
-    ///
-    /// # Errors
-    /// As [`write_atomically`].
-    pub(crate) fn new(
-        path: &Path,
-        fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
-    ) -> Result<Self> {
-        let failed = |source| Error::io(path, "write")(source);
-        let target = resolve(path).map_err(failed)?;
-        let temporary = Temporary::in_folder(folder_of(&target)).map_err(failed)?;
+    let write = || {
+        let target = resolve(path)?;
+        let temporary = Temporary::in_folder(folder_of(&target))?;
         if let Ok(replaced) = fs::metadata(&target) {
-            // A file that is private stays so.
+            // A private file stays private.
             let _ = temporary.file().set_permissions(replaced.permissions());
         }
         let mut writer = BufWriter::new(temporary.file());
-        fill(&mut writer).and_then(|()| writer.flush()).map_err(failed)?;
+        fill(&mut writer)?;
+        writer.flush()?;
         drop(writer);
         // Some file systems report a full disk only now.
-        temporary.file().sync_all().map_err(failed)?;
-        Ok(Self(temporary))
-    }
-
-    /// Puts it in the place of `path`, or of the file where that leads to.
-    ///
-    /// # Errors
-    /// Where that cannot be.
-    pub(crate) fn replace(self, path: &Path) -> Result<()> {
-        let failed = Error::io(path, "write");
-        resolve(path).and_then(|target| self.0.persist(&target)).map_err(failed)
-    }
-
-    /// Puts it at `path`, or where the link `path` leads to, where no file is yet: else returns false.
-    ///
-    /// # Errors
-    /// Where it cannot be put there.
-    pub(crate) fn create(self, path: &Path) -> Result<bool> {
-        match resolve(path).and_then(|target| self.name(iter::once(target))) {
-            Ok(_) => Ok(true),
-            Err(taken) if taken.kind() == io::ErrorKind::AlreadyExists => Ok(false),
-            Err(error) => Err(Error::io(path, "write")(error)),
-        }
-    }
-
-    /// Gives it the first of `names`, all in its folder, that nobody has taken, and tells which that is.
-    ///
-    /// # Errors
-    /// Where it cannot have one.
-    pub(crate) fn name(self, names: impl Iterator<Item = PathBuf>) -> io::Result<PathBuf> {
-        self.0.persist_new(names)
-    }
+        temporary.file().sync_all()?;
+        temporary.persist(&target)
+    };
+    write().map_err(Error::io(path, "write"))
 }
 
-/// Finds out whether [`write_atomically`] could begin to write `path`, so that a long render
-/// need not end in vain. Leaves nothing behind.
+/// Checks that [`write_atomically`] could start to write `path`, so that a long render does not
+/// fail at its end. Leaves no file behind.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -94,17 +51,17 @@ pub(crate) fn check_writable(path: &Path) -> Result<()> {
     temporary.map(drop).map_err(Error::io(path, "write"))
 }
 
-/// Finds out whether files can be written into `folder`, or into the nearest one above it that is
-/// there, so that a long run need not end in vain. Leaves nothing behind.
+/// Checks that files can be written into `folder`, or into its nearest existing ancestor, so that a
+/// long run does not fail at its end. Leaves no file behind.
 ///
 /// # Errors
-/// Where they cannot.
+/// If files cannot be written there.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
-    Temporary::in_folder(there).map(drop).map_err(Error::io(folder, "make the folder"))
+    Temporary::in_folder(there).map(drop).map_err(Error::io(folder, "create the folder"))
 }
 
-/// Whether two paths stand for one file, which need not be there yet.
+/// Whether two paths refer to the same file, which need not exist yet.
 pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let target = resolve(path).ok()?;
@@ -114,7 +71,7 @@ pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     a == b || place(a).is_some_and(|a| place(b) == Some(a))
 }
 
-/// The folder that a file is in.
+/// The folder that contains `file`.
 fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -122,14 +79,14 @@ fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// The file that `path` stands for, there or not: links are followed, folders and devices refused, and what stands
-/// for an open file, whose name nobody knows.
+/// The file that `path` refers to, which need not exist. Follows links, and rejects folders,
+/// devices and entries of `/proc`, which stand for open files with unknown names.
 fn resolve(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
         let Ok(folder) = fs::canonicalize(folder_of(&path)) else { return Ok(path) };
         if folder.starts_with("/proc") {
-            return Err(io::Error::other("it stands for an open file or for none"));
+            return Err(io::Error::other("it is under /proc, where files cannot be replaced"));
         }
         let found = match fs::symlink_metadata(&path) {
             Ok(found) => found,
@@ -143,7 +100,7 @@ fn resolve(path: &Path) -> io::Result<PathBuf> {
             _ => return Err(io::Error::other("it is a device or pipe, not a file")),
         }
     }
-    Err(io::Error::other("its links lead nowhere"))
+    Err(io::Error::other("it leads through too many symbolic links, or they form a loop"))
 }
 
 #[cfg(test)]
@@ -179,26 +136,22 @@ mod tests {
         symlink("d/there", at("link")).unwrap();
         symlink("link", at("more")).unwrap();
         write("more", "one").unwrap();
-        assert_eq!(text("d/there"), "one", "through links that led to nothing");
+        assert_eq!(text("d/there"), "one", "the target of dangling links is created");
         fs::set_permissions(at("d/there"), fs::Permissions::from_mode(0o600)).unwrap();
         write("link", "two").unwrap();
         assert_eq!((text("d/there"), text("more")), ("two".to_owned(), "two".to_owned()));
         assert_eq!(fs::metadata(at("d/there")).unwrap().permissions().mode() & 0o777, 0o600);
-        symlink("d/new", at("new")).unwrap();
-        let pending = || Pending::new(&at("new"), |file| file.write_all(b"first")).unwrap();
-        assert!(pending().create(&at("new")).unwrap() && !pending().create(&at("new")).unwrap());
-        assert_eq!(text("d/new"), "first");
         symlink("round", at("round")).unwrap();
         symlink("/proc/self/fd/1", at("stdout")).unwrap();
         for (name, says) in [
-            ("round", "lead nowhere"),
-            ("stdout", "an open file"),
+            ("round", "too many symbolic links"),
+            ("stdout", "under /proc"),
             ("d", "a folder"),
             (&"n".repeat(300), "too long"),
         ] {
             let refused = write(name, "three").unwrap_err().to_string();
             assert!(refused.contains(says), "{refused}");
         }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
     }
 }

@@ -1,23 +1,26 @@
-//! Files that have no place yet.
+//! Temporary files, which replace their target once they are complete.
 
 use std::fs;
-use std::io::{self, ErrorKind, Seek};
+use std::io::{self, Seek};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, PathPersistError, TempPath};
+use tempfile::{NamedTempFile, TempPath};
 
 use super::folder_of;
 
-/// A file that is not yet there.
+/// A file that has not replaced its target yet.
 pub(super) enum Temporary {
-    /// Without a name, where the file system has such: it is gone with the process.
+    /// A file without a name and its folder, if the file system supports that. The file disappears
+    /// with the process.
     Unnamed(fs::File, PathBuf),
+    /// A file with a temporary name.
     Named(NamedTempFile),
 }
 
 impl Temporary {
     pub(super) fn in_folder(folder: &Path) -> io::Result<Self> {
-        // The crate's errors speak of the temporary file's name, which says nothing.
+        // Check the folder here: the crate's errors name the temporary file, which means nothing to
+        // users.
         fs::metadata(folder)?;
         match unnamed(folder) {
             Some(file) => Ok(Self::Unnamed(file, folder.to_owned())),
@@ -35,32 +38,11 @@ impl Temporary {
         }
     }
 
-    /// Puts it in the place of `target`, in the same folder.
+    /// Replaces `target`, which must be in the same folder.
     pub(super) fn persist(self, target: &Path) -> io::Result<()> {
         self.named()?.persist(target).map_err(|error| error.error)?;
         sync_folder(target);
         Ok(())
-    }
-
-    /// Gives it the first of `names`, all in its folder, that no file has.
-    pub(super) fn persist_new(self, names: impl Iterator<Item = PathBuf>) -> io::Result<PathBuf> {
-        let mut path = self.named()?;
-        for name in names {
-            let named = path.persist_noclobber(&name).or_else(|failed| match failed.error.kind() {
-                ErrorKind::AlreadyExists => Err(failed),
-                // Not every file system can do that.
-                _ => take(failed.path, &name),
-            });
-            match named {
-                Ok(()) => {
-                    sync_folder(&name);
-                    return Ok(name);
-                }
-                Err(taken) if taken.error.kind() == ErrorKind::AlreadyExists => path = taken.path,
-                Err(failed) => return Err(failed.error),
-            }
-        }
-        Err(ErrorKind::AlreadyExists.into())
     }
 
     fn named(self) -> io::Result<TempPath> {
@@ -69,7 +51,7 @@ impl Temporary {
             Self::Unnamed(file, folder) => {
                 match builder().make_in(&folder, |path| link(&file, path)) {
                     Ok(named) => Ok(named.into_temp_path()),
-                    // Not every process may do that.
+                    // Not every process is allowed to link an unnamed file.
                     Err(_) => copy(&file, &folder),
                 }
             }
@@ -77,20 +59,12 @@ impl Temporary {
     }
 }
 
-/// Gives `path` the name, if no file has it: in two steps, between which another program might take it.
-fn take(path: TempPath, name: &Path) -> Result<(), PathPersistError> {
-    match fs::symlink_metadata(name) {
-        Ok(_) => Err(PathPersistError { error: ErrorKind::AlreadyExists.into(), path }),
-        Err(_) => path.persist(name),
-    }
-}
-
-/// Has the name of `file` outlive a crash of the machine, where the file system can.
+/// Makes the name of `file` survive a crash of the machine, if the file system can.
 fn sync_folder(file: &Path) {
     let _ = fs::File::open(folder_of(file)).and_then(|folder| folder.sync_all());
 }
 
-/// A file in `folder` with the content of `file`.
+/// Copies `file` to a new file in `folder`.
 fn copy(mut file: &fs::File, folder: &Path) -> io::Result<TempPath> {
     let mut named = builder().tempfile_in(folder)?;
     file.rewind()?;
@@ -105,14 +79,15 @@ fn builder() -> tempfile::Builder<'static, 'static> {
     builder.prefix(".ptfast-").suffix(".tmp");
     #[cfg(unix)]
     {
-        // As any new file: 0666 less the umask, not the 0600 of private temporaries.
+        // The permissions of any new file: 0666 minus the umask, instead of the 0600 of private
+        // temporary files.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder
 }
 
-/// An empty file in `folder` that has no name yet.
+/// Creates an empty file without a name in `folder`; `None` if that is not supported.
 #[cfg(target_os = "linux")]
 fn unnamed(folder: &Path) -> Option<fs::File> {
     use rustix::fs::{Mode, OFlags};
@@ -147,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_copied_where_they_cannot_be_named() {
+    fn unnamed_files_can_be_copied_instead_of_linked() {
         let folder = tempfile::tempdir().unwrap();
         let temporary = Temporary::in_folder(folder.path()).unwrap();
         temporary.file().write_all(b"content").unwrap();
@@ -157,47 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_are_taken_stay_so() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: u32| folder.path().join(name.to_string());
-        for number in 0..3 {
-            let temporary = Temporary::in_folder(folder.path()).unwrap();
-            temporary.file().write_all(number.to_string().as_bytes()).unwrap();
-            assert_eq!(temporary.persist_new((0..).map(at)).unwrap(), at(number));
-        }
-        for number in 0..3 {
-            assert_eq!(fs::read_to_string(at(number)).unwrap(), number.to_string());
-        }
-        let temporary = Temporary::in_folder(folder.path()).unwrap();
-        let refused = temporary.persist_new((0..3).map(at)).unwrap_err();
-        assert_eq!(refused.kind(), ErrorKind::AlreadyExists);
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
-    }
-
-    #[test]
-    fn names_are_taken_in_two_steps() {
-        let folder = tempfile::tempdir().unwrap();
-        let name = folder.path().join("a.film");
-        let path = |text: &str| {
-            let mut named = builder().tempfile_in(folder.path()).unwrap();
-            named.write_all(text.as_bytes()).unwrap();
-            named.into_temp_path()
-        };
-        take(path("one"), &name).unwrap();
-        let taken = take(path("two"), &name).unwrap_err();
-        assert_eq!(taken.error.kind(), ErrorKind::AlreadyExists);
-        assert_eq!(fs::read_to_string(&taken.path).unwrap(), "two");
-        drop(taken);
-        let gone = path("three");
-        fs::remove_file(&gone).unwrap();
-        let other = folder.path().join("b.film");
-        assert!(take(gone, &other).is_err() && !other.exists());
-        assert_eq!(fs::read_to_string(&name).unwrap(), "one");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    fn files_with_and_without_a_name_take_the_place() {
+    fn named_and_unnamed_files_replace_the_target() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pfm");
         let named = || Ok(Temporary::Named(builder().tempfile_in(folder.path())?));

@@ -1,4 +1,4 @@
-//! Ray sets as folders of raw arrays.
+//! Reads and writes ray sets as folders of raw arrays.
 
 use std::fs;
 use std::io::{self, Write};
@@ -16,7 +16,7 @@ use crate::input::{self, read_json};
 use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
 
-/// The file that is written last, and so says that the folder is complete.
+/// The manifest. It is written last, so a folder that has one is complete.
 const MANIFEST: &str = "manifest.json";
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -35,12 +35,12 @@ struct SetEntry {
     rays: usize,
 }
 
-/// Of each set.
+/// Extensions of the files of each set.
 const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
 
 macro_rules! geometry_files {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
-        /// How many primitives there are.
+        /// Number of primitives of each kind.
         #[derive(Debug, Serialize, Deserialize)]
         struct Counts {
             $($list: usize,)*
@@ -89,11 +89,16 @@ macro_rules! geometry_files {
 
 primitives!(geometry_files);
 
-/// All files that there may be of ray sets in `folder`.
+/// All files that ray sets in `folder` may consist of.
 pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
     let fixed =
         [MANIFEST].into_iter().chain(PRIMITIVES.iter().copied()).map(|name| folder.join(name));
     fixed.chain(files_of_sets(folder)).collect()
+}
+
+/// Whether `folder` contains a complete ray set.
+pub(crate) fn is_set(folder: &Path) -> bool {
+    read_json::<Manifest>(&folder.join(MANIFEST), "a manifest", MAX_JSON).is_ok()
 }
 
 fn files_of_sets(folder: &Path) -> impl Iterator<Item = PathBuf> {
@@ -101,13 +106,13 @@ fn files_of_sets(folder: &Path) -> impl Iterator<Item = PathBuf> {
     names.map(move |(name, end)| folder.join(format!("{name}.{end}")))
 }
 
-/// Writes `sets` into `folder`, which is made if it is missing. Files of an older set are
-/// replaced; without `manifest.json`, the last to be written, a folder is no ray set.
+/// Writes `sets` into `folder`, which is created if missing. Files of older sets are removed or
+/// overwritten. `manifest.json` is written last; a folder without it is not a ray set.
 ///
 /// # Errors
-/// Where the folder cannot be written.
+/// If a file cannot be written.
 pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
+    fs::create_dir_all(folder).map_err(Error::io(folder, "create the folder"))?;
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
     files_of_sets(folder).try_for_each(|file| remove(&file))?;
@@ -152,7 +157,7 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     })
 }
 
-/// Removes a file of an older set, if there is one.
+/// Removes a file of an older set, if it exists.
 fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -173,8 +178,8 @@ fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> 
 /// Reads the ray sets in `folder`.
 ///
 /// # Errors
-/// Where a file is missing, has not the length that the manifest says, or holds a primitive that
-/// cannot be, and where the manifest names no set, or one that cannot be.
+/// If a file is missing, does not have the length that the manifest requires, or holds an invalid
+/// primitive, ray or hit. If the manifest lists no set or an invalid one, or too many primitives.
 pub(crate) fn read(folder: &Path) -> Result<RaySets> {
     let path = folder.join(MANIFEST);
     let manifest: Manifest = read_json(&path, "a manifest", MAX_JSON)?;
@@ -188,30 +193,31 @@ pub(crate) fn read(folder: &Path) -> Result<RaySets> {
     Ok(RaySets { scene, seed, image, geometry, sets })
 }
 
-/// `Err` says which place of the manifest is wrong, and what would be right.
+/// Checks the number of primitives. An error consists of the place in the manifest that is wrong, and a
+/// message that says what would be right.
 fn check_counts(counts: &Counts) -> Result<(), (String, String)> {
     let all = counts.all();
     match all <= MAX_PRIMITIVES {
         true => Ok(()),
         false => Err((
             "counts".to_owned(),
-            format!("there can be {MAX_PRIMITIVES} primitives at most, not {all}"),
+            format!("at most {MAX_PRIMITIVES} primitives are supported, not {all}"),
         )),
     }
 }
 
-/// As [`check_counts`].
+/// Checks the list of sets. Errors are like those of [`check_counts`].
 fn check_entries(sets: &[SetEntry]) -> Result<(), (String, String)> {
     if sets.is_empty() {
-        return Err(("sets".to_owned(), "there must be one at least".to_owned()));
+        return Err(("sets".to_owned(), "there must be at least one set".to_owned()));
     }
     for (index, entry) in sets.iter().enumerate() {
         let known = KINDS.iter().find(|(_, name, _)| *name == entry.name);
         let again = sets[..index].iter().any(|other| other.name == entry.name);
         let message = match known {
-            Some(_) if again || entry.rays == 0 => "each set must be there once and have rays",
+            Some(_) if again || entry.rays == 0 => "each set must be listed once and have rays",
             Some((.., query)) if *query != entry.kind => {
-                "primary and bounce must be closest, shadow occluded"
+                "the kind must be closest for primary and bounce, occluded for shadow"
             }
             Some(_) => continue,
             None => "the name must be primary, bounce or shadow",
@@ -226,7 +232,7 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
     let name = |extension: &str| format!("{}.{extension}", entry.name);
     let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
     let range = read_records::<2>(folder, &name("range"), entry.rays)?;
-    // Only where nothing moves it may be missing.
+    // The file may only be missing if nothing moves.
     let time = if geometry.moves() || folder.join(name("time")).exists() {
         read_records::<1>(folder, &name("time"), entry.rays)?
     } else {
@@ -248,7 +254,7 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
             return Err(bad("range", "t_min must be 0 or more"));
         }
         if !(0.0..=1.0).contains(&time) {
-            return Err(bad("time", "a time must be in [0, 1]"));
+            return Err(bad("time", "the time must be in [0, 1]"));
         }
         let &[ox, oy, oz, dx, dy, dz] = ray;
         let (origin, direction) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
@@ -256,7 +262,10 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
         let [t, primitive] = hits[index];
         let primitive = primitive.to_bits();
         if primitive != HitBatch::MISS && primitive as usize >= primitives {
-            return Err(bad("hits", &format!("primitive {primitive} of {primitives}")));
+            return Err(bad(
+                "hits",
+                &format!("primitive {primitive} does not exist, there are {primitives}"),
+            ));
         }
         set.hits.t.push(t);
         set.hits.primitive.push(primitive);
@@ -264,15 +273,15 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
     Ok(set)
 }
 
-/// `count` records of `N` little-endian f32.
+/// Reads `count` records of `N` little-endian f32.
 fn read_records<const N: usize>(folder: &Path, file: &str, count: usize) -> Result<Vec<[f32; N]>> {
     let path = folder.join(file);
-    // Asked first: what is not as long as it should be is not read at all.
+    // The length is checked first, so that a file of the wrong length is not read at all.
     let found = input::length(&path)?;
     if Some(found) != (count as u64).checked_mul(4 * N as u64) {
         let record = 4 * N;
         let message =
-            format!("{found} bytes, where {MANIFEST} says {count} records of {record} bytes");
+            format!("has {found} bytes, but {MANIFEST} lists {count} records of {record} bytes");
         return Err(Error::input(path.display().to_string(), "", message));
     }
     let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;

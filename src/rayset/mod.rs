@@ -1,22 +1,27 @@
-//! Ray sets: the rays that a render traces and what they hit, as files that any program can
-//! read, and their replay through each kernel.
+//! Ray sets: the rays that a render traces and their hits.
+//!
+//! They are stored in files that any program can read, and can be replayed through each kernel.
 //!
 //! A set is a folder of raw little-endian arrays and `manifest.json`:
 //!
 //! | file | content |
 //! |---|---|
-//! | `spheres.f32` | 8 f32 a sphere: centre at time 0, radius, centre at time 1, 0 |
-//! | `quads.f32` | 9 f32 a quad: corner, edge, edge |
-//! | `triangles.f32` | 9 f32 a triangle: its vertices |
-//! | `<set>.rays` | 6 f32 a ray: origin, direction |
-//! | `<set>.range` | 2 f32 a ray: t_min, t_max |
-//! | `<set>.time` | 1 f32 a ray; absent when nothing moves |
-//! | `<set>.hits` | 8 bytes a ray: t as f32 (+∞ for a miss), primitive as u32 (all ones) |
+//! | `spheres.f32` | 8 f32 per sphere: centre at time 0, radius, centre at time 1, 0 |
+//! | `quads.f32` | 9 f32 per quad: corner, edge, edge |
+//! | `triangles.f32` | 9 f32 per triangle: its vertices |
+//! | `<set>.rays` | 6 f32 per ray: origin, direction |
+//! | `<set>.range` | 2 f32 per ray: t_min, t_max |
+//! | `<set>.time` | 1 f32 per ray; absent when nothing moves |
+//! | `<set>.hits` | 8 bytes per ray: t as f32, primitive as u32; +∞ and all ones for a miss |
 //!
-//! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles. A shadow ray that is
-//! occluded has primitive 0, and t means nothing. Paths go by tiles of 8 × 8 pixels row by row, in a
-//! tile sample by sample, in a sample row by row; bounces by waves of 4096 paths, segment by
-//! segment. The manifest is
+//! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles. An occluded shadow ray has
+//! primitive 0, and its t has no meaning.
+//!
+//! Paths are ordered by tile of 8 × 8 pixels (row by row), in a tile by sample, and in a sample by
+//! pixel (row by row). Bounce and shadow rays are ordered by wave of 4096 paths, in a wave by segment,
+//! and in a segment by path.
+//!
+//! The manifest looks like this:
 //!
 //! ```json
 //! {"scene": "spheres", "seed": 1, "image": [1280, 720],
@@ -24,14 +29,14 @@
 //!  "sets": [{"name": "primary", "kind": "closest", "rays": 2097152}]}
 //! ```
 //!
-//! with `kind` `closest` or, for shadow rays, `occluded`.
+//! `kind` is `occluded` for shadow rays and `closest` for all others.
 
 mod files;
 mod record;
 mod replay;
 mod select;
 
-pub(crate) use files::{files, read, write};
+pub(crate) use files::{files, is_set, read, write};
 pub use record::record;
 pub(crate) use replay::{Replay, replay};
 
@@ -40,18 +45,18 @@ use serde::{Deserialize, Serialize};
 use crate::accel::{HitBatch, RayBatch};
 use crate::geometry::Geometry;
 
-/// Rays of a scene's render, kind by kind.
+/// The rays of a render, in one set per kind.
 #[derive(Clone, Debug)]
 pub struct RaySets {
     /// Name of the scene.
     pub scene: String,
     /// Seed of the render.
     pub seed: u64,
-    /// Width and height of its image.
+    /// Width and height of the image.
     pub image: [u32; 2],
-    /// What the rays hit.
+    /// The primitives that the rays are traced against.
     pub geometry: Geometry,
-    /// The sets, none of them empty.
+    /// The sets, each with at least one ray.
     pub sets: Vec<RaySet>,
 }
 
@@ -60,20 +65,20 @@ pub struct RaySets {
 pub struct RaySet {
     /// `primary`, `bounce` or `shadow`.
     pub name: String,
-    /// What is asked of them.
+    /// The query that each ray makes.
     pub query: Query,
     /// The rays.
     pub rays: RayBatch,
-    /// The answers.
+    /// The hit or miss of each ray.
     pub hits: HitBatch,
 }
 
-/// What is asked of a ray.
+/// The query that a ray makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Query {
-    /// The closest hit.
+    /// Finds the closest hit.
     Closest,
-    /// Whether there is any hit: distance 0 and primitive 0 where there is.
+    /// Finds out whether there is any hit, which is reported as distance 0 and primitive 0.
     Occluded,
 }

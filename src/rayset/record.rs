@@ -1,4 +1,4 @@
-//! Recording the rays of a render.
+//! Records the rays of a render.
 
 use rayon::prelude::*;
 
@@ -10,11 +10,11 @@ use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// Paths that are traced together, segment by segment.
+/// Paths of a wave, whose rays are recorded segment by segment.
 const WAVE: usize = 4096;
-/// Waves recorded before their rays are sorted into the sets: what bounds the memory.
+/// Waves that are traced before their rays are sorted into the sets, which bounds the memory.
 const WAVES_AT_ONCE: usize = 64;
-/// Side of the tiles of pixels that paths come from one after the other.
+/// Side in pixels of the tiles, which are recorded one after the other.
 const TILE: u32 = 8;
 
 /// The sets, in the order in which they are written.
@@ -24,14 +24,14 @@ pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
     (RayKind::Shadow, "shadow", Query::Occluded),
 ];
 
-/// The rays that a render of `scene` traces, at most `most` of each kind (2048 or more).
+/// Records the rays that a render of `scene` traces, at most `most` (2048 or more) of each kind.
 ///
-/// Paths come tile by tile of 8 × 8 pixels, in a tile sample by sample, in a sample row by
-/// row. Bounce and shadow rays come in waves of 4096 paths, segment by segment. The scene is
-/// traced twice: once to count the rays, once to keep those that are wanted.
+/// Paths are recorded tile by tile of 8 × 8 pixels, in a tile sample by sample, and in a sample row
+/// by row. Bounce and shadow rays are recorded in waves of 4096 paths, segment by segment. The scene
+/// is traced twice: once to count the rays, and once to keep the selected ones.
 ///
 /// # Errors
-/// Where a setting is out of its range.
+/// If a setting is out of range.
 pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<RaySets> {
     let recorder = PathRecorder::new(scene, settings.clone())?;
     let mut totals = [0; 3];
@@ -60,7 +60,7 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
     })
 }
 
-/// Calls `visit` with the rays of each kind in the order of the sets.
+/// Calls `visit` with all rays; those of each kind come in the order of their set.
 fn for_each_ray(
     recorder: &PathRecorder,
     settings: &RenderSettings,
@@ -88,7 +88,7 @@ fn for_each_ray(
     }
 }
 
-/// Calls `visit` with the rays of one kind, segment by segment, paths in order.
+/// Calls `visit` with the rays of one kind, segment by segment, and in a segment path by path.
 fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMut(&TracedRay)) {
     let mut open: Vec<_> =
         wave.iter().map(|path| path.iter().filter(|ray| ray.kind == kind).peekable()).collect();
@@ -110,11 +110,11 @@ mod tests {
     use super::*;
     use crate::geometry::Ray;
 
-    /// The order that other programs are promised, by plain loops.
+    /// Checks the documented order, which other programs rely on, with plain loops.
     #[test]
-    fn rays_come_in_the_order_that_is_promised() {
+    fn rays_come_in_the_documented_order() {
         let scene = Scene::load("cornell").unwrap();
-        // Two waves, and tiles that are cut off at either edge.
+        // Two waves, and tiles that are cut off at the right and lower edges.
         let (width, height, spp) = (37, 29, 5);
         let settings = RenderSettings { width, height, spp, ..RenderSettings::of(&scene) };
         let recorder = PathRecorder::new(&scene, settings.clone()).unwrap();

@@ -1,4 +1,4 @@
-//! Replaying ray sets through kernels: every hit checked, every kernel timed.
+//! Replays ray sets through kernels, checking every hit and timing every kernel.
 
 use std::time::Instant;
 
@@ -6,23 +6,23 @@ use super::{Query, RaySet};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel};
 use crate::statistics::{middle, sorted};
 
-/// How a kernel did on a set.
+/// Result of a kernel on a ray set.
 #[derive(Clone, Debug)]
 pub(crate) struct Replay {
     /// The kernel.
     pub kernel: Kernel,
-    /// Millions of rays a second on one thread: the median over the repetitions.
+    /// Millions of rays per second on one thread: the median over the repetitions.
     pub mrays_per_s: f64,
-    /// Hits that differ from the set's in any bit.
+    /// Number of hits that differ from those of the set in any bit.
     pub different: usize,
-    /// The work of one repetition.
+    /// Counters of one repetition.
     pub counters: Counters,
 }
 
-/// Rays traced with one call.
+/// Rays that are traced with one call.
 const BATCH: usize = 16_384;
 
-/// Traces `set` through each of `kernels`, `repetitions` (1 or more) times in turn.
+/// Traces `set` through each of `kernels` in turn, `repetitions` times (at least once).
 pub(crate) fn replay(
     accelerator: &Accelerator,
     set: &RaySet,
@@ -45,7 +45,7 @@ pub(crate) fn replay(
     let mut seconds = vec![Vec::new(); kernels.len()];
     for _ in 0..repetitions.max(1) {
         for (replay, seconds) in replays.iter_mut().zip(&mut seconds) {
-            // Kernels write hits only: making all of them misses is part of the work.
+            // Kernels only write hits, so resetting all rays to misses is part of the timed work.
             let start = Instant::now();
             hits.reset(set.rays.len());
             for batch in batches(set) {

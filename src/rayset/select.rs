@@ -1,12 +1,12 @@
-//! Which rays of a recording are kept.
+//! Selects the rays of a recording that are kept.
 
-/// Rays are kept in whole runs of this length, so that neighbours stay neighbours.
+/// Length of a run. Rays are kept in whole runs, so that neighbouring rays stay together.
 pub(super) const RUN: u64 = 2048;
 
-/// Keeps at most so many of `total` rays, which come one by one: whole runs spread evenly.
+/// Selects whole, evenly spread runs from a stream of rays, up to a maximum number of rays.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
-    /// Runs there are, and runs to keep; `None` keeps every ray.
+    /// Number of runs in the stream, and of runs to keep; `None` keeps every ray.
     runs: Option<(u64, u64)>,
     seen: u64,
     /// Runs kept so far.
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn whole_runs_are_kept_evenly() {
-        assert_eq!(kept(5000, 5000).len(), 5000, "all where they are few");
+        assert_eq!(kept(5000, 5000).len(), 5000, "all rays are kept if they are few");
         let some = kept(100 * RUN + 77, 25 * RUN + 5);
         assert_eq!(some.len() as u64, 25 * RUN);
         for (run, rays) in some.chunks_exact(RUN as usize).enumerate() {

@@ -1,4 +1,4 @@
-//! The light from outside a scene.
+//! The light that reaches a scene from outside.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use super::place::{Element, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 
-/// Radiance from outside the scene, linear RGB, each channel 0 to 1e30.
+/// Radiance from outside the scene, in linear RGB with each channel in 0 to 1e30.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 #[non_exhaustive]
@@ -17,12 +17,12 @@ pub enum Background {
         /// Linear RGB.
         radiance: [f32; 3],
     },
-    /// From `bottom` straight down to `top` straight up, linear in the height of the
-    /// unit direction.
+    /// A blend from `bottom`, seen straight down, to `top`, seen straight up. It is linear in the
+    /// y-component of the unit direction.
     Gradient {
-        /// At direction −y.
+        /// Linear RGB in direction −y.
         bottom: [f32; 3],
-        /// At direction +y.
+        /// Linear RGB in direction +y.
         top: [f32; 3],
     },
 }
@@ -46,7 +46,8 @@ impl Background {
         Ok(())
     }
 
-    /// Radiance seen along the unit vector `direction`, which is not called if all see the same.
+    /// Radiance seen along the unit vector `direction`. A constant background never calls
+    /// `direction`.
     #[inline(always)]
     pub(crate) fn radiance<V: Vector>(&self, direction: impl FnOnce() -> V) -> V {
         match *self {

@@ -1,40 +1,42 @@
-//! What all scattering has in common.
+//! The interface that all scattering shares.
 
 use crate::math::{Mask, Real};
 use crate::sampler::Randoms;
 
-/// The light that surfaces or media scatter from all directions to those from which paths come.
+/// The scattering of light at a point of a surface or medium, seen from the direction that the path
+/// comes from.
 pub(crate) trait Bsdf<R: Real> {
-    /// Whether surfaces scatter light to their other side.
+    /// Whether light is scattered to the other side of the surface, too.
     const TRANSMITS: bool = false;
 
-    /// Whether [`Scatter::pdf`] is [`SPECULAR`] for all directions.
+    /// Whether [`Scatter::pdf`] is [`SPECULAR`] for every sampled direction.
     #[inline(always)]
     fn specular(&self) -> R::Mask {
         R::Mask::NONE
     }
 
-    /// A direction about as likely as it carries light.
+    /// Samples a direction, with a density roughly proportional to the light that it carries.
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R>;
 
-    /// f·|cos θ| for the unit vector `direction`, and the density with which [`Bsdf::sample`] draws it.
-    /// Both leave out specular directions.
+    /// f·|cos θ| for the unit vector `direction`, and the density with which [`Bsdf::sample`] draws
+    /// it. Neither includes specular directions.
     fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R);
 }
 
-/// A direction that a path takes.
+/// A sampled direction in which a path continues.
 pub(crate) struct Scatter<R: Real> {
-    /// Of unit length.
+    /// Unit direction.
     pub(crate) direction: R::Vec3,
-    /// Whether the path leaves on the side of the surface that it did not come from.
+    /// Whether the path crosses to the other side of the surface.
     pub(crate) transmitted: R::Mask,
     /// f·|cos θ|/pdf.
     pub(crate) weight: R::Vec3,
     /// Density of the direction per unit solid angle, or [`SPECULAR`].
     pub(crate) pdf: R,
-    /// Whether the path goes on; where it does not, the surface absorbs it.
+    /// Whether the path continues. Otherwise the surface absorbs it.
     pub(crate) scattered: R::Mask,
 }
 
-/// The density of directions that nothing but the surface itself could have chosen.
+/// The density of a specular direction, which only [`Bsdf::sample`] can find: no other strategy
+/// samples it.
 pub(crate) const SPECULAR: f32 = f32::INFINITY;

@@ -1,15 +1,16 @@
-//! Memory that a scene takes while it is read, by estimate: told before it is allocated.
+//! Estimates the memory of a scene while it is read, to reject it before anything is allocated.
 
 use std::cell::Cell;
 
 use crate::limits::{Limit, Limits};
 
-/// Bytes of memory for each byte of a scene file, while it is text and what it says. Up to 10 were measured.
+/// Bytes of memory for each byte of a scene file, for its text and its parsed form together. Up to
+/// 10 were measured.
 const TEXT: u64 = 12;
-/// Bytes for each primitive of a scene while their lists grow: a quad has 52.
+/// Bytes of memory for each primitive of a scene while the lists of primitives grow. A quad has 52.
 const PRIMITIVE: u64 = 160;
 
-/// What is held so far, and how much there may be.
+/// The estimated memory held so far, and its limit.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
     pub(super) limits: Limits,
@@ -18,32 +19,33 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// For a scene file of so many bytes.
+    /// The budget of a scene file of `bytes` bytes.
     pub(super) fn new(limits: &Limits, bytes: u64) -> Self {
         Self { limits: limits.clone(), text: TEXT.saturating_mul(bytes), held: Cell::new(0) }
     }
 
-    /// `Err` where `more` bytes are too many beside what is held.
+    /// Returns an error if `more` bytes on top of those already held exceed the limit.
     pub(super) fn check(&self, more: u64) -> Result<(), String> {
         let all = self.text.saturating_add(self.held.get()).saturating_add(more);
         self.limits.check(Limit::Memory, all)
     }
 
-    /// The same with so many bytes more, for a while.
+    /// A copy that holds `bytes` more, for memory that is only needed temporarily.
     pub(super) fn with(&self, bytes: u64) -> Self {
         let other = self.clone();
         other.held.set(self.held.get() + bytes);
         other
     }
 
-    /// From now on `bytes` more are held.
+    /// Holds `bytes` more from now on, unless they exceed the limit.
     pub(super) fn hold(&self, bytes: u64) -> Result<(), String> {
         self.check(bytes)?;
         self.held.set(self.held.get() + bytes);
         Ok(())
     }
 
-    /// As [`hold`](Self::hold), for so many primitives more than the `before` that there are.
+    /// As [`hold`](Self::hold), for `more` primitives in addition to the `before` already in the
+    /// scene. The limit on their number is checked as well.
     pub(super) fn hold_primitives(&self, before: usize, more: usize) -> Result<(), String> {
         self.limits.check(Limit::Primitives, before as u64 + more as u64)?;
         self.hold(PRIMITIVE * more as u64)
@@ -55,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_held_counts() {
+    fn held_memory_counts_against_the_limit() {
         let limits = Limits::default().with(Limit::Memory, 2000).with(Limit::Primitives, 9);
         let budget = Budget::new(&limits, 100);
         assert!(budget.check(800).is_ok() && budget.check(801).is_err());

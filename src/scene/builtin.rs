@@ -1,4 +1,4 @@
-//! The report's scenes, compiled in.
+//! The scenes of the report, compiled into the program.
 
 /// Names of the built-in scenes: the report's figures 1, 2, 3 and 4 to 6.
 pub const BUILTIN_NAMES: [&str; 4] = ["spheres", "spacetime", "checker", "cornell"];

@@ -11,12 +11,12 @@ use crate::math::warp::uniform_disk;
 use crate::math::{Real, Vector, normalize};
 use crate::sampler::{Dimension, Randoms};
 
-/// A camera whose frame is orthonormal, in f64 as read.
+/// A checked camera with an orthonormal frame, in f64.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Centre of the lens.
     pub(super) look_from: DVec3,
-    /// Right, up and backward, orthonormal.
+    /// Unit vectors to the right, up and backward, orthogonal to each other.
     pub(super) frame: [DVec3; 3],
     /// Full vertical angle of view in degrees.
     pub(super) vfov: f64,
@@ -28,13 +28,13 @@ pub struct Camera {
     pub(super) shutter: (f32, f32),
 }
 
-/// A camera with an image size: makes rays. Rounded once from f64.
+/// A camera for one image size, which generates rays. Its values are rounded once, from f64.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CameraFrame {
     pub(crate) origin: Vec3,
-    /// From the lens's centre to the upper left corner of the image in the plane of focus.
+    /// Vector from the lens's centre to the upper left corner of the image, in the plane of focus.
     pub(crate) corner: Vec3,
-    /// One pixel to the right, one pixel down.
+    /// Vectors from a pixel to its neighbours on the right and below, in the plane of focus.
     pub(crate) pixel_steps: (Vec3, Vec3),
     /// The lens's semi-axes; `None` for a pinhole.
     pub(crate) lens: Option<(Vec3, Vec3)>,
@@ -46,14 +46,14 @@ impl TryFrom<&CameraFile> for Camera {
     type Error = Error;
 
     /// # Errors
-    /// [`Error::Input`] that names the first parameter out of range.
+    /// If a parameter is out of range: an [`Error::Input`] that names the first such parameter.
     fn try_from(camera: &CameraFile) -> Result<Self> {
         Self::new(&Element { file: "scene", place: String::new(), kind: "camera" }, camera)
     }
 }
 
 impl Camera {
-    /// Checks `camera`, which is the element `e` of a scene file.
+    /// Checks `camera`, the element `e` of a scene file.
     pub(super) fn new(e: &Element<'_>, camera: &CameraFile) -> Result<Self> {
         let from = e.point("look_from", camera.look_from)?.as_dvec3();
         let at = e.point("look_at", camera.look_at)?.as_dvec3();
@@ -71,7 +71,7 @@ impl Camera {
         let unit = |v: DVec3| v / v.dot(v).sqrt();
         let back = unit(from - at);
         if !back.is_finite() {
-            return Err(e.error("look_from and look_at must differ, the camera looks at itself"));
+            return Err(e.error("look_from and look_at must differ, or there is no view direction"));
         }
         let right = up.cross(back);
         if !(right.dot(right) > 1e-12 * up.dot(up)) {
@@ -111,7 +111,7 @@ impl Camera {
         }
     }
 
-    /// All that decides its rays.
+    /// All numbers that its rays depend on, for the scene's hash.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let Self { look_from, frame: [right, up, back], shutter: (open, close), .. } = *self;
         let vectors = [look_from, right, up, back].into_iter().flat_map(|v| v.to_array());
@@ -126,7 +126,7 @@ impl Camera {
 }
 
 impl CameraFrame {
-    /// The ray through pixel `(x, y)` that `randoms` choose; its direction is of unit length.
+    /// A random ray through pixel `(x, y)`, with a direction of unit length.
     #[inline(always)]
     pub(crate) fn ray<R: Real>(&self, x: R, y: R, randoms: &Randoms<R>) -> Ray<R> {
         let (dx, dy) = randoms.two(Dimension::PIXEL);
@@ -141,8 +141,9 @@ impl CameraFrame {
         self.ray_through(x + dx, y + dy, lens, randoms.one(Dimension::TIME))
     }
 
-    /// The ray through the point `(x, y)` of the image, in pixels, and through the lens `lens` from its
-    /// centre, at moment `time` of the shutter, in [0, 1].
+    /// The ray through the point `(x, y)` of the image, in pixels, and the point of the lens at
+    /// offset `lens` from its centre. `time` in [0, 1] runs from the opening of the shutter to its
+    /// closing.
     #[inline(always)]
     fn ray_through<R: Real>(&self, x: R, y: R, lens: R::Vec3, time: R) -> Ray<R> {
         let (right, down) = self.pixel_steps;

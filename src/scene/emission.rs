@@ -3,23 +3,23 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// The sides of a surface that shine.
+/// The sides of a surface that emit light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
-    /// Both.
+    /// Both sides.
     #[default]
     Both,
-    /// The side that the normal points to.
+    /// Only the side that the normal points to.
     Front,
 }
 
-/// What a surface emits.
+/// The light that a surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
-    /// Linear RGB.
+    /// Radiance in linear RGB.
     pub radiance: Vec3,
-    /// The sides that shine.
+    /// The sides that emit light.
     pub sides: Sides,
 }
 

@@ -1,4 +1,4 @@
-//! The files that a scene names.
+//! The files that a scene refers to.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,11 +10,12 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::limits::{Limit, Limits, Refused};
 
-/// The path of `file` in `folder`. Files outside of it are an error unless the limits allow them.
+/// The path of `file` in `folder`. Returns an error if the file is outside the folder and the
+/// limits do not allow that.
 pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) -> Result<PathBuf> {
     let path = folder.join(file);
     let within = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    // The reader reports files that do not exist.
+    // Missing files pass here: the reader reports them.
     let real = |path: &Path| path.canonicalize().ok();
     match (real(&path), real(within)) {
         (Some(there), Some(folder)) if !limits.outside_files() && !there.starts_with(&folder) => {
@@ -26,7 +27,7 @@ pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) 
     }
 }
 
-/// Reads the images of a scene, each once.
+/// Reads the images of a scene, each only once.
 pub(crate) struct Images<'a> {
     folder: &'a Path,
     budget: &'a Budget,
@@ -38,7 +39,7 @@ impl<'a> Images<'a> {
         Self { folder, budget, images: HashMap::new() }
     }
 
-    /// The image in `file`, whose pixels are albedos: in [0, 1].
+    /// Reads the image in `file` and checks that its pixels are albedos, in [0, 1].
     pub(super) fn albedo_map(&mut self, e: &Element<'_>, file: &str) -> Result<Arc<Image>> {
         let path = path(e, self.folder, file, &self.budget.limits)?;
         if let Some(image) = self.images.get(&path) {
@@ -53,7 +54,7 @@ impl<'a> Images<'a> {
         let image = Image::read_where(&path, &allow).map_err(|error| e.error(error))?;
         let is_albedo = |pixel: &&[f32; 3]| pixel.iter().all(|c| (0.0..=1.0).contains(c));
         if let Some(bad) = image.pixels().iter().find(|pixel| !is_albedo(pixel)) {
-            let message = format!("{file}: an albedo must be in [0, 1], a pixel is {bad:?}");
+            let message = format!("{file}: an albedo must be in [0, 1], but a pixel is {bad:?}");
             return Err(e.error(message));
         }
         let image = Arc::new(image);
@@ -61,7 +62,7 @@ impl<'a> Images<'a> {
         Ok(image)
     }
 
-    /// The files that were read.
+    /// The paths of all files that were read.
     pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
         self.images.into_keys()
     }

@@ -1,4 +1,6 @@
-//! The flat text form: one record a line, as other programs read it too.
+//! Reads the flat text form of scenes, which has one record per line.
+//!
+//! Other programs read this form as well:
 //!
 //! ```text
 //! size W H
@@ -14,7 +16,7 @@
 //! ```
 //!
 //! Materials are numbered from 0 in the order in which they appear. Empty lines and lines
-//! that begin with `#` are skipped. Records become the JSON form of scene files.
+//! that begin with `#` are skipped. Each record is converted to the JSON form of scene files.
 
 use std::str::SplitWhitespace;
 
@@ -29,7 +31,7 @@ use crate::error::{Error, Result, suggestion};
 const RECORDS: [&str; 6] = ["size", "camera", "background", "mat", "sphere", "quad"];
 const MATERIALS: [&str; 5] = ["lambert", "metal", "dielectric", "emissive", "checker"];
 
-/// Reads the flat form; the places are the lines of materials and primitives.
+/// Reads the flat form. The places are the line numbers of sections, materials and primitives.
 pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
     let (mut camera, mut background, mut size) = (None, None, None);
     let (mut textures, mut materials) = (Named::default(), Named::default());
@@ -106,7 +108,8 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
     }
     let defined = materials.0.len();
     if let Some((line, index)) = uses.into_iter().find(|&(_, index)| index as usize >= defined) {
-        let message = format!("unknown material {index}, the file defines {defined} from 0 on");
+        let message =
+            format!("unknown material {index}, the file defines {defined}, counted from 0");
         return Err(Error::input(file, line.to_string(), message));
     }
     let camera = camera.ok_or_else(|| Error::input(file, "", "the record `camera` is missing"))?;
@@ -117,7 +120,7 @@ pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
     Ok((scene, places))
 }
 
-/// The values of one record.
+/// The words of one record that have not been read yet.
 struct Words<'a> {
     file: &'a str,
     line: usize,
@@ -129,12 +132,13 @@ impl Words<'_> {
         Error::input(self.file, self.line.to_string(), message)
     }
 
-    /// What `value`, in the JSON form of scene files, stands for.
+    /// Parses `value`, which is in the JSON form of scene files.
     fn parsed<T: DeserializeOwned>(&self, value: Value) -> Result<T> {
         serde_json::from_value(value).map_err(|error| self.error(error.to_string()))
     }
 
-    /// Notes the record's line, or refuses it where `line` says that there was one before.
+    /// Stores the record's line number in `line`, or returns an error if an earlier record has done
+    /// so.
     fn only_once(&self, record: &str, line: &mut usize) -> Result<()> {
         if *line != 0 {
             return Err(self.error(format!("a second `{record}`, the first is in line {line}")));
@@ -146,7 +150,7 @@ impl Words<'_> {
     fn word(&mut self, what: &str) -> Result<&str> {
         match self.words.next() {
             Some(word) => Ok(word),
-            None => Err(self.error(format!("the line ends where {what} should follow"))),
+            None => Err(self.error(format!("expected {what}, but the line ends"))),
         }
     }
 
@@ -170,20 +174,21 @@ impl Words<'_> {
         match word.parse() {
             Ok(number) => Ok(number),
             Err(_) => {
-                let message = format!("`{word}` is not a whole number of 0 to 2^32 − 1");
+                let message = format!("`{word}` is not a whole number from 0 to 2^32 − 1");
                 Err(self.error(message))
             }
         }
     }
 
-    /// The name of a material that is used here, defined before or after.
+    /// Reads a reference to a material and returns the material's name. The material may be defined
+    /// on a later line, so `uses` collects the references to check at the end.
     fn material_use(&mut self, uses: &mut Vec<(usize, u32)>) -> Result<String> {
         let index = self.integer()?;
         uses.push((self.line, index));
         Ok(format!("m{index}"))
     }
 
-    /// A material and, for the checker, its texture, which gets the same name.
+    /// Reads a material. The checker also has a texture, which is given the same name.
     fn material(&mut self, name: &str) -> Result<(Value, Option<Value>)> {
         let kind = self.word("a kind of material")?.to_owned();
         let mut texture = None;

@@ -1,9 +1,9 @@
-//! Scenes of any size, made rather than read: `cloud:N` and `mesh:N`.
+//! Generated scenes of any size: `cloud:N` and `mesh:N`.
 //!
-//! They repeat, number by number, the stress scenes of a peer's benchmark, so that both
-//! programs trace the same primitives. All arithmetic is f32 in the order written: the peer's
-//! is the same where its compiler fuses nothing and its library rounds cube roots correctly
-//! (glibc 2.36 does not for one N in eleven; for a million the root is 1).
+//! They reproduce, number by number, the stress scenes of another renderer's benchmark, so that
+//! both programs trace the same primitives. All arithmetic is f32 in the order written. The other
+//! program computes the same numbers if its compiler fuses no operations and its library rounds
+//! cube roots correctly. glibc 2.36 does not for one N in eleven; for a million the root is 1.
 
 use std::collections::HashMap;
 
@@ -20,20 +20,21 @@ use crate::math::normalize;
 use crate::math::precise::cbrt;
 use crate::math::random::Stream;
 
-/// A kind of scene and its size.
+/// A kind of generated scene and its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Generated {
-    /// So many spheres in a ball, a million in one of radius 100.
+    /// This many spheres in a ball of constant density: a million fill a ball of radius 100.
     Cloud(u32),
-    /// About so many triangles: icosahedra of 20 480 on a jittered lattice, and a floor.
+    /// About this many triangles: subdivided icosahedra of 20 480 triangles each on a jittered
+    /// lattice, and a floor.
     Mesh(u32),
 }
 
 impl Generated {
-    /// What `name` means, if it has the form `cloud:N` or `mesh:N`.
+    /// Parses `name`. Returns `None` if it does not have the form `cloud:N` or `mesh:N`.
     ///
     /// # Errors
-    /// Where N is no number or out of range.
+    /// If N is not a number or is out of range.
     pub(super) fn parse(name: &str) -> Option<Result<Self>> {
         let (kind, count) = name.split_once(':')?;
         let (make, noun): (fn(u32) -> Self, _) = match kind {
@@ -47,7 +48,7 @@ impl Generated {
         }))
     }
 
-    /// How many primitives it has, about.
+    /// The approximate number of primitives.
     pub(super) fn count(self) -> u32 {
         match self {
             Self::Cloud(count) | Self::Mesh(count) => count,
@@ -74,8 +75,8 @@ fn scene(
     scene
 }
 
-/// Spheres of radius 0.1 to 0.5, uniform in a ball whose density does not depend on their
-/// number; 64 materials, four in five diffuse.
+/// Spheres of radius 0.1 to 0.5, distributed uniformly in a ball that grows with their number, so
+/// that the density is constant. Four in five of the 64 materials are diffuse.
 fn cloud(count: u32) -> SceneFile {
     let mut random = Stream::new(12_345);
     let radius = 100.0 * cbrt(f64::from(count as f32 / 1e6)) as f32;
@@ -109,11 +110,11 @@ fn cloud(count: u32) -> SceneFile {
     scene([0.0, 40.0, 260.0], 45.0, materials, primitives)
 }
 
-/// Unit spheres of triangles on a cubic lattice of pitch 2.4, moved and scaled at random.
+/// Triangulated spheres on a cubic lattice of pitch 2.4, moved and scaled at random.
 fn mesh(count: u32) -> SceneFile {
     let (sphere, faces) = icosphere(5);
     let copies = (count / faces.len() as u32).max(1);
-    let side = (1..).find(|side: &u32| side.pow(3) >= copies).expect("some cube is large enough");
+    let side = (1..).find(|side: &u32| side.pow(3) >= copies).expect("a large enough cube exists");
     let middle = (side - 1) as f32 * 0.5;
     let mut random = Stream::new(777);
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
@@ -138,7 +139,7 @@ fn mesh(count: u32) -> SceneFile {
     scene([0.0, 9.0, 22.0], 35.0, materials, primitives)
 }
 
-/// The icosahedron on the unit sphere, each face cut in four `levels` times.
+/// An icosahedron inscribed in the unit sphere, with each face split into four `levels` times.
 fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     const GOLDEN: f32 = 1.618_034;
     let mut vertices: Vec<Vec3> = Vec::new();
@@ -204,9 +205,9 @@ mod tests {
     }
 
     #[test]
-    fn scenes_are_those_of_the_peer() {
-        // Of scenes whose arrays were equal, byte by byte, to those of the peer's program built
-        // without fused multiply-add.
+    fn scenes_equal_those_of_the_other_renderer() {
+        // The hashes are of scenes whose arrays were equal, byte by byte, to those of the other
+        // renderer, built without fused multiply-add.
         for (name, hash) in [
             ("cloud:1000", "c70d161d9b1f43f3774e2df8e2cee04cf4cc84e6642b85a87e0b8c8619fffbac"),
             ("mesh:41000", "525cbb066341204e301dfcfee9d45fc1f09cdb2e002a90f3d5198f121fb29f8c"),
@@ -225,7 +226,8 @@ mod tests {
                 *edges.entry(edge).or_insert(0) += 1;
             }
         }
-        // Every edge once in either direction: closed, and all faces turned outward.
+        // Every edge occurs once in each direction, so the surface is closed and its faces are
+        // oriented consistently.
         assert!(edges.iter().all(|(&(a, b), &n)| n == 1 && edges[&(b, a)] == 1));
         assert!(vertices.iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-6));
     }

@@ -1,4 +1,4 @@
-//! The identity of a scene: a hash over what it is, not over how its file says it.
+//! The hash that identifies a scene by its content, regardless of how its file expresses it.
 
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -7,13 +7,13 @@ use super::material::Material;
 use super::texture::Color;
 use super::{Camera, Medium, Scene};
 
-/// BLAKE3 over camera, background, primitives with their materials, and media, in a canonical form:
-/// JSON of what the parameters are once names are looked up, and the bytes of coordinates.
+/// BLAKE3 over the camera, the background, the primitives with their materials, and the media, in a
+/// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
 pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     let mut hasher = Hasher(blake3::Hasher::new());
     hasher.text("camera");
     for number in camera.numbers() {
-        // −0 and 0 are the same number.
+        // Adding 0 turns −0 into 0, so that both have the same hash.
         hasher.0.update(&(number + 0.0).to_le_bytes());
     }
     hasher.value(json!(scene.background()));
@@ -33,7 +33,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     hasher.0.finalize().to_hex().to_string()
 }
 
-/// The parameters of a material, with what its textures are in place of their names and files.
+/// The parameters of a material. The content of its textures replaces their names and files.
 fn identity(material: &Material) -> Vec<u8> {
     let mut material = material.clone();
     for color in material.colors() {
@@ -65,7 +65,7 @@ impl Hasher {
     }
 }
 
-/// JSON in which keys are sorted and −0 is 0.
+/// JSON with sorted keys, in which −0 is replaced by 0.
 fn canonical(mut value: Value) -> Vec<u8> {
     fn without_signs(value: &mut Value) {
         match value {

@@ -4,29 +4,31 @@ use super::texture::{TexturePoint, TextureTables};
 use crate::geometry::{Ray, Shape, Surface, Surfaces};
 use crate::math::Real;
 
-/// A point of a surface that a path arrives at, or one a lane; the surfaces are of one shape.
+/// A point of a surface where a path arrives, or one point per lane. All lanes have the same shape.
 #[derive(Clone, Copy)]
 pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) surfaces: &'a Surfaces,
-    /// `None` where no material has a texture: then colours cost nothing.
+    /// `None` if no material of this kind has a texture, so that colours need no texture lookup.
     pub(crate) textures: Option<&'a TextureTables>,
-    /// The ray that arrives; its direction is of unit length.
+    /// The arriving ray, with a direction of unit length.
     pub(crate) ray: Ray<R>,
     /// Distance along the ray.
     pub(crate) t: R,
     pub(crate) shape: Shape,
     pub(crate) primitive: R::Word,
     pub(crate) surface: Surface<R>,
-    /// The surface's geometric normal, turned to the side that was hit: paths leave along it.
+    /// The surface's geometric normal, turned to the side that was hit. New rays start along it.
     pub(crate) normal: R::Vec3,
-    /// The normal by which the material scatters. No shape has another than the geometric one yet.
+    /// The shading normal, which the material scatters by. It equals `normal`: no shape has a
+    /// different one yet.
     pub(crate) shading: R::Vec3,
-    /// Whether that is the front.
+    /// Whether the front was hit.
     pub(crate) front: R::Mask,
 }
 
 impl<R: Real> Interaction<'_, R> {
-    /// The colour of a row of [`TextureTables::row`].
+    /// The colour for a row made by [`TextureTables::row`]: its constant, or the texture at this
+    /// point.
     #[inline(always)]
     pub(crate) fn color(&self, row: (R::Vec3, R)) -> R::Vec3 {
         self.textures.map_or(row.0, |textures| textures.color(row, self))

@@ -1,44 +1,38 @@
-//! Finding a scene by name or path and reading its text.
+//! Finds a scene by name or path and reads it.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::budget::Budget;
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
+use super::parse::Form;
 use super::place::Places;
-use super::{Scene, flat, parse, resolve};
+use super::{Scene, flat, locate, parse, resolve, view};
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Limit, Limits};
 
-/// Bytes of memory for each primitive of a generated scene, as a file would say it.
+/// Bytes of memory for each primitive of a generated scene, in the form of a scene file.
 const GENERATED: u64 = 160;
 
-/// Where a scene comes from.
+/// The source of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// Compiled in.
+    /// A scene compiled into the program, by name.
     Builtin(&'static str),
-    /// Made, by its name `cloud:N` or `mesh:N`.
+    /// A generated scene, with its name `cloud:N` or `mesh:N`.
     Generated(String, Generated),
-    /// A file, by its form.
+    /// A file and its form.
     File(PathBuf, Form),
+    /// The text of a scene file and its form.
+    Text(String, Form),
+    /// A mesh, shown in a scene of its own.
+    Mesh(PathBuf),
 }
 
-/// The forms of scene files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// `.ron`
-    Ron,
-    /// `.json`, the same schema.
-    Json,
-    /// `.txt`, the flat form.
-    Flat,
-}
-
-/// What a source says, before its values are checked.
+/// A parsed scene whose values are not checked yet.
 #[derive(Clone, Debug)]
 pub struct Parsed {
     name: String,
@@ -47,13 +41,17 @@ pub struct Parsed {
     pub file: SceneFile,
     places: Places,
     budget: Budget,
+    /// The text with its form, to locate errors.
+    text: Option<(Form, String)>,
 }
 
 impl Source {
-    /// The source that `name_or_path` means: a built-in name first, else a path.
+    /// Finds the source for a built-in name, the name of a generated scene, or a path, in this
+    /// order.
     ///
     /// # Errors
-    /// Where the path's extension tells no form, and it is no built-in name.
+    /// If the name is unknown and the path is a directory or lacks the extension of a scene file,
+    /// or if the size of a generated scene is out of range.
     pub fn find(name_or_path: &str) -> Result<Self> {
         if let Some(name) = BUILTIN_NAMES.into_iter().find(|name| *name == name_or_path) {
             return Ok(Self::Builtin(name));
@@ -67,23 +65,40 @@ impl Source {
             Some("ron") => Form::Ron,
             Some("json") => Form::Json,
             Some("txt") => Form::Flat,
+            Some("obj" | "ply") => return Ok(Self::Mesh(path.to_owned())),
             _ if path.is_dir() => {
                 return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
             }
             _ => {
                 let near = suggestion(name_or_path, BUILTIN_NAMES);
                 return Err(Error::Usage(format!(
-                    "`{name_or_path}` is neither a built-in scene, cloud:N, mesh:N, nor a .ron, .json or .txt file{near}"
+                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, a .ron, .json or .txt file, or an .obj or .ply mesh{near}"
                 )));
             }
         };
         Ok(Self::File(path.to_owned(), form))
     }
 
-    /// Reads the text and parses it.
+    /// Reads a scene file in RON or JSON from `reader`, to its end.
     ///
     /// # Errors
-    /// Where the file cannot be read, its text is no scene, or a limit is exceeded.
+    /// If the text cannot be read, is not UTF-8, or exceeds the limit on bytes.
+    pub fn from_reader(reader: impl Read, limits: &Limits) -> Result<Self> {
+        let bad = |message: String| Error::input(STANDARD_INPUT, "", message);
+        let limit = limits.get(Limit::SceneBytes);
+        let mut text = Vec::new();
+        let read = reader.take(limit.saturating_add(1)).read_to_end(&mut text);
+        read.map_err(Error::io(Path::new(STANDARD_INPUT), "read"))?;
+        limits.check(Limit::SceneBytes, text.len() as u64).map_err(bad)?;
+        let text = String::from_utf8(text).map_err(|_| bad("not UTF-8 text".to_owned()))?;
+        let form = if text.trim_start().starts_with('{') { Form::Json } else { Form::Ron };
+        Ok(Self::Text(text, form))
+    }
+
+    /// Reads and parses the text, or generates the scene.
+    ///
+    /// # Errors
+    /// If the file cannot be read, its text is not a valid scene file, or a limit is exceeded.
     pub fn read(&self, limits: &Limits) -> Result<Parsed> {
         let (name, folder, form, text) = match self {
             Self::Generated(name, generated) => {
@@ -93,46 +108,80 @@ impl Source {
                     .check(Limit::Primitives, count)
                     .and_then(|()| budget.hold(GENERATED * count))
                     .map_err(|message| Error::input(name, "", message))?;
-                return Ok(Parsed {
-                    name: name.clone(),
-                    folder: PathBuf::new(),
-                    file: generated.scene(),
-                    places: Places::default(),
-                    budget,
-                });
+                return Ok(Parsed::new(name.clone(), PathBuf::new(), generated.scene(), budget));
+            }
+            Self::Mesh(path) => {
+                let budget = Budget::new(limits, 0);
+                let (file, folder) = (view::of_mesh(path, &budget)?, folder_of(path));
+                return Ok(Parsed::new(path.display().to_string(), folder, file, budget));
+            }
+            Self::Text(text, form) => {
+                (STANDARD_INPUT.to_owned(), PathBuf::new(), *form, text.clone())
             }
             Self::Builtin(name) => {
-                let text = builtin::text(name).expect("the names are those of the texts");
+                let text = builtin::text(name).expect("every built-in name has a text");
                 ((*name).to_owned(), PathBuf::new(), Form::Ron, text.to_owned())
             }
             Self::File(path, form) => {
-                let folder = path.parent().unwrap_or(Path::new("")).to_owned();
                 let check = |length| {
                     limits
                         .check(Limit::SceneBytes, length)
                         .and_then(|()| Budget::new(limits, length).check(0))
                 };
                 let text = read_text(path, "a scene file", check)?;
-                (path.display().to_string(), folder, *form, text)
+                (path.display().to_string(), folder_of(path), *form, text)
             }
         };
         let budget = Budget::new(limits, text.len() as u64);
         let (file, places) = match form {
-            Form::Ron => (parse::from_ron(&name, &text, limits)?, Places::default()),
-            Form::Json => (parse::from_json(&name, &text, limits)?, Places::default()),
+            Form::Ron => (parse::from_ron(&name, &text)?, Places::default()),
+            Form::Json => (parse::from_json(&name, &text)?, Places::default()),
             Form::Flat => flat::from_flat(&name, &text)?,
         };
-        Ok(Parsed { name, folder, file, places, budget })
+        // The flat form has its own lines.
+        let text = (form != Form::Flat).then_some((form, text));
+        Ok(Parsed { places, text, ..Parsed::new(name, folder, file, budget) })
     }
 }
 
+/// The name of a scene on standard input, in messages.
+const STANDARD_INPUT: &str = "standard input";
+
+fn folder_of(file: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).to_owned()
+}
+
 impl Parsed {
-    /// Checks every value and looks up every name.
+    fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
+        Self { name, folder, file, places: Places::default(), budget, text: None }
+    }
+
+    /// Checks every value and resolves every name.
     ///
     /// # Errors
-    /// Where a value is out of range or a name unknown.
+    /// If a value is out of range, a name is unknown or used twice, a mesh or texture cannot be
+    /// read, or a limit is exceeded.
     pub fn resolve(&self) -> Result<Scene> {
-        resolve::resolve(&self.name, &self.folder, &self.file, &self.places, self.budget.clone())
+        let budget = self.budget.clone();
+        resolve::resolve(&self.name, &self.folder, &self.file, &self.places, budget)
+            .map_err(|error| self.with_line(error))
+    }
+
+    /// `error` with line and column in place of the path of an element, which moves to the message.
+    fn with_line(&self, error: Error) -> Error {
+        match (error, &self.text) {
+            (Error::Input { file, place, message }, Some((form, text))) if file == self.name => {
+                // A section such as the camera has no path, and is named in the message.
+                let section = message.split(':').next().unwrap_or_default();
+                let path = if place.is_empty() { section } else { &place };
+                match locate::locate(*form, text, path) {
+                    Some(line) if place.is_empty() => Error::input(file, line, message),
+                    Some(line) => Error::input(file, line, format!("{place}: {message}")),
+                    None => Error::Input { file, place, message },
+                }
+            }
+            (error, _) => error,
+        }
     }
 
     /// The scene as RON.
@@ -140,7 +189,7 @@ impl Parsed {
         parse::to_ron(&self.file)
     }
 
-    /// The scene as JSON of the same schema.
+    /// The scene as JSON, with the same schema.
     pub fn to_json(&self) -> String {
         parse::to_json(&self.file)
     }

@@ -1,5 +1,4 @@
-//! What each primitive looks like: its material, the key by which paths are sorted that hit it, and the
-//! light that it is.
+//! The appearance of each primitive: its material, its light, and its sort key for paths.
 
 use super::Scene;
 use super::emission::Emission;
@@ -8,12 +7,13 @@ use super::texture::TextureTables;
 use crate::geometry::{Hit, Shape};
 use crate::math::{Mask, Real, Word};
 
-/// The materials of a geometry's primitives: one for each sphere and quad, and for ranges of triangles.
+/// The materials of a geometry's primitives, stored for each sphere and quad and for ranges of
+/// triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MaterialMap {
-    /// Of the spheres and quads.
+    /// The material of each sphere and quad.
     pub(super) solids: Vec<u32>,
-    /// Of the triangles: one past the last primitive of a range, and its material.
+    /// Ranges of triangles with the same material: one past the last primitive, and the material.
     pub(super) ranges: Vec<(u32, u32)>,
 }
 
@@ -27,59 +27,59 @@ impl MaterialMap {
     }
 }
 
-/// What paths arrive at that are shaded together.
+/// The key by which paths are sorted. Paths with the same key are shaded together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {
-    /// Nothing.
+    /// The path left the scene.
     Background,
-    /// A collision in a medium.
+    /// The path collided in a medium.
     Medium,
-    /// Primitives of one shape, of one kind of material.
+    /// The path hit a primitive of this shape and this kind of material.
     Surface {
         shape: Shape,
         kind: MaterialKind,
-        /// Whether they are lights.
+        /// Whether the primitive emits light.
         emits: bool,
     },
 }
 
-/// The looks of primitives, media and the background. Media are numbered after the primitives.
+/// The appearance of primitives, media and the background. Media are numbered after the primitives.
 #[derive(Debug)]
 pub(crate) struct Looks {
-    /// The keys that the scene has.
+    /// All keys that occur in the scene.
     keys: Vec<Key>,
-    /// The number of the key of each sphere and quad; of media and the background too where there are
-    /// no triangles, else [`SEARCH`].
+    /// For each sphere and quad, the index of its key in `keys`. If the scene has no triangles,
+    /// media and the background follow; otherwise a single [`SEARCH`] does.
     key_of: Vec<u8>,
-    /// The place of the material of each sphere and quad in the table of its kind.
+    /// For each sphere and quad, the index of its material in the table of the material's kind.
     entries: Vec<u32>,
-    /// The light that each sphere and quad is, or [`NO_LIGHT`].
+    /// For each sphere and quad, the index of its light, or [`NO_LIGHT`].
     lights: Vec<u32>,
-    /// Of triangles, media, and the background.
+    /// The appearance of triangles, media and the background, sorted by primitive.
     ranges: Vec<Range>,
     first_medium: u32,
 }
 
-/// Consecutive primitives with the same look.
+/// Consecutive primitives with the same appearance.
 #[derive(Clone, Copy, Debug)]
 struct Range {
-    /// The first.
+    /// The first primitive.
     begin: u32,
-    /// The last.
+    /// The last primitive.
     last: u32,
     key: u8,
     entry: u32,
-    /// The light that the first is, or [`NO_LIGHT`].
+    /// The index of the first primitive's light, or [`NO_LIGHT`]. The others' lights follow it.
     light: u32,
 }
 
-/// The number of no key: [`Looks::ranges`] have it.
+/// A value in [`Looks::key_of`] that is not a key: the key is found in [`Looks::ranges`].
 const SEARCH: u8 = u8::MAX;
 const NO_LIGHT: u32 = u32::MAX;
 
 impl Looks {
-    /// Those of `scene`, whose materials go to the tables. `shine` is called with each light in the
-    /// order of primitives.
+    /// Finds the appearance of all primitives and media of `scene`, and adds its materials and
+    /// textures to the tables. Calls `shine` for each light, in the order of primitives.
     pub(super) fn new(
         scene: &Scene,
         materials: &mut MaterialTables,
@@ -94,11 +94,11 @@ impl Looks {
             if index == keys.len() {
                 keys.push(key);
             }
-            assert!(index < usize::from(SEARCH), "more kinds of shapes and materials than keys");
+            assert!(index < usize::from(SEARCH), "a scene can have at most 255 keys");
             index as u8
         };
         let geometry = scene.geometry();
-        // The primitives `begin..=last`, of one shape, with material number `material`.
+        // `range` handles the primitives `begin..=last`, which have one shape and one material.
         let mut light = 0;
         let mut range = |begin: u32, last: u32, material: u32| {
             let shape = geometry.get(begin).shape();
@@ -146,12 +146,12 @@ impl Looks {
         }
     }
 
-    /// The keys by number; the first is the background's.
+    /// The keys by index. The first is [`Key::Background`].
     pub(crate) fn keys(&self) -> &[Key] {
         &self.keys
     }
 
-    /// The number of the key of a primitive, of a medium, or of [`Hit::MISS`].
+    /// The index of the key of a primitive, of a medium, or of the background for [`Hit::MISS`].
     #[inline(always)]
     pub(crate) fn key(&self, primitive: u32) -> u8 {
         match self.key_of[(primitive as usize).min(self.key_of.len() - 1)] {
@@ -165,8 +165,8 @@ impl Looks {
         &self.ranges[self.ranges.partition_point(|range| range.last < primitive)]
     }
 
-    /// The places of the materials of primitives of one shape in the table of their kind, which has
-    /// `len` entries.
+    /// The indices of the materials of primitives of one shape, in the table of their kind, which
+    /// has `len` entries.
     #[inline(always)]
     pub(crate) fn entries<R: Real>(
         &self,
@@ -182,7 +182,8 @@ impl Looks {
         R::index_of_few(entries, len)
     }
 
-    /// The lights that primitives of one shape are, and whether they are lights.
+    /// The indices of the lights of primitives of one shape, and the lanes whose primitive is a
+    /// light. The other lanes have index 0.
     #[inline(always)]
     pub(crate) fn lights<R: Real>(&self, shape: Shape, primitive: R::Word) -> (R::Word, R::Mask) {
         let light = match shape {
@@ -201,7 +202,7 @@ impl Looks {
         }
     }
 
-    /// The number of the first medium among primitives.
+    /// The number of the first medium. Media are numbered after the primitives.
     pub(crate) fn first_medium(&self) -> u32 {
         self.first_medium
     }

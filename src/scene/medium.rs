@@ -1,4 +1,4 @@
-//! Homogeneous media that scatter light to all sides alike.
+//! Homogeneous media with isotropic scattering.
 
 use std::f32::consts::PI;
 
@@ -15,52 +15,54 @@ use crate::math::warp::uniform_sphere;
 use crate::math::{Mask, Real, Row, Word, max, min, row};
 use crate::sampler::{Dimension, Randoms};
 
-/// A medium in a volume whose boundary is invisible, as a scene file has it.
+/// A medium in a volume with an invisible boundary, as written in a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum MediumFile {
-    /// In a ball.
+    /// A medium that fills a ball.
     #[serde(rename = "sphere")]
     Ball {
         /// Centre.
         center: [f32; 3],
-        /// Radius, above 0 to 1e9.
+        /// Radius, above 0 and at most 1e9.
         radius: f32,
-        /// Extinction coefficient: collisions per unit of length, above 0 to 1e6.
+        /// Extinction coefficient: collisions per unit of length, above 0 and at most 1e6.
         density: f32,
-        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
+        /// The share of light that a collision scatters instead of absorbing it: linear RGB, each
+        /// channel in [0, 1].
         albedo: [f32; 3],
     },
-    /// In a box.
+    /// A medium that fills a box.
     Box {
         /// Lower corner before rotation.
         min: [f32; 3],
         /// Upper corner before rotation.
         max: [f32; 3],
-        /// Right-handed angles about x, then y, then z, through the middle of the box.
+        /// Right-handed rotation in degrees about x, then y, then z, through the middle of the box.
         #[serde(default)]
         rotation: [f32; 3],
-        /// Extinction coefficient: collisions per unit of length, above 0 to 1e6.
+        /// Extinction coefficient: collisions per unit of length, above 0 and at most 1e6.
         density: f32,
-        /// The share of light that is scattered, not absorbed: linear RGB, each in [0, 1].
+        /// The share of light that a collision scatters instead of absorbing it: linear RGB, each
+        /// channel in [0, 1].
         albedo: [f32; 3],
     },
 }
 
-/// A medium.
+/// A checked medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Medium {
-    /// What it fills.
+    /// The volume that it fills.
     pub volume: Volume,
     /// Extinction coefficient: collisions per unit of length.
     pub density: f32,
-    /// The share of the light that a collision does not absorb.
+    /// The share of light that a collision scatters instead of absorbing it.
     pub albedo: Vec3,
 }
 
 impl Medium {
-    /// Checks what a file says of one.
+    /// Checks a medium of a scene file.
     pub(super) fn new(e: &Element<'_>, file: &MediumFile) -> Result<Self> {
         let (volume, density, albedo) = match file {
             MediumFile::Ball { center, radius, density, albedo } => {
@@ -81,7 +83,7 @@ impl Medium {
     }
 }
 
-/// The box from `min` to `max`, turned about its middle as the primitive is.
+/// The box from `min` to `max`, rotated about its middle in the same way as the box primitive.
 fn turned_box(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> Volume {
     let at = |f: fn(f64, f64) -> f64| {
         let both = |axis: usize| f(f64::from(min[axis]), f64::from(max[axis])) as f32;
@@ -100,13 +102,13 @@ fn turned_box(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> Volume {
     }
 }
 
-/// The media of a scene, none of which overlaps another.
+/// The media of a scene, which do not overlap.
 #[derive(Debug)]
 pub(crate) struct Media {
     media: Vec<Medium>,
-    /// Albedo.
+    /// The albedo of each medium.
     rows: Vec<Row>,
-    /// The number of the first among primitives.
+    /// The number of the first medium. Media are numbered after the primitives.
     first: u32,
 }
 
@@ -120,9 +122,9 @@ impl Media {
         self.media.is_empty()
     }
 
-    /// The first collision along `ray` before its hit, or the hit: distance, and primitive or medium.
-    /// Media do not overlap, and so each has its own chance: the nearest of their collisions is the
-    /// first.
+    /// Returns the first collision along `ray` before its hit at `end`, or else the hit: the
+    /// distance, and the number of the medium or primitive. Since media do not overlap, a collision
+    /// is sampled in each independently, and the nearest one counts.
     #[inline(always)]
     pub(crate) fn collide<R: Real>(
         &self,
@@ -132,7 +134,7 @@ impl Media {
     ) -> (R, R::Word) {
         for (index, medium) in (0..).zip(&self.media) {
             let (near, far) = medium.volume.interval(ray);
-            // An exponential distance: e^−σt of the light gets farther than t.
+            // The distance is exponentially distributed: a share e^−σt of the light exceeds t.
             let chance = R::ONE - randoms.one(Dimension::medium(index));
             let t = near - ln(chance) / R::splat(medium.density);
             let collides = t.lt(min(far, end));
@@ -142,7 +144,7 @@ impl Media {
         (end, primitive)
     }
 
-    /// The share of light that crosses `ray` up to distance `end` without a collision.
+    /// The share of light that travels along `ray` up to distance `end` without a collision.
     #[inline(always)]
     pub(crate) fn transmittance<R: Real>(&self, ray: &Ray<R>, end: R) -> R {
         let mut depth = R::ZERO;
@@ -153,7 +155,7 @@ impl Media {
         exp(-depth)
     }
 
-    /// How the medium with number `primitive` scatters light.
+    /// The phase function of the medium with number `primitive`.
     #[inline(always)]
     pub(crate) fn phase<R: Real>(&self, primitive: R::Word) -> Isotropic<R> {
         let medium = primitive.wrapping_sub(R::Word::splat(self.first));
@@ -162,7 +164,7 @@ impl Media {
     }
 }
 
-/// The isotropic phase function. There is no surface, and so no cosine.
+/// The isotropic phase function. Unlike a surface's BSDF, it has no cosine factor.
 pub(crate) struct Isotropic<R: Real> {
     pub(crate) albedo: R::Vec3,
 }

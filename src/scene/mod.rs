@@ -1,4 +1,4 @@
-//! Scenes: from a name or file to checked, index-based data.
+//! Scenes, loaded from a name or file into checked data with names resolved to indices.
 
 mod background;
 mod bsdf;
@@ -14,18 +14,20 @@ mod hash;
 mod interaction;
 mod light;
 mod load;
+mod locate;
 mod looks;
 pub mod material;
 mod medium;
 mod mesh;
 mod named;
-mod nesting;
 mod parse;
 mod place;
 pub mod primitive;
 mod resolve;
 mod tables;
 pub mod texture;
+mod view;
+mod warnings;
 
 pub use background::Background;
 pub use builtin::BUILTIN_NAMES;
@@ -59,15 +61,16 @@ use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::limits::Limits;
 
-/// A scene that can be rendered: names are resolved to indices, and every number is in its range.
+/// A scene that can be rendered: all names are resolved to indices, and every number is in its
+/// range.
 ///
-/// Scenes do not change, and clones share their data.
+/// Scenes are immutable, and clones share their data.
 #[derive(Clone, Debug)]
 pub struct Scene(Arc<SceneData>);
 
 impl PartialEq for Scene {
     fn eq(&self, other: &Self) -> bool {
-        // Soon known of clones, however large they are.
+        // Comparing pointers is enough for clones, which share their data.
         Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
     }
 }
@@ -84,67 +87,73 @@ struct SceneData {
     lights: u32,
     media: Vec<Medium>,
     files: BTreeSet<PathBuf>,
+    /// Data of its files that is ignored, in sentences.
+    ignored: Vec<String>,
     limits: Limits,
 }
 
 impl Scene {
-    /// The built-in scene of that name, or the scene in the file at that path (`.ron`,
-    /// `.json`, or `.txt` in the flat form).
+    /// Loads the built-in scene with this name, generates `cloud:N` or `mesh:N`, or reads the file
+    /// at this path (`.ron`, `.json`, or `.txt` in the flat form).
     ///
     /// # Errors
-    /// Where there is no such file or its content is wrong: one line that names the place.
+    /// If the file cannot be read or its content is wrong. The message is one line that names the
+    /// place.
     pub fn load(name_or_path: &str) -> Result<Self> {
         Self::load_within(name_or_path, &Limits::default())
     }
 
-    /// As [`load`](Self::load), within other limits than the usual ones. They hold for renders of the scene,
-    /// too.
+    /// As [`load`](Self::load), with `limits` instead of the default ones. They also apply to
+    /// renders of the scene.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and where a limit is exceeded. The message names the limit, and ends with the advice of
-    /// [`Limits::with_advice`], if there is any.
+    /// As [`load`](Self::load), and if a limit is exceeded. The message names the limit and ends
+    /// with the advice of [`Limits::with_advice`], if one is set.
     pub fn load_within(name_or_path: &str, limits: &Limits) -> Result<Self> {
         Source::find(name_or_path)?.read(limits)?.resolve()
     }
 
-    /// The scene in `text`, in RON; textures are relative to the current folder.
+    /// Parses the scene in `text`, in RON. Paths of meshes and textures are relative to the current
+    /// folder.
     ///
     /// # Errors
     /// As [`Scene::load`].
     pub fn from_ron(text: &str) -> Result<Self> {
-        parse::from_ron("scene", text, &Limits::default()).and_then(|file| Self::from_file(&file))
+        parse::from_ron("scene", text).and_then(|file| Self::from_file(&file))
     }
 
-    /// The scene that `file` describes; meshes and textures are in the current folder.
+    /// Checks the scene that `file` describes. Paths of meshes and textures are relative to the
+    /// current folder.
     ///
     /// # Errors
-    /// Where a number is out of range, or a name is unknown or used twice.
+    /// If a number is out of range, a name is unknown or used twice, or a mesh or texture cannot be
+    /// read.
     pub fn from_file(file: &SceneFile) -> Result<Self> {
         Self::from_file_within(file, Path::new(""), &Limits::default())
     }
 
-    /// As [`from_file`](Self::from_file), with meshes and textures in `folder`, and within other limits than
-    /// the usual ones.
+    /// As [`from_file`](Self::from_file), with paths relative to `folder`, and with `limits`
+    /// instead of the default ones.
     ///
     /// # Errors
-    /// As [`from_file`](Self::from_file), and where a limit is exceeded.
+    /// As [`from_file`](Self::from_file), and if a limit is exceeded.
     pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
         let budget = budget::Budget::new(limits, 0);
         resolve::resolve("scene", folder, file, &place::Places::default(), budget)
     }
 
-    /// The built-in name, or the path as given.
+    /// The name or path that the scene was loaded by, or `scene` if it was not loaded.
     pub fn name(&self) -> &str {
         &self.0.name
     }
 
-    /// The meshes and textures that were read for it.
+    /// The paths of the mesh and texture files that the scene has read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.0.files.iter().map(PathBuf::as_path)
     }
 
-    /// BLAKE3 over all that decides the scene's images, in hexadecimal: the same for every
-    /// form and every naming that says the same.
+    /// BLAKE3 over everything that the scene's images depend on, in hexadecimal. It is the same for
+    /// all file forms and all choices of names that describe the same scene.
     pub fn hash(&self) -> String {
         self.hash_with(self.camera())
     }
@@ -159,12 +168,12 @@ impl Scene {
         &self.0.camera
     }
 
-    /// What rays that leave the scene see.
+    /// The light that rays see when they leave the scene.
     pub fn background(&self) -> &Background {
         &self.0.background
     }
 
-    /// Image size and sampling where the caller has no other wish.
+    /// The image size and sampling that apply unless the caller sets others.
     pub fn defaults(&self) -> &RenderDefaults {
         &self.0.defaults
     }
@@ -189,7 +198,7 @@ impl Scene {
         &self.0.material_map
     }
 
-    /// How many pixels its textures have.
+    /// Number of pixels of all textures. A texture that several materials share counts once.
     pub(crate) fn texels(&self) -> u64 {
         let mut images: Vec<_> = self.materials().iter().flat_map(Material::images).collect();
         images.sort_unstable_by_key(Arc::as_ptr);
@@ -197,22 +206,22 @@ impl Scene {
         images.into_iter().map(|image| image.pixels().len() as u64).sum()
     }
 
-    /// How many primitives emit light.
+    /// Number of primitives that emit light.
     pub fn lights(&self) -> u32 {
         self.0.lights
     }
 
-    /// What it was loaded within.
+    /// The limits that it was loaded with.
     pub(crate) fn limits(&self) -> &Limits {
         &self.0.limits
     }
 
-    /// The media, none of which overlaps another.
+    /// The media, which do not overlap.
     pub(crate) fn media(&self) -> &[Medium] {
         &self.0.media
     }
 
-    /// The sampling of the file, or `mis` where there are lights to sample, else `bsdf`.
+    /// The sampling that the scene file sets. Otherwise `mis` if the scene has lights, else `bsdf`.
     pub(crate) fn default_sampling(&self) -> Sampling {
         let by_lights = if self.0.lights == 0 { Sampling::Bsdf } else { Sampling::Mis };
         self.0.defaults.sampling.unwrap_or(by_lights)

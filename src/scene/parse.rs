@@ -1,21 +1,30 @@
-//! Text to [`SceneFile`], with errors that say where and what would be right.
+//! Parses text into a [`SceneFile`], with errors that name the place and suggest a correction.
 
 use ron::extensions::Extensions;
 
 use super::description::SceneFile;
-use super::nesting;
 use crate::error::{Error, Result, suggestion};
-use crate::limits::{Limit, Limits};
 
-/// `light(radiance: …)` is the struct of a light, without another pair of brackets.
-fn options() -> ron::Options {
+/// The forms of scene files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `.ron`
+    Ron,
+    /// `.json`, with the same schema.
+    Json,
+    /// `.txt`, the flat text form.
+    Flat,
+}
+
+/// Allows `light(radiance: …)` for `light((radiance: …))`, and values of optional fields without
+/// `Some`.
+pub(super) fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
 /// Reads the RON form.
-pub(super) fn from_ron(file: &str, text: &str, limits: &Limits) -> Result<SceneFile> {
-    check_nesting(file, text, limits)?;
+pub(super) fn from_ron(file: &str, text: &str) -> Result<SceneFile> {
     options().from_str(text).map_err(|error| {
         let place = format!("{}:{}", error.span.start.line, error.span.start.col);
         Error::input(file, place, ron_message(&error.code))
@@ -35,13 +44,22 @@ fn ron_message(code: &ron::Error) -> String {
             format!("the field `{field}` is given twice")
         }
         ron::Error::Message(message) => message.clone(),
+        ron::Error::InvalidValueForType { expected, found } => {
+            format!("expected {expected}, found {found}")
+        }
+        ron::Error::ExpectedNamedStructLike(_)
+        | ron::Error::ExpectedStructLike
+        | ron::Error::ExpectedStructLikeEnd
+        | ron::Error::ExpectedDifferentStructName { .. } => {
+            "expected values in parentheses, such as `(1, 2, 3)` or `(radius: 1)`".to_owned()
+        }
+        ron::Error::ExceededRecursionLimit => "nested more than 128 levels deep".to_owned(),
         other => format!("RON syntax: {}", one_line(&other.to_string())),
     }
 }
 
 /// Reads the same schema as JSON.
-pub(super) fn from_json(file: &str, text: &str, limits: &Limits) -> Result<SceneFile> {
-    check_nesting(file, text, limits)?;
+pub(super) fn from_json(file: &str, text: &str) -> Result<SceneFile> {
     serde_json::from_str(text).map_err(|error| {
         let place = format!("{}:{}", error.line(), error.column());
         let message = error.to_string();
@@ -50,7 +68,7 @@ pub(super) fn from_json(file: &str, text: &str, limits: &Limits) -> Result<Scene
     })
 }
 
-/// serde's messages put the name found and the names known in backticks, in this order.
+/// Rewords a message of serde, which has the name found and then the known names in backticks.
 fn json_message(message: &str, is_data: bool) -> String {
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     match names.split_first() {
@@ -71,16 +89,6 @@ fn json_message(message: &str, is_data: bool) -> String {
     }
 }
 
-/// The parsers call themselves for what is nested.
-fn check_nesting(file: &str, text: &str, limits: &Limits) -> Result<()> {
-    let Some(((line, column), depth)) = nesting::deeper_than(text, limits.get(Limit::Nesting))
-    else {
-        return Ok(());
-    };
-    let checked = limits.check(Limit::Nesting, depth);
-    checked.map_err(|message| Error::input(file, format!("{line}:{column}"), message))
-}
-
 fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -88,17 +96,15 @@ fn one_line(message: &str) -> String {
 /// The scene as RON text that [`from_ron`] reads back to the same bits.
 pub(super) fn to_ron(scene: &SceneFile) -> String {
     let config = ron::ser::PrettyConfig::new().depth_limit(2).compact_arrays(false);
-    let mut text = options()
-        .to_string_pretty(scene, config)
-        .expect("a scene has no value that RON cannot say");
+    let mut text =
+        options().to_string_pretty(scene, config).expect("every scene can be written as RON");
     text.push('\n');
     text
 }
 
 /// The scene as JSON text that [`from_json`] reads back to the same bits.
 pub(super) fn to_json(scene: &SceneFile) -> String {
-    let mut text =
-        serde_json::to_string_pretty(scene).expect("a scene has no value that JSON cannot say");
+    let mut text = serde_json::to_string_pretty(scene).expect("every scene can be written as JSON");
     text.push('\n');
     text
 }

@@ -1,41 +1,43 @@
-//! Where the elements of a scene file are, and the checks of their values.
+//! The places of elements in a scene file, and range checks of their values.
 
 use glam::Vec3;
 
 use crate::error::{Error, Result};
 
-/// Largest coordinate: beyond it the products of the primitive tests could overflow.
+/// Largest absolute coordinate. Beyond it, the products in the primitive tests could overflow.
 pub(super) const MAX_COORDINATE: f32 = 1e9;
 
-/// Largest radiance: sums of 2^24 samples of it are finite.
+/// Largest radiance. The sum of 2^24 samples with this radiance is still finite.
 pub(super) const MAX_RADIANCE: f32 = 1e30;
 
-/// Sines and cosines of angles in degrees.
+/// The sine and cosine of each angle, in degrees.
 pub(super) fn angles(degrees: [f32; 3]) -> [(f64, f64); 3] {
     degrees.map(|degrees| crate::math::precise::sin_cos_degrees(f64::from(degrees)))
 }
 
-/// Where the elements of a file are: lines, or paths such as `primitives[3]`.
+/// The places of the elements of a file: line numbers, or paths such as `primitives[3]`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places {
-    /// Line of each material, for files whose errors are told by line.
+    /// Line of each material, for files whose errors are reported by line.
     pub(super) materials: Vec<usize>,
     /// Line of each primitive.
     pub(super) primitives: Vec<usize>,
-    /// Lines of the sections; 0 where there is none.
+    /// Line of the camera, or 0 if the camera is missing or places are not lines.
     pub(super) camera: usize,
+    /// Line of the background, or 0.
     pub(super) background: usize,
+    /// Line of the render settings, or 0.
     pub(super) render: usize,
     by_line: bool,
 }
 
 impl Places {
-    /// Places are lines, which the reader fills in.
+    /// Places that are line numbers, which the reader of the file fills in.
     pub(super) fn lines() -> Self {
         Self { by_line: true, ..Self::default() }
     }
 
-    /// The place of a section at `line`, which names itself in files that have no lines.
+    /// The place of a section at `line`. It is empty for line 0, since messages name the section.
     pub(super) fn section(line: usize) -> String {
         if line == 0 { String::new() } else { line.to_string() }
     }
@@ -44,7 +46,8 @@ impl Places {
         if self.by_line { self.materials[index].to_string() } else { format!("materials.{name}") }
     }
 
-    /// The flat form names a texture after the material that has it, `m` and its number.
+    /// The place of a texture. The flat form names a texture after its material: `m` and the
+    /// material's number.
     pub(super) fn texture(&self, name: &str) -> String {
         match name.get(1..).unwrap_or_default().parse() {
             Ok(index) if self.by_line => self.material(index, name),
@@ -61,7 +64,7 @@ impl Places {
     }
 }
 
-/// One element of a file while its values are checked.
+/// One element of a file, for error messages while its values are checked.
 pub(crate) struct Element<'a> {
     pub(super) file: &'a str,
     pub(super) place: String,
@@ -89,7 +92,7 @@ impl Element<'_> {
         Ok(Vec3::from_array(value))
     }
 
-    /// The corners of a box.
+    /// Checks the corners of a box.
     pub(super) fn bounds(&self, min: [f32; 3], max: [f32; 3]) -> Result<()> {
         self.point("min", min)?;
         self.point("max", max)?;

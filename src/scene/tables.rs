@@ -1,4 +1,4 @@
-//! A scene in the tables that both engines read.
+//! The tables of a scene that both engines read.
 
 use super::Scene;
 use super::interaction::Interaction;
@@ -33,8 +33,8 @@ impl SceneTables {
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 
-    /// Where `ray` hits primitives of one shape at distance `t`; `textured` is that of their materials'
-    /// table.
+    /// The points where `ray` hits primitives of one shape at distance `t`. `textured` states
+    /// whether the table of their materials contains any textures.
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,

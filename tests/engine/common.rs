@@ -1,22 +1,22 @@
-//! Renders and their statistics, for all tests of the engine.
+//! Helpers that all engine tests share: small renders and their statistics.
 
 use ptfast::{Image, RenderSettings, Renderer, Sampling, Scene};
 
 pub(crate) const SAMPLINGS: [Sampling; 3] = [Sampling::Bsdf, Sampling::Light, Sampling::Mis];
 
-/// Renders `scene`.
+/// Renders `scene` and checks that every sample is finite.
 pub(crate) fn render(scene: &Scene, settings: RenderSettings) -> Image {
     let render = Renderer::new(scene, settings).unwrap().render().unwrap();
     assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
     render.image
 }
 
-/// Small settings for `scene`: 1 × 1 pixels unless changed.
+/// Settings for `scene` at 1 × 1 pixels.
 pub(crate) fn settings(scene: &Scene, sampling: Sampling, spp: u32, seed: u64) -> RenderSettings {
     RenderSettings { width: 1, height: 1, spp, seed, sampling, ..RenderSettings::of(scene) }
 }
 
-/// A mean over independent estimates and its standard error.
+/// The mean of independent estimates and its standard error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Estimate {
     pub(crate) mean: f64,

@@ -1,4 +1,4 @@
-//! Same seed, same bits: whatever the threads, the waves and the build.
+//! Tests that equal seeds give equal bits with any number of threads, any wave size and any build.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use crate::common::{SAMPLINGS, render};
 use ptfast::internals::BITS;
 use ptfast::{Engine, Observer, Progress, RenderSettings, Renderer, Sampler, Scene};
 
-/// Small settings with a last chunk of samples that is not full.
+/// Small settings whose last chunk of samples is not full.
 fn small(scene: &Scene) -> RenderSettings {
     RenderSettings { width: 50, height: 31, spp: 19, ..RenderSettings::of(scene) }
 }
@@ -60,7 +60,7 @@ fn renders_on_the_pool_of_the_caller() {
     assert!(!names.is_empty() && names.iter().all(|name| name.starts_with("mine ")), "{names:?}");
 }
 
-/// A thread that the host keeps busy is not waited for.
+/// A render must not wait for pool threads that the caller keeps busy.
 #[test]
 fn busy_threads_of_the_caller_are_not_waited_for() {
     let scene = Scene::load("cornell").unwrap();
@@ -80,7 +80,7 @@ fn busy_threads_of_the_caller_are_not_waited_for() {
     assert_eq!(hash, render(&scene, small(&scene)).hash());
 }
 
-/// A rendering takes no samples of another camera, setting or scene.
+/// A rendering rejects samples of another camera, setting or scene.
 #[test]
 fn renderings_belong_to_a_view() {
     let [scene, other] = ["cornell", "checker"].map(|name| Scene::load(name).unwrap());
@@ -106,14 +106,14 @@ fn renderings_belong_to_a_view() {
     assert_eq!(rendering.image().unwrap().hash(), render(&scene, base).hash());
 }
 
-/// Hashes that every build and machine must give. A change of them is a change of the
-/// images: it needs a line in CHANGELOG.md, and another version of the arithmetic.
+/// Every build and machine must give these hashes. Changing them changes the images, which needs an entry in
+/// CHANGELOG.md and a new version of the arithmetic (`BITS`).
 #[test]
 fn every_build_gives_the_pinned_hashes() {
     let mut hashes = String::new();
     for name in ptfast::BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron"]) {
         let scene = Scene::load(name).unwrap();
-        // Without lights all three are one.
+        // Without lights, all three modes are the same.
         let modes = if scene.lights() == 0 { &SAMPLINGS[..1] } else { &SAMPLINGS };
         for &sampling in modes {
             for (sampler, roulette) in
@@ -128,13 +128,23 @@ fn every_build_gives_the_pinned_hashes() {
         }
     }
     let pinned = include_str!("../data/hashes.txt");
-    assert_eq!(hashes, pinned, "write these to tests/data/hashes.txt if they are meant:\n{hashes}");
-    // Of each version of the arithmetic the hash of these hashes. What is kept of renders tells by the version
-    // whether it may be continued.
+    assert_eq!(
+        hashes, pinned,
+        "if the change is intended, write these to tests/data/hashes.txt:\n{hashes}"
+    );
+    // One line per version of the arithmetic, with the hash of these hashes. Checkpoints store the version, so
+    // that a build with other arithmetic does not continue them.
     let known = include_str!("../data/bits.txt");
     let now = format!("{BITS} {}", blake3::hash(pinned.as_bytes()));
-    assert_eq!(known.lines().last(), Some(&*now), "for other images raise BITS, and add the line");
+    assert_eq!(
+        known.lines().last(),
+        Some(&*now),
+        "images have changed: increment BITS and append its line to tests/data/bits.txt"
+    );
     let versions =
         known.lines().map(|line| line.split(' ').next().unwrap().parse::<u32>().unwrap());
-    assert!(versions.eq(1..=BITS), "each version of tests/data/bits.txt has one line");
+    assert!(
+        versions.eq(1..=BITS),
+        "tests/data/bits.txt must have one line per version, from 1 to BITS"
+    );
 }

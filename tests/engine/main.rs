@@ -1,5 +1,6 @@
-//! Tests of the library that depend on the instruction set: images, proofs and kernels. `.ci/run` repeats them for
-//! each instruction set, without the proofs and the scenes of other programs.
+//! Library tests that depend on the instruction set: images, proofs and kernels.
+//!
+//! `.ci/run` repeats them for each instruction set, except the proofs and the comparisons with other programs.
 
 mod common;
 mod determinism;

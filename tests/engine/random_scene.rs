@@ -1,4 +1,4 @@
-//! Scenes made up at random: everything that a scene file can say, mixed.
+//! Random scenes that mix all features of scene files.
 
 use ptfast::internals::{Stream, min};
 use ptfast::material::{
@@ -9,7 +9,7 @@ use ptfast::primitive::{BoxFile, MovingSphereFile, QuadFile, SphereFile, Triangl
 use ptfast::texture::{Checker, Color, Image, Solid, Texture};
 use ptfast::{Background, CameraFile, MediumFile, Named, PrimitiveFile, Sampling, SceneFile};
 
-/// The scene number `seed`; some are tiny, some are huge.
+/// Returns the random scene for `seed`. Some scenes are tiny, others huge.
 pub(crate) fn random_scene(seed: u64) -> SceneFile {
     let mut scene = Maker(Stream::new(seed)).scene();
     match seed % 8 {
@@ -20,7 +20,7 @@ pub(crate) fn random_scene(seed: u64) -> SceneFile {
     scene
 }
 
-/// Makes a scene so many times as large.
+/// Scales `scene` by the factor `by`.
 fn scale(scene: &mut SceneFile, by: f32) {
     let camera = &mut scene.camera;
     camera.focus_distance *= by;
@@ -38,7 +38,7 @@ fn scale(scene: &mut SceneFile, by: f32) {
             PrimitiveFile::Quad(QuadFile { q, u, v, .. }) => points.extend([q, u, v]),
             PrimitiveFile::Box(BoxFile { min, max, .. }) => points.extend([min, max]),
             PrimitiveFile::Triangles(TrianglesFile { vertices, .. }) => points.extend(vertices),
-            _ => unreachable!("the maker makes no other"),
+            _ => unreachable!("`Maker` generates no other kind"),
         }
     }
     for medium in &mut scene.media {
@@ -52,7 +52,7 @@ fn scale(scene: &mut SceneFile, by: f32) {
                 *density = min(*density / by, 1e6);
                 points.extend([lo, hi]);
             }
-            _ => unreachable!("the maker makes no other"),
+            _ => unreachable!("`Maker` generates no other kind"),
         }
     }
     points.into_iter().flatten().for_each(|coordinate| *coordinate *= by);
@@ -99,7 +99,7 @@ impl Maker {
         scene
     }
 
-    /// Those of different places lie side by side.
+    /// A random medium. Media with different `place` lie side by side, without overlap.
     fn medium(&mut self, place: f32) -> MediumFile {
         let density = self.0.between(0.01, 3.0);
         let albedo = self.vector(0.0, 1.0);

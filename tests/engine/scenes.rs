@@ -1,4 +1,4 @@
-//! Built-in scenes, forms of scene files, and the mean colours that other programs found.
+//! Tests of built-in scenes and scene file formats, and comparison with the mean colours of other programs.
 
 use std::fs;
 
@@ -12,10 +12,10 @@ use ptfast::{
     BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, RenderSettings, Sampling, Scene, SceneFile,
 };
 
-/// The built-in scenes hold exactly the primitives, materials and camera of the flat files
-/// that other programs read.
+/// The built-in scenes contain exactly the primitives, materials and camera of the flat files that other
+/// programs read.
 #[test]
-fn built_in_scenes_are_the_flat_ones() {
+fn built_in_scenes_equal_the_flat_files() {
     let hashes = BUILTIN_NAMES.map(|name| Scene::load(name).unwrap().hash());
     assert_eq!(std::collections::BTreeSet::from(hashes).len(), 4, "four scenes, four hashes");
     for name in BUILTIN_NAMES {
@@ -26,7 +26,7 @@ fn built_in_scenes_are_the_flat_ones() {
         assert_eq!(built_in.background(), flat.background(), "{name}");
         let size = |scene: &Scene| (scene.defaults().width, scene.defaults().height);
         assert_eq!(size(&built_in), size(&flat), "{name}");
-        // Numbered and named differently: compare what each primitive looks like.
+        // Materials have other numbers and names, so compare the material of each primitive.
         for primitive in 0..built_in.geometry().len() as u32 {
             assert_eq!(
                 &built_in.material(primitive),
@@ -35,7 +35,7 @@ fn built_in_scenes_are_the_flat_ones() {
             );
         }
         assert_eq!(built_in.hash(), flat.hash(), "{name}");
-        // And the images.
+        // The images must be equal too.
         let settings =
             |scene| RenderSettings { width: 64, height: 36, spp: 2, ..RenderSettings::of(scene) };
         let hash = |scene| render(scene, settings(scene)).hash();
@@ -88,8 +88,8 @@ fn cameras_are_made_in_code() {
     assert_eq!(error, "scene: camera: vfov must be in (0, 180) degrees, is 180.0");
 }
 
-/// Mean linear RGB by two independent loops around Embree, last digit ±1, without direct
-/// light sampling.
+/// Mean linear RGB from two independent path tracers around Embree, without direct light sampling. The last
+/// digit is uncertain by ±1.
 const MEANS: [(&str, [f64; 3]); 4] = [
     ("spheres", [0.3277, 0.3530, 0.4454]),
     ("spacetime", [0.3244, 0.3494, 0.4423]),
@@ -97,18 +97,18 @@ const MEANS: [(&str, [f64; 3]); 4] = [
     ("cornell", [0.1805, 0.1610, 0.1464]),
 ];
 
-/// All sampling modes give those means within 0.5% in every channel, and one another's. 16 seeds give the mean
-/// and its standard error, which must be so small that chance alone (3.3 standard errors, 0.1%)
-/// stays well within that.
+/// All sampling modes agree with these means, and with each other, within 0.5% in every channel. 16 seeds give
+/// a mean and its standard error. The error must be small enough that chance alone (3.3 standard errors, 0.1%)
+/// stays well within that tolerance.
 #[test]
-fn means_are_those_of_other_programs() {
+fn means_agree_with_other_programs() {
     for (name, want) in MEANS {
         let scene = Scene::load(name).unwrap();
         let modes: &[Sampling] =
             if scene.lights() == 0 { &[Sampling::Bsdf] } else { &crate::common::SAMPLINGS };
         let mut by_scattering = None;
         for &sampling in modes {
-            // As many paths as the noise asks for, on a coarser raster of the same picture.
+            // Enough paths for the noise of each scene, at a lower resolution of the same picture.
             let (width, height, spp) = match (name, sampling) {
                 ("cornell", Sampling::Bsdf) => (200, 200, 64),
                 ("cornell", _) => (200, 200, 8),
@@ -128,7 +128,7 @@ fn means_are_those_of_other_programs() {
                 let what = format!(
                     "{name} {sampling:?} channel {channel}: {mean:.5} ± {error:.5}, want {want}"
                 );
-                assert!(3.3 * error < 0.0035 * want, "not precise enough: {what}");
+                assert!(3.3 * error < 0.0035 * want, "the standard error is too large: {what}");
                 assert!((mean - want).abs() < 0.005 * want, "{what}");
                 if let Some(bsdf) = by_scattering.map(|means: [f64; 3]| means[channel]) {
                     assert!((mean - bsdf).abs() < 0.005 * bsdf, "{what}, bsdf {bsdf}");
@@ -143,7 +143,7 @@ fn means_are_those_of_other_programs() {
     }
 }
 
-/// A scene in code whose material has a texture of its own.
+/// A scene built in code whose material has an unnamed texture.
 fn with_texture(texture: impl Into<Texture>) -> SceneFile {
     let mut file = SceneFile::new(CameraFile::new([0.0, 0.0, 5.0], [0.0; 3], 40.0));
     file.add_material("a", Lambertian { albedo: texture.into().into() });

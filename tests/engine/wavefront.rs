@@ -1,4 +1,4 @@
-//! The wavefront engine has the scalar engine's bits.
+//! Tests that the wavefront engine gives the same bits as the scalar engine.
 
 use std::sync::Mutex;
 
@@ -15,7 +15,7 @@ fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
     Renderer::new(scene, settings).unwrap().render().unwrap()
 }
 
-/// Renders with both engines. Returns the rays traced.
+/// Renders with both engines, compares the results, and returns the number of rays traced.
 #[track_caller]
 fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
     let want = render(scene, settings, Engine::Scalar);
@@ -49,7 +49,7 @@ fn built_in_scenes() {
     }
 }
 
-/// Any plan, or none.
+/// A random plan, or `None`.
 fn random_plan(random: &mut Stream) -> Option<Plan> {
     let mut below = |end| (random.bits() % end) as usize;
     let segments = (0..below(4)).map(|_| SegmentPlan {
@@ -62,7 +62,7 @@ fn random_plan(random: &mut Stream) -> Option<Plan> {
     (!segments.is_empty()).then_some(Plan { wave_size, segments })
 }
 
-/// Trees that are too large for packets.
+/// Scenes whose trees are too large for packets.
 #[test]
 fn large_scenes() {
     for name in ["mesh:20480", "cloud:30000"] {
@@ -88,7 +88,7 @@ fn random_scenes() {
     assert!(rays > 800_000, "{rays}");
 }
 
-/// Images of odd sizes, few samples, few segments, more threads than pixels.
+/// Images of odd sizes, with few samples, few segments, or more threads than pixels.
 #[test]
 fn odd_sizes() {
     let scene = Scene::load("tests/data/everything.ron").unwrap();
@@ -103,7 +103,7 @@ fn odd_sizes() {
     }
 }
 
-/// Waves from a pixel's samples up, plans of every kind: the same bits.
+/// Waves of any size, down to one pixel's samples, and plans of every kind give the same bits.
 #[test]
 fn waves_and_plans_do_not_matter() {
     for name in ["tests/data/everything.ron", "spheres"] {
@@ -133,7 +133,7 @@ fn waves_and_plans_do_not_matter() {
     }
 }
 
-/// With the same plan the same work, however it is shared out; and its counts add up.
+/// Equal plans do equal work on any number of threads, and the counts add up.
 #[test]
 fn counts_add_up_and_repeat() {
     let scene = Scene::load("cornell").unwrap();
@@ -141,7 +141,7 @@ fn counts_add_up_and_repeat() {
         width: 60,
         height: 40,
         spp: 20,
-        // No more than are told apart.
+        // At most the number of segments that are counted separately.
         depth: 16,
         threads: 1,
         count: true,
@@ -162,7 +162,7 @@ fn counts_add_up_and_repeat() {
     assert_eq!(active(Stage::Generate), first.tally.rays.primary);
     assert_eq!(active(Stage::Extend), first.tally.rays.primary + first.tally.rays.bounce);
     assert_eq!(active(Stage::Order), first.tally.rays.bounce);
-    // Rays are misses and hits; the paths of hits end or go on.
+    // Each ray of a segment belongs to a path that ends there or continues in the next segment.
     let segments = &first.waves.segments;
     let next = segments[1..].iter().map(|segment| segment.stage(Stage::Extend).active);
     for (segment, on) in segments.iter().zip(next.chain([0])) {
@@ -178,13 +178,13 @@ fn counts_add_up_and_repeat() {
     assert_eq!(first.tally.endings.total(), first.tally.rays.primary);
 }
 
-/// Renders large enough for a plan to be measured, on one thread and on two; it can be given to others.
+/// Large renders measure a plan, on one thread and on two, and other renders can use that plan.
 #[test]
 fn plans_are_measured() {
     let scene = Scene::load("cornell").unwrap();
     let base = RenderSettings { width: 200, height: 200, ..RenderSettings::of(&scene) };
     for threads in [1, 2] {
-        // 30 million paths a thread: enough for wave sizes too.
+        // 30 million paths per thread are enough to measure wave sizes too.
         let large = RenderSettings { spp: 750 * threads, threads, ..base.clone() };
         let renderer = Renderer::new(&scene, large.clone()).unwrap();
         let plan = renderer.plan().unwrap();
@@ -198,7 +198,7 @@ fn plans_are_measured() {
         compare(&scene, &small, "measured");
         let text = serde_json::to_string(plan).unwrap();
         assert_eq!(serde_json::from_str::<Plan>(&text).unwrap(), *plan);
-        // A wave size that is given is kept.
+        // A given wave size is kept.
         let given = RenderSettings { wave_size: 5000, ..large };
         let renderer = Renderer::new(&scene, given).unwrap();
         let plan = renderer.plan().unwrap();
@@ -220,8 +220,7 @@ fn plans_out_of_range_are_refused() {
     assert!(refused(Plan { segments: Vec::new(), ..plan }));
 }
 
-/// Passes of any size continue each other: the same bits and counts as one pass, and a picture after
-/// the first sample.
+/// Passes of any size give the same bits and counts as one pass. Each pass yields an image.
 #[test]
 fn passes_of_any_size_give_the_same_bits() {
     struct Nobody;
@@ -246,7 +245,7 @@ fn passes_of_any_size_give_the_same_bits() {
     }
 }
 
-/// A renderer goes from view to view on the same trees; what it renders is what a new one does.
+/// A renderer that changes views keeps its trees, and renders the same image as a new renderer.
 #[test]
 fn views_share_a_prepared_scene() {
     fn send_and_sync<T: Send + Sync + 'static>(_: &T) {}
@@ -275,7 +274,7 @@ fn views_share_a_prepared_scene() {
     assert_eq!(renderer.settings().width, 40);
 }
 
-/// Progress is told of every path and ray once.
+/// Progress reports count every path and ray once.
 #[test]
 fn progress_adds_up() {
     struct Last(Mutex<Progress>);

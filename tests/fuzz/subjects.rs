@@ -1,7 +1,9 @@
-//! What is fuzzed: each takes any bytes for the content of a file, and is not to panic, to hang or to take more memory
-//! than it is allowed; what it accepts is to be sound.
+//! The functions that are fuzzed.
+//!
+//! Each takes arbitrary bytes as the content of a file. It must not panic, hang or exceed its memory limit, and the
+//! data that it accepts must be valid.
 
-#![allow(dead_code, unreachable_pub)] // each target has one
+#![allow(dead_code, unreachable_pub)] // each target uses only one
 
 use std::fs;
 use std::path::Path;
@@ -9,10 +11,10 @@ use std::path::Path;
 use ptfast::internals::{Checkpoint, Source};
 use ptfast::{Engine, Image, Limit, Limits, Metadata, RenderSettings, Renderer, Sampling, Scene};
 
-/// Takes bytes.
+/// A function to fuzz.
 pub type Subject = fn(&[u8]);
 
-/// All of them, by name.
+/// All subjects with their names.
 pub const ALL: [(&str, Subject); 11] = [
     ("scene_ron", scene_ron),
     ("scene_json", scene_json),
@@ -32,19 +34,19 @@ fn limits() -> Limits {
     limits.with(Limit::Primitives, 10_000).with(Limit::Pixels, 1 << 20)
 }
 
-/// Calls `use_it` with a file of that name and content, alone in a folder.
+/// Calls `use_it` with a file of this name and content in a temporary folder.
 fn in_file<T>(name: &str, bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
     thread_local! {
-        static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a folder");
+        static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("cannot create a temporary folder");
     }
     FOLDER.with(|folder| {
         let path = folder.path().join(name);
-        fs::write(&path, bytes).expect("a file");
+        fs::write(&path, bytes).expect("cannot write the file");
         use_it(&path)
     })
 }
 
-/// A scene in a file; one that is accepted says the same once it is written and read again.
+/// Loads a scene. An accepted scene must stay the same when it is written and read again.
 fn scene(name: &str, bytes: &[u8]) -> Option<Scene> {
     in_file(name, bytes, |path| {
         let read = |path: &Path| Source::find(&path.display().to_string())?.read(&limits());
@@ -54,7 +56,7 @@ fn scene(name: &str, bytes: &[u8]) -> Option<Scene> {
             let again = in_file(again, text.as_bytes(), |path| read(path)?.resolve());
             match again {
                 Ok(again) => assert_eq!(again.hash(), scene.hash()),
-                // Numbers may have more digits now.
+                // The text may be longer now, because numbers can have more digits.
                 Err(error) => assert!(error.to_string().contains("limit of memory"), "{error}"),
             }
         }
@@ -74,7 +76,7 @@ pub fn scene_flat(bytes: &[u8]) {
     scene("a.txt", bytes);
 }
 
-/// A mesh in a file of that name, as a scene has it.
+/// Loads a mesh file through a scene that names it.
 fn mesh(name: &str, bytes: &[u8]) {
     let scene = format!(
         "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40), \
@@ -126,7 +128,7 @@ pub fn texture_pfm(bytes: &[u8]) {
     image("t.pfm", bytes);
 }
 
-/// A checkpoint, whose hash is made right, so that what is behind it is reached.
+/// Loads a checkpoint. A valid hash is appended, so that the fuzzer reaches the code behind that check.
 pub fn checkpoint(bytes: &[u8]) {
     let hash = blake3::hash(bytes);
     let whole = [bytes, hash.as_bytes()].concat();
@@ -134,21 +136,24 @@ pub fn checkpoint(bytes: &[u8]) {
         let Ok(checkpoint) = Checkpoint::read(path, &limits()) else { return };
         let film = &checkpoint.rendering.film;
         assert!(film.samples_done() <= film.samples_to_do() && checkpoint.percent() <= 100);
-        assert_eq!(film.means().expect("memory").len() as u64, film.area().pixels());
+        assert_eq!(
+            film.means().expect("the limits allow this film").len() as u64,
+            film.area().pixels()
+        );
         let again = path.with_file_name("again.film");
-        checkpoint.write(&again).expect("a file");
+        checkpoint.write(&again).expect("cannot write the checkpoint");
         assert!(Checkpoint::read(&again, &limits()).is_ok());
     });
 }
 
-/// A record of a bench.
+/// Loads the record of a bench.
 pub fn record(bytes: &[u8]) {
     in_file("a.json", bytes, |path| {
         let _ = ptfast::internals::check_record(path);
     });
 }
 
-/// A scene that is accepted is rendered, by both engines alike, and every sample is finite.
+/// Renders every accepted scene. Both engines must give the same image and only finite samples.
 pub fn render(bytes: &[u8]) {
     let Some(scene) = scene("a.ron", bytes) else { return };
     let images = Engine::ALL.map(|engine| {
@@ -163,7 +168,7 @@ pub fn render(bytes: &[u8]) {
             ..RenderSettings::of(&scene)
         };
         let render = Renderer::new(&scene, settings).and_then(|renderer| renderer.render());
-        let render = render.expect("a scene that is accepted is rendered");
+        let render = render.expect("an accepted scene must render");
         assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
         (render.image.hash(), render.tally)
     });

@@ -1,12 +1,14 @@
-//! Bad input gets one line that names the file, the place and what would be right, the exit
-//! code of its kind, and leaves no file behind.
+//! Tests of bad input.
+//!
+//! The program must print one line that names the file, the place and the right form, exit with the
+//! code for this kind of error, and leave no file behind.
 
 use std::fs;
 use std::path::Path;
 
 use crate::common::{ptfast, stderr, stdout};
 
-/// A good scene, into which the faults below are put.
+/// A valid scene, into which the tests insert faults.
 const GOOD: &str = r#"(
     camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
     materials: {
@@ -32,7 +34,8 @@ mat lambert 0.5 0.5 0.5
 sphere 0 0 0 0 0 0 1 0
 ";
 
-/// Runs `arguments` and checks exit code, the one line, and the folder.
+/// Checks that the program fails with `code` and one line that contains all `parts`, and adds no
+/// file to the folder.
 #[track_caller]
 fn fails(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
     let files = || fs::read_dir(folder).map_or(0, Iterator::count);
@@ -43,13 +46,13 @@ fn fails(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
     assert_eq!(message.lines().count(), 1, "{arguments:?}: {message}");
     assert!(message.starts_with("ptfast: "), "{message}");
     for part in parts {
-        assert!(message.contains(part), "{arguments:?}: `{part}` is not in: {message}");
+        assert!(message.contains(part), "{arguments:?}: `{part}` is missing in: {message}");
     }
     assert_eq!(stdout(&output), "", "{arguments:?}");
     assert_eq!(files(), before, "{arguments:?} left a file behind");
 }
 
-/// Writes `text` with `from` replaced by `to` and checks that it is refused.
+/// Replaces `from` by `to` in the scene `good`, and checks that the result is rejected at `place`.
 #[track_caller]
 fn refused(name: &str, good: &str, from: &str, to: &str, place: &str, parts: &[&str]) {
     assert!(good.contains(from), "{from}");
@@ -63,7 +66,7 @@ fn refused(name: &str, good: &str, from: &str, to: &str, place: &str, parts: &[&
 }
 
 #[test]
-fn the_good_scenes_are_good() {
+fn the_scenes_without_faults_are_accepted() {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [("a.ron", GOOD), ("a.json", GOOD_JSON), ("a.txt", GOOD_FLAT)] {
         fs::write(folder.path().join(name), text).unwrap();
@@ -86,13 +89,8 @@ fn syntax_and_names_in_ron() {
     ron("\"grey\": lambertian", twice, ":4:", &["`grey` is used twice"]);
     let grey = "material: \"grey\"";
     let message = "unknown material `gray`, did you mean `grey`?";
-    ron(grey, "material: \"gray\"", ":primitives[0]", &["sphere: ", message]);
-    ron(
-        "(0.5, 0.5, 0.5)",
-        "\"wood\"",
-        ":materials.grey",
-        &["unknown texture `wood`, none is defined"],
-    );
+    ron(grey, "material: \"gray\"", ":7:9: primitives[0]", &["sphere: ", message]);
+    ron("(0.5, 0.5, 0.5)", "\"wood\"", ":4:", &["unknown texture `wood`, none is defined"]);
 }
 
 #[test]
@@ -113,7 +111,7 @@ fn faults_in_the_flat_form() {
     flat("sphere", "shpere", ":4", &["unknown record `shpere`, did you mean `sphere`?"]);
     flat("lambert", "lambrt", ":3", &["unknown material `lambrt`, did you mean `lambert`?"]);
     flat("0 0 0 1 0\n", "0 0 0 1 7\n", ":4", &["unknown material 7, the file defines 1"]);
-    flat("40 0 5 0 0", "40 0 5 0", ":2", &["the line ends where a number should follow"]);
+    flat("40 0 5 0 0", "40 0 5 0", ":2", &["expected a number, but the line ends"]);
     flat("40 0 5 0 0", "40 0 5 0 0 9", ":2", &["`9` is one value too many"]);
     flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a finite number"]);
     flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
@@ -132,42 +130,43 @@ fn faults_in_the_flat_form() {
 #[test]
 fn values_out_of_range() {
     let ron = |from, to, place, parts: &[&str]| refused("a.ron", GOOD, from, to, place, parts);
-    let ball = ":primitives[0]";
+    let ball = ":7:9: primitives[0]";
     ron("radius: 1", "radius: -1", ball, &["sphere: radius must be above 0", "is -1.0"]);
     ron("radius: 1", "radius: 0", ball, &["is 0.0"]);
     ron("radius: 1", "radius: NaN", ball, &["is NaN"]);
     ron("radius: 1", "radius: inf", ball, &["is inf"]);
     ron("center: (0, 0, 0)", "center: (0, NaN, 0)", ball, &["center must be finite"]);
     ron("center: (0, 0, 0)", "center: (0, 1e30, 0)", ball, &["within ±1e9"]);
-    ron("u: (1, 0, 0)", "u: (0, 2, 0)", ":primitives[1]", &["edges must span an area"]);
-    ron("u: (1, 0, 0)", "u: (0, 0, 0)", ":primitives[1]", &["edges must span an area"]);
+    ron("u: (1, 0, 0)", "u: (0, 2, 0)", ":8:9: primitives[1]", &["edges must span an area"]);
+    ron("u: (1, 0, 0)", "u: (0, 0, 0)", ":8:9: primitives[1]", &["edges must span an area"]);
     ron("look_at: (0, 0, 0)", "look_at: (0, 0, 5)", "", &["look_from and look_at must differ"]);
     ron("vfov: 40", "vfov: 40, up: (0, 0, 1)", "", &["camera: up must not be"]);
     ron("vfov: 40", "vfov: 180", "", &["camera: vfov must be in (0, 180) degrees"]);
     ron("vfov: 40", "vfov: 40, shutter: (1, 0)", "", &["camera: shutter must be"]);
     ron("vfov: 40", "vfov: 40, focus_distance: 0", "", &["camera: focus_distance must be"]);
-    ron("(0.5, 0.5, 0.5)", "(0.5, 1.5, 0.5)", ":materials.grey", &["albedo must be in [0, 1]"]);
+    ron("(0.5, 0.5, 0.5)", "(0.5, 1.5, 0.5)", ":4:", &["albedo must be in [0, 1]"]);
     let metal = "metal(albedo: (1, 1, 1), fuzz: 2)";
-    ron("lambertian(albedo: (0.5, 0.5, 0.5))", metal, ":materials.grey", &["fuzz must be in"]);
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", metal, ":4:", &["fuzz must be in"]);
     let glass = "dielectric(ior: 0)";
-    ron("lambertian(albedo: (0.5, 0.5, 0.5))", glass, ":materials.grey", &["ior must be in"]);
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", glass, ":4:", &["ior must be in"]);
     let lamp = "light(radiance: (-1, 0, 0))";
-    ron("lambertian(albedo: (0.5, 0.5, 0.5))", lamp, ":materials.grey", &["radiance must be"]);
+    ron("lambertian(albedo: (0.5, 0.5, 0.5))", lamp, ":4:", &["radiance must be"]);
     ron("materials:", "render: (width: 0), materials:", "", &["render: width must be in 1 to"]);
     let absurd = "render: (width: 1000000000, height: 1000000000), materials:";
     ron("materials:", absurd, "", &["render: width must be in 1 to 65536"]);
     let sky = "background: constant(radiance: (0, NaN, 0)), materials:";
     ron("materials:", sky, "", &["background: radiance must be"]);
     let picture = r#"textures: {"p": image(file: "nosuch.png")}, materials:"#;
-    ron("materials:", picture, ":textures.p", &["nosuch.png: cannot read"]);
+    ron("materials:", picture, ":3:19: textures.p", &["nosuch.png: cannot read"]);
+    let first = ":6:18: primitives[0]";
     let triangles =
         r#"primitives: [triangles(vertices: [(0, 0, 0)], indices: [(0, 1, 2)], material: "grey"),"#;
-    ron("primitives: [", triangles, ball, &["indices[0] must be below the number of vertices 1"]);
+    ron("primitives: [", triangles, first, &["indices[0] must be below the number of vertices 1"]);
     let triangles =
         r#"primitives: [triangles(vertices: [(0, inf, 0)], indices: [], material: "grey"),"#;
-    ron("primitives: [", triangles, ball, &["vertices[0] must be finite"]);
+    ron("primitives: [", triangles, first, &["vertices[0] must be finite"]);
     let flat_box = r#"primitives: [box(min: (0, 0, 0), max: (1, 0, 1), material: "grey"),"#;
-    ron("primitives: [", flat_box, ball, &["box: max must be above min"]);
+    ron("primitives: [", flat_box, first, &["box: max must be above min"]);
 }
 
 #[test]
@@ -177,11 +176,11 @@ fn values_of_materials_and_media_are_checked() {
         ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
         ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
         ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be 0 or in [0.001, 1]"),
-        ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be 0.001 or more where eta is less"),
-        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be 0.001 or more where eta is less"),
+        ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be at least 0.001 in channels"),
+        ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
     ] {
-        let place = if message.starts_with("unknown") { ":4" } else { ":materials.grey" };
+        let place = if message.starts_with("unknown") { ":4" } else { ":4:15: materials.grey" };
         refused("s.ron", GOOD, "lambertian(albedo: (0.5, 0.5, 0.5))", material, place, &[message]);
     }
     let ball_of_fog = "sphere(center: (0, 0, 0), radius: 1, density: 0.5, albedo: (1, 1, 1))";
@@ -212,17 +211,17 @@ fn values_of_materials_and_media_are_checked() {
                 "{ball_of_fog}, box(min: (0.9, 0, 0), max: (2, 1, 1), density: 1, albedo: (0, 0, 0))"
             ),
             1,
-            "overlaps media[0]: media must lie side by side",
+            "overlaps media[0], media must not overlap",
         ),
     ] {
         let with = format!("media: [{media}], materials:");
-        let place = format!(":media[{place}]: medium");
-        refused("s.ron", GOOD, "materials:", &with, &place, &[message]);
+        let place = format!("media[{place}]: medium");
+        refused("s.ron", GOOD, "materials:", &with, ":3:", &[&place, message]);
     }
 }
 
 #[test]
-fn files_that_are_not_there_or_not_files() {
+fn missing_files_and_non_files() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     fs::create_dir(here.join("folder.ron")).unwrap();
@@ -242,7 +241,7 @@ fn files_that_are_not_there_or_not_files() {
     fails(here, &render("binary.ron"), 65, &["binary.ron: not UTF-8"]);
     fails(here, &render("empty.json"), 65, &["empty.json:1:0: JSON syntax"]);
     fails(here, &render("spheers"), 2, &["`spheers`", "did you mean `spheres`?"]);
-    fails(here, &render("scene.obj"), 2, &["`scene.obj`", ".ron, .json or .txt"]);
+    fails(here, &render("scene.xyz"), 2, &["`scene.xyz`", ".ron, .json or .txt"]);
     fails(here, &["compare", "a.png", "b.png"], 74, &["a.png: cannot read"]);
     fails(here, &["compare", "empty.json", "b.png"], 65, &["empty.json", "PNG"]);
 }
@@ -270,15 +269,15 @@ fn wrong_usage() {
     wrong(&["--wdith", "3"], &["unexpected argument '--wdith'", "'--width'"]);
     wrong(&["-o", "out.jpeg"], &["out.jpeg: no writer for the extension `jpeg`, use .png"]);
     wrong(&["-o", "out"], &["no writer for the extension ``"]);
-    wrong(&["-o", "a.png", "--json", "a.png"], &["a.png: the image and the record need two"]);
-    fails(folder.path(), &["render"], 2, &["--scene"]);
+    wrong(&["-o", "a.png", "--json", "a.png"], &["a.png: the image and the record need different"]);
+    fails(folder.path(), &["render"], 2, &["<SCENE>", "`ptfast render --help`"]);
     fails(folder.path(), &["rendr"], 2, &["unrecognized subcommand 'rendr'", "render"]);
     fails(
         folder.path(),
         &[],
         2,
         &[
-            "a command is missing: render, merge, scenes, figures, compare, converge, rays, path, trace, bench or dashboard",
+            "a command is missing: render, merge, scenes, figures, compare, rays, path, trace, bench, converge, dashboard",
         ],
     );
 }
@@ -289,7 +288,7 @@ fn targets_that_cannot_be_written() {
     let here = folder.path();
     fs::create_dir(here.join("folder.png")).unwrap();
     fs::write(here.join("file"), "").unwrap();
-    // Refused before the first ray: with these sizes a render would take hours.
+    // The error must come before the first ray: renders of these sizes would take hours.
     let render = |target| {
         ["render", "--scene", "spheres", "--width", "9999", "--spp", "99999", "-o", target]
     };
@@ -304,10 +303,10 @@ fn targets_that_cannot_be_written() {
     let json = ["render", "--scene", "spheres", "--spp", "99999", "--json", "nosuch/record.json"];
     fails(here, &json, 74, &["nosuch/record.json: cannot write"]);
     let figures = ["figures", "--out", "file"];
-    fails(here, &figures, 74, &["file: cannot make the folder"]);
+    fails(here, &figures, 74, &["file: cannot create the folder"]);
     let rays = |out| ["rays", "--scene", "cloud:9000000", "--max-rays", "200000000", "--out", out];
-    fails(here, &rays("file"), 74, &["file: cannot make the folder"]);
-    fails(here, &rays("file/set"), 74, &["file/set: cannot make the folder"]);
+    fails(here, &rays("file"), 74, &["file: cannot create the folder"]);
+    fails(here, &rays("file/set"), 74, &["file/set: cannot create the folder"]);
     let many = ["rays", "--scene", "spheres", "--max-rays", "9999999999", "--out", "set"];
     fails(here, &many, 2, &["9999999999", "2048..=268435456"]);
 }
@@ -333,9 +332,9 @@ fn damaged_ray_sets_are_refused() {
         "primary.rays",
         |b| b.truncate(99),
         65,
-        &["primary.rays: 99 bytes, where manifest.json"],
+        &["primary.rays: has 99 bytes, but manifest.json"],
     );
-    damage("primary.hits", |b| b[5] = 7, 65, &["primary.hits:[0]: primitive", " of 3"]);
+    damage("primary.hits", |b| b[5] = 7, 65, &["primary.hits:[0]: primitive", "there are 3"]);
     damage("spheres.f32", |b| b[12..16].fill(0), 65, &["spheres.f32:[0]: the radius"]);
     damage("spheres.f32", |b| b[0..4].fill(255), 65, &["spheres.f32:[0]", "not finite"]);
     damage(
@@ -349,26 +348,26 @@ fn damaged_ray_sets_are_refused() {
     damage("manifest.json", rename, 65, &["manifest.json:sets[1]: the name must be primary"]);
     let twice =
         |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("bounce", "primary").into();
-    damage("manifest.json", twice, 65, &["manifest.json:sets[1]: each set must be there once"]);
+    damage("manifest.json", twice, 65, &["manifest.json:sets[1]: each set must be listed once"]);
     let kind =
         |b: &mut Vec<u8>| *b = String::from_utf8_lossy(b).replace("closest", "occluded").into();
-    damage("manifest.json", kind, 65, &["manifest.json:sets[0]: primary and bounce must be"]);
+    damage("manifest.json", kind, 65, &["manifest.json:sets[0]: the kind must be closest"]);
     let none = |b: &mut Vec<u8>| {
         let text = String::from_utf8_lossy(b);
         let (before, rest) = text.split_once("\"sets\":[").unwrap();
         let (_, after) = rest.split_once(']').unwrap();
         *b = format!("{before}\"sets\":[]{after}").into();
     };
-    damage("manifest.json", none, 65, &["manifest.json:sets: there must be one at least"]);
+    damage("manifest.json", none, 65, &["manifest.json:sets: there must be at least one"]);
     let many = |b: &mut Vec<u8>| {
         *b = String::from_utf8_lossy(b).replace("\"quads\":0", "\"quads\":40000000").into();
     };
-    damage("manifest.json", many, 65, &["manifest.json:counts: there can be 33554432 primitives"]);
+    damage("manifest.json", many, 65, &["manifest.json:counts: at most 33554432 primitives"]);
     damage("manifest.json", |b| b[3] = 0xff, 65, &["manifest.json: not UTF-8 text"]);
     damage("manifest.json", |b| b[0] = b'x', 65, &["manifest.json:1:1: "]);
     fs::remove_file(here.join("set/bounce.range")).unwrap();
     fails(here, &trace, 74, &["bounce.range: cannot read"]);
-    // Where something moves, rays have a time.
+    // In scenes with motion, rays have a time.
     let rays = ["rays", "--scene", "spacetime", "--out", "set", "--spp", "1", "--max-rays", "2048"];
     assert!(crate::common::ptfast(here, &rays).status.success());
     assert!(crate::common::ptfast(here, &trace).status.success());
@@ -393,10 +392,10 @@ fn sizes_of_generated_scenes_are_checked() {
     }
 }
 
-/// A link to a device that is always full: the file behind a path is what counts.
+/// A link to a device is rejected like the device itself.
 #[test]
 #[cfg(target_os = "linux")]
-fn devices_are_not_replaced() {
+fn devices_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("full.pfm")).unwrap();
     let render = ["render", "--scene", "cornell", "--spp", "1", "-o", "full.pfm"];
@@ -404,7 +403,7 @@ fn devices_are_not_replaced() {
     assert!(!fs::metadata("/dev/full").unwrap().is_file());
 }
 
-/// Standard output that is full: one line, non-zero.
+/// If standard output is full, the program prints one line and exits with an error.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_standard_output_is_reported() {

@@ -1,4 +1,4 @@
-//! `ptfast converge`: its table, record and plot.
+//! Tests of `ptfast converge`: its table, record and plot.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::common::{ptfast, stderr, stdout};
 use serde_json::Value;
 
 #[test]
-fn errors_are_told_as_table_record_and_plot() {
+fn errors_are_reported_as_table_record_and_plot() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = [
         "converge",
@@ -53,14 +53,14 @@ fn errors_are_told_as_table_record_and_plot() {
     assert!(plot.starts_with("<svg") && plot.contains("mis sobol, slope -"), "{plot}");
 }
 
-/// What was not measured is not made up: after longer than anything took, and without any error.
+/// Errors at times that were not measured are left out instead of extrapolated.
 #[test]
-fn what_is_not_known_is_left_out() {
+fn errors_that_were_not_measured_are_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let run = |more: &[&str]| {
         let base =
             ["converge", "--scene", "cornell", "--width", "8", "--spp", "4", "--rounds", "2"];
-        // The same way twice is one.
+        // A repeated sampling mode is rendered once.
         let way =
             ["--sampling", "mis", "--sampling", "mis", "--sampler", "sobol", "--json", "a.json"];
         let output = ptfast(folder.path(), &[&base[..], &way, more].concat());
@@ -74,17 +74,17 @@ fn what_is_not_known_is_left_out() {
     assert!(error.as_f64().unwrap() > 0.0 && told.is_empty(), "{told}");
     let (error, table, told) = run(&["--at", "1e300"]);
     assert!(error.is_null() && table.contains("–"), "{table}");
-    assert!(told.contains("not all were rendered for so short and so long"), "{told}");
+    assert!(told.contains("some renders have no error at"), "{told}");
 }
 
 #[test]
 fn wrong_usage_is_refused_before_anything_is_rendered() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, part) in [
-        (&["--plot", "a.png"] as &[&str], "a.png: a plot must end with .svg"),
+        (&["--plot", "a.png"] as &[&str], "a.png: the name of a plot must end with .svg"),
         (&["--at", "0"], "--at must be above 0"),
         (&["--json", "no/such/a.json"], "no/such"),
-        (&["--plot", "a.svg", "--json", "a.svg"], "need two files"),
+        (&["--plot", "a.svg", "--json", "a.svg"], "need different files"),
         (&["--spp", "1"], "--spp"),
     ] {
         let arguments = [&["converge", "--scene", "cornell"], arguments].concat();

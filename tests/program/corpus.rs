@@ -1,5 +1,6 @@
-//! The corpora of `tests/fuzz`, and variations of them: what cargo-fuzz looks for, on any toolchain and for as long as a
-//! test may take.
+//! Runs the fuzz subjects on the corpora of `tests/fuzz` and on random variations of them.
+//!
+//! This looks for the same faults as cargo-fuzz, but works with any toolchain and takes no longer than a test may.
 
 #[path = "../fuzz/subjects.rs"]
 mod subjects;
@@ -10,10 +11,10 @@ use std::path::{Path, PathBuf};
 
 use ptfast::internals::Stream;
 
-/// How often each is run, at least.
+/// Least number of runs per subject.
 const RUNS: usize = 2000;
 
-/// `bytes` with a few changed, taken out, repeated, or replaced by a part of `other`.
+/// Returns `bytes` with a few changed, removed, repeated, or replaced by a part of `other`.
 fn varied(bytes: &[u8], other: &[u8], random: &mut Stream) -> Vec<u8> {
     let mut varied = bytes.to_vec();
     for _ in 0..1 + random.bits() % 4 {
@@ -39,7 +40,7 @@ fn varied(bytes: &[u8], other: &[u8], random: &mut Stream) -> Vec<u8> {
     varied
 }
 
-/// For cargo-fuzz, in which each is a program of its own.
+/// cargo-fuzz needs one program and one manifest entry per subject.
 #[test]
 fn each_subject_is_a_target() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz");
@@ -53,7 +54,7 @@ fn each_subject_is_a_target() {
 }
 
 #[test]
-fn corpora_and_variations_of_them_are_taken() {
+fn corpora_and_their_variations_run_without_faults() {
     let corpora = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
     let found = tempfile::tempdir().unwrap().keep();
     let mut faults = Vec::new();
@@ -64,7 +65,7 @@ fn corpora_and_variations_of_them_are_taken() {
             .collect();
         files.sort();
         let corpus: Vec<Vec<u8>> = files.iter().map(|file| fs::read(file).unwrap()).collect();
-        assert!(corpus.len() >= 3, "{name} has a corpus");
+        assert!(corpus.len() >= 3, "{name} needs a corpus of at least 3 files");
         let mut random = Stream::new(7);
         let mut run = |bytes: &[u8]| {
             if catch_unwind(|| subject(bytes)).is_err() {

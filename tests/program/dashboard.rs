@@ -1,4 +1,6 @@
-//! `ptfast dashboard`, of a synthetic history; in a browser where `.ci/run` asks for it.
+//! Tests of `ptfast dashboard` with a synthetic history.
+//!
+//! Only `.ci/run` runs the tests that need a browser.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +9,7 @@ use std::process::Command;
 use crate::common::{ptfast, stderr, stdout};
 use serde_json::{Value, json};
 
-/// Records of two machines: on the first, spheres slows down by 8% at the fifth of eight commits.
+/// Speeds of spheres on the first of two machines: it slows down by 8% at the fifth of 8 commits.
 const SPEEDS: [f64; 8] = [100.0, 100.4, 99.8, 100.1, 92.0, 92.3, 91.9, 92.1];
 
 fn estimate(median: f64) -> Value {
@@ -19,7 +21,7 @@ fn run(scene: &str, engine: &str, threads: u32, speed: f64, clock: f64) -> Value
     let block = |number: u32| {
         let seconds = f64::from(rays) / (speed * 1e6) * (1.0 + 0.0005 * f64::from(number % 5));
         let rays = json!({ "primary": rays / 2, "bounce": rays / 2, "shadow": 0 });
-        // Clocks that change from hour to hour change no speed a cycle.
+        // Clock frequencies change from hour to hour, but speed per cycle does not.
         json!({ "seconds": seconds / clock, "rays": rays, "clock": 3.5 * clock })
     };
     let work = |active: u32| json!({ "active": active, "issued": 1000 });
@@ -37,7 +39,7 @@ fn run(scene: &str, engine: &str, threads: u32, speed: f64, clock: f64) -> Value
         } else { json!([]) },
         "peak_rss_bytes": 20_000_000,
     });
-    // Old programs told none.
+    // Old versions of the program did not record a sampler.
     if scene == "cornell" {
         run["sampler"] = json!("sobol");
     }
@@ -74,10 +76,10 @@ fn history(folder: &Path) {
         fs::write(folder.join("history").join(name), record.to_string()).unwrap();
     };
     for (number, speed) in SPEEDS.into_iter().enumerate() {
-        // Times, not names, are the order.
+        // Records are ordered by time, not by file name.
         write(format!("{}.json", 9 - number), record(number, "First model", speed));
         if number < 3 {
-            // A hypervisor may give one name to different CPUs.
+            // A hypervisor may report one name for different CPUs.
             write(format!("b{number}.json"), record(number, "Second model", 50.0));
         }
     }
@@ -92,14 +94,14 @@ fn page(folder: &Path) -> String {
     fs::read_to_string(folder.join("out/page/index.html")).unwrap()
 }
 
-/// The data that the page shows.
+/// The data embedded in the page.
 fn data(page: &str) -> Value {
     let data = page.split("const DATA = ").nth(1).unwrap();
     serde_json::from_str(data.split(";</script>").next().unwrap()).unwrap()
 }
 
 #[test]
-fn series_are_of_one_machine_and_the_change_point_is_found() {
+fn each_series_has_one_machine_and_the_change_point_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let data = data(&page(folder.path()));
     let machines: Vec<&str> =
@@ -108,7 +110,7 @@ fn series_are_of_one_machine_and_the_change_point_is_found() {
     let name = |model: &str| format!("A CPU ({model} model), 2 cores, avx2 (8 lanes)");
     assert_eq!(machines, [name("First"), name("Second")]);
     let series = data["series"].as_array().unwrap();
-    assert_eq!(series.len(), 6, "two machines, three runs");
+    assert_eq!(series.len(), 6, "two machines with three runs each");
     for series in series {
         let points = series["points"].as_array().unwrap();
         let first = series["machine"] == 0;
@@ -139,17 +141,17 @@ fn series_are_of_one_machine_and_the_change_point_is_found() {
 }
 
 #[test]
-fn the_page_needs_nothing_else() {
+fn the_page_needs_no_other_files() {
     let folder = tempfile::tempdir().unwrap();
     let html = page(folder.path());
     for outside in ["src=", "href=", "@import", "url(", "fetch(", "XMLHttpRequest"] {
         assert!(!html.contains(outside), "{outside}");
     }
-    // What a record says cannot end the script.
+    // The text of a record must not end the script element.
     assert!(!html.contains("</script><b>") && html.contains("\\u003c/script>\\u003cb>"));
-    assert!(html.contains("Leon Sorokin"), "uPlot's licence goes with its code");
+    assert!(html.contains("Leon Sorokin"), "the page must contain uPlot's licence with its code");
 
-    // Criterion's report is linked where it is.
+    // If Criterion's report exists, the page links to it.
     let here = folder.path();
     fs::create_dir_all(here.join("target/criterion/report")).unwrap();
     fs::write(here.join("target/criterion/report/index.html"), "").unwrap();
@@ -160,7 +162,7 @@ fn the_page_needs_nothing_else() {
 }
 
 #[test]
-fn bad_histories_are_told() {
+fn bad_histories_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let fails = |code: i32, words: &str| {
@@ -172,7 +174,7 @@ fn bad_histories_are_told() {
     };
     fails(74, "history");
     fs::create_dir(here.join("history")).unwrap();
-    fails(65, "no record is there");
+    fails(65, "no bench records");
     fs::write(here.join("history/a.json"), "{}").unwrap();
     fails(65, "a.json");
     let mut late = record(1, "", 1.0);
@@ -181,7 +183,7 @@ fn bad_histories_are_told() {
     fails(65, "a.json:time");
 }
 
-/// What the browser is asked to do once the page is there: each step a filter, then what is seen.
+/// A script that sets the filters of the page step by step, and records the visible parts.
 const STEPS: &str = r##"
 <script>
 const seen = {};
@@ -191,7 +193,7 @@ const legend = () => [...document.querySelectorAll("#speeds .u-legend .u-label")
 const rows = (id = "changes") => [...byId(id).rows].slice(1).map((row) => row.textContent);
 const set = (box, on) => { box.checked = on; box.dispatchEvent(new Event("change")); };
 const choose = (id, value) => { byId(id).value = value; byId(id).dispatchEvent(new Event("change")); };
-// Pixels of about this colour in some columns of the first canvas, which is read once.
+// Counts pixels of about this colour in some columns of the first canvas, which is read once.
 const canvas = document.querySelector("#speeds canvas");
 const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
 const inked = (rgb, from = 0, columns = width) => {
@@ -204,7 +206,7 @@ const inked = (rgb, from = 0, columns = width) => {
   return count;
 };
 const RED = [0xd8, 0x70, 0x3b];
-// The columns of the fourth record and the fifth, at which the change point is.
+// The column of a record. The change point is at the fifth record, number 4.
 const at = (record) => Math.round(plots[0].valToPos(record, "x", true)) - 2;
 seen.machine = byId("machine").selectedOptions[0].textContent;
 seen.first = { titles: titles(), legend: legend(), rows: rows(), 
@@ -225,7 +227,7 @@ seen.none = { titles: titles() };
 choose("machine", "0");
 set(document.querySelector("input[name=thread][value='1']"), true);
 const slow = shown()[0];
-tell(slow, slow.points.find((point) => point.change).record);
+show(slow, slow.points.find((point) => point.change).record);
 seen.point = byId("point").textContent;
 seen.buttons = [...document.querySelectorAll("#speeds .chart")].map((box) => box.querySelectorAll("button").length);
 document.querySelector("#speeds button").click();
@@ -237,7 +239,7 @@ document.body.append(report);
 </script>
 "##;
 
-/// The page after its scripts, and what the console says.
+/// Loads a page in Chromium, and returns the document after its scripts and the console messages.
 fn browse(file: &Path) -> (String, Vec<String>) {
     let output = Command::new("chromium")
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
@@ -246,13 +248,13 @@ fn browse(file: &Path) -> (String, Vec<String>) {
         .arg(format!("--user-data-dir={}", file.with_extension("profile").display()))
         .args(["--dump-dom", &format!("file://{}", file.display())])
         .output()
-        .expect("chromium is installed");
+        .expect("cannot run chromium, which .ci/run installs");
     let said = stderr(&output);
     let console = said.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect();
     (stdout(&output), console)
 }
 
-/// The history that is checked in, of real machines and old versions.
+/// The history in the repository, from real machines and old versions.
 #[test]
 #[ignore = "needs Chromium, which .ci/run installs: cargo test --test program dashboard -- --ignored"]
 fn the_page_of_the_real_history_works_in_a_browser() {
@@ -262,7 +264,7 @@ fn the_page_of_the_real_history_works_in_a_browser() {
     let output = ptfast(here, &["dashboard", "--history", history, "--out", "page"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let (dom, console) = browse(&here.join("page/index.html"));
-    assert!(console.is_empty(), "the console says: {console:?}");
+    assert!(console.is_empty(), "the console must be empty: {console:?}");
     for scene in ["spheres", "spacetime", "checker", "cornell"] {
         assert!(dom.contains(&format!("data-title=\"{scene}: Mrays/s\"")), "{scene}");
     }
@@ -277,8 +279,11 @@ fn the_page_works_in_a_browser() {
     let file = here.join("steps.html");
     fs::write(&file, html).unwrap();
     let (dom, console) = browse(&file);
-    assert!(console.is_empty(), "the console says: {console:?}");
-    let seen = dom.split("<pre id=\"seen\">").nth(1).unwrap_or_else(|| panic!("no report: {dom}"));
+    assert!(console.is_empty(), "the console must be empty: {console:?}");
+    let seen = dom
+        .split("<pre id=\"seen\">")
+        .nth(1)
+        .unwrap_or_else(|| panic!("the script left no report: {dom}"));
     let seen = seen.split("</pre>").next().unwrap();
     let seen = seen.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     let seen: Value = serde_json::from_str(&seen).unwrap();
@@ -288,7 +293,10 @@ fn the_page_works_in_a_browser() {
     assert_eq!(first["titles"], json!(["spheres: Mrays/s", "cornell: Mrays/s"]));
     let legend: Vec<&str> =
         first["legend"].as_array().unwrap().iter().map(|label| label.as_str().unwrap()).collect();
-    assert_eq!(legend, ["commit", "scalar 1", "wavefront 1", "commit", "wavefront 2"]);
+    assert_eq!(
+        legend,
+        ["commit", "scalar, 1 thread", "wavefront, 1 thread", "commit", "wavefront, 2 threads"]
+    );
     let rows = first["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 1, "{rows:?}");
     for word in ["c4ffee0", "spheres", "wavefront", "0.9"] {
@@ -296,12 +304,15 @@ fn the_page_works_in_a_browser() {
     }
     assert_eq!(seen["counts"], json!(["c6ffee0sphereswavefront1node visits 0.9800"]));
     let pixels = |of: &str| first[of].as_u64().unwrap();
-    assert!(pixels("line") > 300, "the second series is drawn in its colour: {first}");
-    assert!(pixels("change") > 2 * pixels("before") + 50, "a line marks the change point: {first}");
-    assert_eq!(seen["sections"], json!([2, 2, 3]));
+    assert!(pixels("line") > 300, "the second series must be drawn in its colour: {first}");
+    assert!(
+        pixels("change") > 2 * pixels("before") + 50,
+        "a line must mark the change point: {first}"
+    );
+    assert_eq!(seen["sections"], json!([2, 2, 1]));
     assert_eq!(seen["withoutCornell"]["titles"], json!(["spheres: Mrays/s"]));
-    assert_eq!(seen["withoutScalar"]["legend"], json!(["commit", "wavefront 1"]));
-    assert_eq!(seen["speedup"]["titles"], json!(["spheres: times as fast as scalar"]));
+    assert_eq!(seen["withoutScalar"]["legend"], json!(["commit", "wavefront, 1 thread"]));
+    assert_eq!(seen["speedup"]["titles"], json!(["spheres: speed relative to scalar"]));
     assert_eq!(seen["second"], json!({ "titles": ["spheres: Mrays/s"], "rows": ["none"] }));
     assert_eq!(seen["none"]["titles"], json!([]));
     let point = seen["point"].as_str().unwrap();
@@ -310,15 +321,15 @@ fn the_page_works_in_a_browser() {
                    cargo run --release -- bench --program ../ptfast-c4ffee0123456/target/release/ptfast \
                    --scene spheres";
     assert!(point.contains(command), "{point}");
-    assert_eq!(seen["buttons"], json!([8]), "a button a point");
+    assert_eq!(seen["buttons"], json!([8]), "each point must have a button");
     assert_eq!(
         seen["pressed"],
-        json!("spheres, wavefront 1 threads, commit c0ffee0123456"),
+        json!("spheres, wavefront, 1 thread, commit c0ffee0123456"),
         "{seen}"
     );
 }
 
-/// Else the test above could not fail.
+/// Checks that the tests above can fail.
 #[test]
 #[ignore = "needs Chromium, which .ci/run installs: cargo test --test program dashboard -- --ignored"]
 fn errors_on_a_page_are_noticed() {

@@ -1,13 +1,16 @@
-//! ARCHITECTURE.md says which module may import which; this holds the source to it.
+//! Checks the source against the layering rules of ARCHITECTURE.md: which module may import which.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The rows of the layering table: module → modules that it may import.
+/// Reads the layering table: module → modules that it may import.
 fn allowed() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string("ARCHITECTURE.md").unwrap();
-    let table = text.split("<!-- layering -->").nth(1).expect("the layering table is marked");
+    let table = text
+        .split("<!-- layering -->")
+        .nth(1)
+        .expect("the layering table must be marked by `<!-- layering -->`");
     let names = |cell: &str| -> BTreeSet<String> {
         cell.split('`').skip(1).step_by(2).map(str::to_owned).collect()
     };
@@ -32,7 +35,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The top-level module of a source file; `None` for the crate's roots.
+/// The top-level module of a source file, or `None` for the roots of the crate.
 fn module_of(path: &Path) -> Option<String> {
     let inside = path.strip_prefix("src").unwrap();
     let first = inside.components().next().unwrap().as_os_str().to_str().unwrap();
@@ -40,7 +43,7 @@ fn module_of(path: &Path) -> Option<String> {
     (!matches!(name, "lib" | "main" | "build")).then(|| name.to_owned())
 }
 
-/// Every `crate::name` outside comments and test modules.
+/// The name after each `crate::` outside comments and test modules.
 fn imports(text: &str) -> BTreeSet<String> {
     let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();
     let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
@@ -53,7 +56,7 @@ fn imports(text: &str) -> BTreeSet<String> {
 #[test]
 fn modules_import_only_what_architecture_allows() {
     let allowed = allowed();
-    assert!(allowed.len() > 8, "the table was not found: {allowed:?}");
+    assert!(allowed.len() > 8, "the layering table of ARCHITECTURE.md was not found: {allowed:?}");
     let mut files = Vec::new();
     sources(Path::new("src"), &mut files);
     let mut modules = BTreeSet::new();
@@ -61,11 +64,11 @@ fn modules_import_only_what_architecture_allows() {
         let Some(module) = module_of(&path) else { continue };
         let may = allowed
             .get(&module)
-            .unwrap_or_else(|| panic!("`{module}` is missing in ARCHITECTURE.md's table"));
+            .unwrap_or_else(|| panic!("`{module}` is missing in the table of ARCHITECTURE.md"));
         for import in imports(&fs::read_to_string(&path).unwrap()) {
             assert!(
                 import == module || may.contains(&import),
-                "{} imports `{import}`, ARCHITECTURE.md allows {may:?}",
+                "{} imports `{import}`, but ARCHITECTURE.md allows only {may:?}",
                 path.display()
             );
         }
@@ -75,14 +78,14 @@ fn modules_import_only_what_architecture_allows() {
     assert_eq!(listed, modules, "ARCHITECTURE.md lists modules that do not exist");
 }
 
-/// The module of a source file: `engine/wavefront/sort.rs` is `[engine, wavefront, sort]`.
+/// The module path of a source file: `[engine, wavefront, sort]` for `engine/wavefront/sort.rs`.
 fn path_of(file: &Path) -> Vec<String> {
     let inside = file.strip_prefix("src").unwrap().with_extension("");
     let names = inside.iter().map(|name| name.to_str().unwrap().to_owned());
     names.filter(|name| !matches!(&**name, "mod" | "lib")).collect()
 }
 
-/// The paths that begin at `text`, such as `a::{b, c::d}` in an import.
+/// Parses the paths at the start of `text`, such as `a::{b, c::d}`, and returns the rest of it too.
 fn tree(text: &str) -> (Vec<Vec<String>>, &str) {
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     let (name, mut rest) = text.split_at(end);
@@ -91,7 +94,7 @@ fn tree(text: &str) -> (Vec<Vec<String>>, &str) {
         loop {
             let (more, after) = tree(inside.trim_start());
             paths.extend(more);
-            // What follows the name: `as another`, a comma, or the end.
+            // Skip `as another` after the name, up to a comma or the end.
             let end = after.find([',', '}']).unwrap_or(after.len());
             let (mark, next) = after[end..].split_at(after[end..].len().min(1));
             (rest, inside) = (next, next.trim_start());
@@ -114,7 +117,7 @@ fn tree(text: &str) -> (Vec<Vec<String>>, &str) {
     (paths, rest)
 }
 
-/// The paths that the file of `module` names with `crate` or `super`, from the crate's root.
+/// All paths that the file of `module` names by `crate` or `super`, relative to the root of the crate.
 fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();
     let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
@@ -122,7 +125,7 @@ fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     let mut found = Vec::new();
     for (start, root) in code.match_indices("crate::").chain(code.match_indices("super::")) {
         if code[..start].ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | ':')) {
-            continue; // a longer path
+            continue; // part of a longer path
         }
         let mut rest = &code[start + root.len()..];
         let mut base = if root == "crate::" { &[][..] } else { &module[..module.len() - 1] };
@@ -139,7 +142,8 @@ fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// Module → names that its `mod.rs` imports from modules in its folder → those modules.
+/// For each module with a `mod.rs`, the names that it imports from modules in its folder, each with
+/// its module.
 fn re_exports(files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, String>> {
     let mut all = BTreeMap::new();
     for file in files.iter().filter(|file| file.ends_with("mod.rs")) {
@@ -157,9 +161,9 @@ fn re_exports(files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, Strin
     all
 }
 
-/// The entries of `imports` that are in a circle, or lead to one.
+/// The entries of `imports` that are part of a circle or lead to one.
 fn circles(mut imports: BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
-    // Take away what imports nothing that is left.
+    // Remove modules whose imports have all been removed.
     loop {
         let left: BTreeSet<String> = imports.keys().cloned().collect();
         imports.retain(|_, to| !to.is_disjoint(&left));
@@ -169,15 +173,16 @@ fn circles(mut imports: BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, 
     }
 }
 
-/// Folders whose types are defined by each other: a vector of floats has bits, and those are integers.
+/// Folders that may have circles, because their types define each other: a vector of floats has bits,
+/// which are integers.
 const ONE_VOCABULARY: [&str; 1] = ["simd"];
 
-/// Modules of one folder import each other in no circle.
+/// Modules of one folder must not import each other in a circle.
 #[test]
 fn imports_have_no_circles() {
     let mut files = Vec::new();
     sources(Path::new("src"), &mut files);
-    // Folder → module in it → modules beside it that its files import.
+    // Folder → module in it → modules of the same folder that its files import.
     let mut folders: BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
     let modules: BTreeSet<Vec<String>> = files.iter().map(|file| path_of(file)).collect();
     let re_exports = re_exports(&files);
@@ -195,7 +200,7 @@ fn imports_have_no_circles() {
             }
         }
     }
-    assert!(folders.len() > 10, "imports were not found");
+    assert!(folders.len() > 10, "the imports were not found");
     for (folder, imports) in folders {
         let (folder, circles) = (folder.join("/"), circles(imports));
         let allowed = ONE_VOCABULARY.contains(&&*folder);
@@ -216,7 +221,7 @@ fn circles_are_found() {
     assert_eq!(imports(&[("a", "b"), ("b", "c"), ("c", "b"), ("b", "d")]), 3);
 }
 
-/// The first line of a file says what it is for.
+/// Each file must begin with a `//!` line that says what the file is for.
 #[test]
 fn every_file_says_what_it_is_for() {
     let mut files = Vec::new();
@@ -229,7 +234,7 @@ fn every_file_says_what_it_is_for() {
 }
 
 #[test]
-fn the_paths_of_a_file_are_seen() {
+fn named_paths_are_found() {
     let text = "use crate::math::{dot as d, trig::{sin, cos,}};\npub(super) fn f() { super::g::h() }\n\
                 use super::super::x;\n// crate::cli\n";
     let module = ["a", "b"].map(str::to_owned);
@@ -239,7 +244,7 @@ fn the_paths_of_a_file_are_seen() {
 }
 
 #[test]
-fn the_imports_of_a_file_are_seen() {
+fn imports_are_found() {
     let text = "use crate::math::dot;\n// crate::cli\nfn f() { crate::limits::check() }\n";
     let want = BTreeSet::from(["math".to_owned(), "limits".to_owned()]);
     assert_eq!(imports(text), want);

@@ -1,4 +1,4 @@
-//! Tests of the program, its files and its sources, which run on one instruction set.
+//! Tests of the program, its files and its sources, which need to run on one instruction set only.
 
 mod bad_input;
 mod bench;

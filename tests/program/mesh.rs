@@ -1,4 +1,4 @@
-//! Scene files that name meshes.
+//! Tests of scene files that name mesh files.
 
 use std::fs;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn scene(primitive: &str) -> String {
     )
 }
 
-/// A folder with both meshes, and scenes of these names and primitives.
+/// A folder with both mesh files, and a scene file for each name and primitive.
 fn folder(scenes: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
@@ -57,11 +57,11 @@ fn load(folder: &Path, name: &str) -> Scene {
 }
 
 #[test]
-fn files_and_lists_of_the_same_triangles_are_the_same_scene() {
+fn files_and_lists_of_equal_triangles_give_the_same_scene() {
     let list = format!("triangles(vertices: {VERTICES:?}, indices: {FACES:?}, material: \"grey\")")
         .replace('[', "(")
         .replace(']', ")");
-    // The outer lists are lists.
+    // The outer lists keep their square brackets.
     let list = list.replace("vertices: (", "vertices: [").replace("), indices: (", "], indices: [");
     let list = list.replace("), material", "], material");
     let folder = folder(&[
@@ -76,11 +76,11 @@ fn files_and_lists_of_the_same_triangles_are_the_same_scene() {
         assert_eq!(mesh.geometry(), list.geometry(), "{name}");
         assert_eq!(mesh.hash(), list.hash(), "{name}");
     }
-    // From any current folder, to the same picture.
+    // Meshes are found relative to the scene file, so the current folder does not matter.
     let render = |name: &str| {
         let scene = folder.path().join(name);
         let elsewhere = tempfile::tempdir().unwrap();
-        let arguments = ["render", "-q", "--scene", scene.to_str().unwrap(), "-o", "a.png"];
+        let arguments = ["render", "--scene", scene.to_str().unwrap(), "-o", "a.png"];
         let output = ptfast(elsewhere.path(), &arguments);
         assert!(output.status.success(), "{}", stderr(&output));
         let text = stdout(&output);
@@ -100,24 +100,24 @@ fn meshes_are_scaled_turned_and_moved() {
             material: "grey")"#,
         ),
     ]);
-    // About x first: y goes to z, and then to x.
+    // The rotation about x comes first: y becomes z, which becomes x.
     let turned = load(folder.path(), "b.ron").geometry().triangles[0].vertices[1];
     assert_eq!(turned.to_array(), [1.0, 0.0, 0.0]);
     let scene = load(folder.path(), "a.ron");
-    // 0, 2, 1: x goes to −z, y stays.
+    // Vertices 0, 2, 1: x becomes −z, y stays.
     let vertices = scene.geometry().triangles[0].vertices.map(|v| v.to_array());
     assert_eq!(vertices, [[10.0, 20.0, 30.0], [10.0, 22.0, 30.0], [10.0, 20.0, 28.0]]);
 }
 
 #[test]
-fn wrong_meshes_are_told_by_file_and_line() {
+fn mesh_errors_name_file_and_line() {
     let cases = [
         (r#"file: "meshes/b.obj""#, "meshes/b.obj: cannot read"),
-        (r#"file: "meshes""#, "no reader for this extension, meshes are .obj or .ply files"),
+        (r#"file: "meshes""#, "unsupported file extension, meshes are .obj or .ply files"),
         (r#"file: "meshes/folder.ply""#, "meshes/folder.ply: cannot read: is a directory"),
-        (r#"file: "meshes/empty.obj""#, "meshes/empty.obj: no face in it"),
-        (r#"file: "meshes/broken.obj""#, "meshes/broken.obj:7: the face names a vertex beyond"),
-        (r#"file: "meshes/broken.ply""#, "meshes/broken.ply:15: the face names a vertex beyond"),
+        (r#"file: "meshes/empty.obj""#, "meshes/empty.obj: the file has no faces"),
+        (r#"file: "meshes/broken.obj""#, "meshes/broken.obj:7: the face refers to a missing"),
+        (r#"file: "meshes/broken.ply""#, "meshes/broken.ply:15: the face refers to a missing"),
         (r#"file: "meshes/a.obj", scale: 0"#, "scale must be above 0 and at most 1e9, is 0.0"),
         (
             r#"file: "meshes/a.obj", scale: 1e9, translation: (1e9, 0, 0)"#,

@@ -1,4 +1,4 @@
-//! The Bencher Metric Format.
+//! Exports records in the Bencher Metric Format.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::bench::record::Record;
 use crate::error::Result;
 use crate::output::write_atomically;
 
-/// Writes the throughput of each run, in rays a second.
+/// Writes the throughput of each run in rays per second.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let metrics = record.runs.iter().map(|run| {
         let speed = run.mrays_per_s;

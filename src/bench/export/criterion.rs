@@ -1,4 +1,4 @@
-//! The folders of criterion: `criterion/GROUP/FUNCTION/VALUE/BASELINE/*.json`.
+//! Exports records as criterion's folders: `criterion/GROUP/FUNCTION/VALUE/BASELINE/*.json`.
 
 use std::fs;
 use std::io::Write;
@@ -12,14 +12,15 @@ use crate::bench::run::{Run, Workload};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
-/// A baseline named after the commit, beside those of other commits: `critcmp --target-dir FOLDER`.
+/// Writes a baseline named after the commit, next to those of other commits. `critcmp --target-dir
+/// FOLDER` compares them.
 pub(super) fn write(record: &Record, folder: &Path) -> Result<()> {
     for run in &record.runs {
         let Workload { scene, engine, threads, .. } = &run.work;
         let id = [scene, engine, &threads.to_string()].map(|part| file_name(part));
         let directory = id.join("/");
         let place = folder.join(&directory).join(file_name(&record.machine.commit));
-        fs::create_dir_all(&place).map_err(Error::io(&place, "make the folder"))?;
+        fs::create_dir_all(&place).map_err(Error::io(&place, "create the folder"))?;
         for (name, value) in [
             ("benchmark.json", benchmark(run, &directory)),
             ("estimates.json", estimates(run)),
@@ -31,7 +32,8 @@ pub(super) fn write(record: &Record, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// As criterion makes names of files. Of long ones the end: of paths it tells more.
+/// Turns `text` into a file name as criterion does. Long names keep only their last 60 characters, since
+/// the end of a path identifies it better.
 fn file_name(text: &str) -> String {
     let safe = |c: char| if "?\"/\\*<>:|^".contains(c) || c.is_control() { '_' } else { c };
     let end = text.chars().count().saturating_sub(60);
@@ -56,7 +58,7 @@ fn nanoseconds(run: &Run) -> Vec<f64> {
     run.blocks.iter().map(|block| block.seconds * 1e9).collect()
 }
 
-/// Of the nanoseconds of a render.
+/// Estimates of the nanoseconds per render.
 fn estimates(run: &Run) -> Value {
     let spread = bootstrap(&nanoseconds(run));
     let estimate = |spread: Spread| {

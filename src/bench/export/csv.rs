@@ -1,4 +1,4 @@
-//! A table with a line a run: `time,commit,metric...`.
+//! Exports records as a table with one line per record: `time,commit,metric...`.
 
 use std::fs;
 use std::io::Write;
@@ -8,7 +8,7 @@ use crate::bench::record::Record;
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
-/// Adds a line of Mrays/s to those of other runs.
+/// Appends a line with the Mrays/s of each run to those of other records.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let before = before(record.runs.iter().map(|run| super::name_of(&run.work)), file)?;
     let mut line = vec![field(&record.time), field(&record.machine.commit)];
@@ -17,12 +17,12 @@ pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     write_atomically(file, |out| writeln!(out, "{before}{end}{}", line.join(",")))
 }
 
-/// Finds out whether a line of runs of these names fits to what is there.
+/// Checks that a line for runs with these names can be appended to `file`.
 pub(super) fn check(names: impl Iterator<Item = String>, file: &Path) -> Result<()> {
     before(names, file).map(drop)
 }
 
-/// What the file holds, or the line of names where there is none.
+/// Returns the content of the file, or the line of column names if the file does not exist.
 fn before(names: impl Iterator<Item = String>, file: &Path) -> Result<String> {
     let mut columns = vec!["time".to_owned(), "commit".to_owned()];
     columns.extend(names.map(|name| field(&name)));
@@ -37,11 +37,11 @@ fn before(names: impl Iterator<Item = String>, file: &Path) -> Result<String> {
     if text.lines().next() == Some(&columns) {
         return Ok(text);
     }
-    let message = format!("a line of other columns cannot be added, these are `{columns}`");
+    let message = format!("cannot append a line with other columns, they must be `{columns}`");
     Err(Error::input(file.display().to_string(), "1", message))
 }
 
-/// Quoted where it must be (RFC 4180).
+/// Quotes a field if necessary (RFC 4180).
 fn field(text: &str) -> String {
     if text.contains(['"', ',', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

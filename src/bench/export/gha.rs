@@ -1,4 +1,4 @@
-//! github-action-benchmark, tool `customBiggerIsBetter`.
+//! Exports records for github-action-benchmark with the tool `customBiggerIsBetter`.
 
 use std::io::Write;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::bench::run::{Run, Workload};
 use crate::error::Result;
 use crate::output::write_atomically;
 
-/// Writes a row for each run.
+/// Writes one row for each run.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let rows: Vec<Value> = record.runs.iter().map(|run| row(run, record)).collect();
     write_atomically(file, |out| writeln!(out, "{:#}", Value::from(rows)))

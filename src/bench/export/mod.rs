@@ -1,4 +1,4 @@
-//! Records in the formats of other programs.
+//! Exports records in the formats of other programs.
 
 mod bmf;
 mod criterion;
@@ -17,13 +17,13 @@ use crate::output::{check_folder, check_writable};
 /// A format that another program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
-    /// The folders of criterion, as critcmp reads them.
+    /// Criterion's folders, as critcmp reads them.
     Criterion,
     /// `customBiggerIsBetter` of github-action-benchmark.
     Gha,
     /// The Bencher Metric Format.
     Bmf,
-    /// A line a run, as Apache Otava reads it.
+    /// A table with one line per record, as Apache Otava reads it.
     Csv,
 }
 
@@ -42,7 +42,7 @@ impl Format {
     }
 }
 
-/// What [`export`] writes in `folder`: a file, or the folder of several.
+/// Path of the file that [`export`] writes in `folder`, or of the folder for several files.
 pub(crate) fn export_file(format: Format, folder: &Path) -> PathBuf {
     folder.join(match format {
         Format::Criterion => "criterion",
@@ -52,11 +52,11 @@ pub(crate) fn export_file(format: Format, folder: &Path) -> PathBuf {
     })
 }
 
-/// Finds out whether a record of these `runs`, scene, engine and threads told, can be exported into
+/// Checks that a record of `runs`, given by scene, engine and number of threads, can be exported into
 /// `folder`.
 ///
 /// # Errors
-/// Where it cannot: what [`export`] says, as far as that is known before.
+/// If [`export`] would fail, as far as that is known in advance.
 pub(crate) fn check_export(
     runs: &[(&str, Engine, usize)],
     format: Format,
@@ -79,13 +79,13 @@ pub(crate) fn check_export(
     }
 }
 
-/// Writes `record` into `folder`, which is made if missing. What of other runs is there stays, where
-/// the format has room for it.
+/// Writes `record` into `folder`, which is created if missing. Results of other records are kept if the
+/// format can hold several.
 ///
 /// # Errors
-/// Where that cannot be written, or a file of other runs is none of this format.
+/// If a file cannot be written, or an existing file does not have the expected format.
 pub(crate) fn export(record: &Record, format: Format, folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
+    fs::create_dir_all(folder).map_err(Error::io(folder, "create the folder"))?;
     let file = export_file(format, folder);
     match format {
         Format::Criterion => criterion::write(record, &file),
@@ -95,7 +95,7 @@ pub(crate) fn export(record: &Record, format: Format, folder: &Path) -> Result<(
     }
 }
 
-/// `spheres/wavefront`, and the number of threads where that is not one.
+/// Name of a run, such as `spheres/wavefront`, with the number of threads appended unless it is 1.
 fn name(scene: &str, engine: &str, threads: usize) -> String {
     match threads {
         1 => format!("{scene}/{engine}"),

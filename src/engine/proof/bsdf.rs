@@ -1,4 +1,4 @@
-//! How surfaces and media scatter light: samples, values and densities agree.
+//! Tests of scattering by surfaces and media: samples, values and densities agree.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::scene::material::{
 };
 use crate::scene::{Interaction, Isotropic, MaterialTables};
 
-/// How a surface scatters the light of a path.
+/// Scattering by a surface or a medium, with the type of its BSDF erased.
 struct Scattering {
     sample: Sample,
     evaluate: Evaluate,
@@ -42,8 +42,8 @@ impl Scattering {
     }
 }
 
-/// How `material` scatters light at a point where a path arrives along `direction`, and where `normal`
-/// is on its side.
+/// Returns the scattering by `material` at a point that a path reaches along `direction`. The
+/// `normal` is on the side where the path arrives.
 fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -> Scattering {
     struct Visitor<'a>(Interaction<'a, f32>);
 
@@ -72,13 +72,13 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
     materials.visit(material.kind(), Visitor(at))
 }
 
-/// What a path arrives at, and how.
+/// A surface or a medium, and the direction from which a path arrives.
 struct Case {
     name: String,
     bsdf: Scattering,
-    /// On the side from which light comes; `None` in media.
+    /// Surface normal on the side where the path arrives; `None` in media.
     normal: Option<Vec3>,
-    /// About which cells are finer.
+    /// Direction around which the cells are finer.
     middle: Vec3,
 }
 
@@ -142,8 +142,8 @@ fn samples_have_their_density() {
     table.check();
 }
 
-/// The weight of a sample is f·|cos θ|/pdf, its density is that of its direction, and it is transmitted if
-/// its direction is on the other side of the surface.
+/// The weight of a sample is f·|cos θ|/pdf, its density is that of its direction, and it is
+/// transmitted if its direction is on the other side of the surface.
 #[test]
 fn samples_are_as_evaluated() {
     for (index, Case { name, bsdf, normal, .. }) in cases().into_iter().enumerate() {
@@ -151,7 +151,7 @@ fn samples_are_as_evaluated() {
             (0..20_000).filter_map(|sample| bsdf.sample(&randoms(index, sample))).collect();
         for scatter in samples {
             let (f_cos, pdf) = bsdf.evaluate(scatter.direction);
-            // Rounded directions see other microfacets, and other shadows where they graze.
+            // Rounding a direction changes its microfacets and, at grazing angles, their shadowing.
             let cos = normal.map_or(1.0, |normal| dot(normal, scatter.direction));
             let near =
                 |a: f32, b: f32| (a - b).abs() <= (1e-2 + f32::EPSILON / cos.abs()) * b.abs();
@@ -165,7 +165,8 @@ fn samples_are_as_evaluated() {
     }
 }
 
-/// The mean weight of samples is the integral of f·|cos θ|: what of even light is scattered.
+/// The mean weight of samples is the integral of f·|cos θ|: the share of uniform light that is
+/// scattered.
 #[test]
 fn weights_are_what_is_scattered() {
     for (index, Case { name, bsdf, middle, .. }) in cases().into_iter().enumerate() {
@@ -185,7 +186,8 @@ fn weights_are_what_is_scattered() {
     }
 }
 
-/// Light goes both ways alike: f is symmetric, which glass has to the other side but for η².
+/// Scattering is reciprocal: f is symmetric, and for transmission through glass up to a factor of
+/// η².
 #[test]
 fn scattering_is_reciprocal() {
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));
@@ -206,7 +208,7 @@ fn scattering_is_reciprocal() {
                 let (there, back) = (f(a, b, true), f(b, a, true));
                 assert!((there - back).abs() < 1e-3 * (there + back) + 1e-6, "{there} {back}");
                 if matches!(material, Material::RoughDielectric(_)) {
-                    // Without the scaling of radiance f from below is η² times that from above.
+                    // Radiance is not scaled, so f from below is η² times f from above.
                     let (down, up) = (f(a, -b, true), f(-b, a, false));
                     assert!((down - up * 2.25).abs() < 2e-3 * (down + up) + 1e-5, "{down} {up}");
                 }

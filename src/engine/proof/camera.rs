@@ -1,4 +1,4 @@
-//! The camera: pixels, lens and shutter are sampled evenly.
+//! Tests of the camera and of random numbers: pixels, lens and shutter are sampled uniformly.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::math::{cross, dot};
 use crate::sampler::{Dimension, Randoms, Sampler};
 use crate::scene::Scene;
 
-/// A cell of the unit square of 16 × 16.
+/// The index of the cell of a 16 × 16 grid over the unit square that contains a point.
 fn square(u: f32, v: f32) -> usize {
     let cell = |x: f32| ((x * 16.0) as usize).min(15);
     cell(u) * 16 + cell(v)
@@ -19,22 +19,22 @@ fn square(u: f32, v: f32) -> usize {
 fn rays_fill_pixel_lens_and_shutter() {
     let text = "(camera: (look_from: (1, 2, 3), look_at: (0, 0, 0), vfov: 40, defocus_angle: 8, \
                           focus_distance: 4, shutter: (0.2, 0.7)))";
-    let scene = Scene::from_ron(text).expect("a scene");
+    let scene = Scene::from_ron(text).expect("the scene is valid");
     let frame = scene.camera().frame(40, 30);
-    let (lens_u, lens_v) = frame.lens.expect("a lens");
+    let (lens_u, lens_v) = frame.lens.expect("the camera has a lens");
     let forward = crate::math::normalize(cross(lens_v, lens_u));
     let (mut pixel, mut lens, mut time) = (vec![0; 256], vec![0; 256], vec![0; 256]);
     for index in 0..SAMPLES {
         let (x, y) = (7.0, 11.0);
         let ray: Ray = frame.ray(x, y, &randoms(5, index));
-        // Where the ray crosses the plane in focus, in pixels.
+        // The point at which the ray crosses the plane in focus. `cell` converts it to pixels.
         let focus = ray.direction * (4.0 / dot(ray.direction, forward)) + ray.origin - frame.origin;
         let (right, down) = frame.pixel_steps;
         let cell = |step: Vec3| dot(focus - frame.corner, step) / dot(step, step);
         pixel[square(cell(right) - x, cell(down) - y)] += 1;
         let on_lens = |axis: Vec3| dot(ray.origin - frame.origin, axis) / dot(axis, axis);
         let (a, b) = (on_lens(lens_u), on_lens(lens_v));
-        // Even by area: the square of the radius, and the angle.
+        // The squared radius and the angle of points uniform by area are uniform.
         let turn = (b.atan2(a) / std::f32::consts::TAU).rem_euclid(1.0);
         lens[square(a * a + b * b, turn)] += 1;
         time[((ray.time - 0.2) / 0.5 * 256.0) as usize] += 1;
@@ -47,8 +47,8 @@ fn rays_fill_pixel_lens_and_shutter() {
     table.check();
 }
 
-/// All numbers of a path that are drawn together are independent of each other: in one sample of many
-/// pixels, since the samples of a pixel are not if they are Sobol' points.
+/// The random numbers of a path's segment are pairwise independent. The test uses one sample of
+/// many pixels, because the samples of one pixel are not independent if they are Sobol' points.
 #[test]
 fn dimensions_have_nothing_in_common() {
     for sampler in Sampler::ALL {
@@ -80,7 +80,7 @@ fn pairs_have_nothing_in_common(sampler: Sampler) {
             }
             table.compare(&format!("{a:?} {b:?}"), &counts, &even, 1.0, 1.0);
         }
-        // The second of a pair with all others.
+        // The second number of a pair, with all other dimensions.
         for pair in [Dimension::LIGHT, Dimension::SCATTER] {
             let mut counts = vec![0; 256];
             for pixel in 0..SAMPLES {

@@ -1,5 +1,5 @@
-//! Surfaces that both scatter and emit light, in a closed form: within a sphere of albedo a that emits the
-//! radiance L everywhere, the radiance is L / (1 − a).
+//! Tests surfaces that both scatter and emit light against a closed form: inside a sphere of albedo
+//! a that emits radiance L everywhere, the radiance is L / (1 − a).
 
 use crate::engine::{Engine, RenderSettings, Renderer};
 use crate::scene::material::{Glow, Lambertian};
@@ -30,7 +30,7 @@ fn surfaces_scatter_and_emit() {
         let mean =
             pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / pixels.len() as f64;
         println!("{sampling:?}: {mean:.5}");
-        // By scattering alone, all paths bring the same.
+        // With scattering alone, all paths have the same radiance.
         let bound = if sampling == Sampling::Bsdf { 1e-5 } else { 0.01 };
         assert!((mean - 2.0).abs() < bound, "{sampling:?}: {mean}");
     }

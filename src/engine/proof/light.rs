@@ -1,4 +1,4 @@
-//! Lights: their samples have the densities that hits on them are told.
+//! Tests of lights: their samples follow the density that `pdf` reports for hits on them.
 
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -23,10 +23,11 @@ fn scene() -> Scene {
             triangles(vertices: [(-1, 2, -1), (1, 2.5, -1), (0, 2, 1)], indices: [(0, 1, 2)], material: "lamp"),
         ],
     )"#;
-    Scene::from_ron(text).expect("a scene")
+    Scene::from_ron(text).expect("the scene is valid")
 }
 
-/// Points from near to far; inside a sphere; edge-on to the quad.
+/// Points at various distances from the lights; one is inside a sphere, another edge-on to the
+/// quad.
 const FROM: [Vec3; 6] = [
     Vec3::new(0.1, 0.2, -0.3),
     Vec3::new(0.3, 1.8, 0.2),
@@ -36,7 +37,7 @@ const FROM: [Vec3; 6] = [
     Vec3::new(60.0, -50.0, 30.0),
 ];
 
-/// The primitives that are lights, and which light each is.
+/// The primitives that are lights, with the index of each light.
 fn lights(scene: &Scene, tables: &SceneTables) -> Vec<(u32, u32)> {
     let light = |primitive: u32| {
         let shape = scene.geometry().get(primitive).shape();
@@ -57,12 +58,12 @@ fn sample(
     sample.visible.then_some(sample)
 }
 
-/// A cone that holds the light as seen from `from`.
+/// A cone that contains the light as seen from `from`.
 fn cone(scene: &Scene, primitive: u32, from: Vec3) -> Cone {
     let bounds = scene.geometry().get(primitive).bounds();
     let (middle, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
     let (distance, radius) = (f64::from(length(middle - from)), f64::from(length(half)));
-    // A little more, for rims that are rounded.
+    // 1% more allows for rounding errors at the rim.
     let sin = 1.01 * radius / distance;
     Cone::new(normalize(middle - from), if sin < 1.0 { sin.asin() } else { PI })
 }
@@ -93,8 +94,8 @@ fn samples_have_their_density() {
     table.check();
 }
 
-/// A hit on a light is told the density that a sample of that direction has, and samples are on
-/// their light.
+/// The density for a hit on a light equals that of a sample with the same direction, and samples
+/// lie on their light.
 #[test]
 fn samples_and_hits_agree() {
     let scene = scene();
@@ -120,7 +121,7 @@ fn samples_and_hits_agree() {
                 );
                 assert!((t - sample.distance).abs() < 1e-3 * t, "{t} {}", sample.distance);
             }
-            // At the edges, by rounding.
+            // Samples near the edges may miss by rounding errors.
             assert!(missed < 50, "{index} {from}: {missed}");
         }
     }
@@ -134,7 +135,7 @@ fn lights_are_chosen_by_their_power() {
     let chances: Vec<f64> = (0..scene.lights()).map(|light| f64::from(chance(light))).collect();
     let mut counts = vec![0; chances.len()];
     for sample in 0..SAMPLES {
-        // They differ in their chances.
+        // Every light has a different chance, which identifies it.
         let chosen = f64::from(tables.lights.choose::<f32>(&randoms(77, sample)).chance());
         counts[chances.iter().position(|&chance| chance == chosen).unwrap()] += 1;
     }
@@ -143,14 +144,15 @@ fn lights_are_chosen_by_their_power() {
     let expected: Vec<f64> = chances.iter().map(|chance| chance * f64::from(SAMPLES)).collect();
     table.compare("by power", &counts, &expected, whole, 1.0);
     table.check();
-    // 4π (0.5² and 0.8²), 2, and the others' cross products.
+    // Areas: spheres with 4π · 0.5² and 4π · 0.8², a rectangle with 2, and the quad's cross
+    // product.
     let areas = [PI, 2.56 * PI, 2.0, 4.5f64.sqrt()];
     for (pair, areas) in chances.windows(2).zip(areas.windows(2)) {
         assert!((pair[1] / pair[0] - areas[1] / areas[0]).abs() < 1e-4, "{pair:?} {areas:?}");
     }
 }
 
-/// What a program with other rounding finds: the light beyond the reach of every shadow ray.
+/// Shadow rays end before their light even if a program with other rounding computes its distance.
 #[test]
 fn shadow_rays_end_just_before_their_light() {
     let mut random = Stream::new(3);
@@ -182,7 +184,7 @@ fn shadow_rays_end_just_before_their_light() {
                 let on_plane = |point: Vec3, u: Vec3, v: Vec3| {
                     let normal = u.as_dvec3().cross(v.as_dvec3()).normalize();
                     let slope = normal.dot(direction);
-                    // Grazing rays see the plane's rounding magnified.
+                    // Skip grazing rays, which magnify the rounding errors of the plane.
                     (slope.abs() > 0.01).then(|| normal.dot(point.as_dvec3() - origin) / slope)
                 };
                 let distance = match scene.geometry().get(primitive) {
@@ -197,7 +199,8 @@ fn shadow_rays_end_just_before_their_light() {
                         let distance2 = to_center.dot(to_center);
                         let aside2 = distance2 - ahead * ahead;
                         let radius2 = f64::from(sphere.radius) * f64::from(sphere.radius);
-                        // Not from inside, nor at the silhouette where rounding is root of ε.
+                        // Skip points inside the sphere, and rays near the silhouette, whose
+                        // rounding error is √ε.
                         (distance2 > radius2 && radius2 - aside2 > 0.01 * radius2)
                             .then(|| ahead - (radius2 - aside2).sqrt())
                     }

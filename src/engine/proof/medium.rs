@@ -1,4 +1,4 @@
-//! Media: distances of collisions, and what crosses without.
+//! Tests of media: the distances of collisions, and the transmittance.
 
 use glam::Vec3;
 
@@ -6,16 +6,16 @@ use super::{SAMPLES, Table, randoms};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{Scene, SceneTables};
 
-/// Along x: a ball from 1 to 3, a box from 4 to 6.
+/// Two media along x: a ball from 1 to 3, and a box from 4 to 6.
 fn tables() -> SceneTables {
     let text = "(camera: (look_from: (0, 0, 9), look_at: (0, 0, 0), vfov: 40), media: [
         sphere(center: (2, 0, 0), radius: 1, density: 0.6, albedo: (1, 1, 1)),
         box(min: (4, -1, -1), max: (6, 1, 1), density: 0.9, albedo: (0.5, 0.5, 0.5)),
     ])";
-    SceneTables::new(&Scene::from_ron(text).expect("a scene"))
+    SceneTables::new(&Scene::from_ron(text).expect("the scene is valid"))
 }
 
-/// The optical depth up to `t` along x.
+/// The optical depth along x up to `t`.
 fn depth(t: f64) -> f64 {
     0.6 * (t - 1.0).clamp(0.0, 2.0) + 0.9 * (t - 4.0).clamp(0.0, 2.0)
 }

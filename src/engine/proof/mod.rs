@@ -1,8 +1,10 @@
-//! Chi-square tests: samples follow the density that `pdf` reports, compared with its integrals (Pharr et al., *Physically Based Rendering*, 4th ed., chapter 2; Mitsuba's
-//! chi-square tests).
+//! Chi-square tests: samples follow the density that `pdf` reports. Counts of samples are compared
+//! with integrals of the density (Pharr et al., *Physically Based Rendering*, 4th ed., chapter 2;
+//! Mitsuba's chi-square tests).
 //!
-//! `cargo test --lib proof -- --nocapture` prints a table. Another seed is `PTFAST_PROOF_SEED`.
-#![allow(clippy::disallowed_methods)] // libm's f64 is the yardstick
+//! `cargo test --lib proof -- --nocapture` prints a table. The environment variable
+//! `PTFAST_PROOF_SEED` sets another seed.
+#![allow(clippy::disallowed_methods)] // The f64 functions of libm are the reference.
 
 mod bsdf;
 mod camera;
@@ -18,25 +20,26 @@ use crate::math::random::PixelKey;
 use crate::math::{Frame, normalize};
 use crate::sampler::{Randoms, Sampler};
 
-/// The chance of a false alarm of a test with all that it compares.
+/// The probability of a false alarm in a test, over all its comparisons.
 const ALARM: f64 = 1e-4;
-/// Samples of each comparison.
+/// Number of samples of each comparison.
 const SAMPLES: u32 = 200_000;
 
 fn seed() -> u64 {
-    std::env::var("PTFAST_PROOF_SEED").map_or(1, |seed| seed.parse().expect("a number"))
+    std::env::var("PTFAST_PROOF_SEED")
+        .map_or(1, |seed| seed.parse().expect("PTFAST_PROOF_SEED must be an integer, 0 or more"))
 }
 
-/// Random numbers number `sample` of comparison `case`.
+/// The random numbers of sample number `sample` of comparison `case`.
 fn randoms(case: usize, sample: u32) -> Randoms {
     let key = PixelKey::new(seed(), case as u32, 0).sample(sample);
     Randoms::new(Sampler::Independent, key, 1)
 }
 
-/// Cells of the directions within a cone, even in the angle from its middle.
+/// Divides the directions within a cone into cells: rings of equal angular width, and sectors.
 struct Cone {
     frame: Frame,
-    /// From its middle to its rim; π is all directions.
+    /// Angle from the axis to the rim; π for all directions.
     angle: f64,
 }
 
@@ -44,8 +47,8 @@ impl Cone {
     const RINGS: usize = 16;
     const SECTORS: usize = 32;
 
-    /// A cone that holds that of `angle` about `middle`. Its own middle is elsewhere: rims about the
-    /// same middle would be between the same points of an integral all around.
+    /// Creates a cone that contains the cone of `angle` around `middle`. Its axis is tilted: around
+    /// the same axis, a circular rim would lie between the same points of the integral all around.
     fn new(middle: Vec3, angle: f64) -> Self {
         let aside = 0.15 * angle.min(1.0) as f32;
         let aside = Frame::new(middle).world(Vec3::new(aside, 0.3 * aside, 1.0));
@@ -56,7 +59,7 @@ impl Cone {
         Self::new(middle, PI)
     }
 
-    /// The cell of a direction in the cone.
+    /// Returns the cell of a direction; `None` outside the cone.
     fn cell(&self, direction: Vec3) -> Option<usize> {
         let [x, y, z] = self.frame.local(direction).to_array().map(f64::from);
         let u = (x * x + y * y).sqrt().atan2(z) / self.angle;
@@ -67,7 +70,8 @@ impl Cone {
         (ring < Self::RINGS).then_some(ring * Self::SECTORS + sector)
     }
 
-    /// The integrals of `f` over the solid angles of the cells, and what their sum may be off.
+    /// Integrates `f` over the solid angle of each cell. Also returns the possible error of the
+    /// sum.
     fn integrate(&self, f: impl Fn(Vec3) -> f64) -> (Vec<f64>, f64) {
         let (mut cells, mut off) = (Vec::new(), 0.0);
         for ring in 0..Self::RINGS {
@@ -78,11 +82,12 @@ impl Cone {
                 cells.push(self.refined(&f, low, size, once, 0, &mut off));
             }
         }
-        // Edges that pass between all points, and rounding.
+        // Allow for edges that pass between all points, and for rounding errors.
         (cells, off + 5e-4)
     }
 
-    /// The integral over a part of a cell, halved both ways until that changes nothing.
+    /// Integrates over a part of a cell, which is halved in both directions until the result is
+    /// stable.
     fn refined(
         &self,
         f: &impl Fn(Vec3) -> f64,
@@ -99,7 +104,8 @@ impl Cone {
         let twice = quarters.iter().sum::<f64>();
         let change = (twice - once).abs();
         if depth == 8 || (depth > 2 && change < 1e-7) {
-            // The midpoint rule's error is a third of what halving changes; of edges it is anything.
+            // The error of the midpoint rule is a third of the change by halving. At edges it may
+            // be anything.
             *off += 0.33 * change * if depth == 8 { 1.0 } else { 0.1 };
             return twice;
         }
@@ -107,7 +113,7 @@ impl Cone {
         corners.into_iter().zip(quarters).map(part).sum()
     }
 
-    /// By the midpoint rule with 3 × 3 points.
+    /// Integrates over a part of a cell by the midpoint rule with 3 × 3 points.
     fn midpoints(&self, f: &impl Fn(Vec3) -> f64, low: [f64; 2], size: [f64; 2]) -> f64 {
         let mut sum = 0.0;
         for (i, j) in (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3))) {
@@ -120,8 +126,9 @@ impl Cone {
     }
 }
 
-/// The probability that counts as far from `expected`, or farther, come of chance; cells that are
-/// expected to hold few are taken together. Both have the same sum but for rounding.
+/// Returns the probability that chance makes counts differ from `expected` at least as much as
+/// `counts` do, the chi-square statistic, and the degrees of freedom. Cells with low expected
+/// counts are pooled. `counts` and `expected` must have the same sum, up to rounding errors.
 fn p_value(counts: &[u32], expected: &[f64]) -> (f64, f64, usize) {
     const FEW: f64 = 10.0;
     let (mut statistic, mut cells) = (0.0, 0);
@@ -138,19 +145,19 @@ fn p_value(counts: &[u32], expected: &[f64]) -> (f64, f64, usize) {
         statistic += (rest_count - rest) * (rest_count - rest) / rest;
         cells += 1;
     } else {
-        // So few say nothing, unless they are many.
+        // Too few samples are expected for a test, but many more would be wrong.
         assert!(
             rest_count < rest + 12.0 + 8.0 * rest.sqrt(),
-            "{rest_count} where {rest} are expected"
+            "{rest_count} samples in rare cells, expected {rest}"
         );
     }
-    assert!(cells > 1, "nothing to compare");
+    assert!(cells > 1, "the test needs at least 2 cells");
     let degrees = (cells - 1) as f64;
-    let p = ChiSquared::new(degrees).expect("degrees above 0").sf(statistic);
+    let p = ChiSquared::new(degrees).expect("degrees of freedom above 0").sf(statistic);
     (p, statistic, cells - 1)
 }
 
-/// The table of a test, and its verdict.
+/// Prints the comparisons of a test as a table, and checks the lowest p-value.
 struct Table {
     rows: usize,
     least: (f64, String),
@@ -162,8 +169,8 @@ impl Table {
         Self { rows: 0, least: (1.0, String::new()) }
     }
 
-    /// Compares samples of directions with their density. `sample` gives `None` where there is none,
-    /// whose share must be what is missing of the density's integral.
+    /// Compares samples of directions with their density. `sample` may return `None`: the integral
+    /// of the density must equal the share of the other samples.
     fn directions(
         &mut self,
         name: &str,
@@ -177,17 +184,17 @@ impl Table {
             let Some(direction) = sample(index) else { continue };
             kept += 1;
             let cell = cone.cell(direction);
-            counts[cell.unwrap_or_else(|| panic!("{name}: {direction} is outside"))] += 1;
+            counts[cell.unwrap_or_else(|| panic!("{name}: {direction} is outside the cone"))] += 1;
         }
         let (integrals, off) = cone.integrate(pdf);
         let whole: f64 = integrals.iter().sum();
         let share = f64::from(kept) / f64::from(SAMPLES);
         let deviation = (share * (1.0 - share) / f64::from(SAMPLES)).sqrt();
         let bound = 5.0 * deviation + off;
-        assert!(off < 3e-3, "{name}: an integral that is {off} off is none");
+        assert!(off < 3e-3, "{name}: the integral may be off by {off}, must be less than 3e-3");
         assert!(
             (whole - share).abs() < bound,
-            "{name}: ∫pdf is {whole}, {share} of samples are kept"
+            "{name}: ∫pdf is {whole}, must be the share {share} of samples that are kept"
         );
         let expected: Vec<f64> = integrals.iter().map(|p| p / whole * f64::from(kept)).collect();
         self.compare(name, &counts, &expected, whole, share);
@@ -202,7 +209,7 @@ impl Table {
         }
     }
 
-    /// Alarms where the least of so many p-values is smaller than chance allows (Šidák).
+    /// Panics if the lowest p-value is too low to be due to chance (Šidák correction).
     fn check(self) {
         let bound = 1.0 - (1.0 - ALARM).powf(1.0 / self.rows as f64);
         let (p, name) = self.least;
@@ -210,7 +217,7 @@ impl Table {
     }
 }
 
-/// Tests that cannot fail are none.
+/// Wrong densities make the tests fail.
 #[test]
 fn wrong_densities_are_found() {
     let alarms = |f: &dyn Fn(&mut Table)| {
@@ -228,12 +235,12 @@ fn wrong_densities_are_found() {
     let off = std::panic::catch_unwind(|| {
         Table::new("1%").directions("1%", &sphere, uniform, |_| 1.01 * density);
     });
-    assert!(off.is_err(), "an integral of 1.01");
+    assert!(off.is_err(), "an integral of 1.01 must fail");
     let tilted = std::panic::catch_unwind(|| {
         let mut table = Table::new("tilted");
         let pdf = |d: Vec3| density * (1.0 + 0.1 * f64::from(d.x));
         table.directions("tilted", &Cone::all(Vec3::Y), uniform, pdf);
         table.check();
     });
-    assert!(tilted.is_err(), "10% more to one side");
+    assert!(tilted.is_err(), "a density 10% higher on one side must fail");
 }

@@ -1,20 +1,21 @@
-//! What the path tracing loop asks of a scene's geometry.
+//! Ray queries of the path tracing loop.
 
 use crate::accel::{Bvh2, Counters};
 use crate::engine::stage::Stage;
 use crate::engine::stats::{StageWork, WaveStats};
 use crate::geometry::{Geometry, Hit, Ray};
 
-/// Finds what rays hit, from distance 0 on.
+/// Answers ray queries. Only hits at distances above 0 count.
 pub(in crate::engine) trait Intersect {
-    /// The closest hit along `ray`, segment `segment` of a path.
+    /// Returns the closest hit along `ray`, which is segment `segment` of a path.
     fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit>;
 
-    /// Whether anything lies before distance `t_max` of `ray`, a shadow ray from the end of
-    /// segment `segment`.
+    /// Returns whether the shadow ray `ray`, from the end of segment `segment`, hits anything
+    /// before distance `t_max`.
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool;
 
-    /// Is told that a medium ends the segment at distance `t`, before the hit that was found last.
+    /// Called when a medium ends the segment at distance `t`, before the result of the last
+    /// `closest`.
     fn collided(&mut self, _t: f32) {}
 }
 
@@ -37,8 +38,8 @@ impl Intersect for Tree<'_> {
     }
 }
 
-/// A tree whose work is counted, segment by segment. Its functions are out of line: inlined, they move
-/// the code of renders that do not count, which then take 1.02 to 1.04 of the cycles.
+/// A tree that counts its work per segment. Its functions are not inlined: inlining them moves the
+/// code of renders that do not count, which then take 1.02 to 1.04 times the cycles.
 #[derive(Debug)]
 pub(super) struct CountingTree<'a> {
     pub(super) tree: Tree<'a>,
@@ -46,7 +47,7 @@ pub(super) struct CountingTree<'a> {
 }
 
 impl CountingTree<'_> {
-    /// Notes the work for one ray.
+    /// Adds the work for one ray.
     fn note(&mut self, stage: Stage, segment: u32, counters: Counters) {
         let work = StageWork { counters, ..StageWork::in_lanes(1, 1) };
         self.stats.note(stage, segment, &work);

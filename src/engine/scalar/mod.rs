@@ -1,4 +1,5 @@
-//! The scalar reference engine: one ray, one loop. It shares the formulas of `scene` and `math`.
+//! The scalar reference engine: it traces one ray at a time in a loop. Its formulas are those of
+//! `scene` and `math`, which the wavefront engine uses as well.
 
 mod intersect;
 mod path;
@@ -16,7 +17,7 @@ use intersect::CountingTree;
 pub(super) use intersect::{Intersect, Tree};
 pub(super) use path::PathTracer;
 
-/// A view on a binary tree, rendered sample by sample.
+/// Renders a view sample by sample, with a binary tree.
 #[derive(Debug)]
 pub(super) struct ScalarEngine(View);
 
@@ -31,14 +32,15 @@ impl ScalarEngine {
         Tree { tree: self.0.prepared.accelerator().scalar(), geometry: self.0.scene().geometry() }
     }
 
-    /// The first ray of sample `sample` of pixel `(x, y)`, and the path's random numbers.
+    /// The camera ray of sample `sample` of pixel `(x, y)`, and the key of the path's random
+    /// numbers.
     pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
         let View { settings, camera, .. } = &self.0;
         let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
         (camera.ray(x as f32, y as f32, &Randoms::new(settings.sampler, key, 0)), key)
     }
 
-    /// A tracer of paths through the scene.
+    /// Creates a path tracer for the scene, with `intersect` to answer ray queries.
     pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
         PathTracer::new(self.0.scene(), self.0.prepared.tables(), intersect, &self.0.settings)
     }
@@ -46,7 +48,7 @@ impl ScalarEngine {
 
 impl UnitEngine for ScalarEngine {
     fn worker(&self, _: u64) -> Box<dyn UnitWorker + '_> {
-        // It has no state between units.
+        // A worker keeps no state between units.
         Box::new(self)
     }
 
@@ -68,7 +70,7 @@ impl UnitWorker for &ScalarEngine {
 }
 
 impl ScalarEngine {
-    /// Traces the samples of `task`; returns `intersect` as well.
+    /// Traces the samples of `task`. Also returns `intersect`, with the work that it has counted.
     fn trace<I: Intersect>(
         &self,
         task: &Task,

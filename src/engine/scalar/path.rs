@@ -1,4 +1,4 @@
-//! The path tracing loop.
+//! The path tracing loop of the scalar engine.
 
 use glam::Vec3;
 
@@ -15,7 +15,7 @@ use crate::scene::material::{
 };
 use crate::scene::{Key, Sampling, Scene, SceneTables};
 
-/// Estimates the radiance along camera rays, and counts the rays that this takes.
+/// Estimates the radiance along camera rays, and counts rays and path endings.
 pub(in crate::engine) struct PathTracer<'a, I> {
     scene: &'a Scene,
     tables: &'a SceneTables,
@@ -25,25 +25,25 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     pub(in crate::engine) endings: Endings,
 }
 
-/// A path on its way.
+/// The state of an active path.
 struct Path {
-    /// The ray that is traced next.
+    /// The ray to trace next.
     ray: Ray,
-    /// Density with which its direction was chosen.
+    /// Density with which the ray's direction was sampled.
     pdf: f32,
-    /// Throughput: what a unit of radiance here adds to the pixel.
+    /// Throughput: the factor from radiance along the ray to the sample's radiance.
     beta: Vec3,
-    /// What has arrived at the camera.
+    /// Radiance that has arrived at the camera so far.
     radiance: Vec3,
     key: PathKey,
-    /// The segment that is traced, from 1.
+    /// Number of the current segment, from 1.
     segment: u32,
 }
 
-/// Where a path is scattered.
+/// A point at which a path is scattered.
 struct Vertex<'a> {
     surface: &'a Surface,
-    /// On the side where the path arrives.
+    /// Surface normal on the side where the path arrives.
     normal: Vec3,
     randoms: &'a Randoms,
 }
@@ -59,7 +59,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         Self { scene, tables, intersect, settings, rays, endings }
     }
 
-    /// One estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
+    /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
     pub(in crate::engine) fn radiance(&mut self, ray: Ray, key: PathKey) -> Vec3 {
         let (beta, radiance) = (Vec3::ONE, Vec3::ZERO);
         let mut path = Path { ray, pdf: SPECULAR, beta, radiance, key, segment: 1 };
@@ -71,17 +71,17 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         path.radiance
     }
 
-    /// Traces a segment of `path`; returns whether there is another.
+    /// Traces a segment of `path`. Returns whether another segment follows.
     fn advance(&mut self, path: &mut Path) -> bool {
         let ray = path.ray;
         let randoms = Randoms::new(self.settings.sampler, path.key, path.segment);
 
-        // Extend: the closest surface, or a collision in a medium before it.
+        // Extend: find the closest surface, or a collision in a medium before it.
         let hit = self.intersect.closest(&ray, path.segment);
         let hit = hit.map_or((f32::INFINITY, Hit::MISS), |hit| (hit.t, hit.primitive));
         let (t, primitive) = self.tables.media.collide(&ray, hit, &randoms);
 
-        // Shade: emit, or choose the next direction.
+        // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(primitive))] {
             Key::Background => {
                 path.radiance += path.beta * self.scene.background().radiance(|| ray.direction);
@@ -93,7 +93,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 if self.ends_by_depth(path) {
                     return false;
                 }
-                // There is nothing that rays would have to leave.
+                // A medium has no surface that rays could hit again, so they start at offset 0.
                 let point = ray.origin + ray.direction * t;
                 let surface = Surface { point, normal: ray.direction, offset: 0.0 };
                 let (surface, normal) = (&surface, -ray.direction);
@@ -108,16 +108,17 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         }
     }
 
-    /// Whether the path has had its last segment: nothing it would scatter to is traced.
+    /// Returns whether the depth limit ends the path here, and counts it if so. Rays beyond the
+    /// limit are not traced, so scattering would be useless.
     fn ends_by_depth(&mut self, path: &Path) -> bool {
         let ends = path.segment == self.settings.depth;
         self.endings.depth += u64::from(ends);
         ends
     }
 
-    /// Adds direct light, and chooses the next direction; returns whether the path goes on.
+    /// Adds direct light and samples the next direction. Returns whether the path continues.
     fn scatter<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &mut Path) -> bool {
-        // Connect: one light, one shadow ray, which is the path's next segment.
+        // Connect: sample one light with one shadow ray, which is the path's next segment.
         if self.settings.samples_lights(self.scene) && !bsdf.specular() {
             let direct = self.direct(bsdf, vertex, path);
             path.radiance += direct.map_or(Vec3::ZERO, |light| path.beta * light);
@@ -133,7 +134,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let side = if transmitted { -vertex.normal } else { vertex.normal };
         path.ray = Ray { origin: vertex.surface.spawn(side), direction, time: path.ray.time };
 
-        // Paths that can add nothing end; those that can add little mostly do.
+        // Terminate paths of zero throughput, and most paths of low throughput.
         let mut survival = max_element(path.beta);
         if survival <= 0.0 {
             self.endings.black += 1;
@@ -150,8 +151,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         true
     }
 
-    /// Radiance that one light sends directly to `vertex` and on along the path, estimated
-    /// with one shadow ray; `None` if it is occluded.
+    /// Estimates the radiance that one light sends directly to `vertex` and from there along the
+    /// path, with one shadow ray. Returns `None` if no light arrives.
     fn direct<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &Path) -> Option<Vec3> {
         let Vertex { surface, normal, randoms } = *vertex;
         let time = path.ray.time;
@@ -166,7 +167,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             return None;
         }
         self.rays.shadow += 1;
-        // What is seen through the surface is as far from its other side, but for rounding.
+        // A light behind the surface is sampled from the front but needs a shadow ray from the
+        // back. Both origins have the same distance to it, up to rounding errors.
         let side = if dot(sample.direction, normal) > 0.0 { normal } else { -normal };
         let shadow = Ray { origin: surface.spawn(side), direction: sample.direction, time };
         if self.intersect.occluded(&shadow, sample.distance * SHADOW_REACH, path.segment) {
@@ -181,8 +183,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         Some(f_cos * emitted * (weight / pdf * crossing))
     }
 
-    /// The light that `path` meets at the end of its segment, and the share of it that counts:
-    /// [`Self::direct`] finds the rest.
+    /// Returns the radiance that the surface at the end of the segment emits towards `path`, and
+    /// its weight. [`Self::direct`] contributes the rest.
     fn emitted(
         &self,
         path: &Path,
@@ -206,7 +208,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     }
 }
 
-/// Shades a path at a surface whose material is known at run time only.
+/// Shades a path at a surface whose kind of material is known only at run time.
 struct Shade<'s, 'a, I> {
     tracer: &'s mut PathTracer<'a, I>,
     path: &'s mut Path,
@@ -218,7 +220,7 @@ struct Shade<'s, 'a, I> {
 }
 
 impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
-    /// Whether the path goes on.
+    /// Whether the path continues.
     type Output = bool;
 
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {

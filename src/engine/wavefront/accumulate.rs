@@ -1,4 +1,4 @@
-//! Accumulate: samples become sums of pixels, in the order that every engine keeps.
+//! Accumulate: adds the samples of each pixel, in the same order as every engine.
 
 use super::paths::Paths;
 use crate::engine::settings::RenderSettings;
@@ -6,7 +6,7 @@ use crate::engine::tally::Tally;
 use crate::engine::unit::Task;
 use crate::film::Part;
 
-/// Adds the samples of `paths`, which are those of `task`, pixel by pixel.
+/// Adds the samples of `paths`, which belong to `task`, pixel by pixel.
 #[inline(never)]
 pub(super) fn accumulate(
     paths: &Paths,
@@ -23,7 +23,7 @@ pub(super) fn accumulate(
         let first = pixel as usize * samples;
         let radiances = paths.radiances(first..first + samples);
         let mut sum = radiances.clone().fold(open, |sum, radiance| sum + radiance);
-        // A sample that is not finite makes a sum that is not.
+        // Any non-finite sample makes the sum non-finite, so only such sums need a second look.
         if settings.clamp < f32::INFINITY || !sum.is_finite() {
             let (x, y) = unit.tile.pixel(pixel);
             sum = (unit.first..).zip(radiances).fold(open, |sum, (sample, radiance)| {
@@ -45,7 +45,7 @@ mod tests {
     use crate::math::random::Stream;
     use crate::simd::{Int, Vec3x};
 
-    /// And those that are not finite are counted.
+    /// Samples are added to their own pixel. Non-finite samples are counted and left out.
     #[test]
     fn samples_go_to_their_pixels() {
         let tile = Tile { x: 3, y: 5, width: 4, height: 2 };

@@ -1,23 +1,23 @@
-//! Cells: rays of a cell start near each other and go the same way.
+//! Cells: groups of rays that start near each other and have similar directions.
 
 use glam::Vec3;
 
 use crate::geometry::Bounds;
 use crate::simd::{Float, Int, LANES, Vec3x, axes};
 
-/// A grid over a scene. Cells that are eight apart along an axis share their number: the rays of a
-/// wave, which comes from a small part of the image, mostly start close together.
+/// A grid over a scene. Cells eight apart along an axis share a number. This rarely matters: a wave
+/// covers a small part of the image, so its rays mostly start close together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells {
     low: Vec3,
-    /// Cells a unit of length.
+    /// Cells per unit of length.
     scale: f32,
 }
 
 impl Cells {
-    /// Bits of a cell's number.
+    /// Number of bits of a cell number.
     pub(super) const BITS: u32 = 16;
-    /// Along the longest edge of a scene.
+    /// Number of cells along the longest edge of a scene.
     const ACROSS: f32 = 24.0;
 
     pub(super) fn new(bounds: &Bounds) -> Self {
@@ -26,24 +26,24 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// Bits of a cell's number that are worth telling apart for so many rays: about as many cells as
-    /// rays, since more cost more than they bring.
+    /// The number of highest bits of cell numbers by which to sort `rays` rays. They distinguish
+    /// about as many cells as rays, since more cells cost more than they gain.
     pub(super) fn bits_for(rays: usize) -> u32 {
         rays.max(1).ilog2().clamp(3, Self::BITS)
     }
 
-    /// The cells of rays. From the highest bits: the octant of the direction; the place, by pairs of
-    /// cells along each axis; the direction within the octant; the place within the pairs. The lowest
-    /// bits may be left out.
+    /// The cell numbers of rays. From the highest bits down, a number consists of the octant of the
+    /// direction, the position in pairs of cells along each axis, the direction within the octant,
+    /// and the position within the pairs. The lowest bits may be ignored.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
-        // 1.5 · 2²³: the sum is rounded to an integer, which is in its last bits.
+        // Adding 1.5 · 2²³ rounds to an integer and moves it to the last bits of the sum.
         let magic = Float::splat(12_582_912.0);
         let position = axes(|axis| {
             let position = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
             SPREAD.shuffled((position + magic).to_bits() & Int::splat(7))
         });
-        // The squares of x, y, z add up to 1: two of them tell the third.
+        // The squares of x, y and z add up to 1, so those of x and z are enough.
         let part = axes(|axis| {
             let square = direction[axis] * direction[axis];
             (square * Float::splat(3.0) + magic).to_bits() & Int::splat(3)
@@ -60,7 +60,8 @@ impl Cells {
     }
 }
 
-/// The bits of each number below 8, where those of a place along x go.
+/// The bits of each number below 8, moved to the bits of a cell number that hold a position along
+/// x.
 const SPREAD: Int = {
     let (mut spread, mut number) = ([0; LANES], 0);
     while number < 8 {
@@ -87,9 +88,9 @@ mod tests {
             [0]
     }
 
-    /// What tells rays apart, in the bits that are its own.
+    /// Each property of a ray changes only its own bits of the cell number.
     #[test]
-    fn fields_have_bits_of_their_own() {
+    fn fields_have_separate_bits() {
         let along = crate::math::normalize(Vec3::new(0.1, 1.0, 0.1));
         let base = cell(Vec3::ZERO, along);
         let position = |x: f32, y: f32, z: f32| cell(Vec3::new(x, y, z), along) ^ base;
@@ -111,9 +112,9 @@ mod tests {
         }
     }
 
-    /// A number above would be no place in a table of counts.
+    /// Every cell number is a valid index into the table of counts, even for odd rays.
     #[test]
-    fn all_rays_have_a_cell() {
+    fn cell_numbers_are_in_range() {
         let (mut random, odd) =
             (Stream::new(3), [f32::NAN, f32::INFINITY, -0.0, 1e38, 1e-45, -7.0]);
         for _ in 0..10_000 {

@@ -1,22 +1,24 @@
-//! Which of the plans that were tried is fastest.
+//! Chooses the fastest plan from the times of trials.
 
 use crate::engine::plan::{Plan, SegmentPlan};
 use crate::engine::stage::Stage;
 use crate::engine::stats::{SegmentWork, WaveStats};
 
-/// Segments that a plan tells apart.
+/// Number of segments with a plan of their own. The last one also stands for all later segments.
 pub(super) const PLANNED: u32 = 4;
-/// Plans that take so many times as long as the fastest on every segment are tried no more: after the
-/// first round, which may have been interrupted, and after others.
+/// A plan is dropped if it takes this many times as long as the fastest plan on every segment. The
+/// first bound applies after the first round, which may have been interrupted, the second after
+/// later rounds.
 const BEHIND: [f64; 2] = [4.0, 1.25];
-/// Waves that took so many times as long a ray as most were interrupted.
+/// A wave that takes this many times the median time per ray was interrupted: only this multiple
+/// counts.
 const INTERRUPTED: f64 = 3.0;
-/// What a kernel for closest hits is judged by, and an order.
+/// The stages that judge a kernel for closest hits, and whether rays are ordered.
 const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Collide, Stage::Sort, Stage::Shade];
-/// What a kernel for shadow rays is judged by. They come in the order of the hits.
+/// The stages that judge a kernel for shadow rays, which are in the order of the hits.
 const OCCLUDED: &[Stage] = &[Stage::Connect];
 
-/// A plan, and what waves took by it.
+/// A plan, and the times of the waves that it traced.
 pub(super) struct Tried<'a> {
     pub(super) plan: &'a Plan,
     pub(super) waves: Vec<WaveStats>,
@@ -27,18 +29,18 @@ impl<'a> Tried<'a> {
         Self { plan, waves: Vec::new() }
     }
 
-    /// How it traces rays, if it does so in one way.
+    /// How a plan that treats all segments alike traces rays.
     fn way(&self) -> SegmentPlan {
         self.plan.segments[0]
     }
 
-    /// Seconds a path.
+    /// Seconds per path.
     fn all(&self) -> f64 {
         self.seconds(|wave| (wave.stage(Stage::Generate).active, wave.seconds())).unwrap_or(0.0)
     }
 
-    /// Seconds a ray that `stages` took for paths on their segment `number`, the last of which stands
-    /// for all that follow; `None` where there were no rays.
+    /// Seconds per ray that `stages` took on segment `number`; `None` if no ray was traced. Segment
+    /// [`PLANNED`] includes all later segments.
     fn segment(&self, number: u32, stages: &[Stage]) -> Option<f64> {
         self.seconds(|wave| {
             let segments = wave.segments.iter().zip(1..);
@@ -53,8 +55,8 @@ impl<'a> Tried<'a> {
         })
     }
 
-    /// Seconds a ray, where `cost` tells rays and seconds of a wave. Waves that were interrupted count
-    /// like others.
+    /// Seconds per ray over all waves. `cost` returns the rays and seconds of a wave. The seconds
+    /// of interrupted waves are limited by [`INTERRUPTED`].
     fn seconds(&self, cost: impl Fn(&WaveStats) -> (u64, f64)) -> Option<f64> {
         let costs: Vec<(u64, f64)> =
             self.waves.iter().map(cost).filter(|&(rays, _)| rays > 0).collect();
@@ -68,18 +70,18 @@ impl<'a> Tried<'a> {
     }
 }
 
-/// The plan that took the least time; `None` if none was tried.
+/// Returns the plan that took the least time; `None` if no plan was tried.
 pub(super) fn fastest<'b, 'a>(tried: &'b [Tried<'a>]) -> Option<&'b Tried<'a>> {
     tried.iter().min_by(|a, b| a.all().total_cmp(&b.all()))
 }
 
-/// How the rays of segment `number` are traced in the least time; as is `usual` where there were none.
+/// Returns the fastest way to trace the rays of segment `number`, or `usual` if no ray was traced.
 pub(super) fn fastest_segment(
     tried: &[Tried<'_>],
     number: u32,
     usual: &SegmentPlan,
 ) -> SegmentPlan {
-    // Shadow rays inherit an order, which is judged by what both take.
+    // Shadow rays inherit the order of rays, so an order is judged by the time of both.
     let with_order = |ordered: bool| {
         let least = |stages: &[Stage]| {
             let same = tried.iter().filter(|tried| tried.way().ordered == ordered);
@@ -89,14 +91,14 @@ pub(super) fn fastest_segment(
         };
         let (SegmentPlan { closest, .. }, seconds) = least(CLOSEST)?;
         let (SegmentPlan { occluded, .. }, more) = least(OCCLUDED).unwrap_or((*usual, 0.0));
-        // Camera rays need none.
+        // Camera rays are never sorted.
         Some((SegmentPlan { ordered: ordered && number > 1, closest, occluded }, seconds + more))
     };
     let orders = [false, true].into_iter().filter_map(with_order);
     orders.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(*usual, |(segment, _)| segment)
 }
 
-/// Leaves out plans that are behind on every segment after round `round`, from 0.
+/// Drops plans that are behind on every segment after round number `round`, from 0.
 pub(super) fn without_those_behind(tried: Vec<Tried<'_>>, round: u64) -> Vec<Tried<'_>> {
     let behind = BEHIND[usize::from(round > 0)];
     let mut keep = vec![false; tried.len()];
@@ -126,7 +128,7 @@ mod tests {
     const USUAL: SegmentPlan =
         SegmentPlan { ordered: true, closest: Kernel::Beam, occluded: Kernel::Flat };
 
-    /// A wave of 100 rays a stage, and the seconds of stages of segments.
+    /// A wave of 100 rays per stage, with the given seconds of stages and segments.
     fn wave(seconds: &[(Stage, u32, f64)]) -> WaveStats {
         let mut wave = WaveStats::default();
         for &(stage, segment, seconds) in seconds {
@@ -146,14 +148,14 @@ mod tests {
         let slow = tried(&a, &[1.5; 5]);
         let fast = tried(&b, &[99.0, 1.0, 1.0, 1.0, 1.0]);
         assert!(near(fast.all(), 0.014) && near(slow.all(), 0.015));
-        // Of two waves the faster one tells what is usual.
+        // Of two waves, the faster one is the median.
         assert!(near(tried(&b, &[99.0, 1.0]).all(), 0.02));
         assert_eq!(fastest(&[slow, fast]).unwrap().plan, &b);
         assert!(fastest(&[]).is_none());
     }
 
     #[test]
-    fn orders_are_judged_by_all_that_they_change() {
+    fn orders_are_judged_by_all_affected_stages() {
         use Stage::{Connect, Extend, Order, Shade, Sort};
         let plans = [
             plan(false, Kernel::Packet),
@@ -161,7 +163,8 @@ mod tests {
             plan(false, Kernel::Single),
             plan(true, Kernel::Single),
         ];
-        // Of one stage, seconds by each plan; the kernel packet is faster, order takes time.
+        // `seconds` are the times of `stage` with each plan. Kernel packet is faster, and ordering
+        // takes time.
         let chosen = |stage: Stage, seconds: [f64; 4]| {
             let each = plans.iter().zip([1.0, 1.0, 9.0, 9.0]).zip(seconds);
             let tried = each.map(|((plan, extend), more)| {
@@ -176,14 +179,15 @@ mod tests {
             assert!(!off.ordered && on.ordered, "{stage:?}");
             assert_eq!((off.closest, on.closest), (Kernel::Packet, Kernel::Packet), "{stage:?}");
         }
-        // Shadow rays as they are with that order; without any, as usual.
+        // The kernel for shadow rays is the fastest with the chosen order, or the usual one if no
+        // shadow ray was traced.
         assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Single);
         assert_eq!(chosen(Connect, [0.1, 2.0, 0.2, 1.0]).occluded, Kernel::Packet);
         assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Flat);
     }
 
     #[test]
-    fn segments_are_told_apart_up_to_the_last() {
+    fn each_segment_up_to_the_last_has_its_own_plan() {
         let [a, b] = [plan(true, Kernel::Packet), plan(true, Kernel::Single)];
         let tried = |plan, seconds: [f64; 3]| {
             let [first, fourth, ninth] = seconds;
@@ -198,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn those_behind_on_every_segment_are_left_out() {
+    fn plans_behind_on_every_segment_are_dropped() {
         let plans = [plan(false, Kernel::Packet), plan(false, Kernel::Single)];
         let left = |round: u64, slow: [f64; 2]| {
             let both = plans.iter().zip([[1.0, 1.0], slow]).map(|(plan, [extend, connect])| {
@@ -209,9 +213,9 @@ mod tests {
         };
         assert_eq!((left(0, [9.0; 2]), left(0, [3.9; 2])), (1, 2));
         assert_eq!((left(1, [1.3; 2]), left(1, [1.2; 2])), (1, 2));
-        // Good for one thing.
+        // A plan that is competitive in one respect is kept.
         assert_eq!((left(5, [9.0, 1.1]), left(5, [1.1, 9.0])), (2, 2));
-        // A clock that does not move.
+        // If the clock does not advance, all plans are kept.
         let works = [(Stage::Extend, 1, 0.0)];
         let still = plans.iter().map(|plan| Tried { plan, waves: vec![wave(&works)] });
         assert_eq!(without_those_behind(still.collect(), 3).len(), 2);

@@ -1,4 +1,4 @@
-//! Collide: where paths meet media before what they hit.
+//! Collide: finds collisions of paths in media, in front of their hits.
 
 use super::paths::Paths;
 use super::rays::Rays;
@@ -7,7 +7,7 @@ use crate::sampler::{Randoms, Sampler};
 use crate::scene::SceneTables;
 use crate::simd::{Float, Int, LANES};
 
-/// Replaces the hit of each ray by its first collision in a medium, if it has one.
+/// Replaces the hit of each ray with its first collision in a medium, if it has one before the hit.
 #[inline(never)]
 pub(super) fn collide(
     tables: &SceneTables,

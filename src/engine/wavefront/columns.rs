@@ -1,23 +1,23 @@
-//! Lists in structure-of-arrays form, filled at the end and read by vectors.
+//! Lists in structure-of-arrays form, to which lanes are appended and from which vectors are read.
 
 use std::ops::Range;
 
 use crate::simd::{Int, LANES, set_lanes};
 
-/// Rows of `N` words, column by column.
+/// A list of rows of `N` words, stored column by column.
 #[derive(Debug)]
 pub(super) struct Columns<const N: usize> {
     len: usize,
-    /// From one column to the next.
+    /// Number of words from one column to the next.
     stride: usize,
     words: Vec<u32>,
 }
 
 impl<const N: usize> Columns<N> {
-    /// No rows, and room for `capacity`.
+    /// Creates an empty list with room for `capacity` rows.
     pub(super) fn with_capacity(capacity: usize) -> Self {
-        // A vector may be stored at any place where a row is. An odd number of cache lines: columns
-        // a power of two apart would share few sets of a cache.
+        // A whole vector may be stored at any row. The number of cache lines is odd, because
+        // columns a power of two apart would share few sets of a cache.
         let lines = (capacity + LANES).div_ceil(16) | 1;
         Self { len: 0, stride: lines * 16, words: vec![0; N * lines * 16] }
     }
@@ -30,33 +30,33 @@ impl<const N: usize> Columns<N> {
         self.len = 0;
     }
 
-    /// Adds the rows of the lanes whose bits are set.
+    /// Appends the rows of the lanes whose bits are set.
     #[inline(always)]
     pub(super) fn append(&mut self, rows: &[Int; N], bits: u32) {
         self.set(self.len, rows, bits);
         self.len += bits.count_ones() as usize;
     }
 
-    /// Sets row `first` and the following to those of the lanes whose bits are set; what comes behind
-    /// them, up to a whole vector, is overwritten.
+    /// Overwrites the rows from `first` on with the rows of the lanes whose bits are set. The rest
+    /// of a whole vector is overwritten, too, with arbitrary values.
     #[inline(always)]
     pub(super) fn set(&mut self, first: usize, rows: &[Int; N], bits: u32) {
         let set_lanes = set_lanes(bits);
         let mut words = &mut self.words[..];
         for row in rows {
-            // Split, not indexed: fewer checks of bounds.
+            // Splitting needs fewer bounds checks than indexing.
             let (column, rest) = words.split_at_mut(self.stride);
             row.shuffled(set_lanes).store(&mut column[first..]);
             words = rest;
         }
     }
 
-    /// One number of all rows.
+    /// The words of all rows in column number `column`.
     pub(super) fn column(&self, column: usize) -> &[u32] {
         &self.words[column * self.stride..][..self.len]
     }
 
-    /// Rows `first..`, one a lane; what is beyond the last is of no use.
+    /// The rows from `first` on, one per lane. Lanes beyond the last row have arbitrary values.
     #[inline(always)]
     pub(super) fn rows(&self, first: usize) -> [Int; N] {
         let mut rows = [Int::ZERO; N];
@@ -66,7 +66,8 @@ impl<const N: usize> Columns<N> {
         rows
     }
 
-    /// Repeats the last of `rows`, if there is one, up to a multiple of [`LANES`].
+    /// Pads `rows` to a multiple of [`LANES`] by repeating the last row. An empty range is not
+    /// padded.
     pub(super) fn pad(&mut self, rows: Range<usize>) {
         if rows.is_empty() {
             return;

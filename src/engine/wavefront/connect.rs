@@ -1,4 +1,4 @@
-//! Connect: the light that reaches surfaces directly.
+//! Connect: traces shadow rays and adds the light of those that are not occluded.
 
 use super::columns::Columns;
 use super::extend::trace;
@@ -6,16 +6,16 @@ use super::paths::Paths;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::simd::{Float, Indices, Int, LANES, Vec3x};
 
-/// Ways to lights, and what arrives if they are free.
+/// Shadow rays, and the light that each one adds if it is not occluded.
 #[derive(Debug)]
 pub(super) struct Shadows {
     pub(super) rays: RayBatch,
-    /// Radiance at the camera (3), path.
+    /// Radiance at the camera (3 columns), and path.
     light: Columns<4>,
 }
 
 impl Shadows {
-    /// None, and room for `capacity`.
+    /// Creates an empty list with room for `capacity` shadow rays.
     pub(super) fn with_capacity(capacity: usize) -> Self {
         Self { rays: RayBatch::with_capacity(capacity), light: Columns::with_capacity(capacity) }
     }
@@ -25,7 +25,7 @@ impl Shadows {
         self.light.clear();
     }
 
-    /// Adds the lanes whose bits are set.
+    /// Appends the shadow rays of the lanes whose bits are set.
     #[inline(always)]
     pub(super) fn append(&mut self, rays: &RayVector, radiance: Vec3x, paths: &Indices, bits: u32) {
         self.rays.append(rays, bits);
@@ -34,8 +34,8 @@ impl Shadows {
     }
 }
 
-/// Traces the shadow rays, of which there are some, and adds the light of those that nothing occludes.
-/// Returns the work, if it is to `count` it.
+/// Traces the shadow rays, at least one, and adds the light of those that are not occluded. Returns
+/// the work of the kernel if `count` is set.
 #[inline(never)]
 pub(super) fn connect(
     accelerator: &Accelerator,
@@ -47,7 +47,7 @@ pub(super) fn connect(
 ) -> Counters {
     let Shadows { rays, light } = shadows;
     let counters = trace(accelerator, kernel, true, rays, hits, count);
-    // Whole vectors: the last ray stands in for those that are missing.
+    // Pad to whole vectors by repeating the last ray.
     light.pad(0..light.len());
     let last = hits.primitive[rays.len() - 1];
     hits.primitive[rays.len()..].fill(last);

@@ -1,10 +1,10 @@
-//! Extend: what the rays hit.
+//! Extend: finds the hits of rays.
 
 use super::rays::Rays;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
 use crate::simd::LANES;
 
-/// Finds the closest hits of `rays`. Returns the work, if it is to `count` it.
+/// Finds the closest hits of `rays`. Returns the work of the kernel if `count` is set.
 #[inline(never)]
 pub(super) fn extend(
     accelerator: &Accelerator,
@@ -16,7 +16,8 @@ pub(super) fn extend(
     trace(accelerator, kernel, false, &rays.batch, hits, count)
 }
 
-/// Finds the closest hits of `rays`, or whether there are `any`; whole vectors of hits can be read.
+/// Finds the closest hits of `rays`, or only whether they have `any` hit. The length of
+/// `hits` is rounded up so that whole vectors can be read.
 pub(super) fn trace(
     accelerator: &Accelerator,
     kernel: Kernel,

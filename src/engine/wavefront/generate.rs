@@ -1,4 +1,4 @@
-//! Generate: camera rays.
+//! Generate: creates paths and their camera rays.
 
 use super::paths::{History, Paths, Segment};
 use super::rays::Rays;
@@ -12,7 +12,7 @@ use crate::scene::CameraFrame;
 use crate::scene::material::SPECULAR;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
-/// Makes the paths of `unit`, whose pixels go row by row with their samples.
+/// Creates the paths of `unit`: pixel by pixel in rows, and all samples of a pixel in sequence.
 #[inline(never)]
 pub(super) fn generate(
     camera: &CameraFrame,
@@ -38,7 +38,7 @@ pub(super) fn generate(
     }
 }
 
-/// Goes through the samples of a unit's pixels.
+/// Iterates over the samples of a unit's pixels.
 struct Samples<'a> {
     settings: &'a RenderSettings,
     unit: Unit,
@@ -48,7 +48,7 @@ struct Samples<'a> {
     key: PixelKey,
 }
 
-/// Pixel and sample, one a lane.
+/// A pixel and a sample per lane.
 struct SampleLanes {
     x: Int,
     y: Int,

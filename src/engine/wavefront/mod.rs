@@ -1,4 +1,4 @@
-//! The wavefront engine: waves of paths go through stages, each a loop over vectors of them.
+//! The wavefront engine: waves of paths pass through stages, each a loop over vectors of paths.
 
 mod accumulate;
 mod cells;
@@ -24,7 +24,7 @@ use super::prepared::View;
 use super::unit::{UnitEngine, UnitWorker};
 use wave::Worker;
 
-/// A view, and the plan by which it is rendered.
+/// Renders a view according to a plan.
 #[derive(Debug)]
 pub(super) struct WavefrontEngine {
     view: View,
@@ -34,7 +34,8 @@ pub(super) struct WavefrontEngine {
 }
 
 impl WavefrontEngine {
-    /// For a render of `paths` paths, by the plan of its settings, or the one that was `measured` before.
+    /// Creates an engine for a render of `paths` paths. Uses the plan of the settings if they have
+    /// one, else the plan `measured` earlier, else finds a plan.
     pub(super) fn new(view: View, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
         view.prepared.tables();
         let start = Instant::now();

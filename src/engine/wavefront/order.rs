@@ -1,15 +1,15 @@
-//! Order: the rays of the next segment, side by side those that start near each other and go the same
-//! way.
+//! Order: builds the rays of the next segment, optionally sorted so that neighbours start near each
+//! other and have similar directions.
 
 use super::cells::Cells;
 use super::columns::Columns;
 use super::paths::Paths;
 use super::rays::Rays;
 
-/// Paths that go on: path, cell.
+/// The paths that continue. Columns: path, cell.
 pub(super) type Next = Columns<2>;
 
-/// Makes the rays of the paths `next`: `by_cell`, or as they come.
+/// Builds the rays of the paths `next`, sorted `by_cell` or in the given order.
 #[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
     if by_cell {
@@ -21,14 +21,14 @@ pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) 
     rays.fill(paths);
 }
 
-/// Sorts the paths by cell, by counting.
+/// Sorts the paths by cell with a counting sort.
 fn sort_by_cell(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
     let bits = Cells::bits_for(next.len());
     let leave_out = Cells::BITS - bits;
     starts.clear();
     starts.resize(1 << bits, 0);
     paths.resize(next.len(), 0);
-    // Slices: a vector's pointer would be loaded again after each write.
+    // These are slices because the pointer of a `Vec` would be loaded again after each write.
     let (starts, paths) = (&mut starts[..], &mut paths[..]);
     for &cell in next.column(1) {
         starts[(cell >> leave_out) as usize] += 1;

@@ -1,4 +1,4 @@
-//! The state of paths: a cache line each, in one place from the camera to the end.
+//! The state of paths: one cache line per path, which stays in place for the whole path.
 
 use std::ops::Range;
 
@@ -9,11 +9,11 @@ use crate::math::Row;
 use crate::math::random::PathKey;
 use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 
-/// The paths of a wave, by the number of their sample in it.
+/// The paths of a wave, indexed by the number of their sample in the wave.
 ///
 /// A path is a cache line of four rows: origin and time; direction and density; throughput and the
-/// first word of the key; radiance and the second. Vectors of paths from anywhere are read by turning
-/// rows into columns: one cache line a path, whatever their order.
+/// first word of the key; radiance and the second word. Vectors of paths are read by transposing
+/// rows, which takes one cache line per path in any order of paths.
 #[derive(Debug)]
 pub(super) struct Paths(Vec<Line>);
 
@@ -21,49 +21,49 @@ pub(super) struct Paths(Vec<Line>);
 #[repr(align(64))]
 struct Line([Row; 4]);
 
-/// The segments that paths trace, one a lane.
+/// The current segments of paths, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// Directions are of unit length.
+    /// The ray, with a direction of unit length.
     pub(super) ray: Ray<Float>,
-    /// Density with which a surface or medium chose the direction; [`SPECULAR`] where no light sample
-    /// could have found what the path hits.
+    /// Density with which a surface or a medium sampled the direction, or [`SPECULAR`] if no light
+    /// sample could have found the hit.
     ///
     /// [`SPECULAR`]: crate::scene::material::SPECULAR
     pub(super) pdf: Float,
 }
 
-/// What paths have been through, one a lane.
+/// The state that paths accumulate over their segments, one path per lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct History {
-    /// Throughput: what a unit of radiance here adds to the pixel.
+    /// Throughput: the factor from radiance along the ray to the sample's radiance.
     pub(super) beta: Vec3x,
-    /// What has arrived at the camera.
+    /// Radiance that has arrived at the camera so far.
     pub(super) radiance: Vec3x,
-    /// Of the random numbers.
+    /// Keys of the random numbers.
     pub(super) keys: PathKey<Int>,
 }
 
 impl Paths {
-    /// Room for `capacity` paths.
+    /// Creates storage for `capacity` paths.
     pub(super) fn new(capacity: usize) -> Self {
-        // Whole vectors are written.
+        // The capacity is rounded up because whole vectors are written.
         Self(vec![Line([[0; 4]; 4]); capacity.next_multiple_of(LANES)])
     }
 
-    /// Row `row` of the paths `indices`: a vector and a number.
+    /// Reads row `row` of the paths `indices`: a vector and a number.
     #[inline(always)]
     fn gather(&self, row: usize, indices: &Indices) -> (Vec3x, Float) {
         indices.gather(&self.0, |line| &line.0[row])
     }
 
-    /// Sets it. Lanes with the same path must have the same row.
+    /// Writes row `row` of the paths `indices`. Lanes with the same path must have the same values.
     #[inline(always)]
     fn scatter(&mut self, row: usize, indices: &Indices, columns: (Vec3x, Float)) {
         indices.scatter(&mut self.0, |line| &mut line.0[row], columns);
     }
 
-    /// The paths in `lanes`, all of which must be there.
+    /// Creates indices of the paths in `lanes`, which must all exist.
     #[inline(always)]
     pub(super) fn indices(&self, lanes: Int) -> Indices {
         Indices::new(lanes, self.0.len())
@@ -77,7 +77,7 @@ impl Paths {
         Segment { ray: Ray { origin, direction, time }, pdf }
     }
 
-    /// Gives new segments to the paths `indices`. Those that have ended may be overwritten.
+    /// Sets the segments of the paths `indices`. Terminated paths may be overwritten.
     #[inline(always)]
     pub(super) fn set_segments(&mut self, indices: &Indices, segments: &Segment) {
         let Segment { ray: Ray { origin, direction, time }, pdf } = *segments;
@@ -106,21 +106,21 @@ impl Paths {
         self.scatter(2, indices, (history.beta, Float::from_bits(history.keys.pixel_word)));
     }
 
-    /// Sets what has arrived along the paths `indices`.
+    /// Sets the radiance of the paths `indices`.
     #[inline(always)]
     pub(super) fn set_radiance(&mut self, indices: &Indices, history: &History) {
         self.scatter(3, indices, (history.radiance, Float::from_bits(history.keys.sample_word)));
     }
 
-    /// What has arrived at the camera along each of the paths `range`.
+    /// The radiance of each path in `range`.
     pub(super) fn radiances(&self, range: Range<usize>) -> impl Iterator<Item = Vec3> + Clone {
         self.0[range]
             .iter()
             .map(|Line([.., [r, g, b, _]])| Vec3::from_array([*r, *g, *b].map(f32::from_bits)))
     }
 
-    /// Adds `light` to what has arrived along those of the paths `indices` whose bits are set. Lanes
-    /// with the same path must have the same light and bit.
+    /// Adds `light` to the radiance of those paths in `indices` whose bits are set. Lanes with the
+    /// same path must have the same light and bit.
     #[inline(always)]
     pub(super) fn add_radiance(&mut self, indices: &Indices, light: Vec3x, bits: u32) {
         let (radiance, sample_word) = self.gather(3, indices);

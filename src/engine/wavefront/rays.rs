@@ -1,22 +1,22 @@
-//! The rays of a segment, in the order in which they are traced.
+//! The rays of a segment, in the order of tracing.
 
 use super::cells::Cells;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
 
-/// Rays, and which path each is of.
+/// Rays and the paths to which they belong.
 #[derive(Debug)]
 pub(super) struct Rays {
     pub(super) batch: RayBatch,
-    /// In the order of the batch; the last is repeated until they fill a vector.
+    /// The path of each ray in the batch, padded to a multiple of [`LANES`].
     pub(super) paths: Vec<u32>,
-    /// Where the paths of each cell begin.
+    /// For each cell, the index of its first path. A buffer of the counting sort.
     pub(super) starts: Vec<u32>,
 }
 
 impl Rays {
-    /// None, and room for `capacity`.
+    /// Creates an empty list with room for `capacity` rays.
     pub(super) fn with_capacity(capacity: usize) -> Self {
         Self {
             batch: RayBatch::with_capacity(capacity),
@@ -29,20 +29,20 @@ impl Rays {
         self.batch.len()
     }
 
-    /// The paths of rays `first..`, one a lane.
+    /// The paths of the rays from `first` on, one per lane.
     #[inline(always)]
     pub(super) fn paths(&self, first: usize) -> Int {
         Int::load(&self.paths[first..])
     }
 
-    /// Begins a wave, whose paths are numbered from 0.
+    /// Begins a wave of `paths` paths, numbered from 0. The caller adds their rays to the batch.
     pub(super) fn begin(&mut self, paths: usize) {
         self.batch.clear();
         self.paths.clear();
         self.paths.extend(0..paths.next_multiple_of(LANES) as u32);
     }
 
-    /// The batch of the rays of `self.paths`.
+    /// Fills the batch with the rays of `self.paths`, and pads `self.paths` with the last path.
     #[inline(never)]
     pub(super) fn fill(&mut self, paths: &Paths) {
         let len = self.paths.len();

@@ -1,4 +1,4 @@
-//! Sort: a counting sort of the paths by what shades them.
+//! Sort: a counting sort of the paths by key, which selects the kernel that shades them.
 
 use super::columns::Columns;
 use super::rays::Rays;
@@ -6,19 +6,18 @@ use crate::accel::HitBatch;
 use crate::scene::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 
-/// The paths of a wave in the order of their keys. Its size depends on the number of keys only by a few
-/// vectors each.
+/// The paths of a wave, sorted by key. Each key adds only a few vectors to the size.
 #[derive(Debug)]
 pub(super) struct Queues {
-    /// Path, distance, primitive.
+    /// Columns: path, distance, primitive.
     rows: Columns<3>,
     /// The key of each ray, in the order of the rays.
     keys: Vec<u8>,
-    /// For each key, the first of its rows, a multiple of [`LANES`], and their number.
+    /// For each key, the index of its first row, a multiple of [`LANES`], and its number of rows.
     spans: Vec<(u32, u32)>,
 }
 
-/// The paths of one key.
+/// The paths with one key.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Queue<'a> {
     rows: &'a Columns<3>,
@@ -27,7 +26,7 @@ pub(super) struct Queue<'a> {
 }
 
 impl Queues {
-    /// Room for `capacity` paths of `keys` keys.
+    /// Creates queues for `capacity` paths with `keys` different keys.
     pub(super) fn new(keys: usize, capacity: usize) -> Self {
         Self {
             rows: Columns::with_capacity(capacity + keys * 2 * LANES),
@@ -51,14 +50,14 @@ impl Queue<'_> {
         self.len
     }
 
-    /// Rows `first..`, one a lane; the last is repeated until they fill a vector.
+    /// The rows from `first` on, one per lane. Missing lanes repeat the last row.
     #[inline(always)]
     pub(super) fn rows(&self, first: usize) -> [Int; 3] {
         self.rows.rows(self.first + first)
     }
 }
 
-/// Puts the paths of `rays`, which have hit `hits`, into the queues of their keys.
+/// Puts the paths of `rays`, whose hits are `hits`, into the queues of their keys.
 #[inline(never)]
 pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
     let Queues { rows, keys, spans } = queues;
@@ -67,9 +66,10 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
     for first in (0..rays.len()).step_by(LANES) {
         let t = Float::load(&hits.t[first..]).to_bits();
         let row = [rays.paths(first), t, Int::load(&hits.primitive[first..])];
-        let these: &[u8; LANES] = keys[first..].first_chunk().expect("a whole vector");
+        let these: &[u8; LANES] =
+            keys[first..].first_chunk().expect("`keys` is padded to whole vectors");
         let lanes = Int::new(these.map(u32::from));
-        // Neighbours mostly have few keys between them.
+        // Neighbouring rays mostly share a few keys.
         let mut rest = first_bits(LANES.min(rays.len() - first));
         while rest != 0 {
             let key = these[rest.trailing_zeros() as usize % LANES];
@@ -88,7 +88,8 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
 /// Finds the key of each ray, and how many rays each key has.
 #[inline(never)]
 fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], spans: &mut [(u32, u32)]) {
-    // Neighbours often have the same key: with one table each count would wait for the last.
+    // Neighbours often have the same key: with one table, each increment would wait for the
+    // previous.
     let mut counts = [[0; 256]; 4];
     let (fours, rest) = primitives.as_chunks::<4>();
     for (these, keys) in fours.iter().zip(keys.as_chunks_mut::<4>().0) {
@@ -106,11 +107,12 @@ fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], spans: &mut [(u32, 
     }
 }
 
-/// Sets where the rows of each key begin; none of them is there yet.
+/// Computes the first row of each key from the numbers of rows, and resets these to 0.
 fn begin(spans: &mut [(u32, u32)]) {
     let mut end = 0;
     for (first, len) in spans {
-        // Whole vectors are written: a queue's last may reach beyond it by almost as much.
+        // Whole vectors are written, so a queue's last vector may extend past its end by almost a
+        // vector.
         *first = (end + LANES as u32 - 1).next_multiple_of(LANES as u32);
         end = *first + *len;
         *len = 0;

@@ -1,4 +1,4 @@
-//! Trials: what might be fastest is tried, on all threads at the same time as in a render.
+//! Trials: measure which plan is fastest, on all threads at once as in a render.
 
 use std::sync::Mutex;
 
@@ -13,29 +13,30 @@ use crate::engine::stats::WaveStats;
 use crate::engine::unit::Task;
 use crate::film::{CHUNK, Grid, Tile, Unit};
 
-/// Sizes of waves that are tried.
+/// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 
-/// How long a trial may be.
+/// Limits the length of a trial.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// One path for so many of a render.
+    /// A trial traces at most one path for this many paths of the render.
     share: u64,
-    /// Fewer rounds tell nothing, more nothing new.
+    /// Minimum and maximum number of rounds. Fewer would be too noisy, more would not help.
     rounds: [u64; 2],
-    /// The first round is so many times shorter: what is slow beyond measure shows at once.
+    /// The first round is shorter by this factor, since plans that are far too slow show at once.
     first: u64,
 }
 
-/// Ways differ by factors, ...
+/// Effort to compare ways of tracing, whose times differ by factors.
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
-/// ... sizes by a few percent, and the parts of an image differ more.
+/// Effort to compare wave sizes, whose times differ by a few percent, less than the parts of an
+/// image.
 const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
-/// The fastest plan on waves from all over the image; in renders of few `paths` the usual one. And whether it was
-/// measured.
+/// Returns the fastest plan for waves from all over the image, or the usual plan if the render has
+/// too few `paths` for trials. Also returns whether the plan was measured.
 pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning) {
-    // Counting takes time.
+    // Counting would slow down the trials.
     let settings = RenderSettings { count: false, ..view.settings.clone() };
     let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
     let primitives = view.scene().geometry().len();
@@ -58,13 +59,13 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     (fastest(&tried).map_or(plan, |size| size.plan.clone()), planning)
 }
 
-/// `plan` with each size of waves that may be chosen.
+/// Returns `plan` with each wave size to try. The list is empty if the settings set the size.
 fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
     let sizes = SIZES.map(|wave_size| Plan { wave_size, ..plan.clone() });
     sizes.into_iter().filter(|_| settings.wave_size == 0).collect()
 }
 
-/// All ways that might be fastest, each for all segments.
+/// Returns a plan for each way of tracing that might be fastest. It applies to all segments.
 fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
     let kernels = Kernel::ALL.into_iter().filter(|&k| view.prepared.accelerator().may_win(k));
     let ways = kernels.flat_map(|kernel| {
@@ -73,8 +74,8 @@ fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
     ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()
 }
 
-/// Takes paths from the same places by each of `plans`, round after round. Those that fall behind are
-/// left out; none is left in a render that is too small for a trial.
+/// Traces paths from the same parts of the image with each of `plans`, round after round. Drops
+/// plans that fall behind. Returns an empty list if the render is too small for a trial.
 fn try_all<'a>(
     view: &View,
     all_paths: u64,
@@ -94,9 +95,9 @@ fn try_all<'a>(
         view.prepared.accelerator().prepare(segment.occluded);
     }
     let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
-    // A pixel may have more than a wave.
+    // A single pixel may have more paths than a wave.
     let room = paths.max(u64::from(CHUNK));
-    // All threads take their waves by the same plan at the same time.
+    // All threads trace waves with the same plan at the same time.
     let take = |plan: &'a Plan, round: u64| {
         let paths = if round == 0 { paths.div_ceil(effort.first) } else { paths };
         pool.broadcast(|thread: usize| {
@@ -112,7 +113,7 @@ fn try_all<'a>(
         })
     };
 
-    // Buffers come from the operating system when they are used first.
+    // Warm up: the operating system provides the memory of buffers when they are first used.
     take(largest, 0);
     let mut tried: Vec<_> = plans.iter().map(Tried::new).collect();
     for round in 0..rounds {
@@ -120,25 +121,25 @@ fn try_all<'a>(
             tried.waves.extend(take(tried.plan, round).into_iter().map(sum));
         }
         tried = without_those_behind(tried, round);
-        // Each is the first in its turn, for which nothing is in the caches yet.
+        // Rotate, because the first plan of a round has the disadvantage of cold caches.
         tried.rotate_left(1);
     }
     tried
 }
 
 impl Effort {
-    /// Rounds where each of `threads` renders `paths` and takes `paths_a_round`; `None` where the
-    /// fewest would be too many.
+    /// Returns the number of rounds if each of `threads` threads renders `paths` paths, and traces
+    /// `paths_a_round` paths per round. Returns `None` if even the minimum would take too long.
     fn rounds(self, paths: u64, paths_a_round: u64, threads: u64) -> Option<u64> {
         let [least, most] = self.rounds;
-        // Threads share the rounds that are enough.
+        // The threads share the maximum number of rounds.
         let most = most.div_ceil(threads).max(least);
         let rounds = (paths / (self.share * paths_a_round)).min(most);
         (rounds >= least).then_some(rounds)
     }
 }
 
-/// What a thread did for the units of a trial.
+/// Adds up the work of a thread for the units of a round.
 fn sum(waves: Vec<WaveStats>) -> WaveStats {
     waves.iter().fold(WaveStats::default(), |mut sum, wave| {
         sum.add(wave);
@@ -146,9 +147,9 @@ fn sum(waves: Vec<WaveStats>) -> WaveStats {
     })
 }
 
-/// The units that a trial takes, about so many paths: of neighbouring pixels at place number `number` of a
-/// sequence that spreads in both directions (Roberts 2018, "The unreasonable effectiveness of
-/// quasirandom sequences").
+/// Returns units of about `paths` paths in total, of neighbouring pixels. Their position is number
+/// `number` of a sequence that covers the image evenly (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences").
 fn units(
     settings: &RenderSettings,
     plan: &Plan,
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_tried_where_none_is_given() {
+    fn sizes_are_tried_unless_one_is_set() {
         let sizes = |settings: &RenderSettings| -> Vec<u32> {
             each_size(settings, &plan()).iter().map(|plan| plan.wave_size).collect()
         };
@@ -232,7 +233,8 @@ mod tests {
             [tried(settings.paths()), tried(settings.paths() / 2)]
         };
         assert_eq!(tried(100), [0, 0]);
-        // How many fall behind is chance's; a half of it, as a shard is, is too small again.
+        // The number of plans that fall behind is random. Half of the render, like a shard, is too
+        // small for trials.
         let [whole, half] = tried(200);
         assert!(whole > 0 && half == 0);
     }

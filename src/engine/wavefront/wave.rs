@@ -1,4 +1,4 @@
-//! The main loop: a worker takes a wave of paths through the stages.
+//! The main loop of the wavefront engine: a worker passes a wave of paths through the stages.
 
 use super::accumulate::accumulate;
 use super::cells::Cells;
@@ -19,25 +19,25 @@ use crate::engine::stats::{StageWork, Stopwatch};
 use crate::engine::tally::{Endings, Tally};
 use crate::engine::unit::{Taken, Task, UnitWorker};
 
-/// Paths on their way, and what their stages hand to each other. Its size depends on the plan and on
-/// the kinds of materials, not on the image or its samples.
+/// The paths of a wave, and the data that the stages hand to each other. Its size depends on the
+/// plan and on the kinds of materials, not on the image or its samples.
 #[derive(Debug)]
 struct Wave {
     paths: Paths,
-    /// The rays that are traced next.
+    /// The rays to trace next.
     rays: Rays,
-    /// What they hit.
+    /// The hits of these rays.
     hits: HitBatch,
-    /// Paths by what they have hit.
+    /// The paths, sorted by the key of their hit.
     queues: Queues,
     shadows: Shadows,
-    /// Paths that go on.
+    /// The paths that continue.
     next: Next,
     cells: Cells,
 }
 
 impl Wave {
-    /// Room for `capacity` paths.
+    /// Creates a wave with room for `capacity` paths.
     fn new(view: &View, capacity: usize) -> Self {
         let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
         let keys = view.prepared.tables().looks.keys().len();
@@ -53,7 +53,7 @@ impl Wave {
     }
 }
 
-/// A thread's wave, and what comes of it.
+/// The wave of a thread, with the plan for tracing it and a stopwatch for its stages.
 #[derive(Debug)]
 pub(super) struct Worker<'a> {
     view: &'a View,
@@ -63,15 +63,17 @@ pub(super) struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    /// For units of at most so many `paths`.
+    /// Creates a worker for units of at most `paths` paths.
     pub(super) fn new(view: &'a View, plan: &'a Plan, paths: u64) -> Self {
         let watch = Stopwatch::new(view.settings.timeline);
         Self { view, plan, wave: Wave::new(view, paths as usize), watch }
     }
 
-    /// Takes the paths of `task` from the camera to the film; `None` where `abandon` returns true.
+    /// Traces the paths of `task` from the camera to the film. Returns `None` if `abandon` returns
+    /// true.
     ///
-    /// Stages are not inlined: each has the registers for itself, and profiles tell them apart.
+    /// Stages are not inlined: each then has all registers to itself, and profiles list it
+    /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { view, plan, wave, watch } = self;
         let View { prepared, settings, camera } = view;

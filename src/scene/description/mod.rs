@@ -1,7 +1,7 @@
-//! What a scene file says: the schema of `.ron` and `.json`, read and written by serde.
+//! The schema of scene files in `.ron` and `.json`, read and written by serde.
 //!
-//! Lengths are in the scene's unit, angles in degrees, colours linear RGB. Numbers are
-//! checked in [`super::resolve`], which knows what they mean.
+//! Lengths are in the scene's unit, angles in degrees and colours in linear RGB. The numbers are
+//! checked later, in [`super::resolve`].
 
 use serde::{Deserialize, Serialize};
 
@@ -17,9 +17,9 @@ use super::texture::Texture;
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct SceneFile {
-    /// The viewer.
+    /// The camera.
     pub camera: CameraFile,
-    /// What rays that leave the scene see.
+    /// Light that arrives along rays that leave the scene.
     #[serde(default)]
     pub background: Background,
     /// Default image size and sampling.
@@ -31,16 +31,16 @@ pub struct SceneFile {
     /// Materials by name.
     #[serde(default)]
     pub materials: Named<Material>,
-    /// The geometry.
+    /// The primitives, and groups of primitives.
     #[serde(default)]
     pub primitives: Vec<PrimitiveFile>,
-    /// Media, none of which overlaps another.
+    /// Participating media, which must not overlap.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub media: Vec<MediumFile>,
 }
 
 impl SceneFile {
-    /// A scene without primitives, black all around.
+    /// Creates a scene without primitives and with a black background.
     pub fn new(camera: CameraFile) -> Self {
         Self {
             camera,
@@ -79,7 +79,7 @@ impl SceneFile {
         self.add(TrianglesFile::new(vertices.to_vec(), triangles.to_vec(), material));
     }
 
-    /// Adds a primitive of any kind: see [`primitive`](crate::primitive).
+    /// Adds a primitive of any kind; see [`primitive`](crate::primitive).
     pub fn add(&mut self, primitive: impl Into<PrimitiveFile>) {
         self.primitives.push(primitive.into());
     }
@@ -92,17 +92,17 @@ impl SceneFile {
 pub struct CameraFile {
     /// Centre of the lens.
     pub look_from: [f32; 3],
-    /// Point in the middle of the image.
+    /// Point that appears in the middle of the image.
     pub look_at: [f32; 3],
-    /// A direction that is up in the image.
+    /// Direction that points up in the image.
     #[serde(default = "CameraFile::default_up")]
     pub up: [f32; 3],
-    /// Full vertical angle of view, (0, 180).
+    /// Full vertical angle of view, in (0, 180).
     pub vfov: f32,
-    /// Apex angle of the cone from a point in focus to the lens, [0, 180); 0 is a pinhole.
+    /// Apex angle of the cone from a point in focus to the lens, in [0, 180). 0 is a pinhole.
     #[serde(default)]
     pub defocus_angle: f32,
-    /// Distance of the plane in focus.
+    /// Distance from the lens to the plane in focus.
     #[serde(default = "CameraFile::default_focus_distance")]
     pub focus_distance: f32,
     /// Times at which the shutter opens and closes, within [0, 1].
@@ -111,8 +111,8 @@ pub struct CameraFile {
 }
 
 impl CameraFile {
-    /// A pinhole camera at `look_from`, with the y-axis up and a full vertical angle of view of `vfov`
-    /// degrees, in (0, 180).
+    /// Creates a pinhole camera at `look_from`, with the y-axis up and a full vertical angle of
+    /// view of `vfov` degrees, in (0, 180).
     pub fn new(look_from: [f32; 3], look_at: [f32; 3], vfov: f32) -> Self {
         Self {
             look_from,
@@ -134,7 +134,7 @@ impl CameraFile {
     }
 }
 
-/// Defaults of `render`.
+/// Default settings of a render of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
@@ -143,12 +143,12 @@ pub struct RenderDefaults {
     pub width: u32,
     /// Image height in pixels.
     pub height: u32,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub spp: u32,
     /// Largest number of segments of a path.
     pub depth: u32,
-    /// How lights are found; `mis` where the scene has lights that can be sampled, else
-    /// `bsdf`.
+    /// How paths find light. Without a value, the default is `mis` if the scene has lights that can
+    /// be sampled, else `bsdf`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Sampling>,
 }
@@ -163,19 +163,19 @@ impl Default for RenderDefaults {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
-    /// By scattering alone: light counts where a path happens to hit it.
+    /// By scattering alone. A light counts only if a path happens to hit it.
     Bsdf,
-    /// By a shadow ray to a light from every surface that is not specular, and out of media.
+    /// By a shadow ray to a light from every non-specular surface and every collision in a medium.
     Light,
-    /// By both, weighted with the power heuristic (Veach 1997, section 9.2.4).
+    /// By both ways, weighted with the power heuristic (Veach 1997, section 9.2.4).
     Mis,
 }
 
 impl Sampling {
-    /// All ways.
+    /// All ways of sampling.
     pub const ALL: [Self; 3] = [Self::Bsdf, Self::Light, Self::Mis];
 
-    /// The name on the command line and in records.
+    /// Returns the name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bsdf => "bsdf",

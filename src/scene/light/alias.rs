@@ -1,28 +1,30 @@
-//! Choice among many by weight, in constant time and integers alone (Walker 1974, the alias method;
-//! Vose 1991 makes the table).
+//! Weighted random choice in constant time, with integers only (the alias method, Walker 1974; the
+//! table is built as in Vose 1991).
 
 use crate::math::{Mask, Real, Row, Word};
 
-/// A table by which 32 random bits choose among entries, each of which is chosen by exactly as many of
-/// the 2^32 numbers as [`AliasTable::share`] says.
+/// A table that maps 32 random bits to an entry. Exactly [`AliasTable::share`] of the 2^32 numbers
+/// choose each entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AliasTable {
     shares: Vec<u32>,
-    /// Of each cell, for equally many numbers: how many choose the first entry; that; the other.
+    /// Cells, each of which covers equally many numbers. A row holds how many of them choose the
+    /// first entry, the first entry, and the other entry.
     cells: Vec<Row>,
-    /// Bits of a number that tell its place in a cell.
+    /// Number of low bits that hold a number's position within its cell.
     rest: u32,
 }
 
 impl AliasTable {
-    /// Entries with these weights, which are finite and not below 0, at least one of them above; none
-    /// is left without a share. At most 2^31 entries.
+    /// Builds the table for at most 2^31 weights, which must be finite, non-negative and not all 0.
+    ///
+    /// Every entry receives a share of at least 1, even if its weight is 0.
     ///
     /// # Panics
-    /// Where there is no entry.
+    /// If `weights` is empty.
     pub(crate) fn new(weights: &[f64]) -> Self {
-        assert!(!weights.is_empty(), "nothing to choose among");
-        // At least two cells, so that a cell's numbers are told by less than 32 bits.
+        assert!(!weights.is_empty(), "an alias table needs at least one weight");
+        // At least two cells, so that a position within a cell needs fewer than 32 bits.
         let count = weights.len().next_power_of_two().max(2);
         let rest = 32 - count.ilog2();
         let shares = shares(weights);
@@ -33,9 +35,9 @@ impl AliasTable {
             (0..count as u32).map(|entry| [size as u32, entry, entry, 0]).collect();
         let (mut small, mut large): (Vec<usize>, Vec<usize>) =
             (0..count).partition(|&cell| left[cell] < size);
-        // What a small entry leaves of its cell is for a large one.
+        // A large entry takes the numbers of a cell that its small entry leaves unused.
         while let Some(cell) = small.pop() {
-            let &from = large.last().expect("what is missing here is too much elsewhere");
+            let &from = large.last().expect("a small entry implies a large one");
             cells[cell] = [left[cell] as u32, cell as u32, from as u32, 0];
             left[from] -= size - left[cell];
             if left[from] < size {
@@ -47,7 +49,7 @@ impl AliasTable {
         Self { shares: shares.collect(), cells, rest }
     }
 
-    /// The entry that the number `bits` chooses.
+    /// Returns the entry that the number `bits` chooses.
     #[inline(always)]
     pub(crate) fn choose<R: Real>(&self, bits: R::Word) -> R::Word {
         let cell = R::index(bits >> self.rest, self.cells.len());
@@ -57,13 +59,13 @@ impl AliasTable {
         is_first.select(words[1].to_bits(), words[2].to_bits())
     }
 
-    /// How many of the 2^32 numbers choose `entry`; 2^32 − 1 stands for all of them.
+    /// Returns how many of the 2^32 numbers choose `entry`. 2^32 − 1 also stands for all of them.
     pub(crate) fn share(&self, entry: u32) -> u32 {
         self.shares[entry as usize]
     }
 }
 
-/// 2^32 as a sum in proportion to `weights`, each part at least 1.
+/// Splits 2^32 in proportion to `weights` into parts of at least 1.
 fn shares(weights: &[f64]) -> Vec<u64> {
     let all = 1u64 << 32;
     let total: f64 = weights.iter().sum();
@@ -84,7 +86,7 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    /// Counts the numbers of all cells for each entry.
+    /// Counts the numbers that choose each entry, over all cells.
     fn counted(table: &AliasTable) -> Vec<u64> {
         let mut counts = vec![0; table.shares.len()];
         for &[first, entry, alias, _] in &table.cells {
@@ -96,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_shared_out_as_told() {
+    fn cells_add_up_to_the_shares() {
         let mut random = Stream::new(4);
         for count in [1, 2, 3, 7, 64, 1000, 70_000] {
             let weights: Vec<f64> = (0..count)
@@ -116,7 +118,7 @@ mod tests {
                 let share = u64::from(table.share(entry as u32));
                 assert!(share == counted && share > 0, "{entry} of {count}");
                 let want = weights[entry] / total * 4_294_967_296.0;
-                // Rounded sums; entries without weight push others by one each.
+                // The sums are rounded, and each entry without weight shifts the others by one.
                 assert!((share as f64 - want).abs() <= 2.0 + count as f64, "{share} {want}");
             }
         }
@@ -126,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn choices_are_those_of_the_cells() {
+    fn choices_follow_the_weights() {
         let weights: Vec<f64> = (1..=37).map(f64::from).collect();
         let table = AliasTable::new(&weights);
         let mut random = Stream::new(9);

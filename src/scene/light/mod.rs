@@ -1,6 +1,6 @@
-//! Lights that paths look for: one file each, with its table and its samples.
+//! Lights that paths sample directly, one file per kind with its table and its sampling.
 //!
-//! The list in `lights!` makes the kinds, the tables, and the dispatch.
+//! The list in `lights!` generates the kinds, the tables and the dispatch.
 
 mod alias;
 mod quad;
@@ -21,13 +21,15 @@ use crate::geometry::{Primitive, Ray};
 use crate::math::{Mask, Real, Row, Vector, Word, row};
 use crate::sampler::{Dimension, Randoms};
 
-/// A kind of light: an entry in the table of its kind. It is sampled uniformly in its solid angle where that
-/// can be computed.
+/// A kind of light. The implementing type is an entry in the table of that kind.
+///
+/// Samples are uniform in the light's solid angle whenever that can be computed.
 pub(crate) trait LightModel: Copy + Debug {
-    /// A primitive as a light of this kind, and its area. Lights that are no primitives have none.
+    /// Returns the primitive as a light of this kind, and its area. Returns `None` if the primitive
+    /// has another shape; kinds of lights that are not primitives always do.
     fn of(primitive: Primitive<'_>) -> Option<(Self, f64)>;
 
-    /// Directions from `from` to the entries at `index`.
+    /// Samples directions from `from` to the entries at `index`.
     fn sample<R: Real>(
         table: &[Self],
         index: R::Index,
@@ -36,24 +38,25 @@ pub(crate) trait LightModel: Copy + Debug {
         uv: (R, R),
     ) -> LightSample<R>;
 
-    /// Density with which [`LightModel::sample`] at `ray.origin` draws `ray.direction`, which meets the
-    /// entries at distance `t`.
+    /// Returns the density with which [`LightModel::sample`] draws `ray.direction` from
+    /// `ray.origin`. The rays hit the entries at distance `t`.
     fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, t: R) -> R;
 }
 
-/// What every light has: what it emits, and its flags; the chance of being chosen, and its place in the
-/// table of its kind.
+/// Data of every light: (radiance, flags) and (chance of being chosen, index in the table of its
+/// kind, 0, 0).
 type LightRows = [Row; 2];
 
-/// The flag of lights that shine on their front only. Above it is the kind.
+/// Flag of lights that emit on their front side only. The kind is in the bits above it.
 const FRONT_ONLY: u32 = 1;
 const KIND_SHIFT: u32 = 1;
 
-/// Shapes are sampled by solid angle above this: below it the sum of the corners' angles has lost too
-/// many digits.
+/// Smallest solid angle at which flat lights are sampled by solid angle. Below it, the sum of the
+/// corner angles has lost too many digits.
 const MIN_SOLID_ANGLE: f32 = 1e-3;
-/// And above this sine of the elevation of the farthest corner over the shape's plane: below it the mapping
-/// from angles to points has lost too many digits.
+/// Smallest sine of the angle between a flat light's plane and the direction to its farthest corner
+/// at which it is sampled by solid angle. Below it, the mapping from angles to points has lost too
+/// many digits.
 const MIN_SINE: f32 = 2.5e-3;
 
 macro_rules! lights {
@@ -64,14 +67,14 @@ macro_rules! lights {
             $($name,)*
         }
 
-        /// The lights of a scene, a table for each kind.
+        /// The lights of a scene, one table per kind.
         #[derive(Debug, Default)]
         struct LightTables {
             $($module: Vec<$module::$name>,)*
         }
 
         impl LightTables {
-            /// Adds a primitive: its kind, its place in the table of that kind, and its area.
+            /// Adds a primitive. Returns its kind, its index in that kind's table, and its area.
             fn push(&mut self, primitive: Primitive<'_>) -> (LightKind, u32, f64) {
                 $(if let Some((light, area)) = LightModel::of(primitive) {
                     self.$module.push(light);
@@ -82,7 +85,7 @@ macro_rules! lights {
         }
 
         impl<R: Real> Chosen<'_, R> {
-            /// Directions to the lights as seen from `from`.
+            /// Samples directions from `from` to the lights.
             #[inline(always)]
             pub(crate) fn sample(&self, from: R::Vec3, time: R, uv: (R, R)) -> LightSample<R> {
                 let mut found = LightSample {
@@ -104,8 +107,8 @@ macro_rules! lights {
                 found
             }
 
-            /// Density with which [`Chosen::sample`] at `ray.origin` draws `ray.direction`, which meets
-            /// the lights at distance `t`.
+            /// Returns the density with which [`Chosen::sample`] draws `ray.direction` from
+            /// `ray.origin`. The rays hit the lights at distance `t`.
             #[inline(always)]
             pub(crate) fn pdf(&self, ray: &Ray<R>, t: R) -> R {
                 let mut pdf = R::ZERO;
@@ -129,7 +132,7 @@ lights! {
     TriangleLight in triangle,
 }
 
-/// The lights of a scene in the order of their primitives.
+/// The lights of a scene, in the order of their primitives.
 #[derive(Debug, Default)]
 pub(crate) struct Lights {
     rows: Vec<LightRows>,
@@ -137,7 +140,7 @@ pub(crate) struct Lights {
     choice: Option<AliasTable>,
 }
 
-/// One light, or one a lane.
+/// A chosen light, or one per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Chosen<'a, R: Real> {
     lights: &'a Lights,
@@ -178,15 +181,15 @@ impl LightsBuilder {
 }
 
 impl Lights {
-    /// Whether there is none.
+    /// Whether the scene has no lights.
     pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// A light, in proportion to its power.
+    /// Chooses a light with a probability in proportion to its power.
     ///
     /// # Panics
-    /// If there is none.
+    /// If the scene has no lights.
     #[inline(always)]
     pub(crate) fn choose<R: Real>(&self, randoms: &Randoms<R>) -> Chosen<'_, R> {
         match &self.choice {
@@ -197,7 +200,7 @@ impl Lights {
         }
     }
 
-    /// The lights with these numbers.
+    /// Returns the lights with these numbers.
     #[inline(always)]
     pub(crate) fn get<R: Real>(&self, light: R::Word) -> Chosen<'_, R> {
         let index = R::index_of_few(light, self.rows.len());
@@ -212,7 +215,8 @@ impl<R: Real> Chosen<'_, R> {
         (self.flags >> KIND_SHIFT).eq(R::Word::splat(kind as u32))
     }
 
-    /// Places in the table of their kind, which has `len` entries, of the lights in `here`.
+    /// Returns the indices of the lights in `here` in the table of their kind, which has `len`
+    /// entries. The other lanes are 0.
     #[inline(always)]
     fn place(&self, here: R::Mask, len: usize) -> R::Index {
         let place = self.chance_and_place()[1].to_bits();
@@ -224,13 +228,13 @@ impl<R: Real> Chosen<'_, R> {
         R::gather(&self.lights.rows, self.index, |rows| &rows[1]).0
     }
 
-    /// Chance of being chosen.
+    /// Returns the probability with which [`Lights::choose`] chooses the light.
     #[inline(always)]
     pub(crate) fn chance(&self) -> R {
         self.chance_and_place()[0]
     }
 
-    /// Radiance towards a viewer, on the front of the light or not.
+    /// Returns the radiance towards a viewer. `front` marks viewers on the front side of the light.
     #[inline(always)]
     pub(crate) fn radiance(&self, front: R::Mask) -> R::Vec3 {
         let one_sided = (self.flags & R::Word::splat(FRONT_ONLY)).eq(R::Word::splat(FRONT_ONLY));
@@ -238,8 +242,8 @@ impl<R: Real> Chosen<'_, R> {
     }
 }
 
-/// Radiant power in proportion to others': the luminance of what is emitted (Rec. 709), on all sides
-/// that shine. Not 0, however dim.
+/// Returns the relative power of a light: the luminance (Rec. 709) of its radiance, times its area
+/// and the number of sides that emit. It is above 0 even for the dimmest light.
 fn power(radiance: Vec3, sides: Sides, area: f64) -> f64 {
     let [r, g, b] = radiance.as_dvec3().to_array();
     let sides = if sides == Sides::Both { 2.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Quad lights: rectangles uniform in their solid angle, other parallelograms by area.
+//! Quad lights. Rectangles are sampled uniformly in solid angle, other parallelograms by area.
 
 use super::LightModel;
 use super::sample::{LightSample, Plane};
@@ -8,17 +8,17 @@ use crate::math::{Mask, Real, Row, normalize, row};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuadLight {
-    /// Corner; 1 for a rectangle, else 0.
+    /// Corner, 1 for a rectangle or 0 for another parallelogram.
     corner: Row,
-    /// Unit edge, width.
+    /// Unit vector along the edge `u`, width.
     x: Row,
-    /// Unit edge, height.
+    /// Unit vector along the edge `v`, height.
     y: Row,
     /// Normal, area.
     normal: Row,
 }
 
-/// Quads as if they were rectangles, their planes, and whether they are rectangles.
+/// Returns the quads treated as rectangles, their planes, and which of them are rectangles.
 #[inline(always)]
 fn shape<R: Real>(table: &[QuadLight], index: R::Index) -> (Rectangle<R>, Plane<R>, R::Mask) {
     let (corner, rectangular) = R::gather(table, index, |light| &light.corner);

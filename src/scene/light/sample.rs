@@ -1,19 +1,19 @@
-//! What a sample of a light is, and how flat lights are sampled.
+//! Light samples, and the sampling of flat lights.
 
 use crate::math::{Mask, Real, Select, dot};
 
-/// A direction from a point to a light.
+/// A sampled direction from a point to a light.
 #[derive(Clone, Copy)]
 pub(crate) struct LightSample<R: Real> {
-    /// Of unit length.
+    /// Unit direction to the light.
     pub(crate) direction: R::Vec3,
-    /// How far the light is.
+    /// Distance to the light.
     pub(crate) distance: R,
     /// Density of the direction per unit solid angle.
     pub(crate) pdf: R,
-    /// Whether the direction meets the light's front.
+    /// Whether the direction hits the light's front side.
     pub(crate) front: R::Mask,
-    /// Whether the light can be seen at all; where it cannot, the rest means nothing.
+    /// Whether the light can be visible at all. If not, the other fields are meaningless.
     pub(crate) visible: R::Mask,
 }
 
@@ -30,7 +30,7 @@ impl<R: Real> Select<R::Mask> for LightSample<R> {
     }
 }
 
-/// A flat light's plane.
+/// Plane and area of a flat light.
 pub(super) struct Plane<R: Real> {
     pub(super) point: R::Vec3,
     pub(super) normal: R::Vec3,
@@ -38,8 +38,8 @@ pub(super) struct Plane<R: Real> {
 }
 
 impl<R: Real> Plane<R> {
-    /// The sample in this direction: of density `pdf` where `exact`, else that of a point uniform by
-    /// area.
+    /// Returns the sample in this direction. Its density is `pdf` in the lanes of `exact`; in the
+    /// others it is that of a point chosen uniformly by area.
     #[inline(always)]
     pub(super) fn sample(
         &self,
@@ -61,7 +61,8 @@ impl<R: Real> Plane<R> {
         }
     }
 
-    /// Density per unit solid angle of points uniform by area, at `distance` in this direction.
+    /// Returns the density per unit solid angle of a point chosen uniformly by area that lies at
+    /// `distance` in this direction.
     #[inline(always)]
     pub(super) fn area_pdf(&self, direction: R::Vec3, distance: R) -> R {
         distance * distance / (self.area * dot(self.normal, direction).abs())

@@ -1,4 +1,4 @@
-//! Sphere lights: uniform in the cone that they fill.
+//! Sphere lights, sampled uniformly in the cone that they subtend.
 
 use std::f32::consts::PI;
 
@@ -12,18 +12,18 @@ use crate::math::{Mask, Real, Row, dot, length, normalize, row};
 pub(super) struct SphereLight {
     /// Centre at time 0, radius.
     center: Row,
-    /// Motion.
+    /// (motion from time 0 to time 1, 0).
     motion: Row,
 }
 
-/// The cone that a sphere fills as seen from a point.
+/// The cone that a sphere subtends at a point.
 struct Cone<R: Real> {
     center: R::Vec3,
     radius: R,
     to_center: R::Vec3,
     /// Whether the point is outside the sphere.
     outside: R::Mask,
-    /// 1 − cos of the half angle, there.
+    /// 1 − cos of the cone's half angle, for points outside the sphere.
     one_minus_cos: R,
 }
 
@@ -36,7 +36,7 @@ impl<R: Real> Cone<R> {
         let to_center = center - from;
         let d = length(to_center);
         let d2 = d * d;
-        // cos² as a product: 1 − sin² would cancel for narrow cones and near surfaces.
+        // cos² as a product, because 1 − sin² would cancel for narrow cones and near surfaces.
         let cos = ((d - r) * (d + r) / d2).sqrt();
         let one_minus_cos = (r * r / d2) / (R::ONE + cos);
         Self { center, radius: r, to_center, outside: d.gt(r), one_minus_cos }
@@ -73,7 +73,8 @@ impl LightModel for SphereLight {
         }
         let ray = Ray { origin: from, direction, time };
         let (t, hit) = sphere_distance(&ray, cone.center, cone.radius);
-        // At the silhouette rounding may miss the sphere, which is then as far as its centre.
+        // At the silhouette, the ray may miss the sphere by rounding error. Then use the ray's
+        // point nearest to the centre.
         let distance = hit.select(t, dot(cone.to_center, direction));
         let (pdf, front) = (cone.pdf(), cone.outside);
         LightSample { direction, distance, pdf, front, visible: R::Mask::ALL }

@@ -1,19 +1,19 @@
-//! Uniform samples of the solid angle of a rectangle (Ureña, Fajardo, King 2013, "An
+//! Uniform sampling of the solid angle of a rectangle (Ureña, Fajardo, King 2013, "An
 //! Area-Preserving Parametrization for Spherical Rectangles").
 //!
-//! Departures from the paper, for f32:
+//! The code departs from the paper in two points to keep precision in f32:
 //! 1. An inner angle is π/2 plus the angle whose tangent is xy/(|z|r) at its corner (x, y),
-//!    with r the corner's distance: no arccosine near ±1, and the 2π that would cancel is
-//!    never added.
+//!    with r the corner's distance. This avoids an arccosine near ±1, and a 2π that would
+//!    cancel is never added.
 //! 2. The angle of a sample is measured from π, the cotangent that the paper divides by is
-//!    multiplied out, and the rectangle is mirrored so that y1 ≥ |y0|: no pole in its
-//!    middle and no difference of almost equal terms.
+//!    multiplied out, and the rectangle is mirrored so that y1 ≥ |y0|. This avoids a pole in
+//!    the middle of the rectangle and differences of almost equal terms.
 
 use super::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::math::trig::{atan2, sin_cos};
 use crate::math::{Mask, Real, clamp, dot, max};
 
-/// A rectangle.
+/// A rectangle in space.
 pub(super) struct Rectangle<R: Real> {
     pub(super) corner: R::Vec3,
     /// Unit vectors along the edges and the normal.
@@ -22,20 +22,22 @@ pub(super) struct Rectangle<R: Real> {
     pub(super) size: (R, R),
 }
 
-/// A rectangle as seen from a point, in its own frame about that point.
+/// A rectangle as seen from a point, in a frame with the rectangle's axes around that point.
 pub(super) struct SphericalRectangle<'a, R: Real> {
     rectangle: &'a Rectangle<R>,
     from: R::Vec3,
-    /// Edges; y mirrored where `mirrored`.
+    /// Extent along the x axis.
     x: (R, R),
+    /// Extent along the y axis, mirrored in the lanes of `mirrored`.
     y: (R, R),
     mirrored: R::Mask,
-    /// Height of the rectangle's plane over the point, signed.
+    /// Signed height of the rectangle's plane above the point.
     height: R,
-    /// Angle of the first sample.
+    /// Angle of the samples with u = 0.
     start: R,
     solid_angle: R,
-    /// Whether it is large enough, and not too edge-on, for f32. Else it is sampled by area.
+    /// Whether the rectangle is large enough, and not too edge-on, for f32. If not, it is sampled
+    /// by area.
     pub(super) exact: R::Mask,
 }
 
@@ -61,13 +63,13 @@ impl<'a, R: Real> SphericalRectangle<'a, R> {
         Self { rectangle, from, x, y, mirrored, height, start, solid_angle, exact }
     }
 
-    /// Density of [`Self::sample`]'s directions per unit solid angle.
+    /// Returns the density of [`Self::sample`]'s directions per unit solid angle.
     #[inline(always)]
     pub(super) fn pdf(&self) -> R {
         R::ONE / self.solid_angle
     }
 
-    /// A point of the rectangle.
+    /// Samples a point of the rectangle.
     #[inline(always)]
     pub(super) fn sample(&self, u: R, v: R) -> R::Vec3 {
         let (y0, y1) = self.y;
@@ -75,10 +77,10 @@ impl<'a, R: Real> SphericalRectangle<'a, R> {
         // z components of the normals of the planes through the edges at y0 and y1.
         let (d0, d1) = ((y0 * y0 + z2).sqrt(), (y1 * y1 + z2).sqrt());
         let (b0, b1) = (-y0 / d0, y1 / d1);
-        // Their sum; as a quotient where they all but cancel.
+        // Their sum, computed as a quotient in lanes where the terms may nearly cancel.
         let quotient = z2 * ((y1 - y0) * (y1 + y0)) / (d0 * d1 * (y1 * d0 + y0 * d1));
         let sum = y0.gt(R::ZERO).select(quotient, b0 + b1);
-        // The column whose share of the solid angle to its left is u.
+        // The column that has the share u of the solid angle to its left.
         let angle = self.start + u * self.solid_angle;
         let (sin, _) = sin_cos(angle);
         let (half_sin, _) = sin_cos(angle * 0.5);
@@ -87,7 +89,7 @@ impl<'a, R: Real> SphericalRectangle<'a, R> {
         let side = n.lt(R::ZERO).select(-sin, sin);
         let x = self.height.abs() * side / max(radicand, R::ZERO).sqrt();
         let x = clamp(x, self.x.0, self.x.1);
-        // The height in that column, uniform in the sine of its elevation.
+        // The y coordinate within that column, uniform in the sine of its elevation.
         let d2 = x * x + z2;
         let elevation = |y: R| y / (d2 + y * y).sqrt();
         let (h0, h1) = (elevation(y0), elevation(y1));
@@ -114,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Solid angle of the part of the rectangle up to (x, y) of its size, in f64.
+    /// Solid angle of the part of the rectangle from its corner to (x, y), in f64.
     #[allow(clippy::disallowed_methods)]
     fn solid_angle(r: &Rectangle<f32>, from: Vec3, x: f64, y: f64) -> f64 {
         let d = (r.corner - from).as_dvec3();
@@ -128,7 +130,7 @@ mod tests {
     const VIEWS: [Vec3; 7] = [
         Vec3::new(278.0, 0.0, 279.0),
         Vec3::new(0.0, 300.0, 0.0),
-        Vec3::new(250.0, 555.0, 200.0), // 1 above the lamp, as from the ceiling
+        Vec3::new(250.0, 555.0, 200.0), // 1 above the lamp, as seen from the ceiling
         Vec3::new(400.0, 555.0, 300.0),
         Vec3::new(300.0, 555.0, 60.0),
         Vec3::new(214.0, 553.0, 226.0),
@@ -157,7 +159,7 @@ mod tests {
             assert!(spherical.exact);
             let whole = solid_angle(&r, from, 130.0, 105.0);
             let mut random = Stream::new(11);
-            // Share of the samples below 7 × 7 points of the rectangle, against the exact one.
+            // Compares the share of samples below each of 7 × 7 points with the exact share.
             let mut below = [[0u32; 7]; 7];
             for _ in 0..N {
                 let p = spherical.sample(random.uniform(), random.uniform()) - r.corner;
@@ -175,7 +177,7 @@ mod tests {
                     let (u, v) = ((i + 1) as f64 / 8.0, (j + 1) as f64 / 8.0);
                     let p = solid_angle(&r, from, 130.0 * u, 105.0 * v) / whole;
                     let got = f64::from(count) / N as f64;
-                    // Five standard deviations, over 294 tests.
+                    // Five standard deviations, over 343 tests.
                     let bound = 5.0 * (p * (1.0 - p) / N as f64).sqrt() + 1e-5;
                     assert!((got - p).abs() < bound, "{from} ({u}, {v}): {got} {p}");
                 }

@@ -1,39 +1,43 @@
-//! Uniform samples of the solid angle of a triangle (Arvo 1995, "Stratified Sampling of Spherical
-//! Triangles").
+//! Uniform sampling of the solid angle of a triangle (Arvo 1995, "Stratified Sampling of
+//! Spherical Triangles").
 //!
-//! Departures from the paper, for f32, in the manner of Peters 2021, "BRDF Importance Sampling for
-//! Polygonal Lights":
+//! The code departs from the paper in three points to keep precision in f32, in the manner of
+//! Peters 2021, "BRDF Importance Sampling for Polygonal Lights":
 //! 1. The solid angle is twice the angle whose tangent is det(a, b, c) over a sum of products (Van
-//!    Oosterom and Strackee 1983), not the excess of three angles by arccosines.
-//! 2. The same formula, solved for the point on the arc from a to c whose triangle with a and b has
-//!    the share u, gives the tangent of half its way along the arc as a quotient.
-//! 3. What vanishes as the triangle gets small is taken from its edges, which are given, and not from
-//!    differences of directions: the determinants, and 1 − cos and 1 + cos of the angles between
-//!    directions, as squares of their differences and sums.
+//!    Oosterom and Strackee 1983), not the excess of three angles computed by arccosines.
+//! 2. A sample with the share u of the solid angle needs the point on the arc from a to c whose
+//!    triangle with a and b has that share. The same formula, solved for that point, gives the
+//!    tangent of half its angle from a as a quotient.
+//! 3. Quantities that vanish for small triangles are computed without cancellation. The
+//!    determinants come from the edges, which are given, and not from differences of directions.
+//!    1 − cos and 1 + cos of the angle between two directions are half the squared lengths of their
+//!    difference and sum.
 
 use super::sample::Plane;
 use super::{MIN_SINE, MIN_SOLID_ANGLE};
 use crate::math::trig::{atan2, sin_cos};
 use crate::math::{Real, cross, dot, length, max, normalize};
 
-/// A triangle as seen from a point: on the unit sphere about it.
+/// A triangle as seen from a point, projected onto the unit sphere around that point.
 pub(super) struct SphericalTriangle<R: Real> {
-    /// Directions to two vertices.
+    /// Direction to the first vertex.
     a: R::Vec3,
+    /// Direction to the second vertex.
     b: R::Vec3,
-    /// Towards the third along the arc from a, perpendicular to a.
+    /// Unit vector perpendicular to a, along the arc from a towards the third vertex.
     along: R::Vec3,
     /// 1 + a·b.
     one_plus_cos: R,
     /// |det(a, b, along)|.
     det: R,
     solid_angle: R,
-    /// Whether it is large enough, and not too edge-on, for f32. Else it is sampled by area.
+    /// Whether the triangle is large enough, and not too edge-on, for f32. If not, it is sampled by
+    /// area.
     pub(super) exact: R::Mask,
 }
 
 impl<R: Real> SphericalTriangle<R> {
-    /// `plane` is the triangle's.
+    /// Returns the triangle with these vertices in `plane`, as seen from `from`.
     #[inline(always)]
     pub(super) fn new([p, q, r]: [R::Vec3; 3], plane: &Plane<R>, from: R::Vec3) -> Self {
         let (pq, pr) = (q - p, r - p);
@@ -52,22 +56,22 @@ impl<R: Real> SphericalTriangle<R> {
         Self { a, b, along, one_plus_cos, det, solid_angle, exact }
     }
 
-    /// Density of [`Self::sample`]'s directions per unit solid angle.
+    /// Returns the density of [`Self::sample`]'s directions per unit solid angle.
     #[inline(always)]
     pub(super) fn pdf(&self) -> R {
         R::ONE / self.solid_angle
     }
 
-    /// A direction to the triangle.
+    /// Samples a direction to the triangle.
     #[inline(always)]
     pub(super) fn sample(&self, u: R, v: R) -> R::Vec3 {
         let Self { a, b, along, one_plus_cos, det, solid_angle, .. } = *self;
-        // c on the arc, whose triangle with a and b has the share u.
+        // The point c on the arc whose triangle with a and b has the share u.
         let (sin, cos) = sin_cos(u * solid_angle * 0.5);
         let (y, x) = (one_plus_cos * sin, det * cos - dot(b, along) * sin);
         let (x2, y2) = (x * x, y * y);
         let c = (a * (x2 - y2) + along * (x * 2.0 * y)) * (R::ONE / (x2 + y2));
-        // On the arc from b to c, uniform in the cosine of the way from b.
+        // A point on the arc from b to c, uniform in the cosine of its angle from b.
         let bc = c - b;
         let one_minus_cos = v * (dot(bc, bc) * 0.5);
         let sin = max(R::ZERO, one_minus_cos * (R::splat(2.0) - one_minus_cos)).sqrt();
@@ -83,11 +87,11 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    /// Along each edge.
+    /// Number of parts along each edge.
     const PARTS: usize = 6;
 
-    /// Triangles and points from which they are seen: near, far, from close to the plane, an edge, a
-    /// vertex, over the middle of a huge one.
+    /// Triangles and the points from which they are seen: near, far, close to the plane, an edge or
+    /// a vertex, and above the middle of a huge triangle.
     const VIEWS: [([Vec3; 3], Vec3); 7] = {
         let (v, o) = (Vec3::new, Vec3::ZERO);
         let lamp = [v(343.0, 554.0, 227.0), v(213.0, 554.0, 227.0), v(343.0, 554.0, 332.0)];
@@ -102,7 +106,7 @@ mod tests {
         ]
     };
 
-    /// In f64, by the formula of Van Oosterom and Strackee.
+    /// Computes a solid angle in f64 by the formula of Van Oosterom and Strackee.
     #[allow(clippy::disallowed_methods)]
     fn solid_angle([a, b, c]: [DVec3; 3], from: DVec3) -> f64 {
         let [a, b, c] = [a, b, c].map(|v| (v - from).normalize());
@@ -140,7 +144,7 @@ mod tests {
             let (u, v) = (b - a, c - a);
             let normal = u.cross(v);
             let mut random = Stream::new(11);
-            // Two triangles a cell, of which there are PARTS × PARTS.
+            // PARTS × PARTS cells of two triangles each.
             let mut counts = [[[0u32; 2]; PARTS]; PARTS];
             for _ in 0..N {
                 let direction = spherical.sample(random.uniform(), random.uniform()).as_dvec3();

@@ -1,4 +1,4 @@
-//! Triangle lights: uniform in their solid angle.
+//! Triangle lights, sampled uniformly in solid angle.
 
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ pub(super) struct TriangleLight {
     normal: Row,
 }
 
-/// Vertices and plane.
+/// Returns the vertices and planes of the lights at `index`.
 #[inline(always)]
 fn shape<R: Real>(table: &[TriangleLight], index: R::Index) -> ([R::Vec3; 3], Plane<R>) {
     let vertex = |i: usize| R::gather(table, index, |light| &light.vertices[i]).0;
@@ -46,7 +46,7 @@ impl LightModel for TriangleLight {
     ) -> LightSample<R> {
         let (vertices, plane) = shape::<R>(table, index);
         let spherical = SphericalTriangle::new(vertices, &plane, from);
-        // Uniform by area: the corner beyond the diagonal is folded back (Turk 1990, with roots).
+        // A point uniform by area, by the square-root mapping (Turk 1990).
         let ([a, b, c], root) = (vertices, u.sqrt());
         let target = a + (b - a) * (root * (R::ONE - v)) + (c - a) * (root * v);
         let mut direction = normalize(target - from);

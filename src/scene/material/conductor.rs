@@ -1,4 +1,4 @@
-//! A metal given by its index of refraction, smooth or of GGX microfacets.
+//! Metals with a complex index of refraction, smooth or rough.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -12,23 +12,25 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::TextureTables;
 
-/// A metal given by its complex index of refraction, smooth or with GGX microfacets.
+/// A metal with a complex index of refraction, smooth or with GGX microfacets.
 ///
-/// f = F D G/(4 |cos θo cos θi|), with height-correlated masking and shadowing (Heitz 2014, equation 99).
+/// f = F D G/(4 |cos θo cos θi|), with height-correlated masking and shadowing (Heitz 2014,
+/// equation 99).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conductor {
-    /// Real part, one number a channel, 0 to 100.
+    /// Real part of the index per channel, 0 to 100.
     pub eta: [f32; 3],
-    /// Imaginary part, one number a channel, 0 to 100; at least 0.001 where `eta` is less than that.
+    /// Imaginary part of the index per channel, 0 to 100. Must be at least 0.001 in channels whose
+    /// `eta` is below 0.001.
     pub k: [f32; 3],
-    /// Roughness α of GGX: 0 (mirror), or 0.001 to 1.
+    /// GGX roughness α: 0 (mirror), or 0.001 to 1.
     #[serde(default)]
     pub alpha: f32,
 }
 
 impl MaterialModel for Conductor {
-    /// Real part, α; imaginary part.
+    /// (`eta`, `alpha`), (`k`, 0).
     type Entry = [Row; 2];
     type Bsdf<R: Real> = ConductorBsdf<R>;
 
@@ -38,9 +40,9 @@ impl MaterialModel for Conductor {
         e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
         e.color("eta", eta, 100.0)?;
         e.color("k", k, 100.0)?;
-        // Else Fresnel's equations come to 0/0 at normal incidence.
+        // If both are 0, the Fresnel equations yield 0/0 at normal incidence.
         let known = eta.iter().zip(k).all(|(&eta, k)| eta >= 0.001 || k >= 0.001);
-        e.check(known, "k", "0.001 or more where eta is less", k)
+        e.check(known, "k", "at least 0.001 in channels whose eta is below 0.001", k)
     }
 
     fn entry(&self, _: &mut TextureTables) -> [Row; 2] {
@@ -63,12 +65,12 @@ impl MaterialModel for Conductor {
 
 pub(crate) struct ConductorBsdf<R: Real> {
     frame: Frame<R::Vec3>,
-    /// To where the path comes from, in the frame.
+    /// Direction back along the path, in the local frame.
     wo: R::Vec3,
     eta: R::Vec3,
     k: R::Vec3,
     ggx: Ggx<R>,
-    /// Of the normals that are sampled.
+    /// Bound on the sampled normals, from [`Ggx::bound`].
     bound: R,
 }
 
@@ -78,14 +80,14 @@ impl<R: Real> ConductorBsdf<R> {
         fresnel::conductor(min(cos, R::ONE), self.eta, self.k)
     }
 
-    /// Density of the direction that `m` reflects to.
+    /// Density of the direction into which a microfacet with normal `m` reflects.
     #[inline(always)]
     fn pdf(&self, m: R::Vec3) -> R {
         let projected = self.bound * self.wo[2] + self.ggx.length(self.wo);
         self.ggx.density(m) / (projected * 2.0)
     }
 
-    /// f·cos θi/pdf without F: D is in both.
+    /// f·cos θi/pdf without F. D is a factor of both f and pdf, and cancels.
     #[inline(always)]
     fn weight(&self, wi: R::Vec3) -> R {
         let (lo, li) = (self.ggx.length(self.wo), self.ggx.length(wi));
@@ -110,7 +112,7 @@ impl<R: Real> Bsdf<R> for ConductorBsdf<R> {
             transmitted: R::Mask::NONE,
             weight: self.reflectance(cos) * self.weight(wi),
             pdf: self.specular().select(R::splat(SPECULAR), self.pdf(m)),
-            // False for NaN too.
+            // Also false for NaN.
             scattered: wi[2].gt(R::ZERO),
         }
     }

@@ -1,4 +1,4 @@
-//! Clear glass (report, III.E).
+//! Clear, smooth glass (report, III.E).
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -11,34 +11,37 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::TextureTables;
 
-/// Clear glass in air, which reflects or refracts by chance.
+/// Clear glass in air. Each path is randomly either reflected or refracted.
 ///
-/// Paths carry basic radiance, L/n², which refraction does not change: see ARCHITECTURE.md.
+/// Paths carry basic radiance, L/n², which refraction does not change; see ARCHITECTURE.md.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dielectric {
     /// Index of refraction relative to air, 0.01 to 100.
     pub ior: f32,
-    /// How much is reflected.
+    /// Formula for the reflectance.
     #[serde(default)]
     pub fresnel: Fresnel,
 }
 
-/// How much a dielectric reflects.
+/// Formula for the reflectance of a dielectric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fresnel {
-    /// Schlick's approximation, from the angle on either side (the report's).
+    /// Schlick's approximation, evaluated with the angle of incidence on either side, as in the
+    /// report.
     #[default]
     Schlick,
-    /// The Fresnel equations.
+    /// The exact Fresnel equations.
     Exact,
 }
 
 impl MaterialModel for Dielectric {
-    /// 1 with the Fresnel equations, else 0, twice 0; index of refraction.
+    /// (1 for the exact Fresnel equations or 0 for Schlick, 0, 0), index of refraction.
     type Entry = Row;
     type Bsdf<R: Real> = DielectricBsdf<R>;
+
+    const TRANSMITS: bool = true;
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)
@@ -58,9 +61,9 @@ impl MaterialModel for Dielectric {
 }
 
 pub(crate) struct DielectricBsdf<R: Real> {
-    /// Of the path.
+    /// Direction of the arriving path.
     direction: R::Vec3,
-    /// On the side that was hit.
+    /// Normal on the side that was hit.
     normal: R::Vec3,
     front: R::Mask,
     ior: R,

@@ -1,4 +1,4 @@
-//! The report's ideal diffuse (III.B).
+//! The report's ideal diffuse material (III.B).
 
 use std::f32::consts::PI;
 
@@ -17,12 +17,12 @@ use crate::scene::texture::{Color, TextureTables};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Diffuse {
-    /// ρ, each channel in [0, 1]: a colour or a texture.
+    /// Albedo ρ, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
 }
 
 impl MaterialModel for Diffuse {
-    /// ρ.
+    /// Row of the albedo ρ.
     type Entry = Row;
     type Bsdf<R: Real> = DiffuseBsdf<R>;
 
@@ -47,7 +47,7 @@ impl MaterialModel for Diffuse {
 }
 
 pub(crate) struct DiffuseBsdf<R: Real> {
-    /// On the side that was hit.
+    /// Normal on the side that was hit.
     normal: R::Vec3,
     albedo: R::Vec3,
 }

@@ -1,4 +1,6 @@
-//! A surface that scatters and emits light, which no other material does yet: for tests of the engines.
+//! A test material that both scatters and emits light, which no other material does yet.
+//!
+//! The engines' tests use it.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -11,13 +13,13 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::{Color, TextureTables};
 
-/// A Lambertian surface that shines on both sides.
+/// A Lambertian surface that emits light on both sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Glow {
-    /// How it scatters.
+    /// The material that scatters.
     pub base: Lambertian,
-    /// Linear RGB radiance.
+    /// Emitted radiance in linear RGB.
     pub radiance: [f32; 3],
 }
 

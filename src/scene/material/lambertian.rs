@@ -1,4 +1,4 @@
-//! Lambert's law (report, III.C).
+//! Matte surfaces that follow Lambert's law (report, III.C).
 
 use std::f32::consts::PI;
 
@@ -13,16 +13,16 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::{Color, TextureTables};
 
-/// A matte surface by Lambert's law: f = ρ/π, sampled by the cosine.
+/// A matte surface that follows Lambert's law: f = ρ/π, sampled in proportion to the cosine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lambertian {
-    /// ρ, each channel in [0, 1]: a colour or a texture.
+    /// Albedo ρ, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
 }
 
 impl MaterialModel for Lambertian {
-    /// ρ.
+    /// Row of the albedo ρ.
     type Entry = Row;
     type Bsdf<R: Real> = LambertianBsdf<R>;
 
@@ -48,7 +48,7 @@ impl MaterialModel for Lambertian {
 }
 
 pub(crate) struct LambertianBsdf<R: Real> {
-    /// On the side that was hit.
+    /// Normal on the side that was hit.
     normal: R::Vec3,
     albedo: R::Vec3,
 }

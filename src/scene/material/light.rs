@@ -11,13 +11,13 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::{Element, MAX_RADIANCE};
 use crate::scene::texture::TextureTables;
 
-/// A light, which absorbs what hits it.
+/// A surface that emits light and absorbs all light that hits it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Light {
-    /// Linear RGB radiance, 0 to 1e30.
+    /// Emitted radiance in linear RGB, 0 to 1e30.
     pub radiance: [f32; 3],
-    /// The sides that shine.
+    /// The sides that emit light.
     #[serde(default)]
     pub sides: Sides,
 }
@@ -44,7 +44,7 @@ impl MaterialModel for Light {
     }
 }
 
-/// Scatters nothing.
+/// The BSDF of a surface that absorbs all light.
 pub(crate) struct Black;
 
 impl<R: Real> Bsdf<R> for Black {

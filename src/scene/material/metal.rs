@@ -1,4 +1,4 @@
-//! The report's metal (III.D): the mirror direction, blurred.
+//! The report's metal (III.D), which blurs the mirror direction.
 
 use std::f32::consts::PI;
 
@@ -13,20 +13,20 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::{Color, TextureTables};
 
-/// A mirror whose direction is moved by `fuzz` times a uniform point of the unit ball; what then points
-/// below the surface is absorbed.
+/// A mirror that offsets the reflected direction by `fuzz` times a uniform point of the unit ball.
+/// Paths whose direction then points below the surface are absorbed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Metal {
-    /// Reflectance, each channel in [0, 1]: a colour or a texture.
+    /// Reflectance, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
-    /// 0 (mirror) to 1.
+    /// Size of the blur, 0 (mirror) to 1.
     #[serde(default)]
     pub fuzz: f32,
 }
 
 impl MaterialModel for Metal {
-    /// Albedo; fuzz.
+    /// Row of the albedo, and (0, `fuzz`).
     type Entry = [Row; 2];
     type Bsdf<R: Real> = MetalBsdf<R>;
 
@@ -55,20 +55,23 @@ impl MaterialModel for Metal {
 }
 
 pub(crate) struct MetalBsdf<R: Real> {
-    /// On the side that was hit.
+    /// Normal on the side that was hit.
     normal: R::Vec3,
     mirror: R::Vec3,
     albedo: R::Vec3,
     fuzz: R,
 }
 
-/// Least fuzz whose density is known: below it, rounding makes up most of the distance from the mirror
-/// direction. No light sample would find so narrow a blur.
+/// Smallest fuzz for which a density is computed; smaller values count as specular. Below it,
+/// rounding error dominates the distance from the mirror direction, and no light sample would hit
+/// such a narrow blur.
 const LEAST_BLUR: f32 = 1e-4;
 
 impl<R: Real> MetalBsdf<R> {
-    /// The volume of the ball in the direction: it is crossed from b − s to b + s, where b is the
-    /// cosine from the mirror direction, and ∫r² dr over that is 2s(3b² + s²)/3.
+    /// Density of `direction`: the share of the ball's volume in that direction.
+    ///
+    /// A ray in `direction` crosses the ball from b − s to b + s, where b is the cosine of its
+    /// angle with the mirror direction. The volume per solid angle is ∫r² dr = 2s(3b² + s²)/3.
     #[inline(always)]
     fn pdf(&self, direction: R::Vec3) -> R {
         let b = dot(self.mirror, direction);
@@ -96,7 +99,7 @@ impl<R: Real> Bsdf<R> for MetalBsdf<R> {
             transmitted: R::Mask::NONE,
             weight: self.albedo,
             pdf: self.specular().select(R::splat(SPECULAR), self.pdf(direction)),
-            // False for NaN too, where the blur undoes the mirror direction exactly.
+            // Also false for NaN, which occurs if the blur exactly cancels the mirror direction.
             scattered: dot(direction, self.normal).gt(R::ZERO),
         }
     }

@@ -1,7 +1,7 @@
-//! Materials: one file each, with its parameters, their checks, its physics and its table.
+//! Materials, one file per kind with its parameters, their checks, its physics and its table.
 //!
-//! The list in `materials!` makes the enum of scene files, the kinds by which paths are sorted, the
-//! tables, and the dispatch.
+//! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
+//! the tables and the dispatch.
 
 mod conductor;
 mod dielectric;
@@ -27,24 +27,26 @@ use super::texture::{Color, TextureTables};
 use crate::error::Result;
 use crate::math::Real;
 
-/// What a kind of material is: parameters, a table, and physics.
+/// A kind of material: its parameters, its table and its physics.
 pub(crate) trait MaterialModel {
-    /// The parameters as they lie in the table of the kind.
+    /// The parameters as stored in the table of this kind.
     type Entry: Copy + Debug + Send + Sync;
-    /// How it scatters light at a point.
+    /// The scattering of light at a point.
     type Bsdf<R: Real>: Bsdf<R> + 'static;
 
-    /// Whether it scatters light at all.
+    /// Whether the material scatters any light.
     const SCATTERS: bool = true;
+    /// Whether light passes through its surface.
+    const TRANSMITS: bool = false;
     /// Whether a parameter may be a texture.
     const TEXTURED: bool = false;
 
-    /// The colours that may be textures.
+    /// Returns the colours that may be textures.
     fn colors(&mut self) -> Vec<&mut Color> {
         Vec::new()
     }
 
-    /// The light that it emits.
+    /// Returns the light that the material emits, if any.
     fn emission(&self) -> Option<Emission> {
         None
     }
@@ -52,10 +54,10 @@ pub(crate) trait MaterialModel {
     /// Checks the parameters.
     fn check(&self, e: &Element<'_>) -> Result<()>;
 
-    /// The parameters for the table, their textures for `textures`.
+    /// Returns the parameters for the table, and adds their textures to `textures`.
     fn entry(&self, textures: &mut TextureTables) -> Self::Entry;
 
-    /// How the entries at `index` scatter light at `at`.
+    /// Returns the BSDFs of the entries at `index` for the point `at`.
     fn bsdf<R: Real>(
         table: &[Self::Entry],
         index: R::Index,
@@ -63,16 +65,16 @@ pub(crate) trait MaterialModel {
     ) -> Self::Bsdf<R>;
 }
 
-/// What to do with a material of any kind.
+/// An operation on the table of any kind of material.
 pub(crate) trait MaterialVisitor {
-    /// The result.
+    /// Result of the operation.
     type Output;
 
-    /// Called with the kind and its table.
+    /// Runs the operation on the table of the kind `M`.
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> Self::Output;
 }
 
-/// The materials of a kind.
+/// The materials of one kind.
 #[derive(Debug)]
 pub(crate) struct MaterialTable<E> {
     pub(crate) entries: Vec<E>,
@@ -111,7 +113,7 @@ macro_rules! materials {
             $($(#[cfg($cfg)])? $name,)*
         }
 
-        /// The materials of a scene, a table a kind.
+        /// The materials of a scene, one table per kind.
         #[derive(Debug, Default)]
         pub(crate) struct MaterialTables {
             $($(#[cfg($cfg)])? $module: MaterialTable<<$name as MaterialModel>::Entry>,)*
@@ -130,17 +132,24 @@ macro_rules! materials {
                 }
             }
 
-            /// The light that it emits, if any.
+            /// Returns the light that the material emits, if any.
             pub fn emission(&self) -> Option<Emission> {
                 match self {
                     $($(#[cfg($cfg)])? Self::$name(material) => material.emission(),)*
                 }
             }
 
-            /// The name of its kind in scene files.
+            /// Returns the name of the material's kind in scene files.
             pub fn name(&self) -> &'static str {
                 match self {
                     $($(#[cfg($cfg)])? Self::$name(_) => stringify!($module),)*
+                }
+            }
+
+            /// Whether light passes through its surface.
+            pub(crate) fn transmits(&self) -> bool {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(_) => $name::TRANSMITS,)*
                 }
             }
 
@@ -152,7 +161,7 @@ macro_rules! materials {
         }
 
         impl MaterialTables {
-            /// Adds a material; returns its place in the table of its kind.
+            /// Adds a material and returns its index in the table of its kind.
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
                     $($(#[cfg($cfg)])? Material::$name(material) => {
@@ -160,13 +169,13 @@ macro_rules! materials {
                         let table = &mut self.$module;
                         table.entries.push(material.entry(textures));
                         table.textured |= textures.uses() > before;
-                        assert!($name::TEXTURED || !table.textured, "it says that it has no texture");
+                        assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");
                         table.entries.len() as u32 - 1
                     })*
                 }
             }
 
-            /// Calls `visitor` with a kind.
+            /// Calls `visitor` with the table of `kind`.
             #[inline(always)]
             pub(crate) fn visit<V: MaterialVisitor>(
                 &self,
@@ -182,27 +191,28 @@ macro_rules! materials {
 }
 
 materials! {
-    /// The report's ideal diffuse.
+    /// The report's ideal diffuse material.
     Diffuse in diffuse,
-    /// Lambert's law.
+    /// A matte surface that follows Lambert's law.
     Lambertian in lambertian,
     /// The report's metal.
     Metal in metal,
-    /// Clear glass.
+    /// Clear, smooth glass.
     Dielectric in dielectric,
     /// Frosted glass.
     RoughDielectric in rough_dielectric,
-    /// A metal given by its index of refraction.
+    /// A metal with a complex index of refraction.
     Conductor in conductor,
-    /// A light, which absorbs what hits it.
+    /// A surface that emits light and absorbs all light that hits it.
     Light in light,
-    /// Scatters and emits, for tests.
+    /// A surface that both scatters and emits light, for tests.
     #[cfg(test)]
     Glow in glow,
 }
 
 impl Material {
-    /// The images of its textures, once it is part of a scene.
+    /// Returns the images of the material's textures. They are available once the material is part
+    /// of a scene.
     pub(super) fn images(&self) -> Vec<std::sync::Arc<crate::image::Image>> {
         self.clone().colors().into_iter().filter_map(|color| color.image()).collect()
     }

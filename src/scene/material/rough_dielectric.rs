@@ -1,4 +1,4 @@
-//! Frosted glass: GGX microfacets that reflect and refract (Walter et al. 2007).
+//! Frosted glass, whose GGX microfacets reflect and refract (Walter et al. 2007).
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -12,27 +12,29 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::TextureTables;
 
-/// Frosted glass in air: GGX microfacets, exact Fresnel equations.
+/// Frosted glass in air, with GGX microfacets and the exact Fresnel equations.
 ///
 /// Each visible microfacet is a smooth piece of glass. As in smooth glass, paths carry basic
-/// radiance. Masking and shadowing from opposite sides are taken as independent.
+/// radiance. Masking and shadowing on opposite sides are treated as independent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoughDielectric {
     /// Index of refraction relative to air, 0.01 to 0.99 or 1.01 to 100.
     pub ior: f32,
-    /// Roughness α of GGX, 0.001 to 1.
+    /// GGX roughness α, 0.001 to 1.
     pub alpha: f32,
 }
 
 impl MaterialModel for RoughDielectric {
-    /// Index of refraction, twice 0; α.
+    /// (index of refraction, 0, 0), α.
     type Entry = Row;
     type Bsdf<R: Real> = RoughDielectricBsdf<R>;
 
+    const TRANSMITS: bool = true;
+
     fn check(&self, e: &Element<'_>) -> Result<()> {
         let Self { ior, alpha } = self;
-        // Towards 1 all microfacets let light pass straight on.
+        // As the index approaches 1, all microfacets transmit light without deflecting it.
         let ok = (0.01..=0.99).contains(ior) || (1.01..=100.0).contains(ior);
         e.check(ok, "ior", "in [0.01, 0.99] or [1.01, 100]", ior)?;
         e.check((0.001..=1.0).contains(alpha), "alpha", "in [0.001, 1]", alpha)
@@ -58,28 +60,28 @@ impl MaterialModel for RoughDielectric {
 
 pub(crate) struct RoughDielectricBsdf<R: Real> {
     frame: Frame<R::Vec3>,
-    /// To where the path comes from, in the frame.
+    /// Direction back along the path, in the local frame.
     wo: R::Vec3,
-    /// Index of refraction beyond the surface over that before it.
+    /// Index of refraction beyond the surface divided by the index before it.
     eta: R,
     ggx: Ggx<R>,
 }
 
 impl<R: Real> RoughDielectricBsdf<R> {
-    /// f·|cos θi|/pdf and pdf of the direction `wi` by way of the microfacets with normal `m`, and
-    /// whether these can bring light that way.
+    /// Returns f·|cos θi|/pdf and the pdf of direction `wi` for microfacets with normal `m`, and
+    /// whether such microfacets can scatter light into `wi`.
     #[inline(always)]
     fn weight_and_pdf(&self, wi: R::Vec3, m: R::Vec3) -> (R, R, R::Mask) {
         let (before, after) = (min(dot(self.wo, m), R::ONE), dot(wi, m));
         let (lo, li) = (self.ggx.length(self.wo), self.ggx.length(wi));
         let reflectance = fresnel::dielectric(before, self.eta);
-        // Density of m, visible from wo: 2 D max(0, wo·m)/(z + length).
+        // Density of m among the normals visible from wo: 2 D max(0, wo·m)/(z + length).
         let normals = self.ggx.density(m) * 2.0 * before / (self.wo[2] + lo);
         let reflection = (
             wi[2] * (self.wo[2] + lo) / (self.wo[2] * li + wi[2] * lo),
             reflectance * normals / (before * 4.0),
         );
-        // Shadowing alone: 2 |z|/(|z| + length).
+        // The weight of refraction is the shadowing alone: 2 |z|/(|z| + length).
         let sum = before + self.eta * after;
         let jacobian = self.eta * self.eta * after.abs() / (sum * sum);
         let refraction = (wi[2] * 2.0 / (wi[2] - li), (R::ONE - reflectance) * normals * jacobian);
@@ -106,7 +108,7 @@ impl<R: Real> Bsdf<R> for RoughDielectricBsdf<R> {
         let refraction = m * along - self.wo / self.eta;
         let wi = normalize(reflected.select(reflection, refraction));
         let (weight, pdf, possible) = self.weight_and_pdf(wi, m);
-        // Where the microfacet turns the path to the other side it is lost.
+        // A path is lost if its microfacet sends it to the wrong side of the surface.
         let right_side = !(wi[2].gt(R::ZERO) ^ reflected);
         Scatter {
             direction: self.frame.world(wi),

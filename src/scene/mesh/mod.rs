@@ -1,4 +1,4 @@
-//! Triangle meshes that scene files name: one file for each format.
+//! Readers of the triangle meshes that scene files name, one file per format.
 
 mod indexed;
 mod obj;
@@ -12,19 +12,19 @@ use crate::input::read_bytes;
 use crate::limits::Limit;
 pub(super) use indexed::{Mesh, Transform};
 
-/// Reads a `.obj` or `.ply` file. Polygons become fans of triangles; all but positions and
-/// faces is ignored.
+/// Reads the positions and faces of a `.obj` or `.ply` file and ignores the rest. Polygons become
+/// fans of triangles.
 ///
 /// # Errors
-/// Where it cannot be read, is beyond the limits, or its content is wrong: the message names file and
-/// line.
+/// If the file cannot be read, exceeds the limits or has invalid content. The message names the
+/// file and line.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let parse = match extension.as_deref() {
         Some("obj") => obj::parse,
         Some("ply") => ply::parse,
         _ => {
-            let message = "no reader for this extension, meshes are .obj or .ply files";
+            let message = "unsupported file extension, meshes are .obj or .ply files";
             return Err(Error::input(path.display().to_string(), "", message));
         }
     };
@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
     let within = budget.with(bytes.len() as u64);
     let mesh = parse(&name, &bytes, &within)?;
     if mesh.triangles.is_empty() {
-        return Err(Error::input(name, "", "no face in it, a mesh needs at least one"));
+        return Err(Error::input(name, "", "the file has no faces, a mesh needs at least one"));
     }
     Ok(mesh.without_stray_vertices())
 }

@@ -1,4 +1,6 @@
-//! Meshes in Wavefront OBJ files, read by tobj.
+//! Reader of Wavefront OBJ files, on top of tobj.
+
+use std::collections::BTreeSet;
 
 use glam::Vec3;
 use tobj::LoadError;
@@ -8,9 +10,13 @@ use crate::error::{Error, Result};
 use crate::scene::budget::Budget;
 
 const VERTEX: &str = "a vertex is `v` and three numbers";
-const FACE: &str = "a face is `f` and three or more numbers of vertices";
+const FACE: &str = "a face is `f` and three or more vertex numbers";
 
-/// The vertices and faces of all groups in `bytes`; `name` is what errors call the file.
+/// Keywords of data that is ignored, and its name in messages.
+const IGNORED: [(&str, &str); 3] =
+    [("vn", "normals"), ("vt", "texture coordinates"), ("usemtl", "materials")];
+
+/// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
 pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let check = |more| budget.check(more).map_err(|message| Error::input(name, "", message));
     check(text_memory(bytes))?;
@@ -27,11 +33,11 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     };
     let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
     let (models, _) = loaded.map_err(|what| {
-        // The reader stops at the line that it cannot understand.
+        // tobj stops at the line that it cannot parse.
         let read = &positions.text[..positions.text.len() - rest.len()];
         error(positions.explain(&what, read.lines().count()))
     })?;
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh { ignored: positions.ignored.clone(), ..Mesh::default() };
     for model in &models {
         let first = mesh.vertices.len() as u32;
         mesh.vertices.extend(model.mesh.positions.chunks_exact(3).map(Vec3::from_slice));
@@ -41,38 +47,47 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// An OBJ file without all that a mesh here does not need, so that nothing there can be wrong:
-/// line by line the `v` and `f` of the file, faces with positions only.
+/// An OBJ file reduced to its `v` and `f` lines, with positions only in faces.
+///
+/// The other lines are blank, so that line numbers stay the same and errors in data that a mesh
+/// does not need are ignored.
 struct Positions {
     text: String,
     vertices: i64,
     faces: u64,
     corners: u64,
+    /// Names of the ignored data.
+    ignored: BTreeSet<&'static str>,
 }
 
-/// Memory for the text, twice, and for the words of its longest line.
+/// Bytes of memory for two copies of the text and for the words of its longest line.
 fn text_memory(bytes: &[u8]) -> u64 {
-    // What is no UTF-8 becomes three bytes each, in a list that grows.
+    // Each byte of invalid UTF-8 becomes three bytes, in a string that grows.
     let texts = if std::str::from_utf8(bytes).is_ok() { 2 } else { 12 };
     let longest = bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
     (texts * bytes.len() + 32 * longest) as u64
 }
 
 impl Positions {
-    /// `Err` has line and message.
+    /// Reduces the text of a file. `Err` holds the line number and the message.
     fn new(file: &str) -> Result<Self, (usize, String)> {
         let (mut text, mut vertices) = (String::with_capacity(file.len()), 0);
-        let (mut faces, mut corners_of_all) = (0, 0);
+        let (mut faces, mut corners_of_all, mut ignored) = (0, 0, BTreeSet::new());
         for (line, number) in file.lines().zip(1..) {
             let line = line.split('#').next().unwrap_or_default();
             let mut words: Vec<&str> = line.split_whitespace().collect();
             let wrong = |message: &str| Err((number, message.to_owned()));
             match words.first() {
                 Some(&"v" | &"f") if words.last() == Some(&"\\") => {
-                    return wrong("a line that goes on in the next is not read, join them");
+                    return wrong(
+                        "continued lines are not supported, join this line with the next",
+                    );
                 }
                 Some(&"v") => {
-                    // Three numbers and w, or three and a colour.
+                    // Three coordinates and w, or three coordinates and a colour.
+                    if words.len() > 5 {
+                        ignored.insert("colours");
+                    }
                     words.truncate(if words.len() > 5 { 4 } else { 5 });
                     if !is_in_range(&words[1..]) {
                         return wrong("coordinates must be finite and within ±1e9");
@@ -91,15 +106,20 @@ impl Positions {
                     text.push_str("f ");
                     text.push_str(&corners.join(" "));
                 }
-                _ => {}
+                Some(word) => {
+                    ignored.extend(
+                        IGNORED.iter().filter(|(key, _)| key == word).map(|(_, name)| *name),
+                    );
+                }
+                None => {}
             }
             text.push('\n');
         }
-        Ok(Self { text, vertices, faces, corners: corners_of_all })
+        Ok(Self { text, vertices, faces, corners: corners_of_all, ignored })
     }
 
-    /// Memory for what tobj makes of it, and for the mesh: what was seen for vertices, faces of three corners
-    /// and polygons, while lists grow.
+    /// Bytes of memory for tobj's data and for the mesh. The factors were measured on vertices,
+    /// triangles and polygons, while lists grow.
     fn memory(&self) -> u64 {
         2 * self.text.len() as u64
             + 120 * self.vertices as u64
@@ -107,21 +127,24 @@ impl Positions {
             + 120 * self.corners
     }
 
-    /// Line and message of an error, after `read` lines.
+    /// Returns the line and message of an error that occurred after `read` lines.
     fn explain(&self, error: &LoadError, read: usize) -> (usize, String) {
         match error {
             LoadError::PositionParseError => (read, VERTEX.to_owned()),
             LoadError::FaceParseError => (read, FACE.to_owned()),
-            // Found when the whole file is read.
+            // tobj finds this error only after reading the whole file.
             LoadError::FaceVertexOutOfBounds => (
                 self.first_face_beyond().unwrap_or(read),
-                format!("the face names a vertex beyond the {} of the file", self.vertices),
+                format!(
+                    "the face refers to a missing vertex, the file has {} vertices",
+                    self.vertices
+                ),
             ),
             other => (read, other.to_string()),
         }
     }
 
-    /// Line of the first face with a number that no vertex has.
+    /// Returns the line of the first face that refers to a missing vertex.
     fn first_face_beyond(&self) -> Option<usize> {
         let mut before = 0;
         let line = self.text.lines().position(|line| {
@@ -136,8 +159,8 @@ impl Positions {
     }
 }
 
-/// Whether coordinates, divided by w where there is one, may be part of a scene. What is no
-/// number is for the reader to tell.
+/// Whether the coordinates, divided by w if it is given, are within the range of a scene. Words
+/// that are not numbers are ignored here, because tobj reports them.
 fn is_in_range(words: &[&str]) -> bool {
     let numbers: Vec<f32> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let w = if let [_, _, _, w] = numbers[..] { w } else { 1.0 };
@@ -178,8 +201,8 @@ mod tests {
             assert_eq!(message(&text), format!("a.obj:5: {FACE}"));
         }
         let text = format!("{vertices}f 1 2 \\\n3\n");
-        assert!(message(&text).starts_with("a.obj:4: a line that goes on"));
-        let beyond = "the face names a vertex beyond the 3 of the file";
+        assert!(message(&text).starts_with("a.obj:4: continued lines are not supported"));
+        let beyond = "the face refers to a missing vertex, the file has 3 vertices";
         for face in ["1 2 4", "0 1 2", "1 2 -4", "1 2 99999999999"] {
             let text = format!("{vertices}\no a\nf 1 2 3\nf {face}\no b\nf 1 2 3\n");
             assert_eq!(message(&text), format!("a.obj:7: {beyond}"));

@@ -15,10 +15,10 @@ pub struct BoxFile {
     pub min: [f32; 3],
     /// Upper corner before rotation.
     pub max: [f32; 3],
-    /// Right-handed angles about x, then y, then z, through the middle of the box.
+    /// Right-handed rotation in degrees about x, then y, then z, through the middle of the box.
     #[serde(default)]
     pub rotation: [f32; 3],
-    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
 
@@ -34,8 +34,8 @@ impl Expand for BoxFile {
 /// Corner and edges of a quad.
 type Face = [[f32; 3]; 3];
 
-/// The six faces of the box from `min` to `max`, turned about its middle by the angles
-/// `rotation` in degrees: about x, then y, then z. Computed in f64 and rounded once.
+/// Returns the six faces of the box from `min` to `max`, rotated about its middle by `rotation`
+/// degrees about x, then y, then z. They are computed in f64 and rounded once.
 fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 6] {
     let (min, max) = (min.map(f64::from), max.map(f64::from));
     let middle: [f64; 3] = std::array::from_fn(|i| (min[i] + max[i]) * 0.5);
@@ -68,10 +68,10 @@ mod tests {
     #[test]
     fn a_quarter_turn_about_y_takes_z_to_x() {
         let faces = faces([0.0; 3], [2.0, 4.0, 6.0], [0.0, 90.0, 0.0]);
-        // Middle (1, 2, 3); the lower corner goes to (1 − 3, 0, 3 + 1).
+        // The middle is (1, 2, 3). The lower corner moves to (1 − 3, 0, 3 + 1).
         assert_eq!(faces[0][0], [-2.0, 0.0, 4.0]);
-        assert_eq!(faces[0][1], [0.0, 0.0, -2.0], "x goes to −z");
-        assert_eq!(faces[2][2], [6.0, 0.0, 0.0], "z goes to x");
+        assert_eq!(faces[0][1], [0.0, 0.0, -2.0], "x becomes −z");
+        assert_eq!(faces[2][2], [6.0, 0.0, 0.0], "z becomes x");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Meshes from files.
+//! Triangle meshes that are read from files.
 
 use std::collections::hash_map;
 
@@ -10,29 +10,31 @@ use crate::scene::files;
 use crate::scene::mesh::{self, Transform};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
-/// The triangles of an OBJ or PLY file: its positions and faces, nothing else. Polygons become fans;
-/// triangles without area are left out.
+/// The triangles of an OBJ or PLY file.
+///
+/// Only positions and faces are read. Polygons become fans of triangles, and triangles without area
+/// are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct MeshFile {
-    /// Path, relative to the scene file.
+    /// Path of the mesh, relative to the scene file.
     pub file: String,
-    /// Factor about the origin, above 0, before the rotation.
+    /// Scale factor about the origin, above 0. It is applied before the rotation.
     #[serde(default = "unit")]
     pub scale: f32,
-    /// Right-handed angles about x, then y, then z, through the origin.
+    /// Right-handed rotation in degrees about x, then y, then z, through the origin.
     #[serde(default)]
     pub rotation: [f32; 3],
-    /// Added last.
+    /// Translation, applied last.
     #[serde(default)]
     pub translation: [f32; 3],
-    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
 
 impl MeshFile {
-    /// The mesh in `file` as it is, with the material of that name.
+    /// Creates a mesh from `file` without a transform, with the material named `material`.
     pub fn new(file: impl Into<String>, material: impl Into<String>) -> Self {
         Self {
             file: file.into(),

@@ -1,6 +1,6 @@
-//! Primitives of scene files, and groups of primitives: one file each.
+//! Primitives of scene files, and groups of primitives, one file per kind.
 //!
-//! The list in `primitive_files!` makes the enum of scene files and the dispatch.
+//! The list in `primitive_files!` generates the enum of scene files and the dispatch.
 
 mod boxes;
 mod mesh;
@@ -22,16 +22,16 @@ use crate::geometry::{Geometry, Quad};
 
 /// An entry in the list of primitives of a scene file.
 trait Expand {
-    /// Checks the parameters, and adds the primitives that they stand for.
+    /// Checks the parameters and adds the primitives that they describe.
     fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()>;
 }
 
-/// A geometry while it grows.
+/// Collects the geometry of a scene while its primitives are expanded.
 pub(super) struct Builder<'a> {
     pub(super) geometry: Geometry,
-    /// The meshes that were read, by file.
+    /// The meshes read so far, by file.
     pub(super) meshes: HashMap<PathBuf, Mesh>,
-    /// Where the scene file is.
+    /// Folder of the scene file.
     folder: &'a Path,
     budget: &'a Budget,
 }
@@ -41,7 +41,7 @@ impl<'a> Builder<'a> {
         Self { geometry: Geometry::default(), meshes: HashMap::new(), folder, budget }
     }
 
-    /// Checks that there is room for `more` primitives.
+    /// Checks that the limits allow `more` primitives, and counts their memory.
     fn room(&self, e: &Element<'_>, more: usize) -> Result<()> {
         let held = self.budget.hold_primitives(self.geometry.len(), more);
         held.map_err(|message| e.error(message))
@@ -50,14 +50,14 @@ impl<'a> Builder<'a> {
     /// Adds a quad whose parameters are in range.
     fn quad(&mut self, e: &Element<'_>, [q, u, v]: [[f32; 3]; 3]) -> Result<()> {
         let quad = Quad::new(q.into(), u.into(), v.into()).ok_or_else(|| {
-            e.error("the edges must span an area, they are zero or (all but) parallel")
+            e.error("the edges must span an area, but they are zero or nearly parallel")
         })?;
         self.geometry.quads.push(quad);
         Ok(())
     }
 }
 
-/// Checks a radius.
+/// Returns the radius after checking its range.
 fn radius(e: &Element<'_>, radius: f32) -> Result<f32> {
     let ok = radius > 0.0 && radius <= MAX_COORDINATE;
     e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
@@ -67,7 +67,7 @@ macro_rules! primitive_files {
     ($($(#[doc = $doc:literal])* $name:ident($file:ident) in $module:ident called $word:literal,)*) => {
         $(pub use $module::$file;)*
 
-        /// A primitive, or a group that is expanded into primitives.
+        /// A primitive, or a group that expands into primitives.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
         #[non_exhaustive]
@@ -82,21 +82,21 @@ macro_rules! primitive_files {
         })*
 
         impl PrimitiveFile {
-            /// The name of its kind in scene files.
+            /// Returns the name of the primitive's kind in scene files.
             pub(super) fn name(&self) -> &'static str {
                 match self {
                     $(Self::$name(_) => $word,)*
                 }
             }
 
-            /// The name of its material.
+            /// Returns the name of the primitive's material.
             pub(super) fn material(&self) -> &str {
                 match self {
                     $(Self::$name(primitive) => &primitive.material,)*
                 }
             }
 
-            /// Checks the parameters, and adds the primitives that they stand for.
+            /// Checks the parameters and adds the primitives that they describe.
             pub(super) fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(primitive) => primitive.expand(e, to),)*

@@ -17,7 +17,7 @@ pub struct MovingSphereFile {
     pub center1: [f32; 3],
     /// Radius, above 0.
     pub radius: f32,
-    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
 

@@ -6,17 +6,17 @@ use super::{Builder, Expand};
 use crate::error::Result;
 use crate::scene::place::Element;
 
-/// The parallelogram q + a u + b v, a and b in [0, 1]; its front is the side of u × v.
+/// The parallelogram q + a u + b v, with a and b in [0, 1]. Its front is the side of u × v.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuadFile {
-    /// Corner.
+    /// Corner of the parallelogram.
     pub q: [f32; 3],
-    /// Edge.
+    /// First edge from the corner.
     pub u: [f32; 3],
-    /// Edge.
+    /// Second edge from the corner.
     pub v: [f32; 3],
-    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
 

@@ -8,22 +8,23 @@ use crate::error::Result;
 use crate::geometry::Triangle;
 use crate::scene::place::Element;
 
-/// A list of triangles; their front is where they run counter-clockwise. Those without area are left
-/// out.
+/// A list of triangles. The front is the side from which the vertices run counter-clockwise.
+///
+/// Triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct TrianglesFile {
-    /// Points.
+    /// Positions of the vertices.
     pub vertices: Vec<[f32; 3]>,
-    /// Three positions in `vertices` each, from 0.
+    /// Three indices into `vertices` for each triangle, counted from 0.
     pub indices: Vec<[u32; 3]>,
-    /// A key of [`SceneFile::materials`](crate::SceneFile::materials).
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
 
 impl TrianglesFile {
-    /// Triangles of three positions in `vertices` each, with the material of that name.
+    /// Creates triangles of three indices into `vertices` each, with the material named `material`.
     pub fn new(
         vertices: Vec<[f32; 3]>,
         indices: Vec<[u32; 3]>,
@@ -49,7 +50,7 @@ impl Expand for TrianglesFile {
                 )));
             };
             let triangle = Triangle { vertices: [a, b, c] };
-            // Meshes have some; they have no normal.
+            // Real meshes contain degenerate triangles, which have no normal.
             if !triangle.is_degenerate() {
                 to.geometry.triangles.push(triangle);
             }

@@ -1,4 +1,4 @@
-//! Materials, and the textures that they name.
+//! Resolution of materials and the textures that they name.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::scene::material::Material;
 use crate::scene::texture::{Color, Texture};
 
 impl Resolver<'_> {
-    /// The materials, checked, with textures in place of names.
+    /// Checks the materials and returns them with their texture names replaced by the textures.
     pub(super) fn materials(&self, images: &mut Images<'_>) -> Result<Vec<Material>> {
         let textures = self.textures(images)?;
         let mut materials = Vec::new();

@@ -1,5 +1,5 @@
-//! From what a file says to a scene that can be rendered: every number checked, every
-//! name looked up.
+//! Turns a scene file into a scene that can be rendered: checks every number and looks up every
+//! name.
 
 mod materials;
 mod primitives;
@@ -18,8 +18,8 @@ use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
 
-/// The scene that `file` describes. `name` is what errors call it, `folder` is where its
-/// textures are.
+/// Returns the scene that `file` describes. Errors call it `name`; paths of textures and meshes are
+/// relative to `folder`.
 pub(super) fn resolve(
     name: &str,
     folder: &Path,
@@ -40,7 +40,7 @@ pub(super) fn resolve(
     let mut images = Images::new(folder, &resolver.budget);
     let materials = resolver.materials(&mut images)?;
     let images = images.files();
-    let (geometry, material_map, mesh_files) = resolver.primitives(folder)?;
+    let (geometry, material_map, meshes) = resolver.primitives(folder)?;
     let media = resolver.media()?;
     let shines = |primitive: &u32| {
         let material = &materials[material_map.get(*primitive) as usize];
@@ -59,14 +59,15 @@ pub(super) fn resolve(
         material_map,
         lights,
         media,
-        files: images.chain(mesh_files).collect(),
+        ignored: meshes.iter().filter_map(|(file, mesh)| mesh.ignored(file)).collect(),
+        files: images.chain(meshes.into_keys()).collect(),
         limits: resolver.budget.limits,
     })))
 }
 
-/// Bytes of memory for each texture and material besides their text: 60 were measured.
+/// Estimated bytes of memory for each texture or material besides its text; 60 were measured.
 const ENTRY: u64 = 100;
-/// Bytes of memory for each light: 160 were measured.
+/// Estimated bytes of memory for each light; 160 were measured.
 pub(crate) const LIGHT_BYTES: u64 = 200;
 
 struct Resolver<'a> {
@@ -81,7 +82,8 @@ impl<'a> Resolver<'a> {
         Element { file: self.name, place, kind }
     }
 
-    /// Refuses names that are used twice, which the readers of files refuse, too.
+    /// Rejects duplicate names. The readers of files reject them as well, but a scene may also be
+    /// built in code.
     fn check_names(&self, kind: &'a str, names: impl Iterator<Item = &'a str>) -> Result<()> {
         let mut seen = HashSet::new();
         for name in names {
@@ -104,21 +106,19 @@ impl<'a> Resolver<'a> {
             })
     }
 
-    /// Checks that no media overlap.
+    /// Returns the media after checking that they do not overlap.
     fn media(&self) -> Result<Vec<Medium>> {
         let mut media: Vec<Medium> = Vec::new();
         for (index, file) in self.file.media.iter().enumerate() {
             let e = self.element(format!("media[{index}]"), "medium");
             if index >= MAX_MEDIA {
-                return Err(e.error(format!("a scene can have {MAX_MEDIA} media at most")));
+                return Err(e.error(format!("a scene can have at most {MAX_MEDIA} media")));
             }
             let medium = Medium::new(&e, file)?;
             if let Some(other) =
                 media.iter().position(|other| other.volume.overlaps(&medium.volume))
             {
-                return Err(
-                    e.error(format!("overlaps media[{other}]: media must lie side by side"))
-                );
+                return Err(e.error(format!("overlaps media[{other}], media must not overlap")));
             }
             media.push(medium);
         }

@@ -1,23 +1,24 @@
-//! Primitives, and which material each has.
+//! Expansion of primitives, and the material of each.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::Resolver;
 use crate::error::{Result, suggestion};
 use crate::geometry::Geometry;
 use crate::scene::looks::MaterialMap;
+use crate::scene::mesh::Mesh;
 use crate::scene::primitive::Builder;
 
 impl Resolver<'_> {
-    /// The primitives, the material of each in their order, and the files that meshes were read from.
+    /// Returns the primitives, their materials, and the meshes by file.
     pub(super) fn primitives(
         &self,
         folder: &Path,
-    ) -> Result<(Geometry, MaterialMap, BTreeSet<PathBuf>)> {
+    ) -> Result<(Geometry, MaterialMap, BTreeMap<PathBuf, Mesh>)> {
         let mut builder = Builder::new(folder, &self.budget);
         let mut solids = [const { Vec::new() }; 2];
-        // One past the last triangle, and the material.
+        // For each range of triangles, one past its last triangle, and its material.
         let mut ranges: Vec<(u32, u32)> = Vec::new();
         let names: HashMap<&str, u32> = self.file.materials.names().zip(0..).collect();
         for (index, primitive) in self.file.primitives.iter().enumerate() {
@@ -45,6 +46,6 @@ impl Resolver<'_> {
         let solids = solids.concat();
         let ranges = ranges.into_iter().map(|(end, m)| (end + solids.len() as u32, m)).collect();
         let Builder { geometry, meshes, .. } = builder;
-        Ok((geometry, MaterialMap { solids, ranges }, meshes.into_keys().collect()))
+        Ok((geometry, MaterialMap { solids, ranges }, meshes.into_iter().collect()))
     }
 }

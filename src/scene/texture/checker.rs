@@ -1,4 +1,4 @@
-//! Cubic cells of two colours.
+//! A 3-D checker of cubic cells in two colours.
 
 use std::f64::consts::PI;
 
@@ -15,16 +15,16 @@ use crate::scene::place::Element;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
-    /// Linear RGB, each channel in [0, 1].
+    /// Colour of odd cells in linear RGB, each channel in [0, 1].
     pub odd: [f32; 3],
-    /// Linear RGB, each channel in [0, 1].
+    /// Colour of even cells in linear RGB, each channel in [0, 1].
     pub even: [f32; 3],
-    /// Cells have the side π/scale; above 0, at most 1e6.
+    /// Scale, above 0 and at most 1e6. Cells have the side π/scale.
     pub scale: f32,
 }
 
 impl TextureModel for Checker {
-    /// Odd colour, cells per unit of length; even colour.
+    /// (`odd`, cells per unit of length), (`even`, 0).
     type Entry = [Row; 2];
 
     fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
@@ -43,7 +43,7 @@ impl TextureModel for Checker {
         [row(self.odd.into(), frequency), row(self.even.into(), 0.0)]
     }
 
-    /// The product of sines is negative where the sum of the cells' numbers is odd.
+    /// The product of sines is negative exactly if the sum of the cell's three numbers is odd.
     #[inline(always)]
     fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
         let index = R::index_of_few(index, table.len());
@@ -74,12 +74,12 @@ mod tests {
         }
 
         fn uv(&self) -> (f32, f32) {
-            unreachable!("a checker is in space")
+            unreachable!("a checker does not use texture coordinates")
         }
     }
 
     #[test]
-    #[allow(clippy::disallowed_methods)] // the definition has sines
+    #[allow(clippy::disallowed_methods)] // the definition uses sines
     fn checker_is_the_sign_of_the_product_of_sines() {
         let checker = Checker { odd: [1.0, 0.0, 0.0], even: [0.0, 1.0, 0.0], scale: 10.0 };
         let table = [checker.entry()];

@@ -1,4 +1,4 @@
-//! Colours of materials: one colour, or a texture.
+//! Colours of materials, each a constant colour or a texture.
 
 use std::fmt;
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::scene::place::Element;
 
-/// A colour, or a texture by name or by itself.
+/// A constant colour, a texture, or the name of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Color {
-    /// Linear RGB.
+    /// A constant colour in linear RGB.
     Rgb([f32; 3]),
-    /// A key of [`SceneFile::textures`](crate::scene::SceneFile::textures).
+    /// A texture's name, a key of [`SceneFile::textures`](crate::scene::SceneFile::textures).
     Named(String),
     /// A texture.
     Texture(Arc<Texture>),
 }
 
 impl Color {
-    /// Checks that one colour is an albedo: each channel in [0, 1].
+    /// Checks that a constant colour is an albedo, with each channel in [0, 1].
     pub(in crate::scene) fn check(&self, e: &Element<'_>, name: &str) -> Result<()> {
         match self {
             Self::Rgb(rgb) => e.color(name, *rgb, 1.0).map(|_| ()),
@@ -34,7 +34,7 @@ impl Color {
         }
     }
 
-    /// The image of its texture.
+    /// Returns the image of the texture, if it has one.
     pub(in crate::scene) fn image(&self) -> Option<Arc<Image>> {
         match self {
             Self::Texture(texture) => texture.image(),
@@ -60,7 +60,7 @@ impl Serialize for Color {
         match self {
             Self::Rgb(rgb) => rgb.serialize(serializer),
             Self::Named(name) => name.serialize(serializer),
-            // A map in any format, which `visit_map` reads.
+            // Becomes a map in any format, as `visit_map` expects.
             Self::Texture(texture) => {
                 serde_json::to_value(&**texture).map_err(S::Error::custom)?.serialize(serializer)
             }
@@ -79,7 +79,7 @@ impl<'de> Deserialize<'de> for Color {
                 f.write_str("a colour of three numbers or the name of a texture in quotes")
             }
 
-            // A texture without a name, as `Serialize` writes it.
+            // Reads a texture without a name, as `Serialize` writes it.
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Color, A::Error> {
                 let value = Value::deserialize(MapAccessDeserializer::new(map))?;
                 serde_json::from_value(value).map(Texture::into).map_err(A::Error::custom)

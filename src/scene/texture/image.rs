@@ -1,4 +1,4 @@
-//! Pictures.
+//! Image textures.
 
 use std::sync::Arc;
 
@@ -13,26 +13,26 @@ use crate::math::{Real, Vector, clamp};
 use crate::scene::files::Images;
 use crate::scene::place::Element;
 
-/// A picture over the surface's texture coordinates, filtered bilinearly; u repeats, v is clamped, and
-/// v = 0 is the bottom.
+/// An image mapped to the surface's texture coordinates, with bilinear filtering. u repeats, v is
+/// clamped, and v = 0 is the bottom.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Image {
-    /// Path, relative to the scene file.
+    /// Path of the image, relative to the scene file.
     pub file: String,
-    /// The picture, once it is read.
+    /// The image, once it is read.
     #[serde(skip)]
     pub(super) pixels: Option<Arc<Pixels>>,
 }
 
 impl Image {
-    /// The picture in `file`, which is read when the scene is resolved.
+    /// Creates a texture of the image in `file`, which is read when the scene is resolved.
     pub fn from_file(file: impl Into<String>) -> Self {
         Self { file: file.into(), pixels: None }
     }
 
     fn pixels(&self) -> &Arc<Pixels> {
-        self.pixels.as_ref().expect("the picture was read")
+        self.pixels.as_ref().expect("`load` reads the image before it is used")
     }
 }
 

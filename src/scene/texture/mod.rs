@@ -1,5 +1,6 @@
-//! Textures: one file each. The list in `textures!` makes the enum of scene files, the tables, and
-//! the dispatch.
+//! Textures, one file per kind.
+//!
+//! The list in `textures!` generates the enum of scene files, the tables and the dispatch.
 
 mod checker;
 mod color;
@@ -20,43 +21,43 @@ use crate::error::Result;
 use crate::image::Image as Pixels;
 use crate::math::{Mask, Real, Row, Word, row};
 
-/// A point of a surface, or one a lane, as textures see it.
+/// The properties of a surface point, or of one per lane, that textures depend on.
 pub(crate) trait TexturePoint<R: Real>: Copy {
-    /// The point.
+    /// Position of the point.
     fn point(&self) -> R::Vec3;
 
     /// Texture coordinates, both in [0, 1] up to rounding.
     fn uv(&self) -> (R, R);
 }
 
-/// What a kind of texture is: parameters, a table, and how it is evaluated.
+/// A kind of texture: its parameters, its table and its evaluation.
 pub(crate) trait TextureModel {
-    /// The parameters as they lie in the table of the kind.
+    /// The parameters as stored in the table of this kind.
     type Entry: Debug + Send + Sync;
 
-    /// Checks the parameters and reads files.
+    /// Checks the parameters and reads the files that they name.
     fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()>;
 
-    /// What decides the colours, in a canonical form.
+    /// Returns everything that determines the colours, for the hash of the scene.
     fn identity(&self) -> Value;
 
-    /// Whether each texture of the kind has one colour everywhere.
+    /// Whether every texture of this kind has the same colour everywhere.
     const CONSTANT: bool = false;
 
-    /// The one colour that it has everywhere, if so.
+    /// Returns the texture's colour if it is the same everywhere.
     fn constant(&self) -> Option<[f32; 3]> {
         None
     }
 
-    /// The image that it has, once it is loaded.
+    /// Returns the texture's image, if it has one and it is loaded.
     fn image(&self) -> Option<Arc<Pixels>> {
         None
     }
 
-    /// The parameters for the table.
+    /// Returns the parameters for the table.
     fn entry(&self) -> Self::Entry;
 
-    /// The colours of the entries at `index`.
+    /// Returns the colours of the entries at `index` at the point `at`.
     fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3;
 }
 
@@ -103,18 +104,19 @@ macro_rules! textures {
             $($name,)*
         }
 
-        /// The textures of a scene, a table a kind.
+        /// The textures of a scene, one table per kind.
         #[derive(Debug, Default)]
         pub(crate) struct TextureTables {
             $($module: Vec<<$name as TextureModel>::Entry>,)*
-            /// The textures that are in the tables, and their codes.
+            /// The textures in the tables, with their codes.
             known: Vec<(Arc<Texture>, u32)>,
-            /// How many rows have a code.
+            /// Number of rows that hold a texture's code.
             uses: usize,
         }
 
         impl TextureTables {
-            /// The row of the colour that `texture` has everywhere, or of its code.
+            /// Adds a texture to its table and returns its code as `Err`. If the texture has the
+            /// same colour everywhere, returns that colour as `Ok` and adds nothing.
             fn push(&mut self, texture: &Texture) -> std::result::Result<[f32; 3], u32> {
                 match texture {
                     $(Texture::$name(texture) => {
@@ -141,7 +143,8 @@ macro_rules! textures {
                     if here.any() {
                         let entry = code & R::Word::splat((1 << KIND_SHIFT) - 1);
                         let entry = here.select(entry, R::Word::splat(0));
-                        // A copy: one that is passed on by reference would be in memory always.
+                        // Pass a copy: if the original were passed by reference, it would always be
+                        // in memory.
                         let at = *at;
                         color = here.select($name::color(&self.$module, entry, &at), color);
                     }
@@ -153,29 +156,33 @@ macro_rules! textures {
 }
 
 textures! {
-    /// One colour.
+    /// A constant colour.
     Solid in solid,
     /// A 3-D checker.
     Checker in checker,
-    /// A picture over the surface's texture coordinates.
+    /// An image mapped to the surface's texture coordinates.
     Image in image,
 }
 
-/// A code is a kind and a place in its table; 0 is none.
+/// Bits of a code that hold the texture's index in its table. The bits above hold its kind plus 1,
+/// so that code 0 means no texture.
 const KIND_SHIFT: u32 = 28;
 
 impl TextureTables {
-    /// How many rows have the code of a texture.
+    /// Returns the number of rows that hold a texture's code.
     pub(super) fn uses(&self) -> usize {
         self.uses
     }
 
-    /// The row of a colour: itself and 0, or a texture's code.
+    /// Returns the row of a colour: (the colour, 0), or (0, code) for a texture.
+    ///
+    /// # Panics
+    /// If the colour is still a name.
     pub(super) fn row(&mut self, color: &Color) -> Row {
         let texture = match color {
             Color::Rgb(rgb) => return row((*rgb).into(), 0.0),
             Color::Texture(texture) => texture,
-            Color::Named(name) => unreachable!("texture {name} was looked up"),
+            Color::Named(name) => unreachable!("the name `{name}` is not resolved"),
         };
         let known = self.known.iter().find(|(known, _)| Arc::ptr_eq(known, texture));
         let code = match known {
@@ -192,7 +199,7 @@ impl TextureTables {
         [0, 0, 0, code]
     }
 
-    /// The colour of a row at `at`.
+    /// Returns the colour of a row at the point `at`.
     #[inline(always)]
     pub(super) fn color<R: Real>(
         &self,

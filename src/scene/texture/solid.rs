@@ -1,4 +1,4 @@
-//! One colour.
+//! Textures of a constant colour.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -9,11 +9,11 @@ use crate::math::{Real, Vector};
 use crate::scene::files::Images;
 use crate::scene::place::Element;
 
-/// One colour.
+/// A constant colour.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Solid {
-    /// Linear RGB, each channel in [0, 1].
+    /// The colour in linear RGB, each channel in [0, 1].
     pub color: [f32; 3],
 }
 
@@ -26,7 +26,7 @@ impl TextureModel for Solid {
         e.color("color", self.color, 1.0).map(|_| ())
     }
 
-    /// The same as that of a colour without a texture.
+    /// Returns the same value as for a colour without a texture.
     fn identity(&self) -> Value {
         json!(self.color)
     }
@@ -37,7 +37,7 @@ impl TextureModel for Solid {
 
     fn entry(&self) {}
 
-    /// Its colour is in the row of the material.
+    /// Never called, because the material's row holds the colour.
     fn color<R: Real>(_: &[()], _: R::Word, _: &impl TexturePoint<R>) -> R::Vec3 {
         R::Vec3::zero()
     }

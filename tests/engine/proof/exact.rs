@@ -1,10 +1,10 @@
-//! What holds in every sample, without statistics.
+//! Tests of properties that hold in every sample, without statistics.
 
 use ptfast::{RenderSettings, Sampling, Scene};
 
 use crate::common::{SAMPLINGS, render, settings};
 
-/// A camera at the origin that looks along `look_at` through a narrow angle.
+/// A scene whose camera at the origin looks along `look_at` through a narrow angle.
 fn scene(look_at: (f32, f32, f32), rest: &str) -> Scene {
     let text = format!(
         "(camera: (look_from: (0, 0, 0), look_at: {look_at:?}, up: (0.1, 1, 0.2), vfov: 0.02), {rest})"
@@ -12,8 +12,8 @@ fn scene(look_at: (f32, f32, f32), rest: &str) -> Scene {
     Scene::from_ron(&text).unwrap()
 }
 
-/// A furnace: under a sky of radiance 1 a convex diffuse body of albedo ρ has the radiance ρ,
-/// in every pixel and every sample.
+/// A furnace: under a sky of radiance 1, a convex diffuse body of albedo ρ has radiance ρ in every
+/// pixel and every sample.
 #[test]
 fn furnace_of_diffuse_spheres() {
     for material in ["diffuse", "lambertian"] {
@@ -34,7 +34,7 @@ fn furnace_of_diffuse_spheres() {
     }
 }
 
-/// A lamp that shines on its front only lights nothing behind it.
+/// A one-sided lamp lights nothing behind it.
 #[test]
 fn one_sided_lights_are_dark_behind() {
     let scene_with = |u: &str, v: &str| {
@@ -56,7 +56,7 @@ fn one_sided_lights_are_dark_behind() {
     }
 }
 
-/// No material gives back more than it gets, and clear glass and perfect mirrors all of it.
+/// No material scatters more light than it receives. Clear glass and perfect mirrors lose none.
 #[test]
 fn energy_is_conserved_by_every_material() {
     for (material, lossless) in [
@@ -96,7 +96,7 @@ fn energy_is_conserved_by_every_material() {
     }
 }
 
-/// Blurs too narrow for their density to be told, and just not: nothing is lost to weights.
+/// Metal with a blur around the limit below which its density is not computed loses no energy.
 #[test]
 fn narrow_blurs_lose_nothing() {
     for fuzz in ["1e-30", "1e-9", "1e-7", "1e-5", "9.9e-5", "1e-4", "1e-3"] {
@@ -115,7 +115,7 @@ fn narrow_blurs_lose_nothing() {
     }
 }
 
-/// A gradient sky is the colour of the direction.
+/// The colour of a gradient sky depends on the direction.
 #[test]
 fn gradient_background() {
     for (look_at, want) in [((0.0, 1.0, 0.3), None), ((0.0, 0.0, -1.0), Some(0.5))] {

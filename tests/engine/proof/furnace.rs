@@ -1,5 +1,7 @@
-//! Furnaces: in a room that shines evenly from all sides a surface has the share of that radiance
-//! that it scatters, which is known by closed forms or by integrals of textbook formulas.
+//! Furnace tests: the radiance of surfaces under uniform light from all sides.
+//!
+//! It equals the share of light that the surface scatters, which closed forms or numerical
+//! integrals of textbook formulas give.
 
 use std::f64::consts::PI;
 
@@ -17,7 +19,7 @@ fn room(material: &str) -> String {
 
 const COS: f64 = 0.6;
 
-/// Fresnel's equations, without and with absorption.
+/// Fresnel reflectance of a dielectric.
 fn dielectric(cos: f64, eta: f64) -> f64 {
     let sin2 = (1.0 - cos * cos) / (eta * eta);
     if sin2 >= 1.0 {
@@ -29,8 +31,9 @@ fn dielectric(cos: f64, eta: f64) -> f64 {
     0.5 * (across * across + parallel * parallel)
 }
 
+/// Fresnel reflectance of a conductor.
 fn conductor(cos: f64, n: f64, k: f64) -> f64 {
-    // The complex cosine within: a² − b² = n² − k² − sin², ab = nk.
+    // The complex cosine inside: a² − b² = n² − k² − sin², ab = nk.
     let (p, q) = (n * n - k * k - (1.0 - cos * cos), 2.0 * n * k);
     let length = (p * p + q * q).sqrt();
     let (a2, b2) = (0.5 * (length + p), 0.5 * (length - p));
@@ -41,8 +44,10 @@ fn conductor(cos: f64, n: f64, k: f64) -> f64 {
     0.5 * (across + parallel)
 }
 
-/// What microfacets scatter of even light (Walter et al. 2007): the integral over their normals of
-/// what is visible of each and of what it reflects or, with an index of refraction `eta`, refracts.
+/// The share of uniform light that microfacets scatter (Walter et al. 2007).
+///
+/// Integrates over the microfacets' normals how much of each is visible, times the share of light
+/// that it reflects or, with an index of refraction `eta`, refracts.
 fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -> f64 {
     let smith = |z: f64| (-1.0 + (1.0 + alpha * alpha * (1.0 - z * z) / (z * z)).sqrt()) / 2.0;
     let wo = [(1.0 - COS * COS).sqrt(), 0.0, COS];
@@ -50,7 +55,7 @@ fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -
     let (rows, columns) = (1500, 1500);
     let mut sum = 0.0;
     for i in 0..rows {
-        // D(m) cos θ is even in 1 − w², where tan²θ = α² (1 − w²)/w²: few are grazing.
+        // D(m) cos θ is uniform in 1 − w², with tan²θ = α² (1 − w²)/w², so few normals are grazing.
         let w = (f64::from(i) + 0.5) / f64::from(rows);
         let cos = 1.0 / (1.0 + alpha * alpha * (1.0 - w * w) / (w * w)).sqrt();
         let sin = (1.0 - cos * cos).sqrt();
@@ -61,7 +66,7 @@ fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -
             if before <= 0.0 {
                 continue;
             }
-            // Visible from wo, without what hides: D (wo·m)/(cos θo) over D cos θ.
+            // The area visible from wo without masking: D (wo·m)/(cos θo) over D cos θ.
             let visible = before / (COS * cos) * 2.0 * w;
             let share = reflectance(before);
             let up = 2.0 * before * m[2] - COS;
@@ -81,7 +86,7 @@ fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -
     sum / f64::from(rows * columns)
 }
 
-/// Glass before a wall that is black on one side tells how much of the light is reflected.
+/// Glass in front of a black wall, so that only the reflected light is seen.
 fn reflection(fresnel: &str) -> String {
     format!(
         r#"(camera: (look_from: (0, 0.6, 0.8), look_at: (0, 0, 0), up: (1, 0, 0), vfov: 0.02),
@@ -96,7 +101,7 @@ fn reflection(fresnel: &str) -> String {
 #[test]
 fn materials_scatter_what_they_should() {
     let known = |material: &str, share: f64| Known::new(material, &room(material), 3.0 * share);
-    // Of the ball of blurred directions the cap below the surface is lost.
+    // The cap of the ball of blurred directions that lies below the surface is lost.
     let height = COS / 0.9;
     let cap = (1.0 - height) * (1.0 - height) * (2.0 + height) / 4.0;
     let metal =

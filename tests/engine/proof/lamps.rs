@@ -1,10 +1,10 @@
-//! Floors under lamps: form factors and solid angles in closed form.
+//! Compares floors lit by lamps with form factors and solid angles in closed form.
 
 use std::f64::consts::PI;
 
 use super::{Known, compare};
 
-/// A floor at height −1, seen at the middle from a camera at the origin, and lamps.
+/// A floor at height −1 and lamps. The camera at the origin looks at the middle of the floor.
 fn floor(material: &str, lamps: &str) -> String {
     format!(
         r#"(camera: (look_from: (0, 0, 0), look_at: (0, -1, 0), up: (0.1, 1, 0.2), vfov: 0.02),
@@ -16,11 +16,11 @@ fn floor(material: &str, lamps: &str) -> String {
 
 #[test]
 fn floors_are_lit_as_they_should() {
-    // A sphere 5 away, 3 to the side, of radius 1: E = πL (r/d)² cos θ.
+    // A sphere of radius 1 at a distance of 5, 3 to the side: E = πL (r/d)² cos θ.
     let sphere = r#"sphere(center: (3, 3, 0), radius: 1, material: "lamp")"#;
     let (lambert_sphere, solid_sphere) =
         (0.6 * 8.0 / 25.0 * 0.8, 0.6 * 8.0 * (1.0 - (1.0f64 - 1.0 / 25.0).sqrt()));
-    // A parallel rectangle whose corner is above the point (Howell, *A Catalog of Radiation Heat
+    // A parallel rectangle with one corner above the point (Howell, *A Catalog of Radiation Heat
     // Transfer Configuration Factors*, B-3), and its solid angle.
     let (a, b, height) = (3.0f64, 2.0, 1.5);
     let (x, y) = (a / height, b / height);
@@ -29,7 +29,7 @@ fn floors_are_lit_as_they_should() {
     let solid_angle = (x * y / (1.0 + x * x + y * y).sqrt()).atan();
     let (lambert_quad, diffuse_quad) = (0.6 * 8.0 * factor, 0.6 * 8.0 * solid_angle / (2.0 * PI));
     let quad = r#"quad(q: (0, 0.5, 0), u: (3, 0, 0), v: (0, 0, 2), material: "front")"#;
-    // The same as two triangles.
+    // The same rectangle as two triangles.
     let triangles = r#"triangles(vertices: [(0, 0.5, 0), (3, 0.5, 0), (0, 0.5, 2), (3, 0.5, 2)],
                                  indices: [(0, 1, 2), (1, 3, 2)], material: "front")"#;
     let both = format!("{quad}, {}", r#"sphere(center: (-3, 3, 0), radius: 1, material: "lamp")"#);
@@ -59,9 +59,9 @@ fn floors_are_lit_as_they_should() {
     );
 }
 
-/// The integrating sphere: a diffuse hollow sphere of albedo ρ and radius R about a lamp of radius a.
-/// The lamp takes the share F = a²/R² of what the wall sends out, so the wall's radiance is
-/// ρLF/(1 − ρ(1 − F)) everywhere.
+/// The integrating sphere: a hollow diffuse sphere of albedo ρ and radius R around a lamp of radius
+/// a. The lamp absorbs the share F = a²/R² of the light that leaves the wall, so the wall's radiance
+/// is ρLF/(1 − ρ(1 − F)) everywhere.
 #[test]
 fn closed_room_has_its_radiance() {
     let text = r#"(camera: (look_from: (0, 0, 0), look_at: (0, 1, 0), up: (0.1, 1, 0.2), vfov: 0.02),

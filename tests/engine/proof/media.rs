@@ -1,4 +1,4 @@
-//! Media: nothing is lost where nothing is absorbed, and what is absorbed follows Beer's law.
+//! Tests of media: scattering media lose no energy, and absorption follows Beer's law.
 
 use super::{Known, compare};
 
@@ -12,7 +12,7 @@ fn ball(medium: &str) -> String {
     )
 }
 
-/// A floor under a lamp of radius 2 that is 6 above it, with a slab of fog between.
+/// A floor, a ball lamp of radius 2 whose centre is 6 above it, and a slab of fog between them.
 fn slab(density: f64) -> String {
     format!(
         r#"(camera: (look_from: (0, 0.1, 0), look_at: (0, -1, 0), up: (0.1, 1, 0.2), vfov: 0.02),
@@ -32,7 +32,7 @@ fn media_take_what_they_should() {
     let turned = "box(min: (-1, -1, -1), max: (1, 1, 1), rotation: (0, 0, 45), density: 0.8, albedo: (1, 1, 1))";
     let two = "box(min: (-1, -1, -1), max: (1, 1, 0), density: 0.5, albedo: (0, 0, 0)), \
                sphere(center: (0, 0, 2), radius: 1, density: 0.3, albedo: (0, 0, 0))";
-    // 2ρL ∫ cos θ e^(−σd/cos θ) sin θ dθ over the lamp, by its cosine.
+    // 2ρL ∫ cos θ e^(−σd/cos θ) sin θ dθ over the lamp, integrated over cos θ.
     let lit = |density: f64| {
         let (rim, steps) = ((1.0f64 - 1.0 / 9.0).sqrt(), 10_000);
         let cosines =

@@ -1,10 +1,12 @@
-//! Pictures of another program: Mitsuba 3, tile by tile (profiling/peers/mitsuba/reference).
+//! Compares pictures tile by tile with those of Mitsuba 3.
+//!
+//! `profiling/peers/mitsuba/reference` writes the means of Mitsuba's tiles.
 
 use ptfast::{Sampling, Scene};
 
 use super::tiles::{Disagreement, Tiles};
 
-/// The means of tiles and their standard errors, of as many pictures as the file says.
+/// Reads the means of tiles, their standard errors, and the number of pictures behind them.
 fn read(name: &str) -> Tiles {
     let path = format!("tests/data/mitsuba/{name}.txt");
     let text = std::fs::read_to_string(&path).unwrap();

@@ -1,9 +1,11 @@
-//! Proof that pictures are right: scenes whose radiance is known, in every sampling mode, by both
-//! engines; modes that must agree in every tile; pictures of another program.
+//! Statistical tests that images are right.
 //!
-//! `cargo test --test engine proof -- --nocapture --test-threads 1` prints the tables. Another seed is
-//! `PTFAST_PROOF_SEED`.
-#![allow(clippy::disallowed_methods)] // the yardstick is libm's f64
+//! Scenes of known radiance are rendered in every sampling mode by both engines, sampling modes are
+//! compared tile by tile, and images are compared with another program's.
+//!
+//! `cargo test --test engine proof -- --nocapture --test-threads 1` prints the tables. The environment
+//! variable `PTFAST_PROOF_SEED` sets another seed.
+#![allow(clippy::disallowed_methods)] // expected values are computed in f64 with libm
 
 mod exact;
 mod furnace;
@@ -15,10 +17,10 @@ mod tiles;
 use ptfast::{Engine, RenderSettings, Renderer, Sampler, Scene};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// The chance of a false alarm of a test with all that it compares.
+/// The probability of a false alarm of one test, over all its comparisons.
 const ALARM: f64 = 1e-4;
 
-/// Seeds apart from those of any other comparison.
+/// The first seed of a comparison, far from the seeds of all other comparisons.
 fn first_seed(name: &str) -> u64 {
     let seed = std::env::var("PTFAST_PROOF_SEED").map_or(1, |seed| seed.parse().expect("a number"));
     name.bytes().fold(seed, |hash: u64, byte| {
@@ -26,17 +28,17 @@ fn first_seed(name: &str) -> u64 {
     })
 }
 
-/// The chance of a false alarm of one of `comparisons` (Šidák).
+/// The probability of a false alarm for each of `comparisons`, by Šidák's correction.
 fn alarm(comparisons: usize) -> f64 {
     1.0 - (1.0 - ALARM).powf(1.0 / comparisons as f64)
 }
 
-/// How far a deviate goes by chance in one of `comparisons`, to either side.
+/// The two-sided limit on the deviate of each of `comparisons`.
 fn farthest(comparisons: usize, of: &impl ContinuousCDF<f64, f64>) -> f64 {
     of.inverse_cdf(1.0 - 0.5 * alarm(comparisons))
 }
 
-/// A picture of one radiance, known in closed form.
+/// A scene whose picture has one radiance, known in closed form.
 struct Known {
     name: String,
     scene: Scene,
@@ -50,9 +52,12 @@ impl Known {
     }
 }
 
-/// Compares scenes with what is known, in each sampling mode, by both engines and both samplers. As many
-/// samples are taken as it needs to find, with a probability of 95%, an error of half a percent: in each
-/// scene by the first way, in all scenes together by the others.
+/// Compares scenes with their known radiance, in each sampling mode, with both engines and both
+/// samplers.
+///
+/// The number of samples is chosen so that the test detects an error of 0.5% with a probability of 95%:
+/// in each scene for the first combination of engine and sampler, and in all scenes together for the
+/// others.
 fn compare(what: &str, known: &[Known]) {
     let n = known.len() as f64;
     let ways = [
@@ -63,7 +68,7 @@ fn compare(what: &str, known: &[Known]) {
     let modes = crate::common::SAMPLINGS.into_iter();
     let ways: Vec<_> = modes.flat_map(|mode| ways.map(|way| (mode, way))).collect();
     let student = StudentsT::new(0.0, 1.0, PICTURES as f64 - 1.0).expect("degrees above 0");
-    // Each scene, and all together.
+    // Each scene is one comparison, and all scenes together are another.
     let limit = farthest((known.len() + 1) * ways.len(), &student);
     println!(
         "\n{what:<44}{:>7}{:>11}{:>13}{:>9}{:>9}{:>8}",
@@ -79,7 +84,7 @@ fn compare(what: &str, known: &[Known]) {
             let precise = finds * want / (limit + 1.65);
             let (crate::common::Estimate { mean, error }, samples) =
                 estimate(name, scene, &settings, precise);
-            // Where all samples are equal there is rounding left.
+            // If all samples are equal, rounding errors remain.
             let t = (mean - want) / (error + 2e-5 * want);
             println!("{name:<44}{way}{want:>9.5}{mean:>9.5}{t:>8.2}  {samples} samples");
             if !(t.abs() <= limit) {
@@ -88,19 +93,22 @@ fn compare(what: &str, known: &[Known]) {
             pooled += t / n.sqrt();
         }
         println!("{:<44}{way}{:>26.2}", "all together", pooled);
-        // A mean of Student's t is nearer to normal than one: the limit of one is on the safe side.
+        // The mean of several t values is closer to normal, so the limit of one is conservative.
         if !(pooled.abs() <= limit) {
             wrong.push(format!("all together {way}: {pooled}"));
         }
     }
-    assert!(wrong.is_empty(), "chance goes to {limit:.2}: {wrong:#?}");
+    assert!(
+        wrong.is_empty(),
+        "these deviate by more than chance allows (|t| up to {limit:.2}): {wrong:#?}"
+    );
 }
 
-/// Independent pictures of an estimate.
+/// Number of independent pictures per estimate.
 const PICTURES: usize = 48;
 
-/// The mean of the picture's green channel and its standard error, about `precise`, and the samples that
-/// this took: as many as pictures of other seeds say are needed.
+/// Estimates the mean of the green channel with a standard error of about `precise`. Also returns the
+/// number of samples used, which a pilot run with other seeds determines.
 fn estimate(
     name: &str,
     scene: &Scene,
@@ -119,12 +127,12 @@ fn estimate(
         };
         crate::common::Estimate::of(&(0..PICTURES as u64).map(mean).collect::<Vec<f64>>())
     };
-    // Noise falls at least with the root of the samples.
+    // The standard error falls at least with the square root of the number of samples.
     let more = |error: f64| (error / precise) * (error / precise) * 1.2;
     let mut spp = 32;
     let mut needs = more(of(spp, "pilot").error);
     while needs > 16.0 {
-        assert!(spp < 1 << 16, "{name}: {spp} samples a pixel are too few");
+        assert!(spp < 1 << 16, "{name}: {spp} samples per pixel are too few");
         spp *= 8;
         needs = more(of(spp, "pilot").error);
     }

@@ -1,25 +1,26 @@
-//! Sampling modes agree in every tile of a picture: their differences are as large as their noise, and
-//! their p-values are even.
+//! Tests that sampling modes agree in every tile of a picture.
+//!
+//! Differences must match the noise, and p-values must be uniform.
 
 use ptfast::{RenderSettings, Renderer, Sampler, Sampling, Scene};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::{ALARM, farthest, first_seed};
 
-/// Tiles along each side.
+/// Number of tiles along each side.
 const TILES: u32 = 8;
-/// Independent pictures of each mode.
+/// Number of independent pictures per mode.
 const PICTURES: u64 = 24;
 
-/// Of each tile and channel: the mean over pictures, and the variance of that mean.
+/// For each tile and channel, the mean over pictures and the variance of that mean.
 pub(crate) struct Tiles {
     pub(crate) tiles: Vec<(f64, f64)>,
     pub(crate) pictures: u64,
 }
 
 impl Tiles {
-    /// Of the scene's size, which the number of tiles divides. Light is sampled with Sobol' points,
-    /// scattering alone with independent numbers.
+    /// Renders `scene` at its own size, which the number of tiles must divide. Uses Sobol' points if
+    /// lights are sampled, and independent numbers for scattering alone.
     pub(crate) fn render(name: &str, scene: &Scene, sampling: Sampling, spp: u32) -> Self {
         let first = first_seed(&format!("{name}{sampling:?} tiles"));
         let sampler =
@@ -51,13 +52,13 @@ impl Tiles {
     }
 }
 
-/// Whether a tile has noise beyond the rounding of numbers about its `mean`.
+/// Whether the noise of a tile exceeds rounding errors.
 fn noisy(&(mean, variance): &(f64, f64)) -> bool {
     variance.sqrt() > 1e-6 * mean
 }
 
-/// The deviations of tiles in units of their noise: Student's t with Welch's degrees of freedom, made
-/// normal. Tiles without noise are left out.
+/// The differences of tiles in units of their noise, as normal deviates: Student's t with Welch's
+/// degrees of freedom, transformed to a normal distribution. Tiles without noise are left out.
 fn deviations(a: &Tiles, b: &Tiles) -> Vec<f64> {
     let tiles = a.tiles.iter().zip(&b.tiles).filter(|(a, b)| noisy(a) || noisy(b));
     tiles
@@ -67,7 +68,7 @@ fn deviations(a: &Tiles, b: &Tiles) -> Vec<f64> {
             let degrees =
                 sum * sum / (part(variance, a.pictures) + part(other_variance, b.pictures));
             let t = (mean - other_mean) / sum.sqrt();
-            // Far tails by symmetry, where 1 − p would be 0.
+            // Use the lower tail by symmetry: in the far upper tail, 1 − p would be 0.
             let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees above 0");
             let p = student.cdf(-t.abs()).max(1e-300);
             -Normal::standard().inverse_cdf(p) * t.signum()
@@ -75,8 +76,8 @@ fn deviations(a: &Tiles, b: &Tiles) -> Vec<f64> {
         .collect()
 }
 
-/// How far the p-values of the deviations are from even, by Kolmogorov and Smirnov: the distance from
-/// the diagonal, times √n.
+/// The Kolmogorov-Smirnov statistic of the deviations' p-values: their largest distance from a uniform
+/// distribution, times √n.
 fn unevenness(deviations: &[f64]) -> f64 {
     let normal = Normal::standard();
     let mut p: Vec<f64> = deviations.iter().map(|&z| normal.cdf(z)).collect();
@@ -86,7 +87,7 @@ fn unevenness(deviations: &[f64]) -> f64 {
     p.iter().enumerate().map(off).fold(0.0, f64::max) * n.sqrt()
 }
 
-/// The table of a test, and what in it is more than chance.
+/// Prints the table of a test, and collects the comparisons that differ by more than chance.
 pub(crate) struct Disagreement {
     comparisons: usize,
     wrong: Vec<String>,
@@ -103,14 +104,15 @@ impl Disagreement {
 
     /// Compares two pictures, tile by tile.
     pub(crate) fn compare(&mut self, name: &str, what: &str, a: &Tiles, b: &Tiles) {
-        // Those without noise are equal, but for the rounding of sums and of six digits in files.
+        // Tiles without noise are equal up to rounding of sums, and of the six digits in files.
         for (a, b) in a.tiles.iter().zip(&b.tiles).filter(|(a, b)| !noisy(a) && !noisy(b)) {
             let off = (a.0 - b.0).abs();
-            assert!(off <= 2e-5 * a.0, "{name} {what}: {} and {} without noise", a.0, b.0);
+            assert!(off <= 2e-5 * a.0, "{name} {what}: {} and {} differ without noise", a.0, b.0);
         }
         let deviations = deviations(a, b);
         let tiles = deviations.len();
-        // The channels of a tile are noise of the same paths: a third as many are independent.
+        // The three channels of a tile share their paths, so only a third of the deviations is
+        // independent.
         let independent = (tiles / 3) as f64;
         let mean_square = deviations.iter().map(|z| z * z).sum::<f64>() / tiles as f64;
         let chi = ChiSquared::new(independent).unwrap().sf(mean_square * independent);

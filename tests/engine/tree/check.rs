@@ -1,4 +1,4 @@
-//! Kernels beside an oracle.
+//! Compares kernels with an oracle.
 
 use glam::Vec3;
 use ptfast::Kernel;
@@ -7,22 +7,23 @@ use rayon::prelude::*;
 
 use super::rays::{Bundles, adversarial};
 
-/// Rays of one kind of scene.
+/// Number of rays traced for each kind of scene.
 pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
-/// Rays of one batch: whole bundles.
+/// Number of rays in a batch: a whole number of bundles.
 pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
 
 pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
     hit.map(|hit| (hit.primitive, hit.t.to_bits()))
 }
 
-/// The interval in which ray number `i`, made for distances up to `t_max`, is looked along: in every
-/// fourth pair of bundles one that begins above 0, mostly at or beside the ray's hit, and in as many
-/// a mixture of such and of those that end there.
+/// The interval of ray number `i`, which was generated for distances up to `t_max` and hits `hit`.
+///
+/// In every fourth pair of bundles the intervals begin above 0, mostly at or next to the hit. In
+/// another fourth, some begin and some end there. All others are (0, `t_max`).
 fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
     let pair = i / Bundles::SIZE / 2 % 4;
     let Some(Hit { t, .. }) = hit else {
-        // Beams begin above 0 only where all their rays do.
+        // A beam begins above 0 only if all its rays do.
         return if pair == 2 { (1e-3, t_max) } else { (0.0, t_max) };
     };
     match (pair, i % 8) {
@@ -37,8 +38,7 @@ fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
     }
 }
 
-/// Compares every kernel with `oracle`, over rays that `make` makes, each with the end of its
-/// interval.
+/// Compares every kernel with `oracle`. `make` generates ray number `i` and the end of its interval.
 pub(crate) fn check_kernels(
     name: &str,
     geometry: &Geometry,
@@ -60,7 +60,8 @@ pub(crate) fn check_kernels(
         }
         let each = 0..batch.len();
         for kernel in Kernel::ALL {
-            // It takes too long for all rays of large scenes: a bundle of each kind of interval.
+            // `flat` takes too long for all rays of large scenes, so it traces some bundles of each
+            // kind of interval.
             let share = kernel == Kernel::Flat && geometry.len() > 1000;
             let each = if share { 0..batch.len().min(8 * Bundles::SIZE) } else { each.clone() };
             let (mut closest, mut any) =
@@ -76,12 +77,12 @@ pub(crate) fn check_kernels(
         }
         want.primitive.iter().filter(|p| **p != HitBatch::MISS).count()
     };
-    // Rays are made one after the other, from one stream; rounds of them are independent.
+    // Rays are generated in sequence from one random stream; rounds are then checked in parallel.
     let hit: usize = rounds.par_bridge().map(check_round).sum();
     assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
 }
 
-/// Compares every kernel with brute force, over `rays` rays: half of them each for itself, half in
+/// Compares every kernel with brute force over `rays` rays, half of them independent and half in
 /// bundles.
 pub(crate) fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
     let mut random = Stream::new(99);

@@ -1,4 +1,4 @@
-//! Counters count: where the work is known beforehand, and where it must add up.
+//! Tests of the work counters, on scenes whose work is known in advance or must add up.
 
 use glam::Vec3;
 use ptfast::Kernel;
@@ -21,11 +21,11 @@ fn batch(geometry: &Geometry, rays: usize) -> RayBatch {
     batch
 }
 
-/// `flat` tests every ray against every primitive, whatever it hits.
+/// `flat` tests every ray against every primitive, whether or not the ray hits something.
 #[test]
 fn flat_tests_everything() {
     let mut geometry = soup(42, 50, 1.0, Vec3::ZERO);
-    // They are tested an axis at a time.
+    // Triangles are tested separately for each axis.
     geometry.triangles.clear();
     let accelerator = Accelerator::new(geometry.clone());
     for rays in [1, 7, 16, 33, 1000] {
@@ -35,7 +35,7 @@ fn flat_tests_everything() {
         let primitives = geometry.len() as u64;
         assert_eq!(count.lanes_active, rays as u64 * primitives);
         assert_eq!((count.node_visits, count.scalar_rays), (0, 0));
-        // Whole packets are issued, of one vector or of more.
+        // Lanes are issued in whole packets of one or more vectors.
         let vectors = count.leaf_tests / primitives;
         assert_eq!(count.leaf_tests, vectors * primitives);
         let lanes = count.lanes_issued / count.leaf_tests;
@@ -45,8 +45,8 @@ fn flat_tests_everything() {
     }
 }
 
-/// Rays along different axes are tested against a triangle axis by axis: a vector of one axis once,
-/// a vector of all six ways six times.
+/// Triangle tests run once per axis direction: once for a vector of rays along one direction, six
+/// times for a vector with all six directions.
 #[test]
 fn triangles_are_tested_for_each_axis() {
     let vertices = [Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::Y + Vec3::Z];
@@ -71,7 +71,7 @@ fn triangles_are_tested_for_each_axis() {
     }
 }
 
-/// Kernels that take rays one by one do for all what they do for each.
+/// For kernels that trace rays one by one, the work of a batch is the sum of the work of its rays.
 #[test]
 fn work_adds_up() {
     let rays = 500;
@@ -96,14 +96,13 @@ fn work_adds_up() {
             assert_eq!(all.lanes_active, sum(|c| c.lanes_active), "{kernel:?}");
             assert_eq!(all.scalar_rays, sum(|c| c.scalar_rays), "{kernel:?}");
             assert!(all.lanes_active > 0 && all.lanes_active <= all.lanes_issued, "{kernel:?}");
-            // Spanning primitives are tested by the packet, which may have lanes without a ray.
+            // Packets test primitives that span the scene, and may have lanes without a ray.
             assert!(all.leaf_tests <= sum(|c| c.leaf_tests), "{kernel:?}");
         }
     }
 }
 
-/// A sphere and a quad far apart, which no leaf holds both of, and rays at the sphere: a node and a
-/// leaf.
+/// Rays at a sphere, with a quad far away in another leaf: each ray visits one node and one leaf.
 #[test]
 fn a_node_and_a_leaf() {
     let quad = Quad::new(Vec3::splat(10.0), Vec3::X, Vec3::Y).unwrap();
@@ -123,32 +122,33 @@ fn a_node_and_a_leaf() {
     };
     for kernel in [Kernel::Packet, Kernel::Scalar] {
         let count = count(kernel);
-        // Each ray asks for two boxes, enters one, and is tested once.
+        // Each ray is tested against two boxes, enters one, and is tested against its primitive.
         assert_eq!((count.lanes_issued, count.lanes_active), (64 * 3, 128), "{kernel:?}");
         assert!((1..=64).contains(&count.node_visits), "{kernel:?}: {}", count.node_visits);
     }
     assert_eq!(count(Kernel::Scalar).node_visits, 64);
     let single = count(Kernel::Single);
     assert_eq!((single.node_visits, single.leaf_tests), (64, 64));
-    // One child of many is entered, one primitive is in its block.
+    // The ray enters one of many children, whose block holds one primitive.
     assert_eq!(single.lanes_active, 128);
     let beam = count(Kernel::Beam);
     assert_eq!(beam.node_visits, 1, "one beam");
-    // One child of many is entered, by one primitive's box of many, and all rays are tested.
+    // The beam enters one of many children and one of many primitive boxes. Then each ray is
+    // tested.
     assert_eq!(beam.lanes_active, 1 + 1 + 64);
     let boxes = beam.lanes_issued - 64;
     assert!([2 * 8, 2 * 16].contains(&boxes), "{boxes} lanes of boxes");
 }
 
-/// In a large tree a beam of rays that spread does no more than its rays would alone.
+/// In a large tree, a beam of diverging rays does not do much more work than its rays would alone.
 #[test]
-fn wide_beams_are_no_beams() {
+fn wide_beams_cost_little_more_than_single_rays() {
     let scene = ptfast::Scene::load("mesh:61440").unwrap();
     let accelerator = Accelerator::new(scene.geometry().clone());
     let mut random = Stream::new(44);
     let mut batch = RayBatch::default();
     for _ in 0..640 {
-        // Of one octant, so that only their spread tells.
+        // All rays are in one octant, so that only their spread shows that they are incoherent.
         let mut point = |low: f32, high: f32| {
             glam::Vec3::from_array([(); 3].map(|()| random.between(low, high)))
         };
@@ -160,5 +160,5 @@ fn wide_beams_are_no_beams() {
         accelerator.count(kernel, false, &batch, 0..640, &mut hits).lanes_issued
     };
     let (beam, single) = (count(Kernel::Beam), count(Kernel::Single));
-    assert!(beam < 2 * single, "{beam} lanes, alone {single}");
+    assert!(beam < 2 * single, "{beam} lanes as a beam, {single} lanes as single rays");
 }

@@ -1,7 +1,8 @@
-//! Every kernel finds what trying every primitive finds: same primitive, same distance bits.
+//! Tests that every kernel finds bit for bit the same hits as brute force.
 //!
-//! With the feature `slow-tests` over ten million rays of each kind of scene, else over a share. Of
-//! more than ten thousand primitives the oracle is the reference tree, see [`generated_scenes`].
+//! With the feature `slow-tests` they trace ten million rays per kind of scene, otherwise fewer. For
+//! scenes of more than ten thousand primitives the oracle is the reference tree, see
+//! [`generated_scenes`].
 
 mod check;
 mod counters;
@@ -21,7 +22,7 @@ use self::rays::{Bundles, adversarial, soup, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
-    // As they are, scaled, shifted: of each kind at least `RAYS`.
+    // Plain, scaled and shifted scenes, with at least `RAYS` rays of each kind.
     for (seed, primitives, scale, shift) in [
         (1, 3, 1.0, Vec3::ZERO),
         (2, 60, 1.0, Vec3::ZERO),
@@ -51,7 +52,7 @@ fn built_in_scenes() {
     }
 }
 
-/// Small triangles seen from far away, where their coordinates hardly differ in f32.
+/// Small triangles seen from so far away that their coordinates hardly differ in f32.
 #[test]
 fn triangles_smaller_than_rounding() {
     let mut random = Stream::new(12);
@@ -67,7 +68,7 @@ fn triangles_smaller_than_rounding() {
             let [a, b, c] = geometry.triangles[i % 200].vertices;
             let to = match i % 2 {
                 0 => vector(&mut random, 20.0 * size),
-                // Of the three edges, or near.
+                // The middle of an edge.
                 _ => [a, b, c][i / 2 % 3] * 0.5 + [b, c, a][i / 2 % 3] * 0.5,
             };
             (Ray { origin, direction: to - origin, time: 0.0 }, f32::INFINITY)
@@ -76,7 +77,7 @@ fn triangles_smaller_than_rounding() {
             let (ray, _) = make(i);
             let want = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
             assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
-            // And no hit far beside the triangle.
+            // A hit must not lie far beside the triangle.
             if let Some(hit) = want {
                 let middle = geometry.triangles[hit.primitive as usize].vertices[0];
                 let miss = ray.origin + ray.direction * hit.t - middle;
@@ -88,14 +89,15 @@ fn triangles_smaller_than_rounding() {
     }
 }
 
-/// The numbers that say where on a thin quad a ray is are off by the more roundings the thinner it
-/// is, so rays hit a little beyond its tips, outside its box. The slack is for the worst case: what
-/// this finds is one that is smaller than a roundoff; 32 without the condition pass 10^7 rays.
+/// The rounding error of a hit's coordinates on a quad grows as the quad becomes thinner, so rays
+/// can hit slightly beyond its tips, outside its box. The slack covers the worst case. This test
+/// only detects a slack below one roundoff: a slack of 32 roundoffs without the condition number
+/// passes 10^7 rays.
 #[test]
 fn tips_of_thin_quads() {
     let mut random = Stream::new(21);
     for _ in 0..100 {
-        // Alone of its kind, a quad has a box of its own.
+        // The only quad of a scene has a box of its own.
         let sphere = Sphere::still(Vec3::splat(-1.7), 0.1);
         let edge = |random: &mut Stream| Vec3::splat(0.5) + vector(random, 0.008);
         let quad = loop {
@@ -117,8 +119,8 @@ fn tips_of_thin_quads() {
     }
 }
 
-/// Scenes of which brute force takes too long: the oracle is the reference tree, which is
-/// itself compared with brute force on some rays of the same scene.
+/// Scenes for which brute force takes too long. The oracle is the reference tree, which is itself
+/// compared with brute force on some rays of the same scene.
 #[test]
 fn generated_scenes() {
     for (name, scale, shift) in [
@@ -132,13 +134,13 @@ fn generated_scenes() {
             *vertex += shift;
         }
         if name.starts_with("mesh") {
-            // Single rays take turns there, and meet blocks of every kind.
+            // Single rays are interleaved in meshes, and must also meet blocks of the other shapes.
             let others = soup(11, 300, 0.5 * scale, shift);
             geometry.spheres.extend(others.spheres);
             geometry.quads.extend(others.quads);
         }
         let geometry = &geometry;
-        // Trees of more than 2^20 bytes are traced in ways of their own: here are half as many more.
+        // Trees of more than 2^20 bytes are traced in other ways, so require 1.5 times as much.
         let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single);
         assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
         let tree = Bvh2::new(geometry);
@@ -156,16 +158,17 @@ fn generated_scenes() {
     }
 }
 
-/// Rays from within closed meshes, a regular one and one of thin and tiny triangles; each for itself
-/// and in bundles; aimed at vertices and edges as well.
+/// Rays from inside closed meshes must hit them. One mesh is regular, the other has thin and tiny
+/// triangles. Rays come singly and in bundles, and are also aimed at vertices and edges.
 #[test]
 fn no_ray_escapes_a_closed_mesh() {
     let scene = ptfast::Scene::load("mesh:1").unwrap();
-    // All but the floor: one icosphere.
+    // All triangles except the floor: one icosphere.
     let regular = scene.geometry().triangles[..20_480].to_vec();
     let middle =
         regular.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0]) / regular.len() as f32;
-    // Its points pushed about, the same wherever a point is used, and all pressed flat.
+    // Move each vertex at random, equally in all triangles that share it, and scale the axes
+    // unequally.
     let pushed = |vertex: Vec3| {
         let words = vertex.to_array().map(|x| u64::from(x.to_bits()));
         let mut random =
@@ -186,7 +189,7 @@ fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
     for _ in (0..RAYS).step_by(ROUND) {
         let mut batch = RayBatch::default();
         for i in 0..ROUND {
-            // By turns bundles of rays, and rays that have nothing in common.
+            // Bundles alternate with independent rays.
             let bundled = (i / Bundles::SIZE).is_multiple_of(2);
             if !bundled || i.is_multiple_of(Bundles::SIZE) {
                 origin = middle + vector(&mut random, 0.2);
@@ -202,7 +205,7 @@ fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
             batch.push(&Ray { origin, direction, time: 0.0 }, 0.0, f32::INFINITY);
         }
         for kernel in Kernel::ALL {
-            // It takes too long for all of them.
+            // `flat` takes too long for all rays.
             let each = 0..if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
             let (mut closest, mut any) = (HitBatch::misses(ROUND), HitBatch::misses(ROUND));
             accelerator.closest(kernel, &batch, each.clone(), &mut closest);

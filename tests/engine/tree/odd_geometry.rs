@@ -1,4 +1,4 @@
-//! Geometry that trees are hard to build of: none, crowds, rows, nests, primitives without area.
+//! Tests of geometry that is hard for tree builders: empty, crowded, regular, nested or degenerate.
 
 use glam::Vec3;
 use ptfast::Kernel;
@@ -27,11 +27,11 @@ fn reference_on_odd_geometry() {
     };
     let tree = Bvh2::new(&same);
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
-    assert_eq!((hit.primitive, hit.t), (0, 4.0), "of 100 000 equal spheres the first");
+    assert_eq!((hit.primitive, hit.t), (0, 4.0), "of 100 000 equal spheres, the first must win");
 }
 
-/// Rows and grids of equal primitives tie in every comparison of the builder; primitives in
-/// geometric progression make the deepest trees. Both in one test's patience.
+/// Rows and grids of equal primitives tie in every comparison of the builder, and primitives in
+/// geometric progression give the deepest trees. Both must build quickly enough for a test.
 #[test]
 fn regular_and_deep_geometry() {
     let sphere = Sphere::still;
@@ -59,7 +59,7 @@ fn regular_and_deep_geometry() {
     }
 }
 
-/// A million equal primitives, one, none: no kernel hangs or fails.
+/// No kernel hangs or fails on a million equal primitives, on one, or on an empty scene.
 #[test]
 fn kernels_on_odd_geometry() {
     let sphere = Sphere::still(Vec3::Z * 5.0, 1.0);
@@ -90,7 +90,7 @@ fn kernels_on_odd_geometry() {
     }
 }
 
-/// Spheres about one centre, boxes in boxes, triangles without area, crowds at one place.
+/// Concentric spheres, nested boxes, triangles without area, and crowds of primitives at one place.
 #[test]
 fn nested_degenerate_and_crowded_geometry() {
     let mut random = Stream::new(13);
@@ -105,7 +105,7 @@ fn nested_degenerate_and_crowded_geometry() {
             let [a, b] = [(); 2].map(|()| vector(&mut random, size));
             let corners = [center + a, center + b, center - a];
             geometry.triangles.push(Triangle { vertices: corners });
-            // A point, a line there and back, and one through its middle.
+            // A point, a line that returns to its start, and a line through three points.
             let [a, b, _] = corners;
             for vertices in [[a; 3], [a, b, a], [a, b, (a + b) * 0.5]] {
                 geometry.triangles.push(Triangle { vertices });
@@ -125,7 +125,7 @@ fn nested_degenerate_and_crowded_geometry() {
     check("crowd", &crowd, RAYS, 1.0, Vec3::ZERO);
 }
 
-/// A primitive that spans the scene, and one other: a tree of one leaf.
+/// One primitive spans the scene, so the tree consists of a single leaf with the other primitive.
 #[test]
 fn one_primitive_beside_one_that_spans_the_scene() {
     let ground = Sphere::still(Vec3::Y * -1000.0, 1000.0);

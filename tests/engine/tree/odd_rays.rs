@@ -1,4 +1,4 @@
-//! Rays at the ends of what a ray may be: of intervals, ranges, magnitudes.
+//! Tests of invalid rays, and of rays with extreme origins, directions and intervals.
 
 use glam::Vec3;
 use ptfast::Kernel;
@@ -11,7 +11,7 @@ use super::check::{RAYS, bits, check_kernels};
 use super::rays::{Bundles, adversarial, soup, vector};
 
 #[test]
-fn rays_that_are_no_rays_end_quickly_as_misses() {
+fn invalid_rays_miss_quickly() {
     let geometry = soup(7, 300, 1.0, Vec3::ZERO);
     let tree = Bvh2::new(&geometry);
     let mut batch = RayBatch::default();
@@ -42,11 +42,14 @@ fn rays_that_are_no_rays_end_quickly_as_misses() {
         assert!(steps < 2 * batch.len() as u64, "{kernel:?}, {any}: {steps} steps");
         assert_eq!(hits, HitBatch::misses(batch.len()), "{kernel:?}");
         let left = if kernel == Kernel::Scalar { batch.len() as u64 } else { 0 };
-        assert_eq!(counters.scalar_rays, left, "{kernel:?} leaves none of them to the reference");
+        assert_eq!(
+            counters.scalar_rays, left,
+            "{kernel:?} must not hand these rays to the reference"
+        );
     }
 }
 
-/// Rays that hit nothing, rays outside the range and the ends of batches leave hits as they are.
+/// Kernels write only hits inside the range. Misses and rays outside it leave the buffer unchanged.
 #[test]
 fn only_hits_in_the_range_are_written() {
     let geometry = soup(8, 100, 1.0, Vec3::ZERO);
@@ -77,13 +80,13 @@ fn only_hits_in_the_range_are_written() {
     }
 }
 
-/// From up to 10^5 times the scene's size away, where boxes that are large enough for rays from
-/// near are not: past corners of triangles. Packets of such a ray and others, which hide what it
-/// misses, and of its like alone.
+/// Rays past corners of triangles, from up to 10^5 times the scene's size away. The padding of
+/// boxes that suffices for near rays is too small for these. Some packets contain only such rays;
+/// others mix them with rays that could hide what they miss.
 #[test]
 fn rays_from_far_away() {
     let mut random = Stream::new(6);
-    // A leaf each, the triangle's corners being the box's.
+    // Each leaf holds equal triangles whose corners are corners of the leaf's box.
     let triangles = (0..20).flat_map(|_| {
         let corner = vector(&mut random, 1.0);
         let edges = [Vec3::ZERO, Vec3::X, Vec3::Y + Vec3::Z];
@@ -112,9 +115,9 @@ fn rays_from_far_away() {
     check_kernels("far away", &geometry, RAYS, make, oracle);
 }
 
-/// Directions and origins beyond what the vector box tests can do.
+/// Rays with directions and origins outside the range of the vector box tests.
 #[test]
-fn wild_rays_hit_what_they_should() {
+fn wild_rays_find_the_right_hits() {
     let geometry = soup(9, 200, 1.0, Vec3::ZERO);
     let mut random = Stream::new(4);
     let make = |i| {
@@ -142,7 +145,7 @@ fn wild_rays_hit_what_they_should() {
     ] {
         batch.push(&ray, 0.0, f32::INFINITY);
     }
-    // What spans the scene counts too.
+    // Primitives that span the scene count too.
     let mut huge = geometry.clone();
     huge.spheres.push(Sphere::still(Vec3::X * 1e12, 1e12));
     for (geometry, wild) in [(&geometry, 4), (&huge, 5), (&soup(9, 20, 1e12, Vec3::ZERO), 5)] {
@@ -156,7 +159,7 @@ fn wild_rays_hit_what_they_should() {
     }
 }
 
-/// A hit at the very end of the interval does not count, one just before it does.
+/// Intervals are open: a hit exactly at an end does not count, a hit just inside does.
 #[test]
 fn intervals_are_open() {
     let geometry = soup(10, 60, 1.0, Vec3::ZERO);

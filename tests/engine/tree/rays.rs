@@ -1,4 +1,4 @@
-//! Primitives that are hard to lay out, and rays that are hard to trace.
+//! Generators of primitives and rays that are hard for trees and kernels.
 
 use glam::Vec3;
 use ptfast::internals::{
@@ -11,7 +11,7 @@ pub(crate) fn vector(random: &mut Stream, size: f32) -> Vec3 {
 }
 
 /// Spheres (some moving), quads and meshes of triangles that share edges, in a box of side
-/// `2 scale` about `shift`; some of the primitives are there twice.
+/// `2 scale` about `shift`. Some primitives are duplicated.
 pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geometry {
     let mut random = Stream::new(seed);
     let mut geometry = Geometry::default();
@@ -26,10 +26,10 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
             geometry.spheres.push(Sphere { center, center1, radius });
         } else if kind < 0.7 {
             let mut u = vector(&mut random, 0.3 * scale);
-            // Some thin to the limit of what is allowed.
+            // Some are as thin as a quad may be.
             let thin = if kind < 0.5 { 0.02 } else { 1.0 };
             let mut v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
-            // Some across an axis, with an edge along one, or both.
+            // Some are perpendicular to an axis, have an edge along one, or both.
             let along = geometry.quads.len() % 3;
             if kind > 0.56 {
                 u[along] = 0.0;
@@ -53,7 +53,7 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
             }
         }
         if again {
-            // Coincident to the bit: the tie goes to the lower index.
+            // Bitwise equal duplicates, so that ties must go to the lower index.
             let Geometry { spheres, quads, triangles } = &mut geometry;
             spheres.extend_from_within(spheres.len().saturating_sub(1)..);
             quads.extend_from_within(quads.len().saturating_sub(1)..);
@@ -63,8 +63,8 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
     geometry
 }
 
-/// A point that rays are aimed at: somewhere, or a vertex, an edge, a silhouette, or a corner, an
-/// edge or a face of a primitive's box.
+/// A target for rays: a random point, a vertex, an edge, a silhouette, or a corner, an edge or a
+/// face of a primitive's box.
 pub(crate) fn target(
     random: &mut Stream,
     geometry: &Geometry,
@@ -108,12 +108,12 @@ fn pick(random: &mut Stream, n: usize) -> usize {
     (random.bits() % n as u64) as usize
 }
 
-/// A primitive's box.
+/// The box of a random primitive.
 fn random_box(random: &mut Stream, geometry: &Geometry) -> Bounds {
     geometry.get(pick(random, geometry.len()) as u32).bounds()
 }
 
-/// Ray number `i`: aimed at what is hard to hit, from where it is hard, or in a hard direction.
+/// Ray number `i`, with a difficult target, origin or direction, and the end of its interval.
 pub(crate) fn adversarial(
     random: &mut Stream,
     i: usize,
@@ -138,7 +138,7 @@ pub(crate) fn adversarial(
             let axis = i % 3;
             direction = Vec3::ZERO;
             direction[axis] = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-            // In the very plane of some box face, or of two.
+            // Exactly in the plane of one box face, or of two.
             if !geometry.is_empty() {
                 let faces = random_box(random, geometry);
                 for other in [(axis + 1) % 3, (axis + 2) % 3].into_iter().take(1 + i / 11 % 2) {
@@ -164,7 +164,7 @@ pub(crate) fn adversarial(
         direction = corner - origin;
     }
     if i.is_multiple_of(19) && !geometry.spheres.is_empty() {
-        // A tangent from the surface of a sphere, but for a few roundings.
+        // Tangent to a sphere at its surface, up to a few rounding errors.
         let sphere = geometry.spheres[pick(random, geometry.spheres.len())];
         let normal = uniform_sphere(random.uniform(), random.uniform());
         let few = |random: &mut Stream| random.between(-4.0, 4.0) * f32::EPSILON;
@@ -176,8 +176,8 @@ pub(crate) fn adversarial(
     (Ray { origin, direction, time }, t_max)
 }
 
-/// Rays of which the neighbours are as the kernels for coherent rays want them: bundles of
-/// like rays, by turns from one point, and side by side along one of the axes.
+/// Generates coherent rays, as the packet kernels expect them: bundles of similar rays that start
+/// either at one point or side by side with equal directions.
 pub(crate) struct Bundles<'a> {
     random: Stream,
     geometry: &'a Geometry,
@@ -204,7 +204,7 @@ impl<'a> Bundles<'a> {
         let mut ray = *base;
         let length = length(ray.direction);
         if bundle.is_multiple_of(2) {
-            // To a target near the first ray's, often the very corner of something.
+            // Towards a second target, often exactly a corner of something.
             let near = target(random, geometry, ray.origin, *scale, *shift) - ray.origin;
             let to = near * (length / (1e-30 + near.length_squared().sqrt()));
             ray.direction += (to - ray.direction) * (wide * random.uniform());
@@ -213,9 +213,9 @@ impl<'a> Bundles<'a> {
             ray.origin += vector(random, wide * *scale);
         }
         ray.time = random.uniform();
-        // Among them rays that go along an axis or across it, and some that go nowhere.
+        // Some rays run along or across an axis, and some are invalid.
         match i {
-            // A zero of the other sign makes a packet of mixed octants: in some bundles only.
+            // In some bundles, zeros of the other sign give packets of mixed octants.
             i if i.is_multiple_of(19) => {
                 let sign = if bundle.is_multiple_of(3) {
                     i as f32 % 2.0 - 0.5
@@ -226,7 +226,7 @@ impl<'a> Bundles<'a> {
             }
             i if i.is_multiple_of(23) => ray.direction = Vec3::ZERO,
             i if i.is_multiple_of(29) => ray.origin.y = f32::NAN,
-            // Half a packet without rays.
+            // Invalidate part of a packet.
             i if bundle.is_multiple_of(7) && i % Self::SIZE < 20 => ray.direction = Vec3::ZERO,
             _ => {}
         }

@@ -1,9 +1,9 @@
-//! Verdicts, and what nothing follows from.
+//! Tests of the gate: verdicts, and measurements too uncertain for a verdict.
 
 use super::*;
 
 #[test]
-fn the_gate_shuts_where_a_program_is_slower() {
+fn the_gate_fails_if_a_program_is_slower() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let [slow, fast] = [("slow", 0.52), ("fast", 0.50)]
@@ -43,7 +43,7 @@ fn the_gate_shuts_where_a_program_is_slower() {
     assert_eq!(record["against"]["runs"][0]["engine"], "scalar");
     let to = record["ratios"][2]["to"].as_str().unwrap();
     assert!(to.starts_with("wavefront@") || to.starts_with("scalar@"), "{to}");
-    // Not by 5%; nor is the fast one slower.
+    // The slow program is not slower by 5%, and the fast one is not slower at all.
     assert_eq!(gate(&slow, &fast, "5").0, Some(0));
     let (code, outcomes, ..) = gate(&fast, &slow, "1");
     assert_eq!((code, outcomes), (Some(0), vec!["improved".to_owned(); 2]));
@@ -51,14 +51,14 @@ fn the_gate_shuts_where_a_program_is_slower() {
     assert_eq!((code, outcomes), (Some(0), vec!["same".to_owned(); 2]));
 }
 
-/// Beside a record of another time, by paths a clock cycle; clocks may differ a little even here.
+/// Compares paths per clock cycle with those of an earlier record.
 #[test]
-fn the_gate_shuts_where_a_program_is_slower_than_its_baseline() {
+fn the_gate_fails_if_a_program_is_slower_than_its_baseline() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let [slow, fast] = [("slow", 1.0), ("fast", 0.5)]
         .map(|(name, seconds)| pretender(here, name, seconds, None).display().to_string());
-    // Clocks that other tests disturb are told less exactly than those of cores that are free.
+    // Other tests disturb the measured clock frequency, so allow a large threshold.
     let blocks = ["--blocks", "6", "--threshold", "30"];
     bench(here, &[&blocks[..], &["--program", &fast, "--json", "old.json"]].concat());
     let gate = |program: &str, baseline: &str| {
@@ -79,7 +79,7 @@ fn the_gate_shuts_where_a_program_is_slower_than_its_baseline() {
             blocks.iter_mut().for_each(|block| block["load"] = load.clone());
         }
     };
-    // How busy tests keep the machine is no matter here.
+    // Remove the recorded load, so that the load of other tests does not matter.
     change("quiet.json", &load(Value::Null));
     let (code, outcome, _, told) = gate(&slow, "quiet.json");
     assert_eq!((code, &*outcome), (Some(3), "regressed"), "{told}");
@@ -89,11 +89,11 @@ fn the_gate_shuts_where_a_program_is_slower_than_its_baseline() {
 
     if cfg!(target_os = "linux") {
         assert!(read(&here.join("old.json"))["runs"][0]["blocks"][0]["load"].is_f64());
-        // Whatever else runs meanwhile, it cannot be like none and like all cores.
+        // The actual load cannot match both an idle and a fully loaded machine.
         let unclear = |share: f64| {
             change("busy.json", &load(json!(share)));
             let (code, outcome, reason, _) = gate(&slow, "busy.json");
-            let unclear = outcome == "unclear" && reason.contains("cores busy");
+            let unclear = outcome == "unclear" && reason.contains("load by other processes");
             assert_eq!(code, Some(if outcome == "regressed" { 3 } else { 0 }));
             unclear
         };
@@ -101,16 +101,20 @@ fn the_gate_shuts_where_a_program_is_slower_than_its_baseline() {
     }
     change("image.json", &|run| run["hash"] = json!("another"));
     let (code, outcome, reason, told) = gate(&slow, "image.json");
-    assert_eq!((code, &*outcome, &*reason), (Some(0), "unclear", "another image"), "{told}");
+    assert_eq!((code, &*outcome, &*reason), (Some(0), "unclear", "the images differ"), "{told}");
     assert!(told.contains("2 unclear"), "{told}");
     let compared = [&SMALL[..], &["--program", &slow, "--baseline", "image.json"]].concat();
     let told = stdout(&ptfast(here, &compared));
-    assert_eq!(told.matches("another image").count(), 2, "said without --gate, too: {told}");
+    assert_eq!(
+        told.matches("the images differ").count(),
+        2,
+        "different images must be reported without --gate too: {told}"
+    );
 }
 
-/// Another measurement may choose another plan: that would be no difference of programs.
+/// Both programs share a measured plan, since measuring again could choose another plan by chance.
 #[test]
-fn plans_that_were_measured_are_measured_once() {
+fn measured_plans_are_shared_by_both_programs() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let timed = |planning: &str| {
@@ -130,12 +134,12 @@ fn plans_that_were_measured_are_measured_once() {
         (wave(&record["runs"][0]), wave(&record["against"]["runs"][0]))
     };
     assert_eq!(timed("measured"), (4096, 4096));
-    assert_eq!(timed("usual"), (4096, 8192), "a version may plan otherwise");
+    assert_eq!(timed("usual"), (4096, 8192), "default plans may differ between versions");
 }
 
-/// Who keeps a record learns at once that it would be no baseline.
+/// A bench warns immediately if its record would be useless as a baseline.
 #[test]
-fn records_that_tell_nothing_as_a_baseline_are_noticed() {
+fn records_useless_as_a_baseline_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let program = pretender(here, "disturbed", 0.5, None);
@@ -148,12 +152,12 @@ fn records_that_tell_nothing_as_a_baseline_are_noticed() {
     let loud = SMALL.into_iter().filter(|argument| *argument != "--quiet");
     let more = ["--blocks", "6", "--json", "a.json", "--program", program.to_str().unwrap()];
     let output = ptfast(here, &loud.chain(more).collect::<Vec<_>>());
-    let told = "as a baseline it would tell nothing of cornell scalar 1 (most blocks are contaminated), \
+    let told = "not usable as a baseline for cornell scalar 1 (most blocks are contaminated), \
                 cornell wavefront 1";
     assert!(stderr(&output).contains(told), "{}", stderr(&output));
 }
 
-/// One that is disturbed in the first blocks is measured until two samples are clean, or four were taken.
+/// A disturbed bench takes more samples until two are clean, or up to four.
 #[test]
 fn disturbed_samples_are_measured_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,7 +182,7 @@ fn disturbed_samples_are_measured_again() {
         let doubts: Vec<bool> = findings.iter().map(|f| f["doubt"] == "contaminated").collect();
         (output.status.code(), doubts, gate["again"].as_array().unwrap().len(), stdout(&output))
     };
-    // Four renders of it in a block, of which the first sample has 6.
+    // Each block has four renders of this program, and the first sample has 6 blocks.
     let (code, doubts, again, told) = gate(1 + 4 * 6);
     assert_eq!((code, &doubts[..], again), (Some(3), &[true, false, false][..], 2), "{told}");
     assert!(told.contains("REGRESSED (1 of 3 samples discarded)"), "{told}");
@@ -188,7 +192,7 @@ fn disturbed_samples_are_measured_again() {
 }
 
 #[test]
-fn a_wrong_answer_is_never_a_fast_one() {
+fn a_wrong_image_fails_the_bench() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let wrong = pretender(here, "wrong", 0.1, Some("abc")).display().to_string();

@@ -1,18 +1,18 @@
-//! What is begun is ended and cleared away.
+//! Tests that an interrupted bench stops its renders and removes its files.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use super::*;
 
-/// Sends a signal, by what every shell has; `false` where there is no such process.
+/// Sends a signal with the `kill` of the shell. Returns `false` if the process does not exist.
 fn kill(signal: &str, pid: &str) -> bool {
     let mut shell = Command::new("sh");
     shell.args(["-c", "kill \"$0\" \"$1\"", signal, pid]).stderr(Stdio::null());
     shell.status().unwrap().success()
 }
 
-/// A render is ended with the bench that asked for it, though only that was told to.
+/// A signal to the bench alone also stops the render that it runs.
 #[test]
 fn renders_end_with_the_bench() {
     let folder = tempfile::tempdir().unwrap();
@@ -27,7 +27,7 @@ fn renders_end_with_the_bench() {
         .spawn()
         .unwrap();
     let pid = loop {
-        assert!(bench.try_wait().unwrap().is_none(), "it has ended before");
+        assert!(bench.try_wait().unwrap().is_none(), "the bench ended before the signal");
         match fs::read_to_string(here.join("pid")) {
             Ok(pid) if pid.ends_with('\n') => break pid.trim().to_owned(),
             _ => std::thread::sleep(Duration::from_millis(10)),
@@ -35,10 +35,10 @@ fn renders_end_with_the_bench() {
     };
     assert!(kill("-TERM", &bench.id().to_string()));
     assert_eq!(bench.wait().unwrap().code(), Some(143));
-    assert!(!kill("-0", &pid), "the render goes on");
+    assert!(!kill("-0", &pid), "the render must have stopped");
 }
 
-/// Nothing is left behind, and what ended it is told.
+/// An interrupted bench leaves no file and names the signal.
 #[test]
 fn an_interrupt_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -52,12 +52,12 @@ fn an_interrupt_leaves_nothing() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // As soon as it has made its folder.
+    // Wait until the bench has created its folder.
     let made = |entry: std::io::Result<fs::DirEntry>| {
         entry.unwrap().file_name().to_string_lossy().starts_with("ptfast-bench-")
     };
     while !fs::read_dir(here).unwrap().any(made) {
-        assert!(child.try_wait().unwrap().is_none(), "it has ended before");
+        assert!(child.try_wait().unwrap().is_none(), "the bench ended before the signal");
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(kill("-TERM", &child.id().to_string()));

@@ -1,5 +1,7 @@
-//! `ptfast bench`: records, exports, comparisons. What it measures is not tested here: where a verdict
-//! matters, programs take part that only say how long they took.
+//! Tests of `ptfast bench`: records, exports, comparisons.
+//!
+//! They do not test measured speeds. If a verdict matters, the bench runs fake programs that only
+//! report how long they took.
 
 #[cfg(unix)]
 mod gate;
@@ -13,10 +15,11 @@ use std::path::{Path, PathBuf};
 use crate::common::{ptfast, stderr, stdout};
 use serde_json::{Value, json};
 
-/// A bench of a few pixels, in which everything takes part.
+/// Arguments of a bench of a few pixels, with both engines.
 const SMALL: [&str; 10] =
     ["bench", "--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1", "--quiet"];
 
+/// Runs a small bench, checks that it succeeds, and returns its table.
 #[track_caller]
 fn bench(folder: &Path, more: &[&str]) -> String {
     let output = ptfast(folder, &[&SMALL[..], more].concat());
@@ -24,7 +27,7 @@ fn bench(folder: &Path, more: &[&str]) -> String {
     stdout(&output)
 }
 
-/// Ends with this code and a line that contains these words.
+/// Checks that the program fails with this exit code and one line that contains these words.
 #[track_caller]
 fn fails(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
     let output = ptfast(folder, arguments);
@@ -32,7 +35,7 @@ fn fails(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
     assert_eq!(said.lines().count(), 1, "{said}");
     for word in words {
-        assert!(said.contains(word), "{word} is not in: {said}");
+        assert!(said.contains(word), "{word} is missing in: {said}");
     }
 }
 
@@ -41,17 +44,18 @@ fn read(path: &Path) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
-/// What a bench renders to count the work, with its record in a file.
+/// Does the render by which a bench counts the work, and writes its record to a file.
 fn render_counting(folder: &Path, engine: &str, record: &str) {
     let what = ["--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1"];
     let how = ["-q", "--stats", "--engine", engine, "--json", record];
     assert!(ptfast(folder, &[&["render"], &what[..], &how[..]].concat()).status.success());
 }
 
-/// A program that renders nothing: it says what a render of cornell said, but for its time and hash.
+/// A fake program that renders nothing. It writes the record of a render of cornell with another time
+/// and, if given, another hash for the scalar engine.
 #[cfg(unix)]
 fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>) -> PathBuf {
     for engine in ["scalar", "wavefront"] {

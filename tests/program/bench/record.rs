@@ -1,4 +1,4 @@
-//! Records, what is exported of them, and what is compared with them.
+//! Tests of bench records, their exports, and comparisons with a baseline.
 
 use super::*;
 
@@ -8,7 +8,7 @@ fn records_have_the_fields_that_scripts_rely_on() {
     let here = folder.path();
     let table = bench(here, &["--blocks", "7", "--json", "bench.json", "--threads", "2"]);
     for word in ["Mrays/s", "x scalar", "cornell", "wavefront", "control", "shade", "commit"] {
-        assert!(table.contains(word), "{word} is not in {table}");
+        assert!(table.contains(word), "{word} is missing in {table}");
     }
     let record = read(&here.join("bench.json"));
     assert_eq!(record["schema"], 1);
@@ -50,8 +50,8 @@ fn records_have_the_fields_that_scripts_rely_on() {
             }
         }
     }
-    // Engines and threads give one image, that of `render`.
-    let arguments = ["render", "--scene", "cornell", "--width", "16", "--spp", "2", "-q"];
+    // All engines and thread counts give the same image as `render`.
+    let arguments = ["render", "--scene", "cornell", "--width", "16", "--spp", "2"];
     let told = stdout(&ptfast(here, &arguments));
     for run in runs {
         assert!(told.contains(run["hash"].as_str().unwrap()), "{told}");
@@ -68,7 +68,7 @@ fn records_have_the_fields_that_scripts_rely_on() {
     }
 }
 
-/// Counts are exact, of a render that anyone can repeat.
+/// Counters are exact: they equal those of a `render --stats`.
 #[test]
 fn counters_are_those_of_a_render_that_counts() {
     let folder = tempfile::tempdir().unwrap();
@@ -86,7 +86,7 @@ fn counters_are_those_of_a_render_that_counts() {
         }
         assert_eq!(run["counters"]["node_visits"], node_visits, "{engine}");
         let leaf_tests = run["counters"]["leaf_tests"].as_u64().unwrap();
-        // Cornell's rays are tested against all primitives; the reference has its tree.
+        // The wavefront engine traces cornell without a tree, the scalar engine with one.
         assert!(leaf_tests > 0 && (node_visits > 0) == (engine == "scalar"), "{engine}: {run}");
     }
 }
@@ -141,7 +141,7 @@ fn exports_have_the_fields_of_their_formats() {
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!((lines[0], lines.len()), ("time,commit,cornell/wavefront", 3));
     assert!(lines[2].contains(commit) && lines[2].ends_with(&speed["median"].to_string()), "{csv}");
-    // A line of other columns does not fit, which is known before anything is measured.
+    // A line with other columns cannot be appended, which must be reported before measuring.
     let other = [&SMALL[..], &["--export", "csv", "out", "--json", "new.json"]].concat();
     fails(here, &other, 65, &["bench.csv:1", "time,commit,cornell/scalar"]);
     assert_eq!(fs::read_to_string(here.join("out/bench.csv")).unwrap(), csv);
@@ -149,7 +149,7 @@ fn exports_have_the_fields_of_their_formats() {
 }
 
 #[test]
-fn baselines_are_compared_and_counters_told() {
+fn baselines_are_compared_with_counters() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     bench(here, &["--json", "old.json"]);
@@ -173,7 +173,7 @@ fn baselines_are_compared_and_counters_told() {
     with(&|record| record["machine"]["cpu_model"] = json!("family 1 model 1 stepping 1"));
     fails(here, &compared, 65, &["changed.json:machine", "family 1 model 1", "cannot be compared"]);
     with(&|record| record["machine"]["cpu_model"] = json!(""));
-    assert!(ptfast(here, &compared).status.success(), "records of old do not tell");
+    assert!(ptfast(here, &compared).status.success(), "old records do not name the CPU model");
     with(&|record| record["machine"]["cpu"] = json!("another"));
     fails(here, &compared, 65, &["changed.json:machine", "another"]);
     with(&|record| record["schema"] = json!(2));
@@ -188,20 +188,23 @@ fn baselines_are_compared_and_counters_told() {
     }
     with(&|record| record["runs"][0]["mrays_per_s"]["hi"] = json!(0.0));
     fails(here, &compared, 65, &["changed.json:runs[0].mrays_per_s", "finite"]);
-    // Of another version: its plan is unknown here, and what was counted by it.
+    // A plan of another version is unknown here, so its counters cannot be compared.
     with(&|record| record["runs"][1]["plan"] = json!({ "kernels": ["quantum"] }));
     let told = stdout(&ptfast(here, &compared));
-    assert!(told.contains("of 1 runs compared: no change; 1 cannot be compared"), "{told}");
+    assert!(
+        told.contains("of 1 runs compared: no change; 1 differ in work, plan or lanes"),
+        "{told}"
+    );
     with(&|record| {
         record["runs"].as_array_mut().unwrap().iter_mut().for_each(|run| run["spp"] = json!(3));
     });
-    fails(here, &compared, 65, &["changed.json:runs", "nothing of what is to be measured"]);
+    fails(here, &compared, 65, &["changed.json:runs", "no run matches this bench"]);
     fs::write(here.join("changed.json"), "{\"schema\":1").unwrap();
     fails(here, &compared, 65, &["changed.json:1:11"]);
 }
 
 #[test]
-fn wrong_usage_is_told_before_anything_is_measured() {
+fn wrong_usage_is_reported_before_anything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let fails = |more: &[&str], code, words: &[&str]| {
@@ -217,7 +220,7 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fails(&["--quiet", "--against", "."], 2, &["not a program"]);
     fails(&["--json", "none/a.json"], 74, &["none/a.json"]);
     fs::write(here.join("a.json"), "{}").unwrap();
-    fails(&["--json", "a.json", "--baseline", "./a.json"], 2, &["would replace the baseline"]);
+    fails(&["--json", "a.json", "--baseline", "./a.json"], 2, &["would overwrite the baseline"]);
     let scene = "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
         background: constant(radiance: (1, 1, 1)),
         materials: { \"grey\": lambertian(albedo: (0.5, 0.5, 0.5)) },
@@ -225,7 +228,7 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fs::write(here.join("a.ron"), scene).unwrap();
     fs::write(here.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     for file in ["a.ron", "a.obj"] {
-        fails(&["--scene", "a.ron", "--json", file], 2, &["would replace a part of the scene"]);
+        fails(&["--scene", "a.ron", "--json", file], 2, &["would overwrite a part of the scene"]);
         fs::metadata(here.join(file)).unwrap();
     }
     fs::remove_file(here.join("a.ron")).unwrap();
@@ -236,6 +239,6 @@ fn wrong_usage_is_told_before_anything_is_measured() {
     fs::create_dir(here.join("bmf.json")).unwrap();
     fails(&["--export", "bmf", "."], 74, &["bmf.json"]);
     fs::remove_dir(here.join("bmf.json")).unwrap();
-    fails(&["--width", "60000", "--spp", "100000"], 2, &["at most"]);
+    fails(&["--width", "60000", "--spp", "100000"], 2, &["exceeds the limit"]);
     assert_eq!(fs::read_dir(here).unwrap().count(), 1);
 }

@@ -1,4 +1,4 @@
-//! What a render tells of its inside: plans, traces of workers, single paths.
+//! Tests of the options that show the inside of a render: plans, traces of workers, single paths.
 
 use std::fs;
 
@@ -7,9 +7,10 @@ use serde_json::Value;
 use super::{SMALL, succeeds};
 use crate::common::{ptfast, stderr, stdout};
 
-/// Each worker's stages, one after the other, within its tiles; all the work, and the same image.
+/// A trace has each worker's stages in sequence, within its tiles. Tracing does not change the
+/// image.
 #[test]
-fn traces_tell_what_each_worker_did() {
+fn traces_show_the_work_of_each_worker() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let arguments = ["40", "--threads", "2", "--trace", "trace.json", "--json", "record.json"];
@@ -60,9 +61,9 @@ fn traces_tell_what_each_worker_did() {
     assert_eq!(read("plain.json")["hash"], record["hash"]);
 }
 
-/// A record's plan can be given back; what is none is refused.
+/// A render can use the plan of a record. Other files are rejected as plans.
 #[test]
-fn plans_are_given_back() {
+fn plans_of_records_can_be_reused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let base = ["render", "--scene", "cornell", "--width", "30", "--spp", "4", "-o", "a.png"];
@@ -71,8 +72,8 @@ fn plans_are_given_back() {
     assert!(first.status.success(), "{}", stderr(&first));
     let again = with(&["--plan", "a.json", "--json", "b.json", "--stats"]);
     assert!(again.status.success(), "{}", stderr(&again));
-    assert!(stderr(&again).contains("plan: waves of 100;"), "{}", stderr(&again));
-    // The same work, down to the boxes and primitives that are tested.
+    assert!(stdout(&again).contains("plan: waves of 100;"), "{}", stdout(&again));
+    // Both renders do the same work, down to the boxes and primitives that are tested.
     let counts = |file: &str| {
         let text = fs::read_to_string(here.join(file)).unwrap();
         let mut record: Value = serde_json::from_str(&text).unwrap();
@@ -87,7 +88,7 @@ fn plans_are_given_back() {
     assert!(counts.0[0]["stages"]["extend"]["counters"]["leaf_tests"].as_u64().unwrap() > 0);
     assert_eq!(counts.0[0]["stages"]["extend"]["active"], 30 * 30 * 4);
     assert_eq!(counts.0, counts.1);
-    // The tables tell rays and endings to the last one.
+    // The tables have the exact numbers of rays and of path endings.
     let told = |output| -> Vec<String> {
         let counted = |line: &&str| line.contains(" rays: ") || line.contains(" paths ended: ");
         stdout(output).lines().filter(counted).map(str::to_owned).collect()
@@ -105,9 +106,9 @@ fn plans_are_given_back() {
     }
     for (text, place) in [
         ("{", "bad.json:1:"),
-        ("{\"plan\": 3}", "bad.json:plan: neither a plan nor"),
-        ("{\"a\": 3}", "bad.json:plan: neither a plan nor"),
-        ("{\"plan\": null}", "bad.json:plan: the record has none"),
+        ("{\"plan\": 3}", "bad.json:plan: must be a plan or"),
+        ("{\"a\": 3}", "bad.json:plan: must be a plan or"),
+        ("{\"plan\": null}", "bad.json:plan: the record has no plan"),
         ("{\"wave_size\": 0, \"segments\": []}", "bad.json:plan: wave_size must be"),
     ] {
         fs::write(here.join("bad.json"), text).unwrap();
@@ -117,9 +118,9 @@ fn plans_are_given_back() {
     }
 }
 
-/// One sample, ray by ray: the one that the render counts.
+/// `path` prints the rays of a sample, which are those that a render counts.
 #[test]
-fn paths_are_told_ray_by_ray() {
+fn paths_are_printed_ray_by_ray() {
     let folder = tempfile::tempdir().unwrap();
     let size = ["--scene", "cornell", "--width", "1", "--height", "1", "--seed", "5"];
     let render =
@@ -143,7 +144,7 @@ fn paths_are_told_ray_by_ray() {
     let far = ["path", "--pixel", "0,0", "--sample", "16777216"];
     let far = ptfast(folder.path(), &[&far[..], &size].concat());
     assert!(stderr(&far).contains("--sample"), "{}", stderr(&far));
-    // What decides no sample is no option.
+    // `path` has no options that leave the sample unchanged.
     for option in [["--spp", "5"], ["--clamp", "1"]] {
         let other = ["path", "--pixel", "0,0", option[0], option[1]];
         assert_eq!(ptfast(folder.path(), &[&other[..], &size].concat()).status.code(), Some(2));
@@ -153,9 +154,9 @@ fn paths_are_told_ray_by_ray() {
     assert!(stderr(&outside).contains("--pixel must be within 1 x 1, is 1,0"));
 }
 
-/// In dense fog the first segment ends before what lies behind.
+/// In dense fog, the first segment ends before the surface behind the fog.
 #[test]
-fn paths_are_told_where_media_scatter_them() {
+fn paths_show_scattering_by_media() {
     let folder = tempfile::tempdir().unwrap();
     let scene = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 2),
         materials: {"lamp": light(radiance: (1, 1, 1))},

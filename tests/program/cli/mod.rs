@@ -1,6 +1,7 @@
-//! The program as a user and a script see it.
+//! Tests of the command line, as users and scripts see it.
 
 mod inspect;
+mod newcomer;
 mod rays;
 mod render;
 
@@ -9,6 +10,7 @@ use std::path::Path;
 
 use crate::common::{ptfast, stderr, stdout};
 
+/// Runs the program, checks that it succeeds, and returns its standard output.
 #[track_caller]
 fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = ptfast(folder, arguments);
@@ -16,7 +18,7 @@ fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     stdout(&output)
 }
 
-/// Of a small render, with its width to follow.
+/// Arguments of a small render. The width must follow.
 const SMALL: [&str; 6] = ["render", "--scene", "cornell", "--spp", "3", "--width"];
 
 #[test]
@@ -28,7 +30,7 @@ fn compare_measures_and_paints() {
     }
     let output =
         ptfast(here, &["compare", "a.pfm", "b.pfm", "--heatmap", "h.png", "--display", "2"]);
-    assert_eq!(output.status.code(), Some(1), "different");
+    assert_eq!(output.status.code(), Some(1), "different images must exit with 1");
     for row in ["mse", "relative mse", "psnr", "largest", "at pixel (", "ratio of means"] {
         assert!(stdout(&output).contains(row), "{}", stdout(&output));
     }
@@ -54,7 +56,24 @@ fn scenes_are_listed_shown_and_checked() {
     assert!(check.contains("18 quads"), "{check}");
 }
 
-/// Six pictures of the right size and a page that shows each with its caption and times.
+/// The first example of each form in docs/scenes.md is a valid scene without warnings.
+#[test]
+fn documented_scenes_are_valid() {
+    let manual = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scenes.md");
+    let manual = fs::read_to_string(manual).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for form in ["ron", "json", "txt"] {
+        let (_, rest) = manual.split_once(&format!("\n```{form}\n")).expect("a block of this form");
+        let (scene, _) = rest.split_once("\n```\n").expect("the end of the block");
+        let name = format!("first.{form}");
+        fs::write(folder.path().join(&name), scene).unwrap();
+        let check = ptfast(folder.path(), &["scenes", "check", &name]);
+        assert!(check.status.success(), "{}", stderr(&check));
+        assert_eq!(stderr(&check), "", "{name}");
+    }
+}
+
+/// `figures` writes six pictures of the right size, and a page with their captions and times.
 #[test]
 fn figures_make_six_pictures_and_a_page() {
     let folder = tempfile::tempdir().unwrap();
@@ -68,6 +87,6 @@ fn figures_make_six_pictures_and_a_page() {
         assert!(page.contains(&format!("src=\"{file}\"")));
         assert!(page.contains(&format!("<b>Figure {number}.</b>")));
     }
-    assert!(page.contains("about 3 minutes for 100 samples a pixel"), "{page}");
+    assert!(page.contains("about 3 minutes for 100 samples per pixel"), "{page}");
     assert!(page.contains("clamped to [0, 1]"));
 }

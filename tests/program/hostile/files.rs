@@ -1,4 +1,4 @@
-//! Paths that lead astray; checkpoints, plans and records that are none.
+//! Paths that lead out of the folder, and faulty checkpoints, plans and records.
 
 use super::meshes::scene as mesh;
 use super::{Case, Content};
@@ -10,7 +10,7 @@ fn texture(file: &str) -> String {
     scene.replace("(file: \"\", material: \"grey\")]", "(file: \"none.obj\", material: \"grey\")]")
 }
 
-/// A render that memory suffices for.
+/// A render that fits into the memory limit.
 const SMALL: [&str; 7] = ["render", "--scene", "cornell", "--width", "20", "--threads", "1"];
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
@@ -26,9 +26,9 @@ pub(super) fn cases() -> Vec<Case> {
         ("/dev/zero", outside),
         ("/proc/self/mem", outside),
         ("none.obj", "No such file"),
-        ("", "no reader for this extension"),
-        (".", "no reader for this extension"),
-        ("a.ron", "no reader for this extension"),
+        ("", "unsupported file extension"),
+        (".", "unsupported file extension"),
+        ("a.ron", "unsupported file extension"),
         ("a\\u{0}.obj", "a.ron"),
     ] {
         cases.push(Case::scene("a.ron", mesh(file).replace("\\\\u", "\\u"), says));
@@ -48,16 +48,16 @@ pub(super) fn cases() -> Vec<Case> {
         ("m.obj", Content::Link("m.obj"), "m.obj"),
         ("m.obj", Content::Link("/etc/passwd"), outside),
         ("m.obj", Content::Link("/dev/zero"), outside),
-        ("m.obj", Content::Link("a.ron"), "no face in it"),
+        ("m.obj", Content::Link("a.ron"), "the file has no faces"),
         ("m.obj", Content::Folder, "m.obj"),
         ("m.obj", Content::Pipe, "it is a device or pipe"),
     ] {
         cases.push(Case::scene("a.ron", mesh(name), says).with(name, content));
     }
-    // Two links that lead to each other.
+    // Two links that point to each other.
     let circle = Case::scene("a.ron", mesh("m.obj"), "m.obj");
     cases.push(circle.with("m.obj", Content::Link("n.obj")).with("n.obj", Content::Link("m.obj")));
-    // A folder that leads out, and back in.
+    // A path through a link out of the folder and back into it.
     let around = Case::scene("a.ron", mesh("out/inner/../../etc/passwd"), "a.ron");
     cases.push(around.with("out", Content::Link("/")));
     for (content, code, says) in [
@@ -115,14 +115,14 @@ pub(super) fn cases() -> Vec<Case> {
         (whole(&header("\"spp\":4", "\"spp\":4294967295"), b""), "spp must be"),
         (
             whole(&header("\"shard\":null", "\"shard\":{\"index\":0,\"count\":0}"), b""),
-            "the shard is none",
+            "the shard index must be",
         ),
         (whole(&header("\"seconds\":1.0", "\"seconds\":1e999"), b""), "header"),
-        (whole(&header("8", "8"), b""), "the film ends early"),
+        (whole(&header("8", "8"), b""), "the film is too short"),
         (whole(&header("8", "8"), &done(4)), "damaged"),
         (whole(&header("8", "8"), &done(7)), "samples end at 7"),
-        (whole(&header("8", "8"), &[0; 100]), "the film ends early"),
-        (whole(&header("8", "8"), &[0; 5000]), "the film ends late"),
+        (whole(&header("8", "8"), &[0; 100]), "the film is too short"),
+        (whole(&header("8", "8"), &[0; 5000]), "the film is too long"),
         (
             whole(
                 &header(
@@ -150,12 +150,12 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(case);
     }
 
-    // So much that only its hash would tell.
+    // Huge sparse files, which must be rejected without hashing all of them.
     let mut sparse = Case::scene("m.film", "", "damaged");
     sparse.files = vec![("m.film", Content::Begun(b"ptfast film\n".to_vec(), 1 << 40))];
     sparse.arguments = vec!["merge", "m.film", "-o", "a.png"];
     cases.push(sparse);
-    let mut sparse = Case::scene("m.film", "", "the film ends late");
+    let mut sparse = Case::scene("m.film", "", "the film is too long");
     sparse.files = vec![("m.film", Content::Begun(film(&header("8", "8"), &[]), 1 << 40))];
     sparse.arguments = vec!["merge", "m.film", "-o", "a.png"];
     cases.push(sparse);
@@ -173,17 +173,17 @@ pub(super) fn cases() -> Vec<Case> {
         case.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
         cases.push(case);
     }
-    let mut large = Case::scene("p.json", "", "at most 1048576 bytes");
+    let mut large = Case::scene("p.json", "", "at most 1048576 are allowed");
     large.files = vec![("p.json", Content::Sparse(1 << 40))];
     large.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
     cases.push(large);
 
     let numbers = format!("[{}0]", "0,".repeat((1 << 19) - 8));
-    let mut many = Case::scene("p.json", numbers, "neither a plan nor the record");
+    let mut many = Case::scene("p.json", numbers, "must be a plan or the record");
     many.arguments = vec!["render", "--scene", "cornell", "--plan", "p.json", "-o", "a.png"];
     cases.push(many);
 
-    // A pipe where an image is to be, and a checkpoint there.
+    // A pipe as the image file, and a checkpoint with the name of an image file.
     let mut pipe = Case::scene("a.png", "", "it is a device or pipe");
     pipe.files = vec![("a.png", Content::Pipe)];
     pipe.arguments = [&SMALL[..], &["-o", "a.png", "--skip-complete"]].concat();
@@ -201,7 +201,7 @@ pub(super) fn cases() -> Vec<Case> {
 
     // Images that are too large for the machine.
     for (arguments, says) in [
-        (vec!["--width", "2000"], "the limit of memory is 33554432"),
+        (vec!["--width", "2000"], "the limit of memory is 32.0 MiB"),
         (vec!["--width", "60000", "--height", "60000"], "the limit of pixels is 268435456"),
         (
             vec!["--width", "60000", "--height", "60000", "--limit", "pixels=4294967296"],

@@ -1,8 +1,8 @@
-//! Meshes that are none.
+//! Faulty mesh files.
 
 use super::{Case, Content};
 
-/// A scene of a mesh.
+/// The text of a scene that names the mesh `file`.
 pub(super) fn scene(file: &str) -> String {
     let file = file.replace('\\', "\\\\");
     format!(
@@ -14,7 +14,7 @@ pub(super) fn scene(file: &str) -> String {
     )
 }
 
-/// A scene of the mesh `content`.
+/// A case with a scene that names the mesh `file`.
 fn mesh(file: &'static str, content: Content, says: &str) -> Case {
     Case::scene("a.ron", scene(file), says).with(file, content)
 }
@@ -34,8 +34,8 @@ pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, says) in [
-        ("", "no face in it"),
-        ("f 1 2 3\n", "beyond the 0 of the file"),
+        ("", "the file has no faces"),
+        ("f 1 2 3\n", "missing vertex, the file has 0 vertices"),
         ("v nan 0 0\n", "coordinates must be finite"),
         ("v 1e39 0 0\n", "coordinates must be finite"),
         ("v 0 0 0 0\nf 1 1 1\n", "m.obj"),
@@ -43,19 +43,19 @@ pub(super) fn cases() -> Vec<Case> {
         ("v 0 0\n", "a vertex is `v`"),
         ("v a b c\n", "a vertex is `v`"),
         ("v 0 0 0\nf 1 1 1\n", "no triangle has an area"),
-        ("v \\\n0 0 0\n", "a line that goes on"),
-        ("\0\0\0", "no face in it"),
+        ("v \\\n0 0 0\n", "continued lines are not supported"),
+        ("\0\0\0", "the file has no faces"),
         ("\u{1b}[31m\nf \u{1b}[31m 1 2\n", "m.obj"),
         ("f 1//\n", "a face is `f`"),
-        ("mtllib /dev/zero\nusemtl a\n", "no face in it"),
+        ("mtllib /dev/zero\nusemtl a\n", "the file has no faces"),
     ] {
         cases.push(mesh("m.obj", Content::Bytes(text.into()), says));
     }
     for (face, says) in [
-        ("1 2 4", "beyond the 3 of the file"),
-        ("0 1 2", "beyond the 3 of the file"),
-        ("1 2 -4", "beyond the 3 of the file"),
-        ("1 2 4294967297", "beyond the 3 of the file"),
+        ("1 2 4", "missing vertex, the file has 3 vertices"),
+        ("0 1 2", "missing vertex, the file has 3 vertices"),
+        ("1 2 -4", "missing vertex, the file has 3 vertices"),
+        ("1 2 4294967297", "missing vertex, the file has 3 vertices"),
         ("1 2 18446744073709551617", "m.obj"),
         ("1 2 -9223372036854775808", "m.obj"),
         ("1 2 3.5", "a face is `f`"),
@@ -72,7 +72,7 @@ pub(super) fn cases() -> Vec<Case> {
     let polygon = format!("{vertices}f{}\n", " 1 2 3".repeat(200_000));
     cases.push(mesh("m.obj", Content::Bytes(polygon.into()), "the limit of memory"));
     for (file, length, says) in [
-        ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4294967296, this needs 4294967297"),
+        ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4.0 GiB, this needs 4.0 GiB"),
         ("m.obj", 1 << 26, "the limit of memory"),
         ("m.ply", 1 << 40, "the limit of mesh-bytes"),
         ("m.ply", 1 << 26, "the limit of memory"),
@@ -93,7 +93,7 @@ pub(super) fn cases() -> Vec<Case> {
             cases.push(ply(format, &head("0", count), b"", says));
         }
         for (elements, says) in [
-            ("", "no face in it"),
+            ("", "the file has no faces"),
             ("element vertex 18446744073709551616\n", "PLY syntax"),
             ("element vertex -1\n", "PLY syntax"),
             ("element vertex 1\nproperty list double float x\n", "m.ply"),
@@ -113,9 +113,9 @@ pub(super) fn cases() -> Vec<Case> {
         three.iter().copied().chain([count]).chain(corners).collect::<Vec<u8>>()
     };
     for (rows, says) in [
-        (face(3, &[0, 1, 3]), "names a vertex beyond the 3"),
-        (face(3, &[0, 1, -1]), "names a vertex beyond the 3"),
-        (face(3, &[0, 1, i32::MIN]), "names a vertex beyond the 3"),
+        (face(3, &[0, 1, 3]), "missing vertex, the file has 3 vertices"),
+        (face(3, &[0, 1, -1]), "missing vertex, the file has 3 vertices"),
+        (face(3, &[0, 1, i32::MIN]), "missing vertex, the file has 3 vertices"),
         (face(2, &[0, 1]), "needs a list"),
         (face(0, &[0]), "needs a list"),
         (face(255, &[0, 1, 2]), "the file ends before"),
@@ -137,34 +137,34 @@ pub(super) fn cases() -> Vec<Case> {
         &[0; 4],
         "a vertex needs x, y and z",
     ));
-    // A list that says it has four thousand million corners.
+    // A list that claims more than four thousand million corners.
     let lists =
         format!("element vertex 3\n{XYZ}element face 1\nproperty list uint uchar vertex_indices\n");
     let lies = [&three[..], &u32::MAX.to_le_bytes(), &[0; 100]].concat();
     cases.push(ply(little, &lists, &lies, "the file ends before"));
-    // One that has a million, of a byte each.
+    // A list of two million corners, of one byte each.
     let long = [&three[..], &2_000_000u32.to_le_bytes(), &[0; 2_000_000]].concat();
     cases.push(ply(little, &lists, &long, "the limit of memory"));
     let text = format!("0 0 0\n1 0 0\n0 1 0\n{}{}\n", 600_000, " 1".repeat(600_000));
     cases.push(ply("ascii", &head("3", "1"), text.as_bytes(), "the limit of memory"));
-    // Lists that are no faces.
+    // A long list in an element that is not a face.
     let other = "element x 1\nproperty list uint uchar vertex_indices\n";
     let long = [&4_000_000u32.to_le_bytes()[..], &[0; 4_000_000]].concat();
     cases.push(ply(little, other, &long, "the limit of memory"));
-    // Headers that are all there is.
+    // Headers without an end.
     let elements = "element e1 0\n".repeat(100_000);
-    cases.push(ply("ascii", &elements, b"", "a header has 65536 bytes at most"));
+    cases.push(ply("ascii", &elements, b"", "must end with `end_header` within 65536"));
     let comment = format!("comment end_header\n{elements}");
-    cases.push(ply("ascii", &comment, b"", "a header has 65536 bytes at most"));
+    cases.push(ply("ascii", &comment, b"", "must end with `end_header` within 65536"));
     let words = [&b"ply\n"[..], &b"a ".repeat(4 << 20)].concat();
-    cases.push(mesh("m.ply", Content::Bytes(words), "a header has 65536 bytes at most"));
+    cases.push(mesh("m.ply", Content::Bytes(words), "must end with `end_header` within 65536"));
     cases.push(mesh("m.obj", Content::Bytes(vec![255; 8 << 20]), "the limit of memory"));
     let rows = "0 0 0\n".repeat(1_000_000);
     cases.push(ply(
         "ascii",
         &format!("element vertex 1000000\n{XYZ}"),
         rows.as_bytes(),
-        "no face in it",
+        "the file has no faces",
     ));
     cases.push(ply(
         "ascii",
@@ -172,7 +172,7 @@ pub(super) fn cases() -> Vec<Case> {
         "3 0 0 0\n".repeat(1_000_000).as_bytes(),
         "limit of memory",
     ));
-    // One mesh, twenty thousand times: read each time it would be twenty gigabytes.
+    // One mesh named twenty thousand times: reading it each time would mean twenty gigabytes.
     let comments = format!("{vertices}f 1 2 3\n{}", "# a comment\n".repeat(90_000));
     let named = r#"mesh(file: "m.obj", material: "grey")"#;
     let scene = scene("m.obj").replace(named, &[named; 20_000].join(", "));

@@ -1,5 +1,6 @@
-//! Hostile input: each file is refused in one line, with the exit code of its kind, and without more memory than is
-//! allowed: more is not to be had.
+//! Tests of hostile input. Each file must be rejected in one line with the exit code for its kind.
+//!
+//! The operating system limits memory, so that exceeding the limit aborts the program.
 
 mod files;
 mod meshes;
@@ -13,37 +14,37 @@ use std::process::Command;
 
 use crate::common::{stderr, stdout};
 
-/// KiB that the program is allowed, by itself and by the operating system: what goes beyond is aborted.
+/// Memory limit in KiB, of the program itself and of the operating system, which aborts the program beyond it.
 const MEMORY: u32 = 32 << 10;
-/// KiB of address space, with the program itself and the C library.
+/// Limit on address space in KiB, which includes the program itself and the C library.
 const ADDRESS_SPACE: u32 = 64 << 10;
-/// Seconds on a core: what takes more is killed. None takes a tenth of one.
+/// CPU seconds after which the program is killed. No case takes a tenth of a second.
 const CPU_SECONDS: u32 = 60;
 
-/// What is in a folder.
+/// An entry of a folder.
 enum Content {
     Bytes(Vec<u8>),
-    /// So many zeros that take no room.
+    /// A sparse file of this many zeros.
     Sparse(u64),
-    /// These bytes, and zeros up to this length.
+    /// These bytes, followed by zeros up to this length.
     Begun(Vec<u8>, u64),
     Link(&'static str),
     Folder,
     Pipe,
 }
 
-/// A folder, what is done there, and what comes of it.
+/// A test case: the files of a folder, a command to run there, and the expected result.
 struct Case {
     name: String,
     files: Vec<(&'static str, Content)>,
     arguments: Vec<&'static str>,
     code: i32,
-    /// What the message holds.
+    /// Text that the message must contain.
     says: String,
 }
 
 impl Case {
-    /// Something wrong with `file`, which is checked as a scene.
+    /// A faulty scene `file`, on which `scenes check` must fail with `says`.
     fn scene(file: &'static str, content: impl Into<Vec<u8>>, says: impl Into<String>) -> Self {
         let says = says.into();
         Self {
@@ -55,7 +56,7 @@ impl Case {
         }
     }
 
-    /// Beside a file.
+    /// Adds a file to the folder.
     fn with(mut self, file: &'static str, content: Content) -> Self {
         self.files.push((file, content));
         self
@@ -77,10 +78,10 @@ fn write(folder: &Path, (name, content): &(&'static str, Content)) {
     }
 }
 
-/// What is wrong with how `case` ends, if something is.
+/// Runs `case`. Returns a description if the result is not as expected.
 fn fault(case: &Case) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
-    // Links may lead out of it.
+    // Use an inner folder, so that paths that lead out of it stay in the temporary folder.
     let inner = folder.path().join("inner");
     fs::create_dir(&inner).unwrap();
     case.files.iter().for_each(|file| write(&inner, file));
@@ -107,7 +108,7 @@ fn fault(case: &Case) -> Option<String> {
 }
 
 #[test]
-fn hostile_files_are_refused() {
+fn hostile_files_are_rejected() {
     let cases: Vec<Case> = [scenes::cases(), meshes::cases(), textures::cases(), files::cases()]
         .into_iter()
         .flatten()

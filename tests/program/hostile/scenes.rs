@@ -1,4 +1,4 @@
-//! Texts that are no scenes.
+//! Faulty scene files.
 
 use super::{Case, Content};
 
@@ -21,7 +21,7 @@ const JSON: &str = r#"{
 
 const FLAT: &str = "size 8 8\ncamera 0 0 5 0 0 0 0 1 0 40 0 5 0 0\nmat lambert 0.5 0.5 0.5\nsphere 0 0 0 0 0 0 1 0\n";
 
-/// `good` with `from` replaced by `to`.
+/// A case with the scene `good`, in which `to` replaces `from`.
 fn edited(file: &'static str, good: &str, from: &str, to: &str, says: &str) -> Case {
     assert!(good.contains(from), "{from}");
     let mut case = Case::scene(file, good.replacen(from, to, 1), says);
@@ -129,7 +129,7 @@ pub(super) fn cases() -> Vec<Case> {
         flat(from, to, says);
     }
 
-    // Text that is none, and brackets without end.
+    // Binary data, and brackets that are never closed.
     for file in ["a.ron", "a.json", "a.txt"] {
         for (content, says) in [
             (&b""[..], "a.txt: the record `camera` is missing"),
@@ -146,24 +146,24 @@ pub(super) fn cases() -> Vec<Case> {
     for (file, bracket) in
         [("a.ron", "("), ("a.ron", "["), ("a.ron", "{"), ("a.json", "["), ("a.json", "{\"a\":")]
     {
-        cases.push(Case::scene(file, bracket.repeat(100_000), "the limit of nesting is 32"));
+        cases.push(Case::scene(file, bracket.repeat(100_000), file));
     }
     let commented = format!("{}{RON}", "/*".repeat(100_000));
     cases.push(Case::scene("a.ron", commented, "RON syntax"));
     cases.push(Case::scene("a.ron", format!("{RON}{}", "a".repeat(100_000)), "RON syntax"));
 
-    // Texts that are too large.
+    // Files that are too large.
     for file in ["a.ron", "a.json", "a.txt"] {
         let empty = |length, says| {
             let mut case = Case::scene(file, "", says).with(file, Content::Sparse(length));
             case.files.remove(0);
             case
         };
-        cases.push(empty(1 << 22, "the limit of memory is 33554432"));
-        cases.push(empty((1 << 28) + 1, "the limit of scene-bytes is 268435456, this needs 268435457: --limit scene-bytes=268435457 raises it"));
+        cases.push(empty(1 << 22, "the limit of memory is 32.0 MiB"));
+        cases.push(empty((1 << 28) + 1, "the limit of scene-bytes is 256.0 MiB, this needs 256.0 MiB: --limit scene-bytes=268435457 raises it"));
         cases.push(empty(1 << 40, "the limit of scene-bytes"));
     }
-    // Words without end: what is wrong is told in a line all the same, and soon.
+    // Very long words must still give a short one-line error quickly.
     let long = "a".repeat(1 << 21);
     cases.push(edited("a.ron", RON, "vfov", &long, "a.ron:"));
     cases.push(edited("a.json", JSON, "vfov", &long, "a.json:"));

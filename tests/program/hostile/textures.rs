@@ -1,4 +1,4 @@
-//! Pictures that are none, or more than they seem.
+//! Faulty images, and decompression bombs.
 
 use std::io::Write;
 
@@ -19,7 +19,7 @@ fn texture(file: &'static str, bytes: Vec<u8>, says: &str) -> Case {
     Case::scene("a.ron", scene(file), says).with(file, Content::Bytes(bytes))
 }
 
-/// 64 MiB of zeros, as zlib has them.
+/// 64 MiB of zeros, compressed by zlib.
 const ZEROS: &[u8] = include_bytes!("zeros.zlib");
 
 fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
@@ -33,7 +33,7 @@ fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     [&(data.len() as u32).to_be_bytes()[..], kind, data, &(!crc).to_be_bytes()].concat()
 }
 
-/// Zeros, as zlib has them without compressing: blocks of 65 535.
+/// Zeros in uncompressed zlib blocks of 65 535 bytes.
 fn stored(length: usize) -> Vec<u8> {
     let mut bytes = vec![0x78, 1];
     let zeros = vec![0u8; length];
@@ -44,7 +44,7 @@ fn stored(length: usize) -> Vec<u8> {
         bytes.extend((!(block.len() as u16)).to_le_bytes());
         bytes.extend(block);
     }
-    // Adler-32 of zeros.
+    // The Adler-32 checksum of zeros.
     bytes.extend(((length as u32 % 65_521) << 16 | 1).to_be_bytes());
     bytes
 }
@@ -58,18 +58,18 @@ fn png(width: u32, height: u32, depth: u8, color: u8, rest: &[Vec<u8>]) -> Vec<u
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    // A bomb: 31 250 × 32 000 pixels, a thousand million.
+    // A bomb of 31 250 × 32 000 pixels: a thousand million.
     for (width, height, says) in [
         (
             31_250,
             32_000,
-            "the limit of texture-bytes is 1073741824, this needs 12000000000: --limit texture-bytes=12000000000 raises it",
+            "the limit of texture-bytes is 1.0 GiB, this needs 11.2 GiB: --limit texture-bytes=12000000000 raises it",
         ),
         (65_536, 65_536, "the limit of texture-bytes"),
         (1_000_000_000, 1, "damaged image"),
         (2_147_483_647, 2_147_483_647, "damaged image"),
         (4_294_967_295, 1, "damaged image"),
-        (2_000, 2_000, "the limit of memory is 33554432"),
+        (2_000, 2_000, "the limit of memory is 32.0 MiB"),
         (0, 0, "damaged image"),
         (0, 5, "damaged image"),
         (5, 0, "damaged image"),
@@ -91,7 +91,7 @@ pub(super) fn cases() -> Vec<Case> {
     for (depth, color) in [(3, 2), (8, 5), (16, 3), (255, 255)] {
         cases.push(texture("t.png", png(10, 10, depth, color, &[]), "damaged image"));
     }
-    // Chunks beside the picture that are larger than it.
+    // Chunks other than the pixels that are larger than the picture.
     for kind in [b"zTXt", b"iCCP"] {
         let bomb = [&b"a\0\0"[..], &stored(9 << 20)].concat();
         let bytes = png(10, 10, 8, 2, &[chunk(kind, &bomb)]);
@@ -100,9 +100,13 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(case);
     }
     let texts = vec![chunk(b"tEXt", b"a\0b"); 100_000];
-    cases.push(texture("t.png", png(10, 10, 8, 2, &texts), "256 chunks at most"));
+    cases.push(texture(
+        "t.png",
+        png(10, 10, 8, 2, &texts),
+        "too many chunks before the pixels (at most 256",
+    ));
     let lines = [&b"#?RADIANCE\n"[..], &b"A=B\n".repeat(1 << 20), b"\n-Y 1 +X 1\n"].concat();
-    cases.push(texture("t.hdr", lines, "its header can have 65536 bytes at most"));
+    cases.push(texture("t.hdr", lines, "the header is too long (at most 65536 bytes"));
     let attributes: Vec<u8> =
         (0..100_000).flat_map(|n| format!("a{n}\0string\0\0\0\0\0").into_bytes()).collect();
     let exr = [&b"\x76\x2f\x31\x01\x02\0\0\0"[..], &attributes, b"\0"].concat();
@@ -115,7 +119,7 @@ pub(super) fn cases() -> Vec<Case> {
     let huge = [&b"\x89PNG\r\n\x1a\n"[..], &u32::MAX.to_be_bytes(), b"IHDR"].concat();
     cases.push(texture("t.png", huge, "damaged image"));
 
-    // Headers of the other formats that promise much, or nothing.
+    // Headers of other formats with huge or empty sizes.
     let bmp = |width: i32, height: i32, bits: u16| {
         let mut bytes = b"BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();
         bytes.extend([width.to_le_bytes(), height.to_le_bytes()].concat());
@@ -163,7 +167,7 @@ pub(super) fn cases() -> Vec<Case> {
         ("PF\n65537 1\n-1\n", "is not in 1 to 65536"),
         ("PF\n0 1\n-1\n", "is not in 1 to 65536"),
         ("PF\n-1 1\n-1\n", "is not in 1 to 65536"),
-        ("PF\n1 1\nx\n", "the scale is no number"),
+        ("PF\n1 1\nx\n", "the scale is not a number"),
         ("PF\n1 1\n-1\nabc", "need 12 bytes"),
         ("PF", "damaged PFM header"),
         ("", "damaged PFM header"),
@@ -182,7 +186,7 @@ pub(super) fn cases() -> Vec<Case> {
     let pfm = |length: usize| [&b"PF\n1280 1280\n-1\n"[..], &vec![0; length]].concat();
     cases.push(texture("t.pfm", pfm(12 * 1280 * 1280), "the limit of memory"));
 
-    // OpenEXR: what makes no sense, and a window of a thousand million.
+    // OpenEXR with invalid windows, and with one of a thousand million pixels.
     let exr = |window: [i32; 4], shown: [i32; 4]| {
         let attribute = |name: &str, kind: &str, value: &[u8]| {
             [
@@ -234,11 +238,11 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         cases.push(texture("t.exr", exr(window, window), says));
     }
-    // What is shown is small, what there is is not.
+    // The display window is small, but the data window is large.
     let shown = [0, 0, 0, 0];
     cases.push(texture("t.exr", exr([0, 0, 0x1fff_ffff, 15], shown), "the limit of texture-bytes"));
     cases.push(texture("t.exr", exr([0, 0, 65_535, 15], shown), "the limit of memory"));
-    // Headers without end, and a text that is nothing but zeros.
+    // Headers without an end, and a compressed text that expands to 64 MiB of zeros.
     for (file, begin) in
         [("t.hdr", "#?RADIANCE\n#"), ("t.pnm", "P6 #"), ("t.pnm", "P7\n#"), ("t.bmp", "BM")]
     {
@@ -256,7 +260,7 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         cases.push(texture("t.exr", bytes.to_vec(), "damaged image"));
     }
-    // TGA has no magic number: its name tells.
+    // TGA has no magic number, so the extension decides the format.
     cases.push(texture("t.tga", vec![0; 18], "t.tga"));
     cases
 }

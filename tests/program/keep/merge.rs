@@ -1,13 +1,15 @@
-//! Parts make the whole.
+//! Tests that merged parts equal the whole render.
 
 use std::fs;
 
 use super::{hash, refusal, with};
 
-const SMALL: [&str; 9] =
-    ["render", "--scene", "cornell", "--width", "100", "--spp", "50", "--quiet", "-o"];
+const SMALL: [&str; 11] = [
+    "render", "--scene", "cornell", "--width", "100", "--spp", "50", "--quiet", "--print", "hash",
+    "-o",
+];
 
-/// By tiles, by samples, by both, and cropped.
+/// Renders in shards and in ranges of samples, of the whole image and of a crop.
 #[test]
 fn parts_make_the_whole() {
     let folder = tempfile::tempdir().unwrap();
@@ -22,7 +24,7 @@ fn parts_make_the_whole() {
                 let part = with(&with(&SMALL, &[name, "--shard", &shard]), crop);
                 assert!(super::ptfast(here, &part).status.success(), "{part:?}");
             }
-            // In another order than they were made.
+            // Merge in reverse order.
             let mut words = vec!["merge", "-o", "merged.png"];
             words.extend(names.iter().rev().map(String::as_str));
             assert_eq!(hash(here, &words), whole, "{shards} shards");
@@ -39,16 +41,16 @@ fn parts_make_the_whole() {
             let parts = &["x.film", "y.film", "z.film"][..ranges.len()];
             let merged = with(&["merge", "-o", "merged.film"], parts);
             assert_eq!(hash(here, &merged), whole, "{ranges:?}");
-            // A film that was merged is one like any other.
-            let again = with(&with(&SMALL, &["again.png", "--resume", "merged.film"]), crop);
+            // A merged film can be continued like any other.
+            let again = with(&with(&SMALL, &["again.png", "--checkpoint", "merged.film"]), crop);
             assert_eq!(hash(here, &again), whole);
         }
     }
 }
 
-/// Twice, missing, not done, of something else.
+/// `merge` rejects duplicate, missing, unfinished and foreign parts.
 #[test]
-fn what_makes_no_whole_is_refused() {
+fn wrong_sets_of_parts_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let part = |name: &str, more: &[&str]| {
@@ -63,12 +65,12 @@ fn what_makes_no_whole_is_refused() {
     let stopped = with(&SMALL, &["half.film", "--shard", "1/2", "--time-limit", "1ms"]);
     refusal(here, &stopped, 75);
     for (parts, why) in [
-        (&["0.film"][..], "0.film: sample 0 of pixel 32,0 is in none of these"),
-        (&["0.film", "1.film", "0.film"], "0.film: sample 0 of pixel 0,0 is in 0.film, too"),
-        (&["0.film", "a.film"], "sample 0 of pixel 0,0 is in 0.film, too"),
-        (&["a.film", "b.film"], "a.film, b.film: sample 16 of pixel 0,0 is in none of these"),
-        (&["0.film", "other.film"], "other.film: is of a render with seed 2, 0.film of one with 1"),
-        (&["0.film", "half.partial.film"], "half.partial.film: is not done, but to "),
+        (&["0.film"][..], "0.film: shards are missing: 1/2"),
+        (&["0.film", "1.film", "0.film"], "0.film: sample 0 of pixel 0,0 is also in 0.film"),
+        (&["0.film", "a.film"], "sample 0 of pixel 0,0 is also in 0.film"),
+        (&["a.film", "b.film"], "a.film, b.film: sample 16 of pixel 0,0 is missing"),
+        (&["0.film", "other.film"], "other.film: belongs to a render with seed 2, but 0.film"),
+        (&["0.film", "half.partial.film"], "half.partial.film: is only "),
         (&["0.film", "none.film"], "none.film: cannot read"),
     ] {
         let code = if why.contains("cannot read") { 74 } else { 65 };
@@ -77,7 +79,10 @@ fn what_makes_no_whole_is_refused() {
     }
     assert!(!here.join("m.png").exists());
     let image = with(&SMALL, &["a.png", "--shard", "0/2"]);
-    assert!(refusal(here, &image, 2).contains("a.png: a part of a render makes no image"));
+    assert!(
+        refusal(here, &image, 2)
+            .contains("a.png: --shard and --sample-range render a part of an image")
+    );
     let over = ["merge", "0.film", "1.film", "-o", "0.film"];
-    assert!(refusal(here, &over, 2).contains("would replace a part"));
+    assert!(refusal(here, &over, 2).contains("would overwrite a part"));
 }

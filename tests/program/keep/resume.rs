@@ -1,9 +1,9 @@
-//! Stopped and continued: the same bits, whatever continues.
+//! Tests that stopped and continued renders give the same bits as uninterrupted ones.
 
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use ptfast::internals::{Checkpoint, Identity, Stream};
+use ptfast::internals::{Checkpoint, Identity, Part, Stream};
 use ptfast::{
     Engine, Limits, Observer, Progress, RenderSettings, Renderer, Rendering, Scene, Stop,
 };
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::{hash, refusal, with};
 use crate::common::{ptfast, stderr};
 
-/// Stops a render when it was asked so many times whether it is to go on.
+/// Stops a render when it has asked `left` times whether to stop.
 struct Patience {
     left: AtomicU64,
     stop: Stop,
@@ -29,9 +29,10 @@ impl Observer for Patience {
     }
 }
 
-/// At random moments, by files, by other engines, threads, and waves; some work is thrown away.
+/// Stops renders at random moments and continues them from files with other engines, threads and wave
+/// sizes. Some work is discarded.
 #[test]
-fn renders_go_on_where_they_were_stopped() {
+fn renders_continue_from_checkpoints() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.film");
     let mut random = Stream::new(6);
@@ -40,6 +41,7 @@ fn renders_go_on_where_they_were_stopped() {
         let base = RenderSettings { width: 43, height: 29, spp, ..RenderSettings::of(&scene) };
         let whole = Renderer::new(&scene, base.clone()).unwrap().render().unwrap();
         let identity = Identity::new(&scene, &base, base.image());
+        let part = Part { identity: identity.clone(), shard: None, samples: 0..spp };
         for _ in 0..4 {
             let mut rendering = Renderer::new(&scene, base.clone()).unwrap().begin().unwrap();
             let mut stops = 0;
@@ -64,9 +66,9 @@ fn renders_go_on_where_they_were_stopped() {
                 let kept = Checkpoint { scene, identity: identity.clone(), shard: None, rendering };
                 kept.write(&file).unwrap();
                 let kept = Checkpoint::read(&file, &Limits::default()).unwrap();
-                rendering = kept.resume("a.film", &identity, None, 0..spp).unwrap();
+                rendering = kept.resume(&part).unwrap();
             }
-            assert!(stops > 0, "{name}: it was never stopped");
+            assert!(stops > 0, "{name}: the render was never stopped");
             let render =
                 Renderer::new(&scene, base.clone()).unwrap().finish(&mut rendering).unwrap();
             assert_eq!(render.image.hash(), whole.image.hash(), "{name}");
@@ -75,10 +77,12 @@ fn renders_go_on_where_they_were_stopped() {
     }
 }
 
-const SMALL: [&str; 9] =
-    ["render", "--scene", "cornell", "--width", "24", "--seed", "5", "--quiet", "-o"];
+const SMALL: [&str; 11] = [
+    "render", "--scene", "cornell", "--width", "24", "--seed", "5", "--quiet", "--print", "hash",
+    "-o",
+];
 
-/// From finished renders to more samples, with and without a last chunk that is not complete.
+/// Finished renders can continue to more samples, whether or not their last chunk is complete.
 #[test]
 fn samples_may_grow() {
     let folder = tempfile::tempdir().unwrap();
@@ -86,110 +90,82 @@ fn samples_may_grow() {
     for (few, many) in [("16", "48"), ("20", "50"), ("33", "34"), ("7", "100")] {
         let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", many]));
         hash(here, &with(&SMALL, &["a.film", "--spp", few]));
-        let first = fs::read(here.join("a.film")).unwrap();
-        let more = ["more.pfm", "--spp", many, "--resume", "a.film"];
+        let more = ["more.pfm", "--spp", many, "--checkpoint", "a.film"];
         assert_eq!(hash(here, &with(&SMALL, &more)), whole, "{few} to {many}");
         let bytes = |name: &str| fs::read(here.join(name)).unwrap();
         assert!(bytes("more.pfm") == bytes("whole.pfm"));
-        // What was traced is counted once, too.
+        // The checkpoint is complete, and counts each ray once.
         hash(here, &with(&SMALL, &["whole.film", "--spp", many]));
-        hash(here, &with(&SMALL, &["more.film", "--spp", many, "--resume", "a.film"]));
-        let tallies = ["more.film", "whole.film"].map(|name| {
-            Checkpoint::read(&here.join(name), &Limits::default()).unwrap().rendering.tally
-        });
-        assert_eq!(tallies[0], tallies[1], "{few} to {many}");
-        // It may be a part that is to be merged.
-        assert!(fs::read(here.join("a.film")).unwrap() == first, "{few} to {many}");
+        let read = |name: &str| Checkpoint::read(&here.join(name), &Limits::default()).unwrap();
+        let (more, whole) = (read("a.film"), read("whole.film"));
+        assert_eq!(more.part(), whole.part(), "{few} to {many}");
+        assert_eq!(more.rendering.tally, whole.rendering.tally, "{few} to {many}");
     }
 }
 
-/// A film of fewer samples is replaced by one of more where the user names it for both.
+/// A complete checkpoint gives the image without being written again.
 #[test]
-fn what_is_resumed_for_more_samples_stays() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    hash(here, &with(&SMALL, &["a.film", "--spp", "50"]));
-    let first = fs::read(here.join("a.film")).unwrap();
-    let more = |words: &[&'static str]| {
-        let whole = with(&SMALL, &["b.pfm", "--spp", "100", "--resume", "a.film"]);
-        with(&whole, words)
-    };
-    let stopped = ["--time-limit", "1ms"];
-    let says = refusal(here, &more(&stopped), 75);
-    assert!(says.contains("--resume b.partial.film, b.partial.pfm shows it"), "{says}");
-    let says = refusal(here, &more(&["--checkpoint-every", "1s"]), 2);
-    assert!(says.contains("--checkpoint must name a file"), "{says}");
-    // Nothing is to be done, and nothing is written but the image.
-    hash(here, &with(&SMALL, &["c.pfm", "--spp", "50", "--resume", "a.film"]));
-    assert!(fs::read(here.join("a.film")).unwrap() == first);
-    let says = refusal(here, &more(&[&stopped[..], &["--checkpoint", "a.film"]].concat()), 75);
-    assert!(says.contains("--resume a.film, b.partial.2.pfm shows it"), "{says}");
-    assert!(fs::read(here.join("a.film")).unwrap() != first);
-}
-
-/// What is kept is replaced by what has as much of the same render, and by nothing else.
-#[test]
-fn what_is_kept_is_not_overwritten() {
+fn complete_checkpoints_give_the_image() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let whole = hash(here, &with(&SMALL, &["kept.film", "--spp", "40"]));
-    let kept = |spp, more: &[&'static str]| {
-        with(&with(&SMALL, &["a.pfm", "--checkpoint", "kept.film", "--spp", spp]), more)
-    };
-    let says = refusal(here, &kept("40", &[]), 2);
-    assert!(says.contains("kept.film has 100% of this render: go on with --resume"), "{says}");
-    assert_eq!(hash(here, &kept("40", &["--resume", "kept.film"])), whole);
-    fs::remove_file(here.join("a.pfm")).unwrap();
-    let stopped = with(&SMALL, &["b.pfm", "--spp", "50", "--time-limit", "1ms"]);
-    refusal(here, &[&stopped[..], &["--checkpoint", "part.film"]].concat(), 75);
-    for (name, content, spp, more, says) in [
-        ("kept.film", None, "50", &[][..], "kept.film is of another render: name another file"),
-        ("kept.film", None, "50", &["--resume", "part.film"], "kept.film is of another render"),
-        ("kept.film", Some("my notes"), "40", &[], "kept.film: not a checkpoint of ptfast: name"),
-        ("kept.film", Some("ptfast film\n{}\n"), "40", &[], "kept.film: damaged"),
-    ] {
-        if let Some(content) = content {
-            fs::write(here.join(name), content).unwrap();
-        }
-        let before = fs::read(here.join(name)).unwrap();
-        let refused = refusal(here, &kept(spp, more), 2);
-        assert!(refused.contains(says), "{refused}");
-        assert!(fs::read(here.join(name)).unwrap() == before && !here.join("a.pfm").exists());
-    }
-    fs::rename(here.join("part.film"), here.join("kept.film")).unwrap();
-    let says = refusal(here, &kept("50", &[]), 2);
-    assert!(says.contains("% of this render: go on with --resume kept.film, or remove"), "{says}");
-    let nowhere = with(&SMALL, &["c.pfm", "--checkpoint-every", "1s"]);
-    assert!(refusal(here, &nowhere, 2).contains("--checkpoint must name a file"));
-    let target = with(&SMALL, &["c.film", "--spp", "40", "--checkpoint", "c.film"]);
-    assert!(refusal(here, &target, 2).contains("need two files"));
+    let modified = || fs::metadata(here.join("kept.film")).unwrap().modified().unwrap();
+    let before = modified();
+    let again = with(&SMALL, &["a.pfm", "--spp", "40", "--checkpoint", "kept.film"]);
+    assert_eq!(hash(here, &again), whole);
+    assert_eq!(modified(), before);
 }
 
-/// What is stopped without a checkpoint takes a name that is free.
+/// The checkpoint option must not overwrite a file that is not a checkpoint of this render.
 #[test]
-fn partial_files_are_not_overwritten() {
+fn other_files_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let render = |spp| with(&SMALL, &["a.pfm", "--checkpoint", "kept.film", "--spp", spp]);
+    hash(here, &render("50"));
+    fs::remove_file(here.join("a.pfm")).unwrap();
+    let advice = ": delete it, or choose another file with --checkpoint";
+    for (content, says) in [
+        (None, "kept.film: belongs to a render with spp 50, not 40"),
+        (Some("my notes"), "kept.film: not a checkpoint of ptfast"),
+        (Some("ptfast film\n{}\n"), "kept.film: damaged"),
+    ] {
+        if let Some(content) = content {
+            fs::write(here.join("kept.film"), content).unwrap();
+        }
+        let before = fs::read(here.join("kept.film")).unwrap();
+        let refused = refusal(here, &render("40"), 65);
+        assert!(refused.contains(says) && refused.trim_end().ends_with(advice), "{refused}");
+        assert!(
+            fs::read(here.join("kept.film")).unwrap() == before && !here.join("a.pfm").exists()
+        );
+    }
+    let target = with(&SMALL, &["c.film", "--spp", "40", "--checkpoint", "c.film"]);
+    assert!(refusal(here, &target, 2).contains("need different files"));
+}
+
+/// A render that is stopped without `--checkpoint` leaves a checkpoint beside the image. The same command
+/// continues it and then deletes it; another render does not start.
+#[test]
+fn stopped_renders_are_continued_by_the_same_command() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let image = |depth, more: &[&'static str]| {
         with(&with(&SMALL, &["a.pfm", "--spp", "40", "--depth", depth]), more)
     };
-    for (depth, partial) in [("1", "a.partial"), ("2", "a.partial.2")] {
-        let says = refusal(here, &image(depth, &["--time-limit", "1ms"]), 75);
-        let kept = format!("--resume {partial}.film, {partial}.pfm shows it");
-        assert!(says.contains(&kept), "{says}");
-    }
-    assert_eq!(fs::read_dir(here).unwrap().count(), 4);
-    let second = fs::read(here.join("a.partial.2.film")).unwrap();
-    let seldom = ["--resume", "a.partial.2.film", "--checkpoint-every", "100h"];
-    let resumed = hash(here, &image("2", &seldom));
-    assert_eq!(resumed, hash(here, &image("2", &[])));
-    assert!(fs::read(here.join("a.partial.2.film")).unwrap() == second, "not in the end");
-    let first = hash(here, &image("1", &["--resume", "a.partial.film"]));
-    assert_eq!(first, hash(here, &image("1", &[])));
-    assert_eq!(fs::read_dir(here).unwrap().count(), 5);
+    let says = refusal(here, &image("1", &["--time-limit", "1ms"]), 75);
+    let saved = "continue from a.partial.film; a.partial.pfm shows the picture so far";
+    assert!(says.contains(saved), "{says}");
+    let film = fs::read(here.join("a.partial.film")).unwrap();
+    let says = refusal(here, &image("2", &[]), 65);
+    assert!(says.contains("a.partial.film: belongs to a render with depth 1, not 2"), "{says}");
+    assert!(fs::read(here.join("a.partial.film")).unwrap() == film);
+    let continued = hash(here, &image("1", &[]));
+    assert_eq!(fs::read_dir(here).unwrap().count(), 1, "only the image may be left");
+    assert_eq!(continued, hash(here, &image("1", &[])));
 }
 
-/// Of another scene, seed or setting.
+/// A checkpoint with another scene, seed or setting is rejected.
 #[test]
 fn other_renders_are_not_continued() {
     let folder = tempfile::tempdir().unwrap();
@@ -206,11 +182,17 @@ fn other_renders_are_not_continued() {
         (&["--spp", "40", "--clamp", "2"], "clamp null, not 2"),
         (&["--spp", "40", "--scene", "checker"], "scene_hash "),
         (&["--spp", "40", "--crop", "0,0,9,9"], "crop [0,0,24,24], not [0,0,9,9]"),
-        (&["--spp", "40", "--shard", "0/2", "-o", "c.film"], "all shards, not of shard 0/2"),
-        (&["--spp", "40", "--sample-range", "0..16", "-o", "c.film"], "samples 0..40, not 0..16"),
+        (
+            &["--spp", "40", "--shard", "0/2", "-o", "c.film"],
+            "holds the whole image, not shard 0/2",
+        ),
+        (
+            &["--spp", "40", "--sample-range", "0..16", "-o", "c.film"],
+            "holds the samples 0..40, not 0..16",
+        ),
     ] {
-        // The last of two counts.
-        let mut words = with(&["render", "--resume", "a.film", "--quiet"], more);
+        // Add the common arguments, except those that `more` replaces.
+        let mut words = with(&["render", "--checkpoint", "a.film", "--quiet"], more);
         for pair in [["--scene", "cornell"], ["--width", "24"], ["--seed", "5"], ["-o", "b.pfm"]] {
             if !more.contains(&pair[0]) {
                 words.extend(pair);
@@ -222,7 +204,7 @@ fn other_renders_are_not_continued() {
     assert!(!here.join("b.pfm").exists() && !here.join("c.film").exists());
 }
 
-/// Torn, edited, of another version or something else.
+/// Checkpoints that are truncated, edited or of another version, and other files, are rejected.
 #[test]
 fn damaged_checkpoints_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -232,7 +214,7 @@ fn damaged_checkpoints_are_refused() {
     let mut random = Stream::new(2);
     let refused = |bytes: &[u8], what: &str| {
         fs::write(here.join("bad.film"), bytes).unwrap();
-        let words = with(&SMALL, &["b.pfm", "--spp", "40", "--resume", "bad.film"]);
+        let words = with(&SMALL, &["b.pfm", "--spp", "40", "--checkpoint", "bad.film"]);
         let says = refusal(here, &words, 65);
         assert!(says.contains("bad.film: ") && says.contains(what), "{what}: {says}");
     };
@@ -248,7 +230,7 @@ fn damaged_checkpoints_are_refused() {
     }
     refused(&[&good[..], b"x"].concat(), "damaged");
     refused(b"something else", "not a checkpoint");
-    // With a hash that is right.
+    // Faults in files with a valid hash.
     let hashed = |mut bytes: Vec<u8>| {
         let hash = blake3::hash(&bytes);
         bytes.extend(hash.as_bytes());
@@ -265,67 +247,66 @@ fn damaged_checkpoints_are_refused() {
     };
     let sums = &good[..good.len() - 36];
     refused(&hashed([sums, &f32::NAN.to_le_bytes()].concat()), "a sum of samples is not a number");
-    refused(&text("\"clamped\":0", "\"clamped\":18446744073709551615"), "the counts are none");
-    refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds are none");
-    refused(&text("\"schema\":2", "\"schema\":1"), "version 1 of checkpoints is not known");
+    refused(&text("\"clamped\":0", "\"clamped\":18446744073709551615"), "each count must be");
+    refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds must be");
+    refused(&text("\"schema\":2", "\"schema\":1"), "version 1 is not supported");
     refused(&text("\"schema\":2", "\"shemca\":1"), "version null");
     refused(&text("\"roulette\":true", "\"wealth\":true"), "header: unknown field");
     refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
     refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");
     refused(&text("[0,0,24,24]", "[0,0,24,20]"), "damaged");
     refused(&text("\"samples\":[0,40]", "\"samples\":[0,30]"), "a pixel's samples end at 40");
-    refused(&text("\"samples\":[0,40]", "\"samples\":[1,40]"), "cannot be of 40");
+    refused(&text("\"samples\":[0,40]", "\"samples\":[1,40]"), "must begin at a multiple of 16");
     refused(&text("\"shard\":null", "\"shard\":{\"index\":4,\"count\":4}"), "the shard");
-    let elsewhere = with(&SMALL, &["b.pfm", "--spp", "40", "--resume", "none.film"]);
-    assert!(refusal(here, &elsewhere, 74).contains("none.film: cannot read"));
     assert!(!here.join("b.pfm").exists());
 }
 
-/// A limit of time ends a render with its own code; where it went on, the image is the same.
+/// A time limit stops a render with an exit code of its own. Continued, it gives the same image.
 #[test]
 fn limits_of_time_end_a_render() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    // After the first work that is done, whatever the machine.
+    // The render stops after its first unit of work on any machine.
     let limited = with(&SMALL, &["a.pfm", "--spp", "40", "--time-limit", "1ms"]);
     let says = refusal(here, &limited, 75);
     assert!(says.contains("stopped by the time limit after"), "{says}");
-    assert!(says.contains("go on with --resume a.partial.film, a.partial.pfm shows it"), "{says}");
+    assert!(says.contains("continue from a.partial.film; a.partial.pfm shows"), "{says}");
     assert!(!here.join("a.pfm").exists() && here.join("a.partial.pfm").exists());
     let whole = hash(here, &with(&SMALL, &["whole.pfm", "--spp", "40"]));
-    // Each run does something, however short: in the end it is done.
-    let again = [&limited[..], &["--resume", "a.partial.film"]].concat();
-    let mut runs = (0..1000).map(|_| ptfast(here, &again));
-    let last = runs.find(|run| run.status.code() != Some(75)).expect("it ends");
+    // Each run makes some progress, so repeated runs complete the render.
+    let mut runs = (0..1000).map(|_| ptfast(here, &limited));
+    let last =
+        runs.find(|run| run.status.code() != Some(75)).expect("1000 runs must complete the render");
     assert!(last.status.success(), "{last:?}");
     let bytes = |name: &str| fs::read(here.join(name)).unwrap();
     assert!(bytes("a.pfm") == bytes("whole.pfm") && whole.len() == 64);
 }
 
-/// What is complete is not rendered again, unless it is of something else.
+/// `--skip-complete` skips complete files of the same render only.
 #[test]
 fn complete_files_are_skipped() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     for name in ["a.png", "a.exr", "a.film"] {
         let skips = |more: &[&str]| {
-            let words = with(&with(&SMALL, &[name, "--skip-complete"]), more);
+            let loud = ["render", "--scene", "cornell", "--width", "24", "--seed", "5", "-o"];
+            let words = with(&with(&loud, &[name, "--skip-complete"]), more);
             let output = ptfast(here, &words);
             assert!(output.status.success());
             String::from_utf8(output.stdout).unwrap().contains("is complete")
         };
-        assert!(!skips(&["--spp", "3"]), "{name} is not there");
+        assert!(!skips(&["--spp", "3"]), "{name} does not exist yet");
         assert!(skips(&["--spp", "3"]), "{name}");
-        assert!(!skips(&["--spp", "4"]), "{name} of other settings");
+        assert!(!skips(&["--spp", "4"]), "{name} has other settings");
         assert!(!skips(&["--spp", "4", "--depth", "3"]) && skips(&["--spp", "4", "--depth", "3"]));
         assert!(!skips(&["--spp", "4"]) && skips(&["--spp", "4"]), "{name}");
         let whole = fs::read(here.join(name)).unwrap();
         fs::write(here.join(name), &whole[..whole.len() - whole.len() / 4]).unwrap();
-        assert!(!skips(&["--spp", "4"]), "{name} is cut");
+        assert!(!skips(&["--spp", "4"]), "{name} is truncated");
         fs::write(here.join(name), "damaged").unwrap();
         assert!(!skips(&["--spp", "4"]), "{name} is damaged");
         let record = ["--spp", "4", "--json", "record.json"];
-        assert!(!skips(&record) && skips(&record), "there is no record");
+        assert!(!skips(&record) && skips(&record), "the record is missing at first");
         fs::remove_file(here.join("record.json")).unwrap();
     }
     let words = with(&SMALL[..7], &["-o", "a.png", "--skip-complete", "--progress", "json"]);
@@ -334,7 +315,10 @@ fn complete_files_are_skipped() {
     assert_eq!((&skipped["event"], &skipped["done"]), (&"done".into(), &skipped["total"]));
     let curve = with(&SMALL, &["a.png", "--skip-complete", "--spp", "4", "--gamma", "2"]);
     let output = ptfast(here, &curve);
-    assert!(!String::from_utf8(output.stdout).unwrap().contains("is complete"), "another curve");
+    assert!(
+        !String::from_utf8(output.stdout).unwrap().contains("is complete"),
+        "the transfer curve differs"
+    );
     let says = refusal(here, &with(&SMALL, &["a.pfm", "--skip-complete"]), 2);
-    assert!(says.contains("needs a file that tells what it is of"), "{says}");
+    assert!(says.contains("needs a format with metadata"), "{says}");
 }

@@ -1,17 +1,15 @@
-//! Renders that are interrupted.
+//! Tests of renders that are interrupted by signals.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use ptfast::Limits;
-use ptfast::internals::Checkpoint;
 use serde_json::Value;
 
 use super::{hash, with};
 
-/// Seconds on two cores.
+/// A render that takes seconds on two cores.
 const LONG: [&str; 11] = [
     "render",
     "--scene",
@@ -26,7 +24,7 @@ const LONG: [&str; 11] = [
     "a.pfm",
 ];
 
-/// A render, and the lines of its progress.
+/// A running render and the lines of its progress.
 struct Started {
     child: Child,
     lines: std::io::Lines<BufReader<std::process::ChildStderr>>,
@@ -34,7 +32,7 @@ struct Started {
 
 impl Started {
     fn new(folder: &Path, words: &[&str]) -> Self {
-        // Whoever runs the tests may ignore hangups.
+        // Reset SIGHUP, since the process that runs the tests may ignore it.
         let mut child = Command::new("env")
             .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_ptfast")])
             .args(words)
@@ -47,11 +45,11 @@ impl Started {
         Self { child, lines }
     }
 
-    /// Waits for an event, and returns its line.
+    /// Waits for an event and returns its line.
     fn wait_for(&mut self, event: &str) -> Value {
         let lines = self.lines.by_ref().map(|line| serde_json::from_str::<Value>(&line.unwrap()));
         let found = lines.flatten().find(|line| line["event"] == event);
-        found.unwrap_or_else(|| panic!("there is no {event}"))
+        found.unwrap_or_else(|| panic!("the render ended without the event {event}"))
     }
 
     fn signal(&self, signal: &str) {
@@ -59,23 +57,22 @@ impl Started {
         assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
     }
 
-    /// Its exit code, and what else it said.
+    /// Waits for the exit. Returns the exit code and the remaining output.
     fn end(mut self) -> (Option<i32>, String) {
         let rest: Vec<String> = self.lines.map(Result::unwrap).collect();
         (self.child.wait().unwrap().code(), rest.join("\n"))
     }
 }
 
-/// By each signal, one after the other, and continued.
+/// Interrupts a render by each signal in turn, and continues it.
 #[test]
 fn signals_keep_the_render() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let mut resume = Vec::new();
     for (signal, code, name) in
         [("-INT", 130, "SIGINT"), ("-TERM", 143, "SIGTERM"), ("-HUP", 129, "SIGHUP")]
     {
-        let mut render = Started::new(here, &with(&LONG, &resume));
+        let mut render = Started::new(here, &LONG);
         render.wait_for("start");
         render.signal(signal);
         let (ended, said) = render.end();
@@ -90,62 +87,63 @@ fn signals_keep_the_render() {
         assert_eq!((&error["event"], &error["code"]), (&"error".into(), &code.into()));
         let message = error["message"].as_str().unwrap();
         assert!(message.starts_with(&format!("interrupted by {name} after ")), "{message}");
-        let kept = "go on with --resume a.partial.film, a.partial.pfm shows it";
+        let kept = "continue from a.partial.film; a.partial.pfm shows the picture so far";
         assert!(message.ends_with(kept), "{message}");
         assert!(here.join("a.partial.pfm").exists() && !here.join("a.pfm").exists());
-        resume = vec!["--resume", "a.partial.film"];
     }
-    assert_eq!(fs::read_dir(here).unwrap().count(), 2, "nothing else is left");
-    let resumed = hash(here, &with(&LONG, &resume));
+    assert_eq!(
+        fs::read_dir(here).unwrap().count(),
+        2,
+        "only the checkpoint and the picture may be left"
+    );
+    let resumed = hash(here, &LONG);
+    assert_eq!(fs::read_dir(here).unwrap().count(), 1, "only the image may be left");
     assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
     assert!(fs::read(here.join("a.pfm")).unwrap() == fs::read(here.join("whole.pfm")).unwrap());
 }
 
-/// A second SIGINT does not wait for a checkpoint, which takes a while for so many pixels.
+/// A second SIGINT does not wait for the checkpoint, which takes a while for this many pixels.
 #[test]
-fn a_second_interrupt_leaves_at_once() {
+fn a_second_interrupt_exits_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let words = "render --scene cornell --width 3000 --spp 4000 --progress json -o a.pfm";
     let mut render = Started::new(here, &words.split(' ').collect::<Vec<_>>());
     render.wait_for("start");
     let id = render.child.id();
-    // Not both at once: they would be one.
+    // Two signals at the same moment would count as one.
     let twice = format!("kill -INT {id}; sleep 0.01; kill -INT {id}");
     assert!(Command::new("sh").args(["-c", &twice]).status().unwrap().success());
     let (ended, said) = render.end();
     assert_eq!(ended, Some(130), "{said}");
     assert!(!said.contains("interrupted by"), "{said}");
-    assert_eq!(fs::read_dir(here).unwrap().count(), 0, "nothing is kept, and nothing half-written");
+    assert_eq!(fs::read_dir(here).unwrap().count(), 0, "no file may be left");
 }
 
-/// Two that would be kept by the same names, as scripts and schedulers stop them.
+/// If two renders have the same output, the second must not overwrite the checkpoint of the first.
 #[test]
-fn renders_stopped_together_are_kept_apart() {
-    for _ in 0..4 {
-        let folder = tempfile::tempdir().unwrap();
-        let here = folder.path();
-        let seeds = ["1", "2"];
-        let start = |seed| Started::new(here, &with(&LONG, &["--threads", "1", "--seed", seed]));
-        let mut renders = seeds.map(start);
-        let _ = renders.each_mut().map(|render| render.wait_for("start"));
-        let ids = renders.each_ref().map(|render| render.child.id().to_string());
-        assert!(Command::new("kill").arg("-TERM").args(&ids).status().unwrap().success());
-        let files = renders.each_mut().map(|render| render.wait_for("stopped")["file"].clone());
-        let ended = renders.map(|render| render.end().0);
-        assert_eq!(ended, [Some(143); 2]);
-        for (seed, file) in seeds.into_iter().zip(files) {
-            let film = here.join(file.as_str().unwrap());
-            let kept = Checkpoint::read(&film, &Limits::default()).unwrap();
-            assert_eq!(kept.identity.seed.to_string(), seed, "{}", film.display());
-        }
-        assert_eq!(fs::read_dir(here).unwrap().count(), 4, "two films and two images");
-    }
+fn checkpoints_of_another_render_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let start = |seed| Started::new(here, &with(&LONG, &["--threads", "1", "--seed", seed]));
+    let mut renders = ["1", "2"].map(start);
+    let _ = renders.each_mut().map(|render| render.wait_for("start"));
+    let [first, second] = renders;
+    first.signal("-TERM");
+    let (code, said) = first.end();
+    assert_eq!(code, Some(143), "{said}");
+    let film = fs::read(here.join("a.partial.film")).unwrap();
+    second.signal("-TERM");
+    let (code, said) = second.end();
+    assert_eq!(code, Some(143), "{said}");
+    let says = "cannot save it: a.partial.film: belongs to a render with seed 1, not 2";
+    assert!(said.contains(says), "{said}");
+    assert!(fs::read(here.join("a.partial.film")).unwrap() == film);
 }
 
-/// An interrupt after another signal is the first of its kind.
+/// A first SIGINT after SIGTERM still saves a checkpoint.
 #[test]
-fn other_signals_do_not_insist() {
+fn an_interrupt_after_sigterm_still_saves() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let mut render = Started::new(here, &LONG);
@@ -155,11 +153,11 @@ fn other_signals_do_not_insist() {
     assert!(Command::new("sh").args(["-c", &both]).status().unwrap().success());
     let (ended, said) = render.end();
     assert!(matches!(ended, Some(130 | 143)), "{said}");
-    assert!(said.contains("go on with --resume a.partial.film"), "{said}");
-    hash(here, &with(&LONG, &["--resume", "a.partial.film"]));
+    assert!(said.contains("continue from a.partial.film"), "{said}");
+    hash(here, &LONG);
 }
 
-/// Those that nohup ignores; but not those that a shell ignores for what runs in the background.
+/// SIGHUP stays ignored, as under nohup. SIGINT does not, although shells ignore it for background jobs.
 #[test]
 fn ignored_hangups_stay_ignored() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,13 +176,13 @@ fn ignored_hangups_stay_ignored() {
     }
 }
 
-/// While the scene is read there is nothing to be kept.
+/// While the scene loads, there is nothing to save.
 #[test]
 fn signals_before_the_render_end_it_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let words = "render --scene cloud:3000000 --spp 1 --quiet -o a.png";
     let mut render = Started::new(folder.path(), &words.split(' ').collect::<Vec<_>>());
-    // Not before it watches: then the signal itself would end it.
+    // Wait until the program handles SIGTERM: before that, the signal would kill it.
     let status = format!("/proc/{}/status", render.child.id());
     let watches = || {
         let text = fs::read_to_string(&status).unwrap();
@@ -192,7 +190,11 @@ fn signals_before_the_render_end_it_at_once() {
         u64::from_str_radix(caught.trim(), 16).unwrap() & 1 << 14 != 0
     };
     while !watches() {
-        assert_eq!(render.child.try_wait().unwrap(), None, "it ended before");
+        assert_eq!(
+            render.child.try_wait().unwrap(),
+            None,
+            "the render ended before it handled SIGTERM"
+        );
         std::thread::yield_now();
     }
     render.signal("-TERM");
@@ -201,9 +203,9 @@ fn signals_before_the_render_end_it_at_once() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A checkpoint where one asks for it, and the render goes on; a kill then loses no more than what came later.
+/// Checkpoints are written at intervals or on request, and a kill loses only later work.
 #[test]
-fn checkpoints_are_made_on_request_and_now_and_then() {
+fn checkpoints_are_written_on_request_and_at_intervals() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     for (more, asks) in [(&["--checkpoint-every", "1ms"][..], false), (&[], true)] {
@@ -224,14 +226,13 @@ fn checkpoints_are_made_on_request_and_now_and_then() {
         assert!(done[0] < done[1] && done[1] < event["total"].as_u64().unwrap(), "{done:?}");
         render.signal("-KILL");
         assert_eq!(render.end().0, None);
-        let resumed = hash(here, &with(&LONG, &["--resume", "kept.film"]));
+        let resumed = hash(here, &with(&LONG, &["--checkpoint", "kept.film"]));
         assert_eq!(resumed, hash(here, &with(&LONG[..9], &["-o", "whole.pfm"])));
-        let again = ["--resume", "early.film", "--checkpoint-every", "1ms"];
+        let again = ["--checkpoint", "early.film", "--checkpoint-every", "1ms"];
         let mut render = Started::new(here, &with(&LONG, &again));
         assert_eq!(render.wait_for("checkpoint")["file"], "early.film");
         render.signal("-KILL");
         render.end();
-        // What is kept is not begun anew.
         fs::remove_file(here.join("kept.film")).unwrap();
         fs::remove_file(here.join("a.pfm")).unwrap();
     }

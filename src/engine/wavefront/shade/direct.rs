@@ -1,4 +1,4 @@
-//! Direct light: a light sample and a shadow ray a vertex.
+//! Direct light: one light sample and one shadow ray per vertex.
 
 use super::Shading;
 use super::vertex::Vertex;
@@ -13,7 +13,8 @@ use crate::scene::{LightSample, Sampling};
 use crate::simd::{Float, Vec3x};
 
 impl Shading<'_> {
-    /// Samples a light from each vertex. `normal` is on the side where the path arrives.
+    /// Samples a light from each vertex and appends its shadow ray. `normal` is on the side where
+    /// the path arrives.
     #[inline(always)]
     pub(super) fn direct<B: Bsdf<Float>>(
         &self,
@@ -41,7 +42,8 @@ impl Shading<'_> {
             _ => Float::ONE,
         };
         let origin = if B::TRANSMITS {
-            // What is seen through the surface is as far from its other side, but for rounding.
+            // A light behind the surface is sampled from the front but needs a shadow ray from the
+            // back. Both origins have the same distance to it, up to rounding errors.
             let above = dot(direction, normal).gt(Float::ZERO);
             surface.spawn(above.select(normal, -normal))
         } else {

@@ -1,4 +1,4 @@
-//! Light that paths meet: the background and surfaces that emit.
+//! Emitted light: the background, and surfaces that emit light towards the paths.
 
 use super::{Shaded, Shading};
 use crate::engine::contract::power_heuristic;
@@ -11,7 +11,7 @@ use crate::scene::material::SPECULAR;
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
-    /// Ends the paths that leave the scene.
+    /// Adds the background's light to the paths of `queue`, which leave the scene and end.
     #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
@@ -25,7 +25,7 @@ impl Shading<'_> {
         shaded.endings.background += queue.len() as u64;
     }
 
-    /// Adds the light that surfaces of one shape emit towards the paths.
+    /// Adds the light that surfaces of one shape emit towards the paths of `queue`.
     #[inline(never)]
     pub(super) fn emit(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         if self.tables.lights.is_empty() {
@@ -43,7 +43,7 @@ impl Shading<'_> {
                 Sampling::Light => Float::ZERO,
                 Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, vertex.t) * light.chance()),
             };
-            // What light samples could have found counts in part: they find the rest.
+            // Light that light samples could find, too, is weighted: they contribute the rest.
             let sampled: Mask = is_light & !pdf.eq(Float::splat(SPECULAR));
             let weight = sampled.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);

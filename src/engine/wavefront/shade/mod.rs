@@ -1,4 +1,4 @@
-//! Shade: one routine for each shape and kind of material, over the paths that have hit it.
+//! Shade: one kernel per shape and kind of material, which loops over the paths that have hit them.
 
 mod direct;
 mod emit;
@@ -18,31 +18,31 @@ use crate::scene::material::{MaterialModel, MaterialTable, MaterialVisitor};
 use crate::scene::{Key, Scene, SceneTables};
 use crate::simd::LANES;
 
-/// What all paths of a stage share.
+/// The inputs that all paths of a segment share.
 #[derive(Clone, Copy)]
 pub(super) struct Shading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
     pub(super) tables: &'a SceneTables,
     pub(super) cells: &'a Cells,
-    /// The segment that has been traced, from 1.
+    /// Number of the segment that was traced, from 1.
     pub(super) segment: u32,
 }
 
-/// What comes of shading.
+/// The outputs of shading.
 pub(super) struct Shaded<'a> {
     pub(super) paths: &'a mut Paths,
-    /// Those that go on.
+    /// The paths that continue.
     pub(super) next: &'a mut Next,
-    /// Light that may reach the surfaces.
+    /// Shadow rays, with the light that they may add.
     pub(super) shadows: &'a mut Shadows,
-    /// How the others ended.
+    /// Counts of the paths that ended.
     pub(super) endings: &'a mut Endings,
 }
 
 impl Shading<'_> {
-    /// Shades all queues. Returns how many paths it scattered or ended with light, and in how many
-    /// lanes.
+    /// Shades all queues. Returns the numbers of paths and lanes in queues that needed more work
+    /// than to end paths at the depth limit.
     #[inline(never)]
     pub(super) fn shade(&self, queues: &Queues, shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
@@ -72,7 +72,8 @@ impl Shading<'_> {
         StageWork::in_lanes(paths, lanes)
     }
 
-    /// Whether the paths have had their last segment: nothing they would scatter to is traced.
+    /// Returns whether the depth limit ends the paths of `queue` here, and counts them if so. Rays
+    /// beyond the limit are not traced, so scattering would be useless.
     fn ends_by_depth(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) -> bool {
         let ends = self.segment == self.settings.depth;
         if ends {
@@ -82,7 +83,7 @@ impl Shading<'_> {
     }
 }
 
-/// Shades the paths that have hit surfaces of one shape and one kind of material.
+/// Shades the paths of `queue`, which have hit surfaces of one shape and one kind of material.
 struct ShadeSurfaces<'s, 'a> {
     shading: &'s Shading<'s>,
     shape: Shape,
@@ -92,7 +93,7 @@ struct ShadeSurfaces<'s, 'a> {
 }
 
 impl MaterialVisitor for ShadeSurfaces<'_, '_> {
-    /// Whether more was done than to end the paths.
+    /// Whether the paths needed more work than to end them at the depth limit.
     type Output = bool;
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Scattering: paths take their next direction, or end.
+//! Scattering: samples the next direction of each path, or terminates it.
 
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
@@ -12,10 +12,10 @@ use crate::scene::material::{Bsdf, MaterialModel, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
 impl Shading<'_> {
-    /// Scatters the paths of `queue` on surfaces of one shape and kind of material.
+    /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
     ///
-    /// Not inlined: each kind has the registers for itself. Where none of its materials is textured, a
-    /// loop of its own gains 10% of *shade* with AVX2.
+    /// It is not inlined, so that each kind of material has all registers to itself. For a kind
+    /// without textured materials, a separate loop saves 10% of *shade* with AVX2.
     #[inline(never)]
     pub(super) fn scatter<M: MaterialModel, const TEXTURED: bool>(
         &self,
@@ -41,7 +41,7 @@ impl Shading<'_> {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths);
             let Ray { origin, direction, .. } = vertex.segment.ray;
-            // There is nothing that rays would have to leave.
+            // A medium has no surface that rays could hit again, so they start at offset 0.
             let point = origin + direction * vertex.t;
             let surface = Surface { point, normal: direction, offset: Float::ZERO };
             let phase = self.tables.media.phase(vertex.primitive);
@@ -49,8 +49,8 @@ impl Shading<'_> {
         }
     }
 
-    /// Samples direct light, and appends the paths that go on. `normal` is on the side where they
-    /// arrive.
+    /// Samples direct light, scatters the paths, and appends those that continue. `normal` is on
+    /// the side where they arrive.
     #[inline(always)]
     fn go_on<B: Bsdf<Float>>(
         &self,
@@ -66,7 +66,7 @@ impl Shading<'_> {
         let Scatter { direction, transmitted, weight, pdf, scattered } =
             bsdf.sample(&vertex.randoms);
         let mut beta = vertex.history.beta * weight;
-        // Paths that can add nothing end; those that can add little mostly do.
+        // Terminate paths of zero throughput, and most paths of low throughput.
         let mut survival = max_element(beta);
         let present = vertex.present;
         let scattered = present & scattered.bits();

@@ -1,4 +1,4 @@
-//! The points where paths arrive.
+//! Vertices: the points at which the segments of paths end.
 
 use super::Shading;
 use crate::engine::wavefront::paths::{History, Paths, Segment};
@@ -6,22 +6,22 @@ use crate::engine::wavefront::sort::Queue;
 use crate::sampler::Randoms;
 use crate::simd::{Float, Indices, Int, LANES, first_bits};
 
-/// The end of a path's segment, one a lane.
+/// The ends of segments, one per lane.
 pub(super) struct Vertex {
     pub(super) path: Indices,
-    /// Lanes of paths; others repeat the last.
+    /// Bits of the lanes that have a path. Other lanes repeat the last path.
     pub(super) present: u32,
-    /// That ends here.
+    /// The segment that ends here.
     pub(super) segment: Segment,
     pub(super) t: Float,
-    /// What the path has hit: a primitive or a medium.
+    /// The number of the primitive or the medium that the path has hit.
     pub(super) primitive: Int,
     pub(super) history: History,
     pub(super) randoms: Randoms<Float>,
 }
 
 impl Shading<'_> {
-    /// The vertices of the paths `first..` of `queue`.
+    /// Returns the vertices of the paths of `queue` from `first` on.
     #[inline(always)]
     pub(super) fn vertex(&self, queue: Queue<'_>, first: usize, paths: &Paths) -> Vertex {
         let [path, t, primitive] = queue.rows(first);

@@ -1,26 +1,28 @@
-//! Meshes in PLY files, ASCII and binary, read by ply-rs-bw.
+//! Reader of PLY files, ASCII and binary, on top of ply-rs-bw.
 
 mod most;
 
+use std::collections::BTreeSet;
 use std::io::ErrorKind;
 
 use glam::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Encoding, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult};
 
 use self::most::Most;
 use super::indexed::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
 use crate::scene::budget::Budget;
 
-/// Bytes that a header may have.
+/// Largest size of a header in bytes.
 const MAX_HEADER: usize = 1 << 16;
-/// The line that ends it.
+/// Last line of a header.
 const END: &[u8] = b"end_header";
-/// Rows that are in memory at once.
+/// Number of rows that are in memory at once.
 const ROWS: usize = 1024;
 
-/// A row of any element: what there is of a vertex or a face.
+/// A row of any element, with the position of a vertex and the corners of a face. Properties that
+/// the element does not have keep their initial values.
 #[derive(Debug)]
 struct Row {
     position: Vec3,
@@ -57,13 +59,13 @@ fn integers(list: Property) -> Option<Vec<i64>> {
     })
 }
 
-/// The vertices and faces in `bytes`; `name` is what errors call the file.
+/// Reads the vertices and faces in `bytes`. Errors call the file `name`.
 pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
     let mut lines = bytes[..bytes.len().min(MAX_HEADER)].split(|byte| *byte == b'\n');
     if bytes.len() > MAX_HEADER && !lines.any(|line| line.trim_ascii_end() == END) {
-        let message = format!("a header has {MAX_HEADER} bytes at most, and ends with end_header");
+        let message = format!("the header must end with `end_header` within {MAX_HEADER} bytes");
         return Err(Error::input(name, "", message));
     }
     let header = parser.read_header(&mut reader).map_err(|error| explain(name, &error, None))?;
@@ -74,7 +76,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     budget
         .check(most.memory(count, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh { ignored: ignored(&header), ..Mesh::default() };
     for (element, all) in &header.elements {
         let mut some = all.clone();
         for first in (0..all.count).step_by(ROWS) {
@@ -83,7 +85,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
             let rows = parser.read_payload_for_element(&mut reader, &some, &header);
             let rows = rows.map_err(|error| match error.kind() {
                 ErrorKind::UnexpectedEof => {
-                    let message = format!("the file ends before its {} rows do", all.count);
+                    let message = format!("the file ends before the last of {} rows", all.count);
                     Error::input(name, element, message)
                 }
                 _ => explain(name, &error, (!is_text).then_some(element)),
@@ -94,7 +96,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
                 _ => Ok(()),
             };
             added.map_err(|(row, message)| {
-                // A line of text, else it is told by its number.
+                // The line in a text file, or the row number in a binary one.
                 let place = match is_text {
                     true => (first_line + row).to_string(),
                     false => format!("{element}[{}]", first + row),
@@ -106,7 +108,22 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// `Err` tells which row is wrong, and why.
+/// Properties of vertices that are ignored, and their name in messages.
+const IGNORED: [(&str, &str); 5] = [
+    ("nx", "normals"),
+    ("u", "texture coordinates"),
+    ("s", "texture coordinates"),
+    ("texture_u", "texture coordinates"),
+    ("red", "colours"),
+];
+
+fn ignored(header: &Header) -> BTreeSet<&'static str> {
+    let Some(vertex) = header.elements.get("vertex") else { return BTreeSet::new() };
+    let has = |(key, _): &&(&str, &str)| vertex.properties.contains_key(*key);
+    IGNORED.iter().filter(has).map(|(_, name)| *name).collect()
+}
+
+/// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
 fn add_vertices(mesh: &mut Mesh, rows: &[Row]) -> Result<(), (usize, String)> {
     if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
         return Err((row, "a vertex needs x, y and z, finite and within ±1e9".to_owned()));
@@ -115,7 +132,8 @@ fn add_vertices(mesh: &mut Mesh, rows: &[Row]) -> Result<(), (usize, String)> {
     Ok(())
 }
 
-/// Of `count` vertices, in whatever order the file has the two. `Err` as that of [`add_vertices`].
+/// Adds faces to the mesh. Their corners must be below `count`, the number of vertices in the whole
+/// file, because faces may precede vertices. `Err` is the same as for [`add_vertices`].
 fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
     for (number, Row { corners, .. }) in rows.iter().enumerate() {
         if corners.len() < 3 {
@@ -124,7 +142,8 @@ fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, 
         }
         let vertex = |&c: &i64| u32::try_from(c).ok().filter(|&c| (c as usize) < count);
         let Some(corners) = corners.iter().map(vertex).collect::<Option<Vec<u32>>>() else {
-            let message = format!("the face names a vertex beyond the {count} of the file");
+            let message =
+                format!("the face refers to a missing vertex, the file has {count} vertices");
             return Err((number, message));
         };
         mesh.triangles.extend(fan(&corners));
@@ -132,7 +151,8 @@ fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, 
     Ok(())
 }
 
-/// The library's errors tell the line of a text file.
+/// Converts an error of ply-rs-bw. The place is `element` if given, else the line that the error
+/// reports.
 fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
     let (place, text) = match error.line() {
         Some(line) => {
@@ -140,9 +160,9 @@ fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
         }
         None => (String::new(), error.to_string()),
     };
-    // Lines mean nothing where numbers are binary.
+    // Line numbers mean nothing in binary data.
     let place = element.cloned().unwrap_or(place);
-    // Its messages have several lines, and may repeat a whole line of the file.
+    // The library's messages span several lines and may repeat a whole line of the file.
     let short: String = text.chars().take(400).collect();
     let text = short.split_whitespace().collect::<Vec<_>>().join(" ");
     let short: String = text.chars().take(200).collect();
@@ -198,18 +218,24 @@ mod tests {
             assert_eq!(mesh.vertices[2], Vec3::new(0.0, 1.0, 0.5));
             assert_eq!(mesh.triangles, [[2, 0, 1]]);
             let cut = parse("a.ply", &bytes[..bytes.len() - 2], &budget()).unwrap_err().to_string();
-            assert!(cut.starts_with("a.ply:face: the file ends before its 1 rows do"), "{cut}");
+            assert!(
+                cut.starts_with("a.ply:face: the file ends before the last of 1 rows"),
+                "{cut}"
+            );
             let last = bytes.len() - 1;
             bytes[if little { last - 3 } else { last }] = 3;
             let wrong = parse("a.ply", &bytes, &budget()).unwrap_err().to_string();
-            assert_eq!(wrong, "a.ply:face[0]: the face names a vertex beyond the 3 of the file");
+            assert_eq!(
+                wrong,
+                "a.ply:face[0]: the face refers to a missing vertex, the file has 3 vertices"
+            );
         }
     }
 
     #[test]
     fn errors_name_the_line() {
         let faces = "3 0 1 2\n3 0 2 3\n";
-        let beyond = "the face names a vertex beyond the 4 of the file";
+        let beyond = "the face refers to a missing vertex, the file has 4 vertices";
         let text = format!("{HEADER}{VERTICES}3 0 1 2\n3 0 2 4\n");
         assert_eq!(message(&text), format!("a.ply:17: {beyond}"));
         let text = format!("{HEADER}{VERTICES}3 0 -1 2\n3 0 2 3\n");
@@ -227,7 +253,7 @@ mod tests {
         let text = format!("{}{VERTICES}{faces}", HEADER.replace("vertex 4", "vertex four"));
         assert!(message(&text).starts_with("a.ply:4: PLY syntax"), "{}", message(&text));
         let cut = format!("{HEADER}{VERTICES}3 0 1 2    \n");
-        assert_eq!(message(&cut), "a.ply:face: the file ends before its 2 rows do");
+        assert_eq!(message(&cut), "a.ply:face: the file ends before the last of 2 rows");
         assert!(message("solid cube\n").starts_with("a.ply:1: PLY syntax"));
         assert!(message("").starts_with("a.ply"));
     }
@@ -250,7 +276,8 @@ mod tests {
         }
     }
 
-    /// Before it is allocated: little for meshes as programs write them, much for polygons of many corners.
+    /// The limit is checked before memory is allocated. Meshes as programs write them need little
+    /// memory, polygons with many corners need much.
     #[test]
     fn memory_is_limited() {
         let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");
@@ -258,11 +285,11 @@ mod tests {
             let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
             parse("a.ply", text.as_bytes(), &budget).is_ok()
         });
-        // Four vertices, at most five triangles, and lines of 9 bytes and less.
+        // Four vertices, at most five triangles, and lines of at most 9 bytes.
         assert!((84..2000).contains(&least.unwrap()), "{least:?}");
         let budget = Budget::new(&Limits::default().with(Limit::Memory, 10), 0);
         let error = parse("a.ply", text.as_bytes(), &budget).unwrap_err().to_string();
-        assert!(error.starts_with("a.ply: the limit of memory is 10, this needs"), "{error}");
+        assert!(error.starts_with("a.ply: the limit of memory is 10 bytes, this needs"), "{error}");
     }
 
     #[test]

@@ -1,22 +1,27 @@
-//! What a PLY file can have at most, by its header and its length: headers lie.
+//! Upper bounds on the content of a PLY file, from its header and its length.
+//!
+//! The length matters because headers may claim any number of rows.
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyDef, PropertyType, ScalarType};
 
 use super::ROWS;
 
-/// What there can be at most in a file of a header.
+/// Upper bounds on the content of a PLY file.
 pub(super) struct Most {
     triangles: usize,
-    /// Entries of lists that are in memory at once.
+    /// Entries of the lists that are in memory at once.
     entries: usize,
 }
 
 impl Most {
-    /// In `bytes` bytes after `header`; `Err` where there cannot be as many rows of an element, with its name.
+    /// Returns the bounds for `bytes` bytes after `header`.
+    ///
+    /// # Errors
+    /// If `bytes` is too small for the rows of an element. `Err` holds its name and the message.
     pub(super) fn new(header: &Header, bytes: usize) -> Result<Self, (String, String)> {
         let is_text = header.encoding == Encoding::Ascii;
         let size = |scalar: &ScalarType| match scalar {
-            // A digit and what parts it from the next.
+            // A digit and a separator.
             _ if is_text => 2,
             ScalarType::Char | ScalarType::UChar => 1,
             ScalarType::Short | ScalarType::UShort => 2,
@@ -26,16 +31,18 @@ impl Most {
         let least = |property: &PropertyDef| match &property.data_type {
             PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
         };
-        // The last line need not end.
+        // The last line may lack its line break.
         let mut rest = bytes + usize::from(is_text);
         for element in header.elements.values() {
             let least: usize = element.properties.values().map(least).sum();
-            // Even an empty line of text is one.
+            // Even an empty line of text takes one byte.
             let row = if is_text { least.max(1) } else { least };
             let most = rest.checked_div(row).unwrap_or(0);
             if element.count > most {
                 let count = element.count;
-                let message = format!("the header says {count} rows, there can be {most} at most");
+                let message = format!(
+                    "the header says {count} rows, but the file has room for at most {most}"
+                );
                 return Err((element.name.clone(), message));
             }
             rest -= row * element.count;
@@ -63,16 +70,17 @@ impl Most {
         })
     }
 
-    /// Bytes of memory for a mesh of so many vertices, while `text`, if it is one, is read.
+    /// Returns the bytes of memory for reading a mesh of `vertices` vertices. `text` is the content
+    /// of a text file, or `None` for a binary one.
     pub(super) fn memory(&self, vertices: usize, text: Option<&[u8]>) -> u64 {
         let longest = |text: &[u8]| text.split(|byte| *byte == b'\n').map(<[u8]>::len).max();
-        // Rows of words of two bytes, as text and as numbers.
+        // Bytes of ROWS rows: words take at least two bytes, and are held as text and as numbers.
         let rows = text.map_or(usize::MAX, |text| {
             longest(text).unwrap_or(0).saturating_mul(ROWS).min(text.len())
         });
         let entries = 32 * self.entries.min(rows);
         let line = 32 * text.and_then(longest).unwrap_or(0);
-        // While the list of triangles grows, it is there twice.
+        // While the list of triangles grows, it is in memory twice.
         (12 * vertices + 36 * self.triangles + entries + line) as u64
     }
 }

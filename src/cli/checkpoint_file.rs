@@ -1,0 +1,125 @@
+//! The checkpoint file of a render: continued if it belongs to the render, and never overwritten otherwise.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::target::{Target, stem};
+use crate::checkpoint::{Checkpoint, Part};
+use crate::engine::Rendering;
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+
+/// Longest part of the output's name, in bytes, that the default names keep: file systems limit names to 255.
+const MAX_STEM: usize = 200;
+
+/// The checkpoint file of one render, and the unfinished picture beside it.
+pub(super) struct CheckpointFile {
+    path: PathBuf,
+    /// The unfinished picture, for renders that write an image.
+    picture: Option<PathBuf>,
+    /// Whether the user chose the name: then the file is kept when the render is complete.
+    named: bool,
+    /// Whether the render continues from the file.
+    continued: bool,
+}
+
+impl CheckpointFile {
+    /// The file `named`, or else `NAME.partial.film` beside `output`; in the current folder for a `scene` that is
+    /// written to standard output.
+    pub(super) fn new(output: &Target, scene: &str, named: Option<&Path>) -> Self {
+        let picture = match output {
+            Target::Image(path) => {
+                Some(beside(path, &path.extension().unwrap_or_default().to_string_lossy()))
+            }
+            Target::Film(_) | Target::StandardOutput => None,
+        };
+        let default = || match output.path() {
+            Some(path) => beside(path, "film"),
+            None => PathBuf::from(format!("{}.partial.film", stem(scene))),
+        };
+        let path = named.map_or_else(default, Path::to_owned);
+        Self { path, picture, named: named.is_some(), continued: false }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(super) fn picture(&self) -> Option<&Path> {
+        self.picture.as_deref()
+    }
+
+    pub(super) fn exists(&self) -> bool {
+        !fs::metadata(&self.path).is_err_and(|error| error.kind() == ErrorKind::NotFound)
+    }
+
+    /// The render so far: that of the file, or an empty one if there is no file.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is damaged, or belongs to another render.
+    pub(super) fn load(&mut self, part: &Part, limits: &Limits) -> Result<Rendering> {
+        if !self.exists() {
+            return part.empty_film().map(Rendering::new);
+        }
+        self.continued = true;
+        let checkpoint = Checkpoint::read(&self.path, limits).map_err(advise)?;
+        checkpoint.resume(part).map_err(|mismatch| self.refuse(mismatch))
+    }
+
+    /// Writes `checkpoint`, unless another program has meanwhile put something else there.
+    ///
+    /// # Errors
+    /// Where the file cannot be written, or no longer belongs to this render.
+    pub(super) fn write(&self, checkpoint: &Checkpoint) -> Result<()> {
+        if self.exists() {
+            let found = Checkpoint::read_part(&self.path).map_err(advise)?;
+            if let Some(mismatch) = found.mismatch(&checkpoint.part()) {
+                return Err(self.refuse(mismatch));
+            }
+        }
+        checkpoint.write(&self.path)
+    }
+
+    /// Ends the use of the file once the output is written: writes the whole of `checkpoint` to a file that
+    /// the user named, and deletes any other file of this render.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub(super) fn finish(&self, checkpoint: &Checkpoint, has_advanced: bool) -> Result<()> {
+        if let Some(picture) = self.picture.as_ref().filter(|_| self.continued) {
+            // A file that cannot be deleted does no harm.
+            let _ = fs::remove_file(picture);
+        }
+        if self.named {
+            return if has_advanced { self.write(checkpoint) } else { Ok(()) };
+        }
+        let found = Checkpoint::read_part(&self.path);
+        if found.is_ok_and(|found| found.mismatch(&checkpoint.part()).is_none()) {
+            let _ = fs::remove_file(&self.path);
+        }
+        Ok(())
+    }
+
+    fn refuse(&self, mismatch: String) -> Error {
+        advise(Error::input(self.path.display().to_string(), "", mismatch))
+    }
+}
+
+/// `NAME.partial.EXTENSION` beside `NAME.png`.
+fn beside(output: &Path, extension: &str) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = &stem[..stem.floor_char_boundary(MAX_STEM)];
+    output.with_file_name(format!("{stem}.partial.{extension}"))
+}
+
+/// Says how to get a render going although the checkpoint file is refused.
+fn advise(error: Error) -> Error {
+    match error {
+        Error::Input { file, place, message } => {
+            let message = format!("{message}: delete it, or choose another file with --checkpoint");
+            Error::Input { file, place, message }
+        }
+        other => other,
+    }
+}

@@ -1,0 +1,126 @@
+//! Renders with checkpoints: at intervals, on SIGUSR1, and when the render is stopped.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::checkpoint_file::CheckpointFile;
+use super::progress::ProgressReport;
+use super::watch::{Schedule, Watch};
+use crate::checkpoint::Checkpoint;
+use crate::engine::Renderer;
+use crate::error::{Error, Result};
+use crate::image::{Metadata, Transfer};
+use crate::interrupt;
+
+/// Minimum gap between checkpoints, as a multiple of the time that the last one took to write.
+const MIN_GAP: u32 = 4;
+
+/// Renders the rest of `checkpoint`, and writes it to `file` whenever `schedule` says.
+///
+/// # Errors
+/// [`Error::Stopped`] when a signal or the time limit stops the render.
+///
+/// # Panics
+/// When a worker panics. The samples that were finished before are in the checkpoint file.
+pub(super) fn render(
+    renderer: &Renderer,
+    checkpoint: &mut Checkpoint,
+    file: &CheckpointFile,
+    schedule: &Schedule,
+    transfer: Transfer,
+    progress: &ProgressReport,
+) -> Result<()> {
+    let mut gap = Duration::ZERO;
+    loop {
+        let watch = Watch::new(schedule, progress, gap);
+        let advance = AssertUnwindSafe(|| renderer.advance(&mut checkpoint.rendering, &watch));
+        let advanced = catch_unwind(advance);
+        let failed = !matches!(advanced, Ok(Ok(())));
+        if failed || checkpoint.is_complete() {
+            progress.finish();
+        }
+        if failed {
+            // The panic or error is what the user must see, whether or not the checkpoint can be written.
+            let _ = file.write(checkpoint);
+        }
+        advanced.unwrap_or_else(|panic| resume_unwind(panic))?;
+        if checkpoint.is_complete() {
+            return Ok(());
+        }
+        interrupt::take_request();
+        if watch.ends().is_some() {
+            progress.finish();
+            return Err(stop(checkpoint, file, transfer, progress));
+        }
+        let start = Instant::now();
+        let written = file.write(checkpoint);
+        gap = MIN_GAP * start.elapsed();
+        let so_far = checkpoint.rendering.progress();
+        match written {
+            Ok(()) => progress.saved("checkpoint", so_far, file.path()),
+            // The next checkpoint may succeed.
+            Err(error) => progress.warn(so_far, &error),
+        }
+    }
+}
+
+/// Saves a render that is stopped, and its picture so far. Returns the error that says how to continue.
+fn stop(
+    checkpoint: &Checkpoint,
+    file: &CheckpointFile,
+    transfer: Transfer,
+    progress: &ProgressReport,
+) -> Error {
+    let (signal, so_far) = (interrupt::signal(), checkpoint.rendering.progress());
+    let mut outcome = match file.write(checkpoint) {
+        Ok(()) => {
+            progress.saved("stopped", so_far, file.path());
+            format!("run the same command again to continue from {}", file.path().display())
+        }
+        Err(error) => {
+            progress.lost(so_far);
+            let error = with_earlier(error, file);
+            // A time limit is an error like others: the checkpoint is all that the run was for.
+            if signal.is_none() {
+                return error;
+            }
+            format!("cannot save it: {error}")
+        }
+    };
+    if let Some(picture) = file.picture() {
+        outcome += &match write_picture(checkpoint, picture, transfer) {
+            Ok(()) => format!("; {} shows the picture so far", picture.display()),
+            Err(error) => format!("; {error}"),
+        };
+    }
+    Error::Stopped { signal, percent: checkpoint.percent(), outcome }
+}
+
+/// Saves a complete render whose image cannot be written. Returns `error`, and where the render is.
+pub(super) fn save_instead(checkpoint: &Checkpoint, file: &CheckpointFile, error: Error) -> Error {
+    match file.write(checkpoint) {
+        Ok(()) => with_earlier(error, file),
+        Err(_) => error,
+    }
+}
+
+/// `error`, and the checkpoint from which the render can be continued, if there is one.
+fn with_earlier(error: Error, file: &CheckpointFile) -> Error {
+    if !file.exists() {
+        return error;
+    }
+    let outcome = format!("{} has a checkpoint of the render", file.path().display());
+    Error::Saved { error: Box::new(error), outcome }
+}
+
+/// Writes the image of the samples that are done.
+pub(super) fn write_picture(
+    checkpoint: &Checkpoint,
+    path: &Path,
+    transfer: Transfer,
+) -> Result<()> {
+    let samples = checkpoint.rendering.progress().samples;
+    let metadata = Metadata::of_program().with("ptfast:partial", samples);
+    checkpoint.rendering.image()?.write(path, transfer, &metadata)
+}

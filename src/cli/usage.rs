@@ -1,0 +1,97 @@
+//! Parsing of the arguments, and one line for wrong usage.
+
+use std::ffi::OsString;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, FromArgMatches};
+
+use super::args::Cli;
+use super::console::{complain, say_lines};
+use crate::machine::Machine;
+
+const WRONG_USAGE: u8 = 2;
+
+/// Parses the arguments. An argument such as -1 is a value, and the value's parser rejects it.
+pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    let mut command = Cli::command();
+    let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    for name in names {
+        command = command.mut_subcommand(name, |command| {
+            command.mut_args(|arg| match arg.get_action().takes_values() && !arg.is_positional() {
+                true => arg.allow_negative_numbers(true),
+                false => arg,
+            })
+        });
+    }
+    let matches = command.try_get_matches_from_mut(arguments)?;
+    Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// Prints help or the version on standard output, or one line about wrong usage. Returns the exit code.
+pub(super) fn explain(error: &clap::Error) -> u8 {
+    match error.kind() {
+        ErrorKind::DisplayHelp => print(error.to_string().trim_end()),
+        ErrorKind::DisplayVersion if verbose() => print(&verbose_version()),
+        ErrorKind::DisplayVersion => print(error.to_string().trim_end()),
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {
+            let commands = Cli::command();
+            let names: Vec<&str> = commands.get_subcommands().map(|c| c.get_name()).collect();
+            complain(
+                &format!("a command is missing: {} (see `ptfast --help`)", names.join(", ")),
+                WRONG_USAGE,
+            );
+            WRONG_USAGE
+        }
+        _ => {
+            complain(&format!("{} (see `{} --help`)", message(error), command()), WRONG_USAGE);
+            WRONG_USAGE
+        }
+    }
+}
+
+fn print(text: &str) -> u8 {
+    super::exit_code(say_lines(text).map(|()| 0))
+}
+
+/// The command that the arguments name, with `ptfast` before it.
+fn command() -> String {
+    let known = Cli::command();
+    let named = std::env::args().skip(1).find(|word| known.find_subcommand(word).is_some());
+    named.map_or("ptfast".to_owned(), |name| format!("ptfast {name}"))
+}
+
+/// clap's message on one line, without usage and without suggestions of arguments that merely share some letters.
+fn message(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let text = text.split("\n\nUsage:").next().unwrap_or_default();
+    let text = text.split("\n\nFor more information").next().unwrap_or_default();
+    let mut text = text.strip_prefix("error: ").unwrap_or(text);
+    if error.kind() == ErrorKind::UnknownArgument && !suggests_a_typo(error) {
+        text = text.split("\n\n  tip:").next().unwrap_or_default();
+    }
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Whether the suggested argument differs from the given one by one letter in four at most.
+fn suggests_a_typo(error: &clap::Error) -> bool {
+    let name = |kind| match error.get(kind) {
+        Some(ContextValue::String(name)) => Some(name.trim_start_matches('-')),
+        _ => None,
+    };
+    let names = (name(ContextKind::InvalidArg), name(ContextKind::SuggestedArg));
+    let (Some(given), Some(suggested)) = names else { return false };
+    let given = given.split('=').next().unwrap_or_default();
+    strsim::damerau_levenshtein(given, suggested) <= 1 + given.len() / 5
+}
+
+fn verbose() -> bool {
+    std::env::args_os().any(|word| word == "--verbose" || word == "-v")
+}
+
+fn verbose_version() -> String {
+    let Machine { commit, isa, lanes, rustc, flags, .. } = Machine::this();
+    format!(
+        "ptfast {}\ncommit: {commit}\ninstruction set: {isa}, {lanes} lanes\ncompiler: {rustc}\nflags: {flags}",
+        env!("CARGO_PKG_VERSION"),
+    )
+}

@@ -1,0 +1,38 @@
+//! A scene around a mesh file: `ptfast render model.obj`.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::Background;
+use super::budget::Budget;
+use super::description::{CameraFile, SceneFile};
+use super::material::Lambertian;
+use super::mesh;
+use super::primitive::MeshFile;
+use crate::error::Result;
+use crate::geometry::Bounds;
+use crate::math::precise::sin_cos_degrees;
+use crate::math::{length, max, normalize};
+
+/// Vertical field of view in degrees.
+const VFOV: f32 = 35.0;
+
+/// The mesh in `path`, grey under a soft sky, with a camera that shows all of it: from in front, a little to the
+/// right and above (y is up).
+pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
+    let mesh = mesh::read(path, budget)?;
+    let bounds = Bounds::of(mesh.vertices.iter().copied());
+    let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+    // A sphere around the box fits into the field of view. A mesh of one point still has a distance.
+    let radius = max(length(half), 1e-3);
+    let (sin, _) = sin_cos_degrees(f64::from(VFOV) * 0.5);
+    let distance = 1.05 * radius / sin as f32;
+    let from = center + normalize(Vec3::new(0.5, 0.35, 1.0)) * distance;
+    let mut scene = SceneFile::new(CameraFile::new(from.to_array(), center.to_array(), VFOV));
+    scene.background = Background::Gradient { bottom: [0.4; 3], top: [0.9, 0.95, 1.0] };
+    scene.add_material("grey", Lambertian { albedo: [0.7; 3].into() });
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    scene.add(MeshFile::new(name, "grey"));
+    Ok(scene)
+}
