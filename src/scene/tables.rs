@@ -10,7 +10,7 @@ use super::texture::TextureTables;
 use crate::geometry::{Ray, Shape, Surfaces};
 use crate::math::{Real, face_forward};
 
-/// The tables of a scene.
+/// The surfaces, materials, textures, lights and media of a scene, in tables.
 #[derive(Debug)]
 pub(crate) struct SceneTables {
     pub(crate) surfaces: Surfaces,
@@ -33,8 +33,8 @@ impl SceneTables {
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 
-    /// The points where `ray` hits primitives of one shape at distance `t`. `textured` states
-    /// whether the table of their materials contains any textures.
+    /// Returns the points where `ray` hits primitives of one shape at distance `t`. `textured`
+    /// states whether the table of their materials contains any textures.
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,

@@ -1,11 +1,12 @@
-// Traces a ray set written by `ptfast rays` with Embree 3: the same rays, the same primitives.
+// Uses Embree 3 to trace the rays of a set that `ptfast rays` wrote, against the same primitives.
 //
 //     g++ -std=c++17 -O3 -march=native replay.cpp -o replay -lembree3
 //     ./replay FOLDER [REPETITIONS] [robust]
 //
 // Prints one JSON line per set: millions of rays per second on one thread (the best of packets of 1, 4, 8 and 16
-// rays, each a median over the repetitions), and the number of hits on another primitive than in the set. The
-// measured time includes copying the rays from plain arrays into Embree's packets and writing the hits.
+// rays, each a median over the repetitions), and the number of rays whose hit differs in its primitive from that
+// in the set. The measured time includes copying the rays from plain arrays into Embree's packets and writing the
+// hits.
 
 #include <embree3/rtcore.h>
 #include <immintrin.h>
@@ -44,7 +45,7 @@ struct RaySet {
     size_t size() const { return hits.size(); }
 };
 
-// Index of the first primitive of each geometry: spheres, quads, triangles.
+// An Embree scene, with the index of the first primitive of each geometry: spheres, quads, triangles.
 struct Scene {
     RTCScene scene;
     uint32_t first[3];

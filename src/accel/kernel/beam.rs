@@ -6,9 +6,9 @@
 //! rays one by one.) Rays are tested individually only against primitives whose boxes the beam may
 //! enter.
 //!
-//! Departures:
-//! 1. Distances are measured along the longest axis of the first ray. The intervals of the other
-//!    slopes are then those of the frustum around the rays.
+//! Differences from the paper:
+//! 1. Distances are measured along the longest axis of the first ray. The slopes on the other two
+//!    axes then have the intervals of the frustum around the rays.
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
 
@@ -33,7 +33,8 @@ struct Beam<const V: usize> {
     /// Least and largest slope, on each axis, of the distance as a function of a plane's
     /// coordinate.
     slopes: [[Float; 2]; 3],
-    /// Offsets that are subtracted for near planes and for far planes, with either slope.
+    /// Offsets that are subtracted for near planes and for far planes, one for each of the two
+    /// slopes.
     near_offsets: [[Float; 2]; 3],
     far_offsets: [[Float; 2]; 3],
     /// Least lower end of the rays' intervals.
@@ -85,8 +86,9 @@ impl<const V: usize> Beam<V> {
         Some(beam)
     }
 
-    /// Whether the rays spread by more than a quarter of the distance. Such a beam enters so many
-    /// boxes of a large tree that it would take a thousand times as long as its rays do one by one.
+    /// Returns whether the rays spread by more than a quarter of the distance. Such a beam enters
+    /// so many boxes of a large tree that it would take a thousand times as long as tracing its
+    /// rays one by one.
     #[inline(always)]
     fn is_wide(&self) -> bool {
         let across = |slope: Float| Float::splat(1.0) / slope.abs();
@@ -124,7 +126,7 @@ impl<const V: usize> Beam<V> {
         Frame::new(index, entry, entered)
     }
 
-    /// Returns the lanes of a block whose primitives have boxes that the beam may enter up to
+    /// Returns the lanes of those primitives of a block whose boxes the beam may enter up to
     /// `limit`.
     #[inline(always)]
     fn candidates(

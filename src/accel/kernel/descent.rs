@@ -10,7 +10,8 @@ use crate::accel::ray::one_ray::{OneRay, Table};
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, LANES, Lanes};
 
-/// Number of levels in large trees. In other trees it is only the root (`profiling/`).
+/// Number of levels that the rays descend together in large trees. In other trees, they share only
+/// the root (`profiling/measured.md`).
 const LEVELS: usize = 3;
 
 /// The state of each ray after the first levels.

@@ -59,8 +59,8 @@ impl Job<'_> {
             return;
         }
         for &block in self.spanning {
-            // Spanning primitives are mostly huge. They are near many rays, and the filter before
-            // the sphere test rejects few.
+            // Spanning primitives are mostly huge. They are near most rays, so the filter before
+            // the sphere test would reject few of them.
             self.blocks.test_packet::<V, ANY, ANY, true>(block, block.valid(), packet, count);
         }
         search(packet, count);

@@ -19,7 +19,7 @@ pub(super) struct Block {
     dual_u: [Lanes; 3],
     dual_v: [Lanes; 3],
     primitive: Lanes<u32>,
-    /// Quads with a cheaper test, which packets use.
+    /// The data of a cheaper test, which packets use; `None` for quads that need the general test.
     special: [Option<SpecialQuad>; LANES],
 }
 
@@ -30,7 +30,7 @@ impl Block {
         self.with(Vec3x::of_lanes)
     }
 
-    /// Returns one quad in every lane.
+    /// Returns the quad of one lane, copied to every lane.
     #[inline(always)]
     fn splat(&self, lane: usize) -> QuadLanes {
         self.with(|lanes| Vec3x::splat_lane(lanes, lane))

@@ -53,7 +53,7 @@ impl Leaf for Block {
         }
     }
 
-    /// Counts a test for each axis along which rays run, not for each vector of rays.
+    /// Counts one test for each view of a vector of rays, not one for each vector.
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,

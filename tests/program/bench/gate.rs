@@ -29,7 +29,7 @@ fn the_gate_fails_if_a_program_is_slower() {
             .collect();
         (output.status.code(), outcomes, record, stdout(&output))
     };
-    // 4% slower.
+    // The measured program takes 4% longer.
     let (code, outcomes, record, told) = gate(&slow, &fast, "1");
     assert_eq!((code, outcomes), (Some(3), vec!["regressed".to_owned(); 2]), "{told}");
     assert!(told.contains("REGRESSED"), "{told}");
@@ -157,7 +157,7 @@ fn records_useless_as_a_baseline_are_reported() {
     assert!(stderr(&output).contains(told), "{}", stderr(&output));
 }
 
-/// A disturbed bench takes more samples until two are clean, or up to four.
+/// A disturbed bench takes more samples until two are clean, but at most four.
 #[test]
 fn disturbed_samples_are_measured_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -157,7 +157,8 @@ fn an_interrupt_after_sigterm_still_saves() {
     hash(here, &LONG);
 }
 
-/// SIGHUP stays ignored, as under nohup. SIGINT does not, although shells ignore it for background jobs.
+/// If SIGHUP is ignored at the start, as under nohup, it stays ignored. SIGINT does not, although shells
+/// make background jobs ignore it.
 #[test]
 fn ignored_hangups_stay_ignored() {
     let folder = tempfile::tempdir().unwrap();
