@@ -1,6 +1,6 @@
 //! Benchmarks the stages of the wavefront engine in whole renders, timed by the engine's own clocks.
 //!
-//! The throughput is in the rays or paths that a stage works on.
+//! Throughput is the number of rays or paths that a stage processes per second.
 
 use std::time::Duration;
 

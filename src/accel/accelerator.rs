@@ -86,7 +86,7 @@ const MOST_IN_PACKET_TREE: usize = 1 << 14;
 /// every ray set; with 256 spheres, [`Kernel::Flat`] is still faster on bounces.
 const MOST_WITHOUT_TREE: usize = 512;
 
-/// A primitive spans the scene if the surface area of its box is at least this share of that of the
+/// A primitive spans the scene if its box has at least this share of the surface area of the
 /// scene's box.
 const SPANNING_SHARE: f32 = 0.25;
 
@@ -106,7 +106,7 @@ impl Base {
 
 impl Accelerator {
     /// Creates the accelerator of `geometry`, without building a layout yet. The boxes of its trees
-    /// contain every primitive at all times.
+    /// contain each primitive over all times in `[0, 1]`.
     pub fn new(geometry: impl Into<Arc<Geometry>>) -> Self {
         Self {
             geometry: geometry.into(),
@@ -134,7 +134,8 @@ impl Accelerator {
         Layout { bytes, seconds }
     }
 
-    /// Bounding box of the primitives, without those that span the scene unless all of them do.
+    /// Bounding box of the primitives that do not span the scene, or of all primitives if all of
+    /// them span it.
     pub(crate) fn bounds(&self) -> Bounds {
         let base = self.base();
         base.tree.nodes.first().map_or(base.all, |root| root.bounds)
@@ -266,8 +267,9 @@ impl Accelerator {
     }
 }
 
-/// Splits the primitives into those that span the scene and the others. If more span it than fit
-/// into a block, all count as others. `scene` is half the surface area of the scene's box.
+/// Splits the primitives into those that span the scene and the others. If more primitives span it
+/// than fit into a block, they all count as others. `scene` is half the surface area of the scene's
+/// box.
 fn spanning(boxes: &[Bounds], scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =

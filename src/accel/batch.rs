@@ -40,7 +40,7 @@ impl RayBatch {
         let index = self.len;
         self.len += 1;
         if self.len + LANES > self.time.len() {
-            // `Vec` at least doubles its capacity whenever it grows.
+            // This rarely allocates, since `Vec` at least doubles its capacity whenever it grows.
             let padded = (self.len + LANES).next_multiple_of(LANES);
             self.arrays().for_each(|array| array.resize(padded, f32::NAN));
         }
@@ -140,7 +140,7 @@ pub(crate) struct RayVector {
 }
 
 impl RayVector {
-    /// Rays on which all hits at positive distances count.
+    /// Creates rays whose intervals contain all positive distances.
     #[inline(always)]
     pub(crate) fn unbounded(ray: Ray<Float>) -> Self {
         let Ray { origin, direction, time } = ray;
@@ -185,12 +185,12 @@ impl HitBatch {
         self.primitive.resize(count, Self::MISS);
     }
 
-    /// Number of rays.
+    /// Number of rays, including those that miss.
     pub fn len(&self) -> usize {
         self.primitive.len()
     }
 
-    /// Whether the batch contains no rays.
+    /// Whether the batch has neither hits nor misses.
     pub fn is_empty(&self) -> bool {
         self.primitive.is_empty()
     }

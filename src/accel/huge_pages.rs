@@ -1,4 +1,4 @@
-//! Huge pages for trees, which cause fewer TLB misses.
+//! Huge pages, which reduce the number of TLB misses in trees.
 #![allow(unsafe_code)]
 
 /// Usual size of huge pages (x86-64, most AArch64 systems).

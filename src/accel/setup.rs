@@ -14,12 +14,12 @@ use crate::simd::{Float, Mask, Vec3x, axes};
 pub(super) struct Extent {
     /// Centre of the bounding box of all primitives that are in a tree.
     middle: Vec3,
-    /// Half the sum of that box's three edges.
+    /// Half the sum of the three edges of the bounding box around `middle`.
     half_edges: f32,
     /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
     condition: f32,
-    /// Largest sum of the magnitudes of a ray origin's coordinates for which no product in a box or
-    /// primitive test can overflow; negative if no ray is safe.
+    /// Limit on |x| + |y| + |z| of a ray's origin, up to which no product in a box or primitive
+    /// test can overflow; negative if no ray is safe.
     tame_reach: f32,
     /// Whether the scene has boxes to test.
     boxes: bool,
@@ -73,9 +73,9 @@ pub(super) struct Setup {
 /// steepness: one operation more for each axis, but near and far plane need not be selected.
 ///
 /// Departures from the scalar test:
-/// 1. A component of the direction whose magnitude is below 1e-10 of the sum of all three is raised
-///    to that value, so that no product is NaN. This moves a plane by 3e-10 of the farthest
-///    distance, well within the slack.
+/// 1. A component of the direction whose magnitude is less than 1e-10 times the sum of the three
+///    magnitudes is raised to that value, so that no product is NaN. This moves a plane by 3e-10 of
+///    the farthest distance, well within the slack.
 /// 2. The rounding error is at most 3 roundings of the origin and 4 of the farthest distance; the
 ///    slack allows for 4 and 6.
 /// 3. The slack that moves planes outward is contained either in the boxes ([`super::tree::pair`])
@@ -104,7 +104,7 @@ pub(super) struct Shear {
 /// Largest coordinate of a box or an origin. Within this limit and the next two, no product of the
 /// slab test overflows, or underflows in a way that matters.
 const TAME_COORDINATE: f32 = 1e10;
-/// Least half sum of the edges of the boxes' bounding box.
+/// Lower limit on half the sum of the edges of the boxes' bounding box.
 const TAME_EDGES: f32 = 1e-20;
 /// Range of the sum of the magnitudes of a direction's components.
 const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
@@ -117,8 +117,8 @@ impl Setup {
     /// which are finite but too large or too small for the slab test. The scalar reference must
     /// trace them.
     ///
-    /// This writes in place, because moving large values copies them, and computes only the parts
-    /// that the scene needs.
+    /// The setup is written in place, because moving a large value copies it. Only the parts that
+    /// the scene needs are computed.
     #[inline(always)]
     pub(super) fn load(&mut self, rays: &RayVector, present: u32, extent: &Extent) -> u32 {
         let RayVector { origin, direction, time, t_min, t_max } = *rays;
@@ -217,8 +217,9 @@ mod tests {
     use crate::math::max;
     use crate::math::random::Stream;
 
-    /// The slack is that of [`SlabRay`](super::super::slab::SlabRay), or little more. For rays that
-    /// begin near the boxes, it does not exceed the slack that [`Extent::slack_within`] returns.
+    /// Except for rounding, the slack is at least that of [`SlabRay`](super::super::slab::SlabRay),
+    /// and at most three times as large. For rays that begin near the boxes, it does not exceed the
+    /// slack that [`Extent::slack_within`] returns.
     #[test]
     fn slack_is_that_of_the_reference() {
         let (mut random, mut within, mut conditions) = (Stream::new(21), 0, 1.0);

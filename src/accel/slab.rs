@@ -17,12 +17,14 @@ use crate::simd::axes;
 ///    origins, one for near and one for far planes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlabRay {
-    /// Origin from which the distances of near planes and of far planes are computed.
+    /// Origin from which the distances of near planes are computed.
     near_origin: Vec3,
+    /// Origin from which the distances of far planes are computed.
     far_origin: Vec3,
     inv_direction: Vec3,
-    /// Indices of the [`Planes`] that the ray meets first and last on each axis.
+    /// Index of the plane in [`Planes`] that the ray meets first on each axis.
     near: [usize; 3],
+    /// Index of the plane in [`Planes`] that the ray meets last on each axis.
     far: [usize; 3],
 }
 
@@ -43,10 +45,11 @@ pub(super) fn near_and_far(negative: [bool; 3]) -> ([usize; 3], [usize; 3]) {
     (axes(|axis| plane(negative[axis], axis)), axes(|axis| plane(!negative[axis], axis)))
 }
 
-/// Bound of the rounding errors between the entry into a box and the distance of a primitive in it,
-/// relative to the distance. In units of roundoff, the primitive's own test contributes 24 (sphere:
-/// origin to centre 2, projection 9, root 11; triangle: shear 5, height 3; quad: 8, magnified by
-/// [`Quad::condition`](crate::geometry::Quad::condition)), and the slab test 6.
+/// Bound on the sum of the rounding errors of the entry into a box and of the distance of a
+/// primitive in it, relative to the distance. In units of roundoff, the primitive's own test
+/// contributes at most 24 (sphere: origin to centre 2, projection 9, root 11; triangle: shear 5,
+/// height 3; quad: 8, magnified by [`Quad::condition`](crate::geometry::Quad::condition)), and the
+/// slab test 6.
 pub(super) const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 
 impl SlabRay {

@@ -8,8 +8,8 @@ use crate::statistics::Estimate;
 
 /// Steps per slice, which takes about a fifth of a millisecond.
 const STEPS: u32 = 1 << 17;
-/// Number of slices. Their median counts, since interrupts disturb a few slices and clocks change
-/// within milliseconds.
+/// Number of slices. The result is their median, since interrupts disturb a few slices and clocks
+/// change within milliseconds.
 const SLICES: usize = 24;
 /// Operations per step. Each depends on the one before and takes one cycle.
 const OPERATIONS: f64 = 6.0;

@@ -13,7 +13,7 @@ use crate::simd::LANES;
 pub struct StageWork {
     /// Number of paths or rays that the stage processed.
     pub active: u64,
-    /// Number of vector lanes that the stage used for them.
+    /// Number of vector lanes that the stage used, inactive lanes included.
     pub issued: u64,
     /// Seconds, summed over threads.
     pub seconds: f64,
@@ -54,8 +54,8 @@ impl StageWork {
 /// The work of all stages for one segment of the paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SegmentWork {
-    /// Paths that ended on this segment. Its rays are these paths plus the rays of the next
-    /// segment.
+    /// Paths that ended on this segment. Together with the number of rays of the next segment, they
+    /// give the number of rays of this segment.
     pub endings: Endings,
     works: [StageWork; Stage::ALL.len()],
 }

@@ -5,11 +5,12 @@ use super::Int;
 
 /// Returns the positions of the set bits in ascending order, followed by arbitrary valid positions.
 ///
-/// [`Float::shuffled`](super::Float::shuffled) by the result moves the selected lanes to the front.
+/// With these positions, [`Float::shuffled`](super::Float::shuffled) moves the selected lanes to
+/// the front.
 #[inline(always)]
 pub(crate) fn set_lanes(bits: u32) -> Int {
-    // Each stage moves every path with this instruction once, to a queue or to the continuing
-    // paths.
+    // Each stage uses this instruction once for every path, to move it either to a queue or to the
+    // paths that continue.
     // SAFETY: this is compiled only for CPUs that have the instruction, and both types are
     // registers of 16 u32.
     #[cfg(target_feature = "avx512f")]
@@ -24,7 +25,7 @@ pub(crate) fn set_lanes(bits: u32) -> Int {
     Int::new(PLACES[bits as usize & 255].map(u32::from))
 }
 
-/// The positions of the set bits of each mask.
+/// For each mask of 8 bits, the positions of its set bits in ascending order.
 #[cfg(not(target_feature = "avx512f"))]
 static PLACES: [[u8; 8]; 256] = {
     let (mut set_lanes, mut bits) = ([[0; 8]; 256], 0);

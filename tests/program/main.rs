@@ -1,4 +1,5 @@
-//! Tests of the program, its files and its sources, which need to run on one instruction set only.
+//! Tests of the program, its files and its sources. It is enough to run them on one instruction
+//! set.
 
 mod bad_input;
 mod bench;

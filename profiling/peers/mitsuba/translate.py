@@ -22,7 +22,7 @@ def color(value, textures):
 
 
 def material(description, textures, exact):
-    """Returns None for lights. If `exact`, rejects materials without a counterpart in Mitsuba."""
+    """Returns a material for Mitsuba, or None for a light. If `exact`, rejects materials that Mitsuba does not have."""
     kind, values = only(description)
     fuzzy = kind == "metal" and values.get("fuzz", 0.0) > 0
     by_schlick = kind == "dielectric" and values.get("fresnel", "schlick") == "schlick"
@@ -116,7 +116,7 @@ def translate(scene, width, height, exact, sampler="independent"):
              "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": 5}}
     kind, background = only(scene["background"])
     if kind != "constant":
-        raise SystemExit(f"the background {kind} cannot be translated to Mitsuba, only constant ones")
+        raise SystemExit(f"{kind} backgrounds cannot be translated to Mitsuba, only constant ones")
     if max(background["radiance"]) > 0:
         world["background"] = {"type": "constant", "radiance": {"type": "rgb", "value": background["radiance"]}}
     made = {name: material(description, textures, exact) for name, description in scene["materials"].items()}

@@ -7,7 +7,7 @@ use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, LANES, Lanes, axes};
 
 impl OneRay<'_> {
-    /// Returns the children of a node that the ray enters up to `limit`.
+    /// Returns those children of a node that the ray enters at a distance of at most `limit`.
     #[inline(always)]
     pub(crate) fn enter(
         &self,

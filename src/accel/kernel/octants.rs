@@ -6,9 +6,9 @@ use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions.
 pub(crate) struct Octants {
-    /// Whether the active rays differ in sign on some axis.
+    /// Whether the directions of the active rays differ in sign on some axis.
     pub(crate) mixed: bool,
-    /// For each axis, whether most active rays have a negative direction on it.
+    /// For each axis, whether the directions of most active rays are negative along it.
     pub(crate) negative: [bool; 3],
 }
 

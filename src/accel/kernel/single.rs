@@ -1,5 +1,6 @@
-//! The kernel `single`, which traces rays through a wide tree individually: one by one after the
-//! first levels, or in turn from the root.
+//! The kernel `single`, which traces each ray through a wide tree on its own. The rays of a vector
+//! descend the first levels together and then continue one by one, or they take turns from the root
+//! on.
 
 use super::descent::Descent;
 use super::frames::{Frame, Frames};
@@ -13,8 +14,8 @@ use crate::accel::ray::packet::Packet;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
-/// Traces rays through the tree one by one, or in turn. Returns the indices of the wild rays, which
-/// are left to the scalar reference.
+/// Traces rays through the tree, one by one or taking turns. Returns the indices of the wild rays,
+/// which are left to the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
@@ -98,10 +99,11 @@ fn trace_one_by_one<const ANY: bool>(
     }
 }
 
-/// Traces rays in turn: while one ray waits for a block from slow memory, the others continue
+/// Traces rays that take turns: while one waits for a block from slow memory, the others continue
 /// (Kocberber, Falsafi, Grot 2015, "Asynchronous Memory Access Chaining").
 ///
-/// Departure: rays wait only for blocks. Waiting for nodes as well gains nothing (`profiling/`).
+/// Departure from the paper: rays wait only for blocks. Waiting for nodes as well gains nothing
+/// (`profiling/`).
 #[inline(always)]
 fn trace_in_turn<const ANY: bool>(
     tree: &WideTree,
@@ -159,8 +161,8 @@ impl Waiting {
     const NONE: Self = Self { lane: 0, frame: Frame::NONE, block: BlockRef::NONE };
 }
 
-/// Returns the next block in a box that a ray enters up to `limit`, nearer boxes first. `frame` has
-/// the remaining children of the ray's current node.
+/// Returns the next block with a box that the ray enters at a distance of at most `limit`. Nearer
+/// boxes come first. `frame` has the remaining children of the ray's current node.
 #[inline(always)]
 fn next_block(
     frame: &mut Frame,

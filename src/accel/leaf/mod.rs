@@ -90,8 +90,8 @@ trait Leaf: Sized {
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// `NEAR` adds an early test whether any ray meets a quad's plane within its interval, and
-    /// `LEAVE` one whether rays move away from a sphere. They affect only speed.
+    /// `NEAR` adds an early test of whether any ray meets a quad's plane within the ray's interval.
+    /// `LEAVE` adds an early test of whether rays move away from a sphere. Both affect only speed.
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
         lanes: u32,
@@ -111,7 +111,7 @@ macro_rules! blocks {
         impl Blocks {
             /// Adds a block of `primitives`, which must be 1 to [`LANES`] of one shape.
             pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
-                // Ties go to the lowest index, which sorting makes the lowest lane.
+                // Ties go to the lowest index. Sorting puts it into the lowest lane.
                 primitives.sort_unstable();
                 let shape = geometry.get(primitives[0]).shape();
                 let index = match shape {

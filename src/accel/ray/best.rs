@@ -4,8 +4,8 @@ use crate::accel::batch::HitBatch;
 use crate::geometry::ray_lanes::HitLanes;
 use crate::simd::{Bits, Float, Lanes};
 
-/// The closest hit so far. The ray's interval is open, so another hit at exactly `t` counts only if
-/// `t` is the distance of a hit already found and the new primitive has a lower index.
+/// The closest hit so far. The ray's interval is open, so a hit at exactly `t` counts only if `t`
+/// is the distance of a hit already found and the new primitive has a lower index.
 #[derive(Clone, Copy)]
 pub(crate) struct Best {
     pub(crate) t: f32,

@@ -4,8 +4,8 @@ use super::rays::Rays;
 use crate::accel::batch::HitBatch;
 use crate::simd::{Bits, Float, Int, LANES, first_bits};
 
-/// Vectors of rays in the packets of most kernels. The 32 rays share the loads of a primitive's
-/// numbers, and the branches that CPUs mispredict.
+/// Number of vectors in a packet of most kernels. The 32 rays of such a packet share the loads of a
+/// primitive's numbers and the branches that CPUs mispredict.
 pub(crate) const VECTORS: usize = 32 / LANES;
 
 /// A packet of rays during its traversal.
@@ -38,8 +38,8 @@ impl<const V: usize> Packet<V> {
         }
     }
 
-    /// Returns, in every lane, the largest distance up to which a ray still searches, each
-    /// multiplied by the ray's scale.
+    /// Multiplies the distance up to which each ray still searches by the ray's scale. Returns the
+    /// largest product, in every lane.
     #[inline(always)]
     pub(crate) fn farthest(&self, scales: &[Float; V]) -> Float {
         let mut farthest = Float::splat(f32::NEG_INFINITY);

@@ -72,7 +72,8 @@ impl Rays {
         wild
     }
 
-    /// Groups the rays by the axis they run along. Usually all rays are in one group.
+    /// Returns the rays in groups with the same longest axis and sign. Usually all rays are in one
+    /// group.
     #[inline(always)]
     pub(crate) fn views(&self) -> &[View] {
         &self.views.views[..self.views.count]
@@ -162,7 +163,8 @@ impl Rays {
         self.setup.slab.steepness[axis]
     }
 
-    /// Origins on an axis that points in the direction `sign`, moved ahead and back by the slack.
+    /// Coordinates of the origins on `axis`, negated if `sign` is −1. Returns them with the slack
+    /// added, and with it subtracted.
     #[inline(always)]
     pub(crate) fn slab_origins(&self, axis: usize, sign: Float) -> (Float, Float) {
         let origin = self.setup.ray.origin[axis] * sign;

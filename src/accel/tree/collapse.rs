@@ -65,7 +65,7 @@ impl<'a> Collapse<'a> {
         let kind = left.kind.filter(|_| left.kind == right.kind);
         let is_leaf = kind.is_some() && count <= LANES as u32;
         // A visit costs the same for a node and for a leaf, whether or not the leaf shares its
-        // block. Other costs gained nothing (`profiling/`).
+        // block. Other costs brought no speedup (`profiling/measured.md`).
         let mut costs = [area + if is_leaf { 0.0 } else { self.split(first, LANES).0 }; SHARES];
         for shares in 2..=SHARES {
             let least = costs[shares - 2];
@@ -146,7 +146,7 @@ mod tests {
     use crate::math::random::Stream;
     use glam::Vec3;
 
-    /// Still and moving spheres and quads, close together.
+    /// Quads, still spheres and moving spheres, close together.
     fn mixture(spheres: usize, quads: usize) -> Geometry {
         let mut random = Stream::new(14);
         let mut point = || Vec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));

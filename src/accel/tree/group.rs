@@ -1,8 +1,9 @@
-//! Groups of primitives whose boxes share their centre, which the builder treats as one primitive.
+//! Groups of primitives whose boxes have the same centre. The builder treats each group as one
+//! primitive.
 //!
-//! obvhs merges boxes that are each other's nearest (PLOC). Among boxes that are all equally near,
-//! it merges one pair in each round and takes quadratic time: 100 000 equal spheres took over ten
-//! minutes.
+//! The builder of the crate obvhs merges boxes that are nearest neighbours of each other (PLOC).
+//! Among boxes that are all equally near, it merges one pair in each round and takes quadratic
+//! time: 100 000 equal spheres took over ten minutes.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Exports records as criterion's folders: `criterion/GROUP/FUNCTION/VALUE/BASELINE/*.json`.
+//! Exports records to folders in criterion's layout: `criterion/GROUP/FUNCTION/VALUE/BASELINE/*.json`.
 
 use std::fs;
 use std::io::Write;

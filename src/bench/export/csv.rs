@@ -8,7 +8,7 @@ use crate::bench::record::Record;
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
-/// Appends a line with the Mrays/s of each run to those of other records.
+/// Appends a line with the Mrays/s of each run to the lines of earlier records.
 pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
     let before = before(record.runs.iter().map(|run| super::name_of(&run.work)), file)?;
     let mut line = vec![field(&record.time), field(&record.machine.commit)];
@@ -37,7 +37,7 @@ fn before(names: impl Iterator<Item = String>, file: &Path) -> Result<String> {
     if text.lines().next() == Some(&columns) {
         return Ok(text);
     }
-    let message = format!("cannot append a line with other columns, they must be `{columns}`");
+    let message = format!("the columns must be `{columns}`, like those of the line to append");
     Err(Error::input(file.display().to_string(), "1", message))
 }
 

@@ -1,4 +1,4 @@
-//! Readers of the triangle meshes that scene files name, one file per format.
+//! Readers of the triangle meshes that scene files name. Each format has its own module.
 
 mod indexed;
 mod obj;

@@ -9,7 +9,7 @@ use super::rays::{Bundles, adversarial};
 
 /// Number of rays traced for each kind of scene.
 pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
-/// Number of rays in a batch: a whole number of bundles.
+/// Number of rays in a round, which are traced as one batch: a whole number of bundles.
 pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
 
 pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
@@ -18,8 +18,9 @@ pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
 
 /// The interval of ray number `i`, which was generated for distances up to `t_max` and hits `hit`.
 ///
-/// In every fourth pair of bundles the intervals begin above 0, mostly at or next to the hit. In
-/// another fourth, some begin and some end there. All others are (0, `t_max`).
+/// In one of every four pairs of bundles, all intervals begin above 0, mostly at or next to the
+/// hit. In another one, some intervals begin or end at or near the hit. All other intervals are
+/// (0, `t_max`).
 fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
     let pair = i / Bundles::SIZE / 2 % 4;
     let Some(Hit { t, .. }) = hit else {
@@ -60,8 +61,8 @@ pub(crate) fn check_kernels(
         }
         let each = 0..batch.len();
         for kernel in Kernel::ALL {
-            // `flat` takes too long for all rays of large scenes, so it traces some bundles of each
-            // kind of interval.
+            // In large scenes, `flat` takes too long to trace all rays, so it traces only some
+            // bundles with each kind of interval.
             let share = kernel == Kernel::Flat && geometry.len() > 1000;
             let each = if share { 0..batch.len().min(8 * Bundles::SIZE) } else { each.clone() };
             let (mut closest, mut any) =
@@ -82,7 +83,7 @@ pub(crate) fn check_kernels(
     assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
 }
 
-/// Compares every kernel with brute force over `rays` rays, half of them independent and half in
+/// Compares every kernel with brute force on `rays` rays, half of them independent and half in
 /// bundles.
 pub(crate) fn check(name: &str, geometry: &Geometry, rays: usize, scale: f32, shift: Vec3) {
     let mut random = Stream::new(99);

@@ -7,8 +7,8 @@ use serde_json::Value;
 use super::{SMALL, succeeds};
 use crate::common::{ptfast, stderr, stdout};
 
-/// A trace has each worker's stages in sequence, within its tiles. Tracing does not change the
-/// image.
+/// In a trace, the stages of a worker do not overlap, and each lies within one of the worker's
+/// tiles. Tracing does not change the image.
 #[test]
 fn traces_show_the_work_of_each_worker() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,7 +61,7 @@ fn traces_show_the_work_of_each_worker() {
     assert_eq!(read("plain.json")["hash"], record["hash"]);
 }
 
-/// A render can use the plan of a record. Other files are rejected as plans.
+/// A render can use the plan of a record. Files that have no valid plan are rejected.
 #[test]
 fn plans_of_records_can_be_reused() {
     let folder = tempfile::tempdir().unwrap();
@@ -118,7 +118,7 @@ fn plans_of_records_can_be_reused() {
     }
 }
 
-/// `path` prints the rays of a sample, which are those that a render counts.
+/// `path` prints each ray of a sample. A render of the same sample counts the same rays.
 #[test]
 fn paths_are_printed_ray_by_ray() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn paths_are_printed_ray_by_ray() {
     let far = ["path", "--pixel", "0,0", "--sample", "16777216"];
     let far = ptfast(folder.path(), &[&far[..], &size].concat());
     assert!(stderr(&far).contains("--sample"), "{}", stderr(&far));
-    // `path` has no options that leave the sample unchanged.
+    // `path` rejects options that could not change the sample.
     for option in [["--spp", "5"], ["--clamp", "1"]] {
         let other = ["path", "--pixel", "0,0", option[0], option[1]];
         assert_eq!(ptfast(folder.path(), &[&other[..], &size].concat()).status.code(), Some(2));

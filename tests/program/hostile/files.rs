@@ -1,4 +1,4 @@
-//! Paths that lead out of the folder, and faulty checkpoints, plans and records.
+//! Paths that lead out of the scene's folder, and faulty checkpoints, plans and records.
 
 use super::meshes::scene as mesh;
 use super::{Case, Content};
@@ -57,7 +57,7 @@ pub(super) fn cases() -> Vec<Case> {
     // Two links that point to each other.
     let circle = Case::scene("a.ron", mesh("m.obj"), "m.obj");
     cases.push(circle.with("m.obj", Content::Link("n.obj")).with("n.obj", Content::Link("m.obj")));
-    // A path through a link out of the folder and back into it.
+    // A path that leaves the folder through a link, and whose `..` seem to lead back into it.
     let around = Case::scene("a.ron", mesh("out/inner/../../etc/passwd"), "a.ron");
     cases.push(around.with("out", Content::Link("/")));
     for (content, code, says) in [
@@ -150,7 +150,7 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(case);
     }
 
-    // Huge sparse files, which must be rejected without hashing all of them.
+    // Huge sparse files, which must be rejected before all of their bytes are hashed.
     let mut sparse = Case::scene("m.film", "", "damaged");
     sparse.files = vec![("m.film", Content::Begun(b"ptfast film\n".to_vec(), 1 << 40))];
     sparse.arguments = vec!["merge", "m.film", "-o", "a.png"];
@@ -199,7 +199,7 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(case);
     }
 
-    // Images that are too large for the machine.
+    // Images that exceed the limit of pixels or of memory.
     for (arguments, says) in [
         (vec!["--width", "2000"], "the limit of memory is 32.0 MiB"),
         (vec!["--width", "60000", "--height", "60000"], "the limit of pixels is 268435456"),

@@ -21,7 +21,7 @@ const JSON: &str = r#"{
 
 const FLAT: &str = "size 8 8\ncamera 0 0 5 0 0 0 0 1 0 40 0 5 0 0\nmat lambert 0.5 0.5 0.5\nsphere 0 0 0 0 0 0 1 0\n";
 
-/// A case with the scene `good`, in which `to` replaces `from`.
+/// A case whose scene is `good` with the first `from` replaced by `to`. It must fail with `says`.
 fn edited(file: &'static str, good: &str, from: &str, to: &str, says: &str) -> Case {
     assert!(good.contains(from), "{from}");
     let mut case = Case::scene(file, good.replacen(from, to, 1), says);

@@ -1,4 +1,4 @@
-//! Tests that stopped and continued renders give the same bits as uninterrupted ones.
+//! Tests of stopped and continued renders, which must give the same bits as uninterrupted ones.
 
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::{hash, refusal, with};
 use crate::common::{ptfast, stderr};
 
-/// Stops a render when it has asked `left` times whether to stop.
+/// Answers [`Stop::No`] the first `left` times that a render asks whether to stop, and `stop` from then on.
 struct Patience {
     left: AtomicU64,
     stop: Stop,
@@ -29,8 +29,8 @@ impl Observer for Patience {
     }
 }
 
-/// Stops renders at random moments and continues them from files with other engines, threads and wave
-/// sizes. Some work is discarded.
+/// Stops renders at random moments, saves them in files, and continues them with other engines, numbers of
+/// threads and wave sizes. Some of the stops discard unfinished work.
 #[test]
 fn renders_continue_from_checkpoints() {
     let folder = tempfile::tempdir().unwrap();
@@ -145,7 +145,7 @@ fn other_files_are_not_overwritten() {
 }
 
 /// A render that is stopped without `--checkpoint` leaves a checkpoint beside the image. The same command
-/// continues it and then deletes it; another render does not start.
+/// continues the render and then deletes the checkpoint. A command with other settings is rejected.
 #[test]
 fn stopped_renders_are_continued_by_the_same_command() {
     let folder = tempfile::tempdir().unwrap();
@@ -204,7 +204,8 @@ fn other_renders_are_not_continued() {
     assert!(!here.join("b.pfm").exists() && !here.join("c.film").exists());
 }
 
-/// Checkpoints that are truncated, edited or of another version, and other files, are rejected.
+/// Checkpoints that are truncated, edited or of another version are rejected. So are files that are not
+/// checkpoints.
 #[test]
 fn damaged_checkpoints_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -261,12 +262,12 @@ fn damaged_checkpoints_are_refused() {
     assert!(!here.join("b.pfm").exists());
 }
 
-/// A time limit stops a render with an exit code of its own. Continued, it gives the same image.
+/// A time limit stops a render with exit code 75. The continued render gives the same image.
 #[test]
 fn limits_of_time_end_a_render() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    // The render stops after its first unit of work on any machine.
+    // On any machine, the render stops after its first unit of work.
     let limited = with(&SMALL, &["a.pfm", "--spp", "40", "--time-limit", "1ms"]);
     let says = refusal(here, &limited, 75);
     assert!(says.contains("stopped by the time limit after"), "{says}");
