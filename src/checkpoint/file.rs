@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
 use crate::limits::{Limits, check_image, check_sampling};
-use crate::output::write_atomically;
+use crate::output::write_atomically_if;
 
 /// First line of a checkpoint file.
 const MAGIC: &[u8] = b"ptfast film\n";
@@ -47,6 +47,14 @@ impl Checkpoint {
     /// # Errors
     /// If `path` cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.write_if(path, || Ok(()))
+    }
+
+    /// As [`write`](Self::write), but calls `check` just before the file appears at `path`.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write), and those of `check`: then `path` stays as it is.
+    pub(crate) fn write_if(&self, path: &Path, check: impl FnOnce() -> Result<()>) -> Result<()> {
         let Rendering { film, tally, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
@@ -58,7 +66,7 @@ impl Checkpoint {
             tally: tally.clone(),
             seconds: *seconds,
         };
-        write_atomically(path, |file| {
+        write_atomically_if(path, check, |file| {
             let hashing = Hashing { inner: file, hasher: blake3::Hasher::new() };
             // Hashing is faster with many bytes at once.
             let mut file = BufWriter::with_capacity(1 << 16, hashing);

@@ -48,6 +48,10 @@ pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
     };
     let mut read = Vec::new();
     let with_size = |name: String| {
+        if name == "-" {
+            let message = "--scene -: bench reads each scene several times, so it needs a file";
+            return Err(Error::Usage(message.to_owned()));
+        }
         let scene = args.limits.load(&name)?;
         read.extend(files::of_scene(&name, &scene).into_iter().map(|(_, file)| file.to_owned()));
         let defaults = RenderSettings::of(&scene);

@@ -16,11 +16,11 @@ pub(super) struct CheckpointArgs {
     #[arg(long, help_heading = HEADING, value_name = "FILE")]
     pub(super) checkpoint: Option<PathBuf>,
     /// Time between checkpoints, such as 90s or 1h30m. SIGUSR1 requests one at once
-    #[arg(long, help_heading = HEADING, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "TIME", default_value = "60s", value_parser = duration)]
     pub(super) checkpoint_every: Duration,
     /// Stop after this time, such as 90s or 1h30m, with a checkpoint and exit code 75. Each run makes some
     /// progress, however short the limit
-    #[arg(long, help_heading = HEADING, value_name = "TIME", value_parser = duration)]
+    #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "TIME", value_parser = duration)]
     pub(super) time_limit: Option<Duration>,
 }
 

@@ -8,6 +8,7 @@ use super::target::{Target, stem};
 use crate::checkpoint::{Checkpoint, Part};
 use crate::engine::Rendering;
 use crate::error::{Error, Result};
+use crate::image::{Format, Metadata};
 use crate::limits::Limits;
 
 /// Longest part of the output's name, in bytes, that the default names keep: file systems limit names to 255.
@@ -46,8 +47,29 @@ impl CheckpointFile {
         &self.path
     }
 
+    /// Whether the user named the file.
+    pub(super) fn is_named(&self) -> bool {
+        self.named
+    }
+
     pub(super) fn picture(&self) -> Option<&Path> {
         self.picture.as_deref()
+    }
+
+    /// The unfinished picture, unless a file of that name exists that is not an unfinished picture. Formats without
+    /// metadata are recognised by the checkpoint beside them.
+    pub(super) fn own_picture(&self) -> Option<&Path> {
+        self.picture().filter(|picture| {
+            let is_partial = Metadata::read(picture)
+                .is_ok_and(|metadata| metadata.get("ptfast:partial").is_some());
+            let tells = Format::of_path(picture).is_ok_and(Format::has_metadata);
+            picture.symlink_metadata().is_err() || is_partial || !tells && self.continued
+        })
+    }
+
+    /// Whether the file has samples of this part of this render.
+    pub(super) fn has_part_of(&self, part: &Part) -> bool {
+        Checkpoint::read_part(&self.path).is_ok_and(|found| found.mismatch(part).is_none())
     }
 
     pub(super) fn exists(&self) -> bool {
@@ -72,13 +94,10 @@ impl CheckpointFile {
     /// # Errors
     /// Where the file cannot be written, or no longer belongs to this render.
     pub(super) fn write(&self, checkpoint: &Checkpoint) -> Result<()> {
-        if self.exists() {
-            let found = Checkpoint::read_part(&self.path).map_err(advise)?;
-            if let Some(mismatch) = found.mismatch(&checkpoint.part()) {
-                return Err(self.refuse(mismatch));
-            }
-        }
-        checkpoint.write(&self.path)
+        let part = checkpoint.part();
+        self.check(&part)?;
+        // Writing takes time: another render can have put its checkpoint there meanwhile.
+        checkpoint.write_if(&self.path, || self.check(&part))
     }
 
     /// Ends the use of the file once the output is written: writes the whole of `checkpoint` to a file that
@@ -87,16 +106,26 @@ impl CheckpointFile {
     /// # Errors
     /// Where the file cannot be written.
     pub(super) fn finish(&self, checkpoint: &Checkpoint, has_advanced: bool) -> Result<()> {
-        if let Some(picture) = self.picture.as_ref().filter(|_| self.continued) {
+        if let Some(picture) = self.own_picture().filter(|_| self.continued) {
             // A file that cannot be deleted does no harm.
             let _ = fs::remove_file(picture);
         }
         if self.named {
             return if has_advanced { self.write(checkpoint) } else { Ok(()) };
         }
-        let found = Checkpoint::read_part(&self.path);
-        if found.is_ok_and(|found| found.mismatch(&checkpoint.part()).is_none()) {
+        if self.has_part_of(&checkpoint.part()) {
             let _ = fs::remove_file(&self.path);
+        }
+        Ok(())
+    }
+
+    /// Checks that the file is missing, or belongs to this part of this render.
+    fn check(&self, part: &Part) -> Result<()> {
+        if self.exists() {
+            let found = Checkpoint::read_part(&self.path).map_err(advise)?;
+            if let Some(mismatch) = found.mismatch(part) {
+                return Err(self.refuse(mismatch));
+            }
         }
         Ok(())
     }

@@ -73,14 +73,25 @@ fn stop(
     progress: &ProgressReport,
 ) -> Error {
     let (signal, so_far) = (interrupt::signal(), checkpoint.rendering.progress());
-    let mut outcome = match file.write(checkpoint) {
+    let outcome = match file.write(checkpoint) {
         Ok(()) => {
             progress.saved("stopped", so_far, file.path());
-            format!("run the same command again to continue from {}", file.path().display())
+            let path = file.path().display();
+            let again = format!("run the same command again to continue from {path}");
+            match file
+                .own_picture()
+                .map(|picture| (picture, write_picture(checkpoint, picture, transfer)))
+            {
+                None => again,
+                Some((picture, Ok(()))) => {
+                    format!("{again}; {} shows the picture so far", picture.display())
+                }
+                Some((_, Err(error))) => format!("{again}; {error}"),
+            }
         }
         Err(error) => {
             progress.lost(so_far);
-            let error = with_earlier(error, file);
+            let error = with_earlier(error, checkpoint, file);
             // A time limit is an error like others: the checkpoint is all that the run was for.
             if signal.is_none() {
                 return error;
@@ -88,26 +99,20 @@ fn stop(
             format!("cannot save it: {error}")
         }
     };
-    if let Some(picture) = file.picture() {
-        outcome += &match write_picture(checkpoint, picture, transfer) {
-            Ok(()) => format!("; {} shows the picture so far", picture.display()),
-            Err(error) => format!("; {error}"),
-        };
-    }
     Error::Stopped { signal, percent: checkpoint.percent(), outcome }
 }
 
 /// Saves a complete render whose image cannot be written. Returns `error`, and where the render is.
 pub(super) fn save_instead(checkpoint: &Checkpoint, file: &CheckpointFile, error: Error) -> Error {
     match file.write(checkpoint) {
-        Ok(()) => with_earlier(error, file),
+        Ok(()) => with_earlier(error, checkpoint, file),
         Err(_) => error,
     }
 }
 
 /// `error`, and the checkpoint from which the render can be continued, if there is one.
-fn with_earlier(error: Error, file: &CheckpointFile) -> Error {
-    if !file.exists() {
+fn with_earlier(error: Error, checkpoint: &Checkpoint, file: &CheckpointFile) -> Error {
+    if !file.has_part_of(&checkpoint.part()) {
         return error;
     }
     let outcome = format!("{} has a checkpoint of the render", file.path().display());

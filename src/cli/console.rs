@@ -46,7 +46,7 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> String {
 }
 
 /// The whole message on one line, shortened in the middle if it is longer than [`MAX_MESSAGE`].
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     let count = text.chars().count();
     let cut: String = match count > MAX_MESSAGE {
         true => {

@@ -32,7 +32,7 @@ pub(super) struct ConvergeArgs {
     #[arg(long = "sampler", value_name = "SAMPLER", value_parser = named(&Sampler::ALL, Sampler::name))]
     samplers: Vec<Sampler>,
     /// Samples per pixel of the longest renders; the others have 1, 2, 4, ... samples
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
+    #[arg(long, alias = "samples", value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_SPP)))]
     spp: u32,
     /// Number of renders for each number of samples
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -44,7 +44,7 @@ pub(super) struct ConvergeArgs {
     #[arg(long, value_name = "PIXELS", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     width: u32,
     /// Worker threads [default: one per available core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     threads: Option<u32>,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -110,6 +110,8 @@ pub(super) struct FiguresArgs {
 }
 
 const PAGE: &str = "index.html";
+/// The key of the figure's number in the metadata of its picture.
+const FIGURE: &str = "ptfast:figure";
 
 pub(super) fn run(args: &FiguresArgs) -> Result<()> {
     if args.quiet {
@@ -149,7 +151,7 @@ fn is_figure(file: &Path) -> bool {
     if file.ends_with(PAGE) {
         return folder::contains(file, "<title>The report's figures by ptfast</title>");
     }
-    Metadata::read(file).is_ok_and(|metadata| metadata.get("ptfast:scene").is_some())
+    Metadata::read(file).is_ok_and(|metadata| metadata.get(FIGURE).is_some())
 }
 
 impl Figure {
@@ -179,7 +181,7 @@ fn render<'a>(figure: &'a Figure, args: &FiguresArgs) -> Result<Rendered<'a>> {
     render.image.write(
         &path,
         Transfer::Gamma2,
-        &Identity::new(&scene, &settings, whole).metadata(&hash),
+        &Identity::new(&scene, &settings, whole).metadata(&hash).with(FIGURE, figure.number),
     )?;
     let seconds = render.seconds.render;
     Ok(Rendered { figure, settings, file, seconds, rays: render.tally.rays.total(), hash })

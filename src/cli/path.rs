@@ -15,7 +15,7 @@ pub(super) struct PathArgs {
     #[command(flatten)]
     of: SampleArgs,
     /// Column and row of the pixel, from the top left
-    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    #[arg(long, allow_hyphen_values = true, value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
     /// Number of the sample, from 0
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..i64::from(MAX_SPP)))]

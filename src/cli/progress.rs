@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::console::notice;
+use super::console::{notice, one_line};
 use crate::engine::{Observer, Pinned, Progress, Render, Renderer, Rendering};
 use crate::error::Error;
 use crate::error::Result;
@@ -87,6 +87,7 @@ impl ProgressReport {
         let (begun, samples) = (rendering.progress(), rendering.film.samples_to_do());
         let start = Instant::now();
         let last = Mutex::new(Shown { samples: begun.samples, when: start });
+        let title = one_line(title);
         let display = match mode {
             ProgressMode::None => Display::None,
             ProgressMode::Json => Display::Json { last },
@@ -94,10 +95,10 @@ impl ProgressReport {
                 let bar = ProgressBar::new(samples);
                 let style = "{prefix} {wide_bar} {percent:>3}%  {msg}";
                 bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
-                bar.set_prefix(title.to_owned());
+                bar.set_prefix(title);
                 Display::Bar(bar)
             }
-            ProgressMode::Auto => Display::Lines { title: title.to_owned(), last },
+            ProgressMode::Auto => Display::Lines { title, last },
         };
         let report = Self { start, begun, samples, display };
         report.event("start", begun, None);

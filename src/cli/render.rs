@@ -1,6 +1,6 @@
 //! `ptfast render`.
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::time::Instant;
 
@@ -149,9 +149,11 @@ impl<'a> Job<'a> {
         let args = self.args;
         let mut read = files::of_scene(args.sample.scene.name(), &self.scene);
         read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
+        let to_file = self.output != Target::StandardOutput;
         let written = [
             ("the image", self.output.path()),
-            ("the checkpoint", Some(file.path())),
+            // Who wants the image on standard output need not be able to write here.
+            ("the checkpoint", Some(file.path()).filter(|_| file.is_named() || to_file)),
             ("the partial image", file.picture()),
             ("the record", args.json.as_deref()),
             ("the timeline", args.trace.as_deref()),
@@ -169,11 +171,17 @@ impl<'a> Job<'a> {
             Target::Image(path) => render.image.write(path, self.args.gamma, &metadata()),
             Target::StandardOutput => {
                 let write = || {
+                    // The encoder would hide the kind of an error.
+                    let mut png = Vec::new();
+                    render.image.write_png(&mut png, self.args.gamma, &metadata())?;
                     let mut out = io::stdout().lock();
-                    render.image.write_png(&mut out, self.args.gamma, &metadata())?;
-                    out.flush()
+                    out.write_all(&png).and_then(|()| out.flush())
                 };
-                write().map_err(Error::io(Path::new("standard output"), "write"))
+                match write() {
+                    // The reader has seen enough.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    written => written.map_err(Error::io(Path::new("standard output"), "write")),
+                }
             }
         }
     }

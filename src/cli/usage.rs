@@ -56,7 +56,8 @@ fn print(text: &str) -> u8 {
 /// The command that the arguments name, with `ptfast` before it.
 fn command() -> String {
     let known = Cli::command();
-    let named = std::env::args().skip(1).find(|word| known.find_subcommand(word).is_some());
+    let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let named = words.find(|word| known.find_subcommand(word).is_some());
     named.map_or("ptfast".to_owned(), |name| format!("ptfast {name}"))
 }
 

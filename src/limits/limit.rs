@@ -174,6 +174,8 @@ impl Limits {
         // Memory is estimated step by step, and later steps may need more.
         let (least, most) = match limit {
             Limit::Memory => ("at least ", memory::of_process()),
+            // An image takes at least 12 bytes per pixel.
+            Limit::Pixels => ("", limit.most().min(memory::of_process() / 12)),
             _ => ("", limit.most()),
         };
         let raise = match value <= most {

@@ -23,6 +23,18 @@ pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
 ) -> Result<()> {
+    write_atomically_if(path, || Ok(()), fill)
+}
+
+/// As [`write_atomically`], but calls `check` just before the replacement.
+///
+/// # Errors
+/// As [`write_atomically`], and those of `check`.
+pub(crate) fn write_atomically_if(
+    path: &Path,
+    check: impl FnOnce() -> Result<()>,
+    fill: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
+) -> Result<()> {
     let write = || {
         let target = resolve(path)?;
         let temporary = Temporary::in_folder(folder_of(&target))?;
@@ -36,9 +48,11 @@ pub(crate) fn write_atomically(
         drop(writer);
         // Some file systems report a full disk only now.
         temporary.file().sync_all()?;
-        temporary.persist(&target)
+        Ok((temporary, target))
     };
-    write().map_err(Error::io(path, "write"))
+    let (temporary, target) = write().map_err(Error::io(path, "write"))?;
+    check()?;
+    temporary.persist(&target).map_err(Error::io(path, "write"))
 }
 
 /// Checks that [`write_atomically`] could start to write `path`, so that a long render does not
@@ -118,6 +132,18 @@ mod tests {
         })
         .unwrap_err();
         assert!(error.to_string().contains("the disk is full"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failed_check_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.film");
+        fs::write(&path, "old").unwrap();
+        let refuse = || Err(Error::Usage("it belongs to another render".to_owned()));
+        let error = write_atomically_if(&path, refuse, |file| file.write_all(b"new")).unwrap_err();
+        assert_eq!(error.to_string(), "it belongs to another render");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }

@@ -91,6 +91,7 @@ impl Source {
         read.map_err(Error::io(Path::new(STANDARD_INPUT), "read"))?;
         limits.check(Limit::SceneBytes, text.len() as u64).map_err(bad)?;
         let text = String::from_utf8(text).map_err(|_| bad("not UTF-8 text".to_owned()))?;
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         let form = if text.trim_start().starts_with('{') { Form::Json } else { Form::Ron };
         Ok(Self::Text(text, form))
     }

@@ -84,9 +84,21 @@ fn json_message(message: &str, is_data: bool) -> String {
         Some((field, _)) if message.starts_with("duplicate field") => {
             format!("the field `{field}` is given twice")
         }
-        _ if is_data => one_line(message),
+        _ if is_data => one_line(&plain(message)),
         _ => format!("JSON syntax: {}", one_line(message)),
     }
+}
+
+/// A message of serde with words for JSON in place of Rust's types.
+fn plain(message: &str) -> String {
+    let (found, expected) = message.split_once("expected ").unwrap_or((message, ""));
+    let expected = match expected.split_whitespace().next() {
+        Some("struct") => "an object",
+        Some("f32") => "a number",
+        Some("u32") => "a whole number of 0 or more",
+        _ => return message.to_owned(),
+    };
+    format!("{found}expected {expected}")
 }
 
 fn one_line(message: &str) -> String {

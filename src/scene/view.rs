@@ -13,7 +13,7 @@ use super::primitive::MeshFile;
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::precise::sin_cos_degrees;
-use crate::math::{length, max, normalize};
+use crate::math::{length, normalize};
 
 /// Vertical field of view in degrees.
 const VFOV: f32 = 35.0;
@@ -25,7 +25,10 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let bounds = Bounds::of(mesh.vertices.iter().copied());
     let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
     // A sphere around the box fits into the field of view. A mesh of one point still has a distance.
-    let radius = max(length(half), 1e-3);
+    let radius = match length(half) {
+        0.0 => 1.0,
+        radius => radius,
+    };
     let (sin, _) = sin_cos_degrees(f64::from(VFOV) * 0.5);
     let distance = 1.05 * radius / sin as f32;
     let from = center + normalize(Vec3::new(0.5, 0.35, 1.0)) * distance;

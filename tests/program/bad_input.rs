@@ -102,7 +102,7 @@ fn syntax_and_names_in_json() {
     json("\"radius\"", "\"raduis\"", ":5:", &["unknown field `raduis`, did you mean `radius`?"]);
     json("\"sphere\"", "\"shpere\"", ":5:", &["unknown kind `shpere`, did you mean `sphere`?"]);
     json("\"radius\": 1, ", "", ":5:", &["the field `radius` is missing"]);
-    json("\"vfov\": 40", "\"vfov\": true", ":2:", &["expected f32"]);
+    json("\"vfov\": 40", "\"vfov\": true", ":2:", &["expected a number"]);
 }
 
 #[test]
@@ -260,9 +260,7 @@ fn wrong_usage() {
     wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
     wrong(
         &["--width", "65536", "--height", "65536"],
-        &[
-            "the limit of pixels is 268435456, this needs 4294967296: --limit pixels=4294967296 raises it",
-        ],
+        &["the limit of pixels is 268435456, this needs 4294967296"],
     );
     wrong(&["--spp", "many"], &["invalid value 'many' for '--spp <N>'"]);
     wrong(&["--sampling", "lihgt"], &["invalid value 'lihgt'", "bsdf, light, mis"]);

@@ -198,6 +198,10 @@ fn usage_errors_point_to_the_command() {
     assert!(noise.contains("unexpected argument '--noise'") && !noise.contains("tip"), "{noise}");
     let typo = says(&["render", "cornell", "--thraeds", "1"]);
     assert!(typo.contains("'--threads'"), "{typo}");
+    let crop = says(&["render", "cornell", "--crop", "-1,0,8,8"]);
+    assert!(crop.contains("must be left,upper,right,lower"), "{crop}");
+    let samples = says(&["converge", "cornell", "--samples", "1"]);
+    assert!(samples.contains("--spp"), "{samples}");
     for command in ["compare", "merge"] {
         assert!(!succeeds(here, &[command, "--help"]).contains("--outside-files"), "{command}");
     }
@@ -219,4 +223,35 @@ fn names_with_line_breaks_stay_on_one_line() {
         succeeds(folder.path(), &["render", name, "--width", "8", "--spp", "1", "-o", "b.png"]);
     assert_eq!(text.lines().filter(|line| line.starts_with("hash")).count(), 1, "{text}");
     assert!(text.contains("a\\nhash"), "{text}");
+}
+
+/// A stopped render leaves a file alone that only has the name of its picture.
+#[test]
+fn pictures_of_others_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::write(here.join("a.partial.png"), "mine").unwrap();
+    let base = ["render", "cornell", "--width", "32", "--spp", "20000", "-o", "a.png"];
+    let stopped = ptfast(here, &[&base[..], &["--time-limit", "1ms"]].concat());
+    assert_eq!(stopped.status.code(), Some(75), "{}", stderr(&stopped));
+    assert!(!stderr(&stopped).contains("a.partial.png"), "{}", stderr(&stopped));
+    assert_eq!(fs::read_to_string(here.join("a.partial.png")).unwrap(), "mine");
+    assert!(here.join("a.partial.film").exists());
+}
+
+/// The reader of an image can end early.
+#[test]
+fn closed_pipes_end_a_render_quietly() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ptfast"))
+        .args(["render", "cornell", "--width", "300", "--spp", "1", "-o", "-"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
