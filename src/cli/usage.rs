@@ -70,7 +70,7 @@ fn message(error: &clap::Error) -> String {
     if error.kind() == ErrorKind::UnknownArgument && !suggests_a_typo(error) {
         text = text.split("\n\n  tip:").next().unwrap_or_default();
     }
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Whether the suggested argument differs from the given one by one letter in four at most.
