@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::Background;
 use super::budget::Budget;
 use super::description::{CameraFile, SceneFile};
-use super::material::Lambertian;
+use super::material::{Lambertian, Light, Sides};
 use super::mesh;
 use super::primitive::MeshFile;
 use crate::error::Result;
@@ -18,7 +18,7 @@ use crate::math::{length, normalize};
 /// Vertical field of view in degrees.
 const VFOV: f32 = 35.0;
 
-/// The mesh in `path`, grey under a soft sky, with a camera that shows all of it: from in front, a little to the
+/// The mesh in `path`, grey under a soft sky and a lamp, with a camera that shows all of it: from in front, a little to the
 /// right and above (y is up).
 pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let mesh = mesh::read(path, budget)?;
@@ -33,8 +33,12 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let distance = 1.05 * radius / sin as f32;
     let from = center + normalize(Vec3::new(0.5, 0.35, 1.0)) * distance;
     let mut scene = SceneFile::new(CameraFile::new(from.to_array(), center.to_array(), VFOV));
-    scene.background = Background::Gradient { bottom: [0.4; 3], top: [0.9, 0.95, 1.0] };
-    scene.add_material("grey", Lambertian { albedo: [0.7; 3].into() });
+    scene.background = Background::Gradient { bottom: [0.2; 3], top: [0.7, 0.75, 0.8] };
+    // A soft lamp on the left, outside the picture, shades faces by their direction.
+    scene.add_material("lamp", Light { radiance: [9.0; 3], sides: Sides::Both });
+    let lamp = center + normalize(Vec3::new(-0.7, 0.8, 0.6)) * (8.0 * radius);
+    scene.add_sphere(lamp.to_array(), 2.4 * radius, "lamp");
+    scene.add_material("grey", Lambertian { albedo: [0.5; 3].into() });
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     scene.add(MeshFile::new(name, "grey"));
     Ok(scene)
