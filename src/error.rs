@@ -115,9 +115,9 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
-    /// The process exit code: 2 wrong usage, 65 bad input, 70 internal fault, 71 refused
-    /// resource, 74 failed read or
-    /// write, 75 stopped by the time limit, and 129, 130 or 143 interrupted by a signal.
+    /// The process exit code: 2 for wrong usage, 65 for bad input, 70 for an internal fault, 71 for
+    /// a refused resource, 74 for a failed read or write, 75 if stopped by the time limit, and 129,
+    /// 130 or 143 if interrupted by a signal.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,

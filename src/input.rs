@@ -29,7 +29,7 @@ pub(crate) fn length(path: &Path) -> Result<u64> {
 /// Reads a file whose length `check` accepts.
 ///
 /// # Errors
-/// As [`length`], and if `check` rejects the length, or the file is longer than reported.
+/// As [`length`]; also if `check` rejects the length, or the file is longer than reported.
 pub(crate) fn read_bytes(
     path: &Path,
     check: impl Fn(u64) -> Result<(), String>,
@@ -52,7 +52,7 @@ pub(crate) fn read_bytes(
 /// Reads a text file. `what` names the kind of file in the error message, such as "a plan".
 ///
 /// # Errors
-/// As [`read_bytes`], and if the file is not UTF-8.
+/// As [`read_bytes`]; also if the file is not UTF-8.
 pub(crate) fn read_text(
     path: &Path,
     what: &str,
@@ -69,7 +69,7 @@ pub(crate) fn read_text(
 /// Reads a JSON file of at most `most` bytes. `what` names the kind of file, as for [`read_text`].
 ///
 /// # Errors
-/// As [`read_text`], and if the content is not a valid `T`. The error gives line and column.
+/// As [`read_text`]; also if the content is not a valid `T`. The error gives line and column.
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path, what: &str, most: u64) -> Result<T> {
     let check = |length| match length <= most {
         true => Ok(()),

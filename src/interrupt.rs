@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// The signals received so far.
 #[derive(Debug, Default)]
 struct Signals {
-    /// The last received signal that ends the run; 0 without any.
+    /// The last received signal that ends the run; 0 if there was none.
     last: Arc<AtomicUsize>,
     /// Whether such a signal ends the process at once, because there is no work to save.
     leaves: Arc<AtomicBool>,
@@ -27,14 +27,16 @@ fn signals() -> &'static Signals {
 }
 
 /// From now on, SIGINT, SIGTERM, SIGHUP and SIGUSR1 are recorded and do not end the process. A
-/// second SIGINT still ends it, and with [`leave_at_once`] every signal except SIGUSR1 does.
+/// second SIGINT still ends it. After `leave_at_once(true)`, every one of these signals except
+/// SIGUSR1 ends it.
 ///
 /// # Errors
 /// [`Error::Resource`] if the operating system refuses.
 pub(crate) fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
-    // nohup makes a process ignore SIGHUP, and that is kept. (Shells make background processes
-    // ignore SIGINT, but whoever sends SIGINT to one means it.)
+    // nohup makes a process ignore SIGHUP; the process continues to ignore it. Shells make
+    // background processes ignore SIGINT, but a SIGINT that is sent to one is intended, so it is
+    // recorded.
     let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
     let register = || {
         // Registered before the handler that sets the flag, so that only a second SIGINT ends the

@@ -133,9 +133,9 @@ mod x86 {
 
     /// The register sets that the operating system has enabled, derived from the size of the area
     /// in which it saves them (SDM vol. 1, 13.4 and 13.5; AMD's APM vol. 2, 11.5). XGETBV would
-    /// report them, but needs `unsafe`. The size does not reveal that a system has disabled
-    /// AVX-512, or AVX, if it has enabled a component behind it in that area (protection keys, AMX
-    /// tiles).
+    /// report them, but needs `unsafe`. If a system has disabled AVX-512 or AVX but enabled a
+    /// component that is stored after it in that area (protection keys, AMX tiles), the size does
+    /// not reveal this.
     #[derive(Clone, Copy, Default)]
     struct Saved {
         avx: bool,
@@ -159,9 +159,8 @@ mod x86 {
         size > 0 && offset.saturating_add(size) <= area
     }
 
-    /// Whether a bit is set, tested with instructions that every CPU has. The black box keeps the
-    /// compiler from using a BMI1 instruction, which it does in builds for Zen, and which old CPUs
-    /// lack.
+    /// Whether a bit is set, tested with instructions that every CPU has. Without the black box,
+    /// the compiler uses a BMI1 instruction in builds for Zen, and old CPUs lack BMI1.
     fn is_set(register: u32, bit: u32) -> bool {
         std::hint::black_box(register & (1 << bit)) != 0
     }
@@ -307,8 +306,8 @@ mod tests {
         assert!(!is_within(2696, 0, 0) && !is_within(0, 256, 576));
     }
 
-    /// std folds to `true` the features that are compiled in, so only a build for SSE2 tests all of
-    /// this.
+    /// std folds the detection of features that are compiled in to `true`, so only a build for SSE2
+    /// tests every feature.
     #[test]
     #[cfg(target_arch = "x86_64")]
     fn detection_agrees_with_std() {

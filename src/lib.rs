@@ -20,8 +20,8 @@
 //!
 //! # A scene in code, and a render that can be stopped
 //!
-//! A [`Renderer`] owns all its data, so it can be stored beside an application's own. The trees of
-//! a [`PreparedScene`] serve any camera, image size, seed and number of samples.
+//! A [`Renderer`] owns all its data, so an application can store it in its own structs. The trees
+//! of a [`PreparedScene`] serve any camera, image size, seed and number of samples.
 //!
 //! ```
 //! use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -75,8 +75,8 @@
 //!
 //! # Build for your CPU
 //!
-//! Vector registers are chosen at compile time, and cargo's default for x86-64 is SSE2. A crate
-//! that depends on ptfast chooses wider ones in its own `.cargo/config.toml`:
+//! The vector instruction set is chosen at compile time, and cargo's default for x86-64 is SSE2. A
+//! crate that depends on ptfast chooses a wider one in its own `.cargo/config.toml`:
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']

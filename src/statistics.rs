@@ -25,15 +25,16 @@ impl Estimate {
         Self { median: middle(&sorted), lo: sorted[cut], hi: sorted[sorted.len() - 1 - cut] }
     }
 
-    /// Median of positive `values`, computed with their logarithms: 2 is as far from 1 as 1/2.
+    /// Median of positive `values`, computed with their logarithms, so that 2 and 1/2 are equally
+    /// far from 1.
     pub(crate) fn of_positive(values: impl IntoIterator<Item = f64>) -> Self {
         let Self { median, lo, hi } = Self::of(values.into_iter().map(f64::ln));
         Self { median: median.exp(), lo: lo.exp(), hi: hi.exp() }
     }
 
-    /// Ratio of positive `values` to `others`, if both are scaled copies of one distribution: the
-    /// median ratio of all pairs (Hodges and Lehmann), with the interval that belongs to the test
-    /// of Mann and Whitney (Conover 1999, section 5.4).
+    /// Ratio of positive `values` to `others`, assuming that both are scaled copies of one
+    /// distribution. It is the median ratio of all pairs (Hodges and Lehmann), with the interval
+    /// that belongs to the test of Mann and Whitney (Conover 1999, section 5.4).
     pub(crate) fn of_ratio(values: &[f64], others: &[f64]) -> Self {
         let ratios = values.iter().flat_map(|value| others.iter().map(move |other| value / other));
         let sorted = sorted(ratios);
@@ -59,12 +60,12 @@ pub(crate) fn middle(sorted: &[f64]) -> f64 {
     0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
 }
 
-/// Number of values left out on either side of the interval of a median: the most that leave each
-/// tail 2.5%.
+/// Number of values left out on either side of the interval of a median: the largest number for
+/// which each tail has a probability of at most 2.5%.
 fn beyond_median(count: usize) -> usize {
     if count > 500 {
         // Uses the normal approximation. The exact count below fails from 1075 values on, because
-        // one half to that power is 0.
+        // 0.5^1075 is 0 in f64.
         return (0.5 * (count as f64 - 1.96 * (count as f64).sqrt()) - 0.5) as usize;
     }
     let (mut below, mut probability, mut tail) = (0, 0.5f64.powi(count as i32), 0.0);
@@ -106,7 +107,8 @@ mod tests {
         assert_eq!(beyond_median(20_000), 9860);
     }
 
-    /// The cuts are critical values of Mann and Whitney's U, two-sided 5%, or one less.
+    /// The number of pairs left out is the critical value of Mann and Whitney's U (two-sided, 5%)
+    /// or one less.
     #[test]
     fn ranks_of_shifts() {
         for (a, b, least, cut) in [(5, 5, 2, 2), (6, 6, 5, 5), (8, 8, 12, 13), (10, 10, 23, 23)] {
@@ -127,8 +129,8 @@ mod tests {
         assert_eq!(Estimate::of_ratio(&[2.0, 4.0, 8.0], &[1.0, 2.0, 4.0]).median, 2.0);
     }
 
-    /// For skewed values with known medians, the share of intervals that contain the truth in 10
-    /// 000 trials is above 95% minus four standard deviations.
+    /// For skewed values with known medians, 10000 trials are made. The share of intervals that
+    /// contain the true median is above 95% minus four standard deviations.
     #[test]
     fn intervals_contain_the_true_median() {
         const LEAST_INSIDE: usize = 9413;

@@ -71,7 +71,8 @@ pub(super) fn measure(
     Ok(())
 }
 
-/// Fails if the image differs from that of the counting render: a wrong answer is never a fast one.
+/// Fails if the image differs from that of the counting render, because
+/// the speed of a wrong render means nothing.
 fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
     let (want, found) = (&side.counted.hash, &rendered.hash);
     if found == want {
@@ -155,7 +156,7 @@ mod tests {
         assert!(block.is_contaminated(&Interference { switches: 251, ..quiet }, 1.0));
         let stolen = Interference { stolen: 0.04, ..quiet };
         assert!(block.is_contaminated(&stolen, 1.0));
-        // Half of the stolen time belongs to another process, which was busy all the time.
+        // Half of the stolen time is attributed to another process, which kept a core busy.
         assert!(!Common { others: Some((2.0, 2)), ..block }.is_contaminated(&stolen, 1.0));
         assert!(Common { others: Some((0.0, 64)), ..block }.is_contaminated(&stolen, 1.0));
     }

@@ -23,8 +23,9 @@ pub(super) struct Spreads {
 
 const RESAMPLES: usize = 10_000;
 
-/// Estimates the statistics of `values`, at least one. The intervals are percentiles of the resamples
-/// (Efron and Tibshirani 1993, "An Introduction to the Bootstrap", chapters 6 and 13).
+/// Estimates the statistics of `values`, which must not be empty. The intervals are percentiles of
+/// the resamples (Efron and Tibshirani 1993, "An Introduction to the Bootstrap", chapters 6 and
+/// 13).
 pub(super) fn bootstrap(values: &[f64]) -> Spreads {
     let spread = |statistic: fn(&[f64]) -> f64| {
         // The fixed seed gives every statistic the same resamples.

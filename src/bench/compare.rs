@@ -24,7 +24,7 @@ pub(crate) enum Reference<'a> {
 pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
     let (here, there) = (&Machine::this(), &baseline.machine);
     let models = [&here.cpu_model, &there.cpu_model];
-    // Old records have no model.
+    // Old records have no CPU model.
     let same_model = models[0] == models[1] || models.iter().any(|model| model.is_empty());
     if (&here.cpu, here.cores) == (&there.cpu, there.cores) && same_model {
         return Ok(());
@@ -42,7 +42,7 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
 /// measure.
 ///
 /// # Errors
-/// If it has no such run.
+/// If `baseline` has no such run.
 pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
@@ -151,16 +151,17 @@ fn speed_up(new: &Run, old: &Run) -> Estimate {
     }
 }
 
-/// Returns a doubt if other processes kept more or fewer cores busy. They also use memory and caches,
-/// which the control cannot reveal because it suffers equally.
+/// Returns a doubt if other processes kept more or fewer cores busy during `new` than during `old`.
+/// These processes also use memory and caches. The control cannot reveal this, because it suffers
+/// equally.
 fn other_load(new: &Run, old: &Run) -> Option<Doubt> {
     let (new, old) = new.load().zip(old.load())?;
     ((new - old).abs() > MOST_LOAD_CHANGE).then_some(Doubt::Load)
 }
 
 /// Why a run of `record` does not count: most of its blocks are contaminated, it has no control, or its
-/// control differs too much from 1. The median may be off by the threshold at most, and the whole interval
-/// must not lie beyond half the threshold.
+/// control differs too much from 1. The control's median may differ from
+/// 1 by at most the threshold, and its interval must not lie entirely beyond half the threshold.
 fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     if run.contaminated() * 2 > run.blocks.len() {
         return Some(Doubt::Contaminated);
@@ -244,7 +245,7 @@ mod tests {
         };
         near(change(1.0, 4.0), 1.0);
         near(change(1.03, 4.0), 1.0 / 1.03);
-        // At four fifths of the clock, a quarter more time is the same speed per cycle.
+        // With 4/5 of the clock and 5/4 of the time, the speed per cycle is the same.
         near(change(1.25, 3.2), 1.0);
         near(change(1.0, 3.2), 1.25);
         // Without a known clock, seconds are compared.

@@ -41,7 +41,7 @@ pub(crate) use verdict::{Gate, Outcome, Verdict, decide};
 pub(crate) struct Options {
     /// The binary to measure.
     pub(crate) program: PathBuf,
-    /// Another binary to compare it with.
+    /// Another binary, with which `program` is compared.
     pub(crate) against: Option<PathBuf>,
     /// Names of the scenes, with the width and height of their images.
     pub(crate) scenes: Vec<(String, (u32, u32))>,
@@ -104,7 +104,8 @@ pub(crate) struct Sample(Vec<Option<Vec<Series>>>);
 pub(crate) type Progress<'a> = &'a mut dyn FnMut(usize, usize);
 
 impl Bench {
-    /// Renders everything once, counted and not timed, using the plans of `baseline` if it has any.
+    /// Renders once with every side to count its work, without timing it. Plans are taken from
+    /// `baseline` if it has any.
     ///
     /// # Errors
     /// If a program fails, or engines of one program render different images.

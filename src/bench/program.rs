@@ -101,7 +101,7 @@ struct Workload {
 }
 
 impl Program {
-    /// Prepares the binary at `path`, which will render with `arguments` in addition to its task.
+    /// Prepares the binary at `path`, which will render every task with the additional `arguments`.
     ///
     /// # Errors
     /// If `path` is not a file, or it cannot be copied to a temporary folder.
@@ -196,7 +196,7 @@ impl Program {
             let status = child.try_wait().map_err(failed())?;
             // A signal that ended the child has usually reached this process, too.
             if let Err(interrupted) = interrupt::check() {
-                // Both fail if the child has ended already.
+                // Both calls fail if the child has already ended, which does no harm.
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(interrupted);

@@ -9,7 +9,7 @@ use crate::input::read_json;
 use crate::limits::MAX_JSON;
 use crate::statistics::Estimate;
 
-/// A place in a record, and a message that says what would be right there.
+/// The path of an invalid field in a record, and a message that says what would be valid.
 type Wrong = (String, String);
 
 impl Record {
@@ -63,7 +63,7 @@ fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
     }
 }
 
-/// Whether a machine could have measured these numbers, and their sums and quotients are finite.
+/// Whether these numbers are possible measurements, whose sums and quotients are finite.
 fn can_be(block: &Block) -> bool {
     let rays = [block.rays.primary, block.rays.bounce, block.rays.shadow];
     let taken = block.interference.unwrap_or_default();

@@ -27,8 +27,8 @@ pub(crate) struct Run {
     pub(crate) stages: BTreeMap<String, f64>,
     /// Counters of the counting render, which is not timed.
     pub(crate) counters: Counters,
-    /// Lanes of the counting render, by segment and stage. Those of extend and connect are the lanes of
-    /// the traversal.
+    /// Lanes of the counting render, by segment and stage. For the stages extend and
+    /// connect, these are the lanes of the traversal.
     #[serde(default)]
     pub(crate) lanes: Vec<BTreeMap<String, Lanes>>,
     /// Plan of the wavefront engine in the counting render. It stays raw JSON, so that a record can hold

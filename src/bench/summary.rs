@@ -60,8 +60,8 @@ fn run(group: &Group, side: &Side, series: &Series) -> Run {
     }
 }
 
-/// Speed ratios of the pairs of sides worth reporting: wavefront to scalar, the control, and each engine
-/// to the same one of the other program, whose commit is `other`.
+/// Speed ratios of the pairs of sides worth reporting: wavefront to scalar, the control, and each
+/// engine to the same engine of the other program, whose commit is `other`.
 fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
     let find = |program, engine| {
         let is = |side: &Side| side.program == program && side.engine == engine;

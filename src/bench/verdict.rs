@@ -37,7 +37,7 @@ pub(crate) struct Verdict {
     /// One finding for each sample, in the order of measurement.
     pub(crate) findings: Vec<Finding>,
     pub(crate) outcome: Outcome,
-    /// Why the outcome is unclear, or is `Same` although a sample showed a change.
+    /// Why the outcome is unclear, or why it is `Same` although a sample showed a change.
     #[serde(default)]
     pub(crate) reason: String,
 }
@@ -47,7 +47,7 @@ pub(crate) struct Verdict {
 pub(crate) struct Finding {
     /// Speed ratio of the run to its reference.
     pub(crate) change: Estimate,
-    /// Why the sample does not count, if so.
+    /// The reason why the sample does not count; `None` if there is no doubt about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) doubt: Option<Doubt>,
 }
@@ -116,7 +116,7 @@ impl Outcome {
 }
 
 /// Whether a change that [`decide`] calls `Same` shows that nothing changed: its median is within the
-/// threshold, and its ends are within three times the threshold.
+/// threshold, and the ends of its interval are within three times the threshold.
 fn is_same(change: &Estimate, threshold: f64) -> bool {
     let off = |change: f64| change.max(1.0 / change) - 1.0;
     let ends = off(change.lo).max(off(change.hi));
@@ -158,7 +158,8 @@ impl Verdict {
         (self.outcome, self.reason) = (outcome, reason.to_owned());
     }
 
-    /// Decides the outcome. A change needs two samples that agree, no change needs one.
+    /// Decides the outcome. Only two samples that agree can show a change; one sample can show that
+    /// nothing changed.
     fn conclude(&self, threshold: f64) -> (Outcome, &'static str) {
         let samples: Vec<Outcome> =
             self.counted(threshold).map(|change| decide(change, threshold)).take(2).collect();
@@ -185,8 +186,8 @@ impl Verdict {
             && !self.findings.iter().any(lasting)
     }
 
-    /// Changes of the samples that count: those without a doubt that clearly show a change or clearly
-    /// show none.
+    /// Changes of the samples that count: samples that have no [`Doubt`], and that clearly show
+    /// either a change or no change.
     pub(crate) fn counted(&self, threshold: f64) -> impl Iterator<Item = &Estimate> {
         let clean = self.findings.iter().filter(|finding| finding.doubt.is_none());
         let changes = clean.map(|finding| &finding.change);

@@ -24,9 +24,9 @@ const SCHEMA: u32 = 2;
 const MOST_HEADER: u64 = 1 << 16;
 /// Largest file that is hashed even if its header is invalid, which takes about a second.
 const SOON_HASHED: u64 = 1 << 30;
-/// Maximum time in seconds: longer than any render, but small enough to add many of them.
+/// Maximum time in seconds: longer than any render, but small enough that many can be added.
 const MOST_SECONDS: f64 = 1e12;
-/// Maximum count: more than any render reaches, but small enough to add many of them.
+/// Maximum count: more than any render reaches, but small enough that many can be added.
 const MOST_COUNT: u64 = 1 << 53;
 
 #[derive(Serialize, Deserialize)]
@@ -53,7 +53,7 @@ impl Checkpoint {
     /// As [`write`](Self::write), but calls `check` just before the file appears at `path`.
     ///
     /// # Errors
-    /// As [`write`](Self::write), and those of `check`: then `path` stays as it is.
+    /// The errors of [`write`](Self::write) and of `check`. If `check` fails, `path` is unchanged.
     pub(crate) fn write_if(&self, path: &Path, check: impl FnOnce() -> Result<()>) -> Result<()> {
         let Rendering { film, tally, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
@@ -104,7 +104,7 @@ impl Checkpoint {
         limits.check_image(area.pixels(), Film::memory(area, first..end)).map_err(bad)?;
         let before = MAGIC.len() + line.len();
         let of_film = length.saturating_sub((before + blake3::OUT_LEN) as u64);
-        // The film has at least 4 bytes for each pixel, the end of its samples.
+        // The film has at least 4 bytes per pixel, which store the end of its samples.
         if of_film < 4 * area.pixels() {
             return Err(bad("damaged: the film is too short".to_owned()));
         }
@@ -136,7 +136,7 @@ impl Checkpoint {
     /// Reads which part of which render the checkpoint at `path` holds, without reading the film.
     ///
     /// # Errors
-    /// If the file cannot be read, or its header is not that of a checkpoint.
+    /// If the file cannot be read, or it does not have the header of a checkpoint.
     pub(crate) fn read_part(path: &Path) -> Result<Part> {
         let (_, _, line) = open(path)?;
         let bad = |message| Error::input(path.display().to_string(), "", message);

@@ -10,8 +10,8 @@ use crate::film::{Conflict, Film, Sample};
 use crate::image::Image;
 use crate::limits::{Limit, Limits};
 
-/// Merges `files`, the parts of one render: shards, ranges of samples, or both. `limits` apply to each part,
-/// and the limit of memory also to the whole together with the largest part.
+/// Merges `files`, the parts of one render: shards, ranges of samples, or both. `limits` apply to
+/// each part. The memory limit also applies to the whole render together with the largest part.
 ///
 /// # Errors
 /// If a file cannot be read, belongs to another render than the first, is not complete or overlaps with
@@ -99,7 +99,7 @@ fn describe((x, y, sample): Sample) -> String {
     format!("sample {sample} of pixel {x},{y}")
 }
 
-/// The error for a `sample` of `part` that one of the parts `before` also has.
+/// The error for a `sample` that is in `part` and also in one of the parts `before`.
 fn twice(
     part: &PartFile<'_>,
     before: &[PartFile<'_>],
@@ -127,7 +127,7 @@ fn missing(parts: &[PartFile<'_>], sample: Sample) -> Error {
             let indices = || [first].into_iter().chain(others).map(|shard| shard.index);
             let absent =
                 (0..first.count).filter(|&index| indices().all(|present| present != index));
-            // Many shards can be missing.
+            // Many shards can be missing, so only the first ten are named.
             let absent: Vec<String> =
                 absent.take(10).map(|index| format!("{index}/{}", first.count)).collect();
             match absent.is_empty() {
@@ -152,8 +152,8 @@ pub(crate) struct PartialRender {
     pub(crate) spp: u32,
 }
 
-/// Averages the samples that are finished in `files`, which may be unfinished parts of one render, and need not be
-/// all parts.
+/// Averages the finished samples in `files`, which are parts of one render. The parts may be
+/// unfinished, and some parts may be missing.
 ///
 /// # Errors
 /// If a file cannot be read, belongs to another render than the first, or exceeds a limit.

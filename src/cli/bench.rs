@@ -25,7 +25,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     if args.quiet {
         suppress_notices();
     }
-    // Whatever can fail fails before the work begins.
+    // Check everything that can be checked before the work begins.
     let ((options, read), exports) = (bench_options::options(args)?, bench_options::exports(args)?);
     let (blocks, threshold) = (bench_options::blocks(args), args.threshold / 100.0);
     check_files(args, &options, &read, &exports)?;
@@ -56,11 +56,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
         None => return exported.map(|()| 0),
     };
     bench_table::print_counts(&counts(&record, reference))?;
-    // Later samples decide alone and are twice as long, so that a few disturbed blocks do not hide a change.
+    // Samples are not pooled: each repeated one is judged on its own. It is twice as long, so
+    // that a few disturbed blocks do not hide a change.
     let again = args.gate.then_some(2 * blocks);
     let gate = judge(&bench, &record, reference, threshold, again, &mut show)?;
     if !args.gate {
-        // Without repeated measurement there is no verdict.
+        // Without `--gate` nothing is measured again, so the changes are printed without a verdict.
         bench_table::print_gate(&record, &gate, false)?;
         return exported.map(|()| 0);
     }
@@ -141,7 +142,7 @@ fn check_files(
     let mut written: Vec<PathBuf> = args.json.clone().into_iter().collect();
     for (format, folder) in exports {
         check_export(&runs, *format, folder)?;
-        // Its folder may not exist yet.
+        // The folder of an export may not exist yet, so paths are compared, too.
         let file = export_file(*format, folder);
         let place = |file: &Path| std::path::absolute(file).ok();
         let clash = |other: &Path| same_file(other, &file) || place(other) == place(&file);

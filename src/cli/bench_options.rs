@@ -10,7 +10,7 @@ use crate::error::{Error, Result, suggestion};
 use crate::limits::Limit;
 use crate::scene::BUILTIN_NAMES;
 
-/// Defaults.
+/// Default values of arguments.
 struct Usual {
     /// Approximate number of pixels of an image.
     pixels: u32,
@@ -68,7 +68,7 @@ pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
         Ok((name, (settings.width, settings.height)))
     };
     let engines = match &args.engines[..] {
-        // The scalar engine first: the others are compared with it.
+        // The scalar engine comes first, because the others are compared with it.
         [] => vec![Engine::Scalar, Engine::Wavefront],
         some => without_repeats(some),
     };
@@ -141,7 +141,7 @@ mod tests {
         let (options, _) = options(&args).unwrap();
         let names: Vec<&str> = options.scenes.iter().map(|(name, _)| &**name).collect();
         assert_eq!(names, ["spheres", "spacetime", "checker", "cornell"]);
-        // The proportions of 1280 x 720 and of 1 x 1.
+        // The scenes have the proportions of 1280 x 720 and of 1 x 1.
         assert_eq!(options.scenes[0].1, (640, 360));
         assert_eq!(options.scenes[3].1, (480, 480));
         assert_eq!(options.engines, [Engine::Scalar, Engine::Wavefront]);

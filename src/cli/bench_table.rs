@@ -137,7 +137,7 @@ pub(super) fn print_counts(changes: &CountChanges) -> Result<()> {
     lines.iter().try_for_each(|line| say(format_args!("counter {}", line)))
 }
 
-/// Prints the change of each run of `record`; also the outcomes, if they were `judged`.
+/// Prints the change of each run of `record`, and the outcomes if they were `judged`.
 pub(super) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<()> {
     let gated = if judged {
         format!("{:<29}by more than {}%", "measured again", gate.threshold * 100.0)

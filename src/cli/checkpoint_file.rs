@@ -11,7 +11,8 @@ use crate::error::{Error, Result};
 use crate::image::{Format, Metadata};
 use crate::limits::Limits;
 
-/// Longest part of the output's name, in bytes, that the default names keep: file systems limit names to 255.
+/// Maximum number of bytes of the output's name that the default names keep, because file systems
+/// limit names to 255 bytes.
 const MAX_STEM: usize = 200;
 
 /// The checkpoint file of one render, and the unfinished picture beside it.
@@ -26,8 +27,8 @@ pub(super) struct CheckpointFile {
 }
 
 impl CheckpointFile {
-    /// The file `named`, or else `NAME.partial.film` beside `output`; in the current folder for a `scene` that is
-    /// written to standard output.
+    /// The file is `named`, or else `NAME.partial.film` beside `output`. If the image is written to
+    /// standard output, NAME is the name of the `scene`, and the file is in the current folder.
     pub(super) fn new(output: &Target, scene: &str, named: Option<&Path>) -> Self {
         let picture = match output {
             Target::Image(path) => {
@@ -56,8 +57,8 @@ impl CheckpointFile {
         self.picture.as_deref()
     }
 
-    /// The unfinished picture, unless a file of that name exists that is not an unfinished picture. Formats without
-    /// metadata are recognised by the checkpoint beside them.
+    /// The unfinished picture, unless a file of that name exists that is not an unfinished picture.
+    /// A picture in a format without metadata is recognised by the checkpoint beside it.
     pub(super) fn own_picture(&self) -> Option<&Path> {
         self.picture().filter(|picture| {
             let is_partial = Metadata::read(picture)
@@ -76,10 +77,10 @@ impl CheckpointFile {
         !fs::metadata(&self.path).is_err_and(|error| error.kind() == ErrorKind::NotFound)
     }
 
-    /// The render so far: that of the file, or an empty one if there is no file.
+    /// The render so far, which is read from the file, or is empty if there is no file.
     ///
     /// # Errors
-    /// Where the file cannot be read, is damaged, or belongs to another render.
+    /// If the file cannot be read, is damaged, or belongs to another render.
     pub(super) fn load(&mut self, part: &Part, limits: &Limits) -> Result<Rendering> {
         if !self.exists() {
             return part.empty_film().map(Rendering::new);
@@ -89,22 +90,24 @@ impl CheckpointFile {
         checkpoint.resume(part).map_err(|mismatch| self.refuse(mismatch))
     }
 
-    /// Writes `checkpoint`, unless another program has meanwhile put something else there.
+    /// Writes `checkpoint`, unless another program has meanwhile written a file of another render
+    /// or of another kind to this path.
     ///
     /// # Errors
-    /// Where the file cannot be written, or no longer belongs to this render.
+    /// If the file cannot be written, or no longer belongs to this render.
     pub(super) fn write(&self, checkpoint: &Checkpoint) -> Result<()> {
         let part = checkpoint.part();
         self.check(&part)?;
-        // Writing takes time: another render can have put its checkpoint there meanwhile.
+        // Writing takes time, and another render may meanwhile have written its checkpoint to this
+        // path.
         checkpoint.write_if(&self.path, || self.check(&part))
     }
 
-    /// Ends the use of the file once the output is written: writes the whole of `checkpoint` to a file that
-    /// the user named, and deletes any other file of this render.
+    /// Cleans up once the output is written. A file that the user named is kept, and the complete
+    /// `checkpoint` is written to it. All other files of this render are deleted.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub(super) fn finish(&self, checkpoint: &Checkpoint, has_advanced: bool) -> Result<()> {
         if let Some(picture) = self.own_picture().filter(|_| self.continued) {
             // A file that cannot be deleted does no harm.
@@ -142,7 +145,7 @@ fn beside(output: &Path, extension: &str) -> PathBuf {
     output.with_file_name(format!("{stem}.partial.{extension}"))
 }
 
-/// Says how to get a render going although the checkpoint file is refused.
+/// Adds to an error of the checkpoint file what the user can do to render anyway.
 fn advise(error: Error) -> Error {
     match error {
         Error::Input { file, place, message } => {

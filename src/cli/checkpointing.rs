@@ -41,7 +41,7 @@ pub(super) fn render(
             progress.finish();
         }
         if failed {
-            // The panic or error is what the user must see, whether or not the checkpoint can be written.
+            // Ignore an error of writing: the user must see the first panic or error.
             let _ = file.write(checkpoint);
         }
         advanced.unwrap_or_else(|panic| resume_unwind(panic))?;
@@ -59,7 +59,7 @@ pub(super) fn render(
         let so_far = checkpoint.rendering.progress();
         match written {
             Ok(()) => progress.saved("checkpoint", so_far, file.path()),
-            // The next checkpoint may succeed.
+            // The render continues, because the next checkpoint may succeed.
             Err(error) => progress.warn(so_far, &error),
         }
     }
@@ -92,7 +92,8 @@ fn stop(
         Err(error) => {
             progress.lost(so_far);
             let error = with_earlier(error, checkpoint, file);
-            // A time limit is an error like others: the checkpoint is all that the run was for.
+            // The checkpoint is the only result of a run that ends at its time limit, so this
+            // error is the one to return.
             if signal.is_none() {
                 return error;
             }
@@ -102,7 +103,8 @@ fn stop(
     Error::Stopped { signal, percent: checkpoint.percent(), outcome }
 }
 
-/// Saves a complete render whose image cannot be written. Returns `error`, and where the render is.
+/// Saves a complete render whose image cannot be written. Returns `error` with the
+/// path of the checkpoint.
 pub(super) fn save_instead(checkpoint: &Checkpoint, file: &CheckpointFile, error: Error) -> Error {
     match file.write(checkpoint) {
         Ok(()) => with_earlier(error, checkpoint, file),
@@ -110,7 +112,7 @@ pub(super) fn save_instead(checkpoint: &Checkpoint, file: &CheckpointFile, error
     }
 }
 
-/// `error`, and the checkpoint from which the render can be continued, if there is one.
+/// Adds to `error` the checkpoint from which the render can be continued, if there is one.
 fn with_earlier(error: Error, checkpoint: &Checkpoint, file: &CheckpointFile) -> Error {
     if !file.has_part_of(&checkpoint.part()) {
         return error;

@@ -13,8 +13,8 @@ use crate::isa::{Isa, compiled_isa, detected_isa};
 /// Longest message in characters. Input files can contain words of any length.
 const MAX_MESSAGE: usize = 2000;
 
-/// Prints a line on standard output. Control characters are escaped, also line breaks, so that the name of a
-/// file or scene cannot forge a line of its own.
+/// Prints a line on standard output. Control characters, including line breaks, are escaped, so
+/// that the name of a file or scene cannot forge a line of output.
 pub(super) fn say(line: fmt::Arguments<'_>) -> Result<()> {
     print(&escaped(&line.to_string(), |c| c.is_control()))
 }

@@ -187,7 +187,7 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
         2 * options.reference
     ))?;
     say(format_args!(""))?;
-    // Every other number of samples, including the last.
+    // Show every other number of samples, including the largest.
     let shown: Vec<usize> = (0..first.points.len()).rev().step_by(2).collect();
     let shown: Vec<usize> = shown.into_iter().rev().collect();
     let spp = |&i: &usize| format!("{:>11}", format!("{} spp", first.points[i].spp));

@@ -26,7 +26,7 @@ pub(super) struct DashboardArgs {
     pub(super) criterion: PathBuf,
 }
 
-/// The page's title, by which it is recognised.
+/// The page's title, by which an earlier output of this command is recognised.
 const TITLE: &str = "<title>ptfast: speed over commits</title>";
 
 pub(super) fn run(args: &DashboardArgs) -> Result<()> {

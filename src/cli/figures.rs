@@ -146,7 +146,8 @@ pub(super) fn run(args: &FiguresArgs) -> Result<()> {
     if args.quiet { Ok(()) } else { say(format_args!("page      {}", page.display())) }
 }
 
-/// Whether `figures` wrote this file: its pictures have metadata, and its page a title.
+/// Whether `figures` wrote this file. Its pictures are recognised by their metadata, and its page
+/// by the title.
 fn is_figure(file: &Path) -> bool {
     if file.ends_with(PAGE) {
         return folder::contains(file, "<title>The report's figures by ptfast</title>");

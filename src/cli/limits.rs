@@ -11,7 +11,8 @@ const HEADING: &str = "Limits";
 
 /// Limits for any input.
 #[derive(Debug, Args)]
-// Not `next_help_heading`, which would also apply to the arguments after these.
+// Each argument has its own `help_heading`, because `next_help_heading` would also apply to the
+// arguments after these.
 pub(super) struct LimitArgs {
     /// Change a limit: scene-bytes, primitives, mesh-bytes, texture-bytes or pixels. N can have a unit, such as
     /// 2GiB
@@ -71,7 +72,7 @@ impl SceneLimitArgs {
     }
 }
 
-/// The flag that allows what was rejected.
+/// Names the flag that allows the rejected input.
 fn advice(refused: Refused) -> String {
     match refused {
         Refused::Beyond(Limit::Memory, value) => {

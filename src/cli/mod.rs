@@ -90,7 +90,8 @@ fn exit_code(result: Result<u8>) -> u8 {
     })
 }
 
-/// Whether the arguments, valid or not, ask for progress as JSON: then errors in them are JSON, too.
+/// Whether the arguments, valid or not, ask for progress as JSON. If so, errors in the arguments
+/// are printed as JSON, too.
 fn asks_for_json(arguments: impl Iterator<Item = OsString>) -> bool {
     let arguments: Vec<_> = arguments.collect();
     let pair = |pair: &[OsString]| pair[0] == "--progress" && pair[1] == "json";

@@ -39,7 +39,7 @@ pub(super) fn command(
     sample: u32,
 ) -> String {
     let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
-    // Quoted if a shell would not take it literally.
+    // Quote the name if a shell would not take it literally.
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
     let scene = match given.chars().all(plain) {
         true => given.to_owned(),

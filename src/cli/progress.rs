@@ -1,4 +1,5 @@
-//! Progress on standard error: a bar on a terminal, otherwise a line every few seconds, or JSON.
+//! Progress on standard error: a bar on a terminal, a line every few seconds
+//! elsewhere, or JSON on request.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
@@ -52,7 +53,7 @@ pub(super) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Re
 /// Shows the progress of one render.
 pub(super) struct ProgressReport {
     start: Instant,
-    /// The progress when the report began: earlier runs of a continued render.
+    /// The progress when the report began: that of earlier runs if the render is continued.
     begun: Progress,
     samples: u64,
     display: Display,
@@ -112,17 +113,17 @@ impl ProgressReport {
         }
     }
 
-    /// The render is complete and its output is written.
+    /// Reports that the render is complete and its output is written.
     pub(super) fn done(&self, progress: Progress) {
         self.event("done", progress, None);
     }
 
-    /// The render was saved in `file`; `event` is the reason.
+    /// Reports that the render was saved in `file`; `event` is the reason.
     pub(super) fn saved(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(("file", file.display().to_string())));
     }
 
-    /// The render was stopped, and could not be saved.
+    /// Reports that the render was stopped and could not be saved.
     pub(super) fn lost(&self, progress: Progress) {
         self.event("stopped", progress, None);
     }
@@ -158,7 +159,7 @@ impl ProgressReport {
         )
     }
 
-    /// Writes a JSON line, if that is the mode.
+    /// Writes a JSON line if the progress is shown as JSON.
     fn event(&self, event: &str, progress: Progress, more: Option<(&str, String)>) {
         if !matches!(self.display, Display::Json { .. }) {
             return;
@@ -210,7 +211,7 @@ pub(super) fn duration(seconds: f64) -> String {
 }
 
 fn write_line(line: &Value) {
-    // If standard error is closed, nobody can be informed.
+    // Errors are ignored: standard error is where they would be reported.
     let _ = writeln!(stderr(), "{line}");
 }
 

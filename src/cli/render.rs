@@ -70,7 +70,7 @@ impl<'a> Job<'a> {
         Ok(Self { args, start, scene, load, settings, part, output })
     }
 
-    /// Whether all output files exist, and the image or film is that of this render.
+    /// Whether all output files exist, and the image or film belongs to this render.
     fn is_complete(&self) -> Result<bool> {
         let reports = [&self.args.json, &self.args.trace];
         let exist = reports.into_iter().flatten().all(|file| file.exists());
@@ -152,7 +152,7 @@ impl<'a> Job<'a> {
         let to_file = self.output != Target::StandardOutput;
         let written = [
             ("the image", self.output.path()),
-            // Who wants the image on standard output need not be able to write here.
+            // With the image on standard output, the default checkpoint file may be unwritable.
             ("the checkpoint", Some(file.path()).filter(|_| file.is_named() || to_file)),
             ("the partial image", file.picture()),
             ("the record", args.json.as_deref()),
@@ -171,14 +171,14 @@ impl<'a> Job<'a> {
             Target::Image(path) => render.image.write(path, self.args.gamma, &metadata()),
             Target::StandardOutput => {
                 let write = || {
-                    // The encoder would hide the kind of an error.
+                    // Encode to memory first: the encoder would hide the kind of a write error.
                     let mut png = Vec::new();
                     render.image.write_png(&mut png, self.args.gamma, &metadata())?;
                     let mut out = io::stdout().lock();
                     out.write_all(&png).and_then(|()| out.flush())
                 };
                 match write() {
-                    // The reader has seen enough.
+                    // The reader closed the pipe early, which is not an error.
                     Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
                     written => written.map_err(Error::io(Path::new("standard output"), "write")),
                 }

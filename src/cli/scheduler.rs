@@ -41,7 +41,7 @@ pub(super) fn shard(
     if let (Some(most), Some(count)) = (number("SLURM_ARRAY_TASK_MAX")?, count)
         && most.checked_sub(least).is_none_or(|last| last / step + 1 != count)
     {
-        // Of the tasks 0, 2 and 5, 5 is beyond three shards.
+        // For example, tasks 0, 2 and 5 make three shards, so that index 5 is out of range.
         let message = format!("the tasks {least} to {most} by {step} are not {count}");
         return Err(Error::Usage(format!("--shard auto: {message}: give --shard I/N")));
     }

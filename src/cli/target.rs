@@ -27,7 +27,7 @@ impl fmt::Display for Target {
 }
 
 impl Target {
-    /// The kind of output by the extension of the file; `-` is standard output.
+    /// Returns the kind of output that the extension of `path` selects; `-` is standard output.
     ///
     /// # Errors
     /// [`Error::Usage`] if no writer knows the extension.
@@ -42,7 +42,8 @@ impl Target {
         Ok(Self::Image(path))
     }
 
-    /// The file `given`, or a file in the current folder that is named after the scene, for `part`.
+    /// Returns the file `given`, or without one a file in the current folder that is named after
+    /// the scene and `part`.
     ///
     /// # Errors
     /// [`Error::Usage`] if no writer knows the extension, or if the file is an image and `part` is not a

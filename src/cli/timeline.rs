@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::film::Unit;
 use crate::output::write_atomically;
 
-/// Writes what the workers of `render` did.
+/// Writes the timeline of the workers of `render`.
 pub(super) fn write(path: &Path, scene: &str, threads: usize, render: &Render) -> Result<()> {
     let process = json!({ "name": format!("ptfast {scene}") });
     let names =
@@ -19,7 +19,7 @@ pub(super) fn write(path: &Path, scene: &str, threads: usize, render: &Render) -
             metadata("thread_name", worker, json!({ "name": format!("worker {worker}") }))
         }));
     write_atomically(path, |file| {
-        // A line an event: there may be a million.
+        // One event per line, since there may be a million events.
         writeln!(file, "{{\"displayTimeUnit\":\"ms\",\"traceEvents\":[")?;
         let events = names.chain(render.timeline.iter().map(event));
         for (number, event) in events.enumerate() {
@@ -34,7 +34,7 @@ fn metadata(name: &str, worker: usize, args: Value) -> Value {
     json!({ "ph": "M", "pid": 1, "tid": worker, "name": name, "args": args })
 }
 
-/// A complete event, in microseconds.
+/// A complete event, with times in microseconds.
 fn event(event: &Event) -> Value {
     let (name, category, args) = match event.activity {
         Activity::Unit(Unit { tile, first, end }) => {

@@ -41,7 +41,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     advise_on_build(Isa::Avx512);
     let name = &sets.scene;
     say(format_args!("scene   {name}, {} primitives", sets.geometry.len()))?;
-    // Once the process is pinned, it sees one core.
+    // Describe the machine now: once the process is pinned, it sees only one core.
     let record = args.json.as_ref().map(|path| (path, Machine::this()));
     pin_to_one_core();
     let accelerator = Accelerator::new(sets.geometry.clone());
@@ -81,7 +81,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<u8> {
     Ok(0)
 }
 
-/// Pins the process, so that all speeds are of one core.
+/// Pins the process, so that all speeds are measured on one core.
 fn pin_to_one_core() {
     let core = core_affinity::get_core_ids().and_then(|cores| cores.into_iter().next());
     if !core.is_some_and(core_affinity::set_for_current) {
@@ -89,7 +89,7 @@ fn pin_to_one_core() {
     }
 }
 
-/// The chosen kernel; by default, all that may be fastest, and the reference.
+/// The chosen kernel; by default, all kernels that may be the fastest, and the reference.
 fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
     let suits = |kernel: &Kernel| *kernel == Kernel::Scalar || accelerator.may_win(*kernel);
     choice.map_or_else(|| Kernel::ALL.into_iter().filter(suits).collect(), |kernel| vec![kernel])

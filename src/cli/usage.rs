@@ -73,7 +73,8 @@ fn message(error: &clap::Error) -> String {
     text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Whether the suggested argument differs from the given one by one letter in four at most.
+/// Whether the suggested argument differs from the given one by at most one edit, plus one for
+/// every five letters.
 fn suggests_a_typo(error: &clap::Error) -> bool {
     let name = |kind| match error.get(kind) {
         Some(ContextValue::String(name)) => Some(name.trim_start_matches('-')),

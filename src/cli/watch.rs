@@ -8,7 +8,8 @@ use super::progress::ProgressReport;
 use crate::engine::{Observer, Progress, Stop};
 use crate::interrupt;
 
-/// How long workers may finish their work once the render is to end; what they have not finished then is lost.
+/// Time that workers have to finish their work once the render must end. Work that is unfinished
+/// after this time is lost.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// When a render writes checkpoints, and how long it may take.
@@ -28,10 +29,10 @@ pub(super) struct Watch<'a> {
     start: Instant,
     /// Minimum time until the next checkpoint.
     gap: Duration,
-    /// Whether any work was finished since. Otherwise a time limit that has passed would end each run before
-    /// it makes progress.
+    /// Whether any work was finished since `start`. The time limit applies only from then on.
+    /// Otherwise a limit that has already passed would end each run before it makes progress.
     advanced: AtomicBool,
-    /// When it was first noticed that the render is to end.
+    /// When it was first noticed that the render must end.
     noticed: OnceLock<Instant>,
 }
 
@@ -41,7 +42,7 @@ impl<'a> Watch<'a> {
         Self { schedule, progress, start, gap, advanced, noticed: OnceLock::new() }
     }
 
-    /// When it was noticed that the render is to end; `None` if it continues.
+    /// When it was first noticed that the render must end; `None` if it continues.
     pub(super) fn ends(&self) -> Option<Instant> {
         let is_over = |limit: Duration| self.schedule.start.elapsed() >= limit;
         let ends = interrupt::signal().is_some()

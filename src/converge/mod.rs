@@ -2,7 +2,8 @@
 //!
 //! The error of an image x is its mean squared difference from the true image, over pixels and channels.
 //! Two long, independent renders a and b stand in for the true image. The mean of (x − a)(x − b) is
-//! right on average, however noisy a and b are, while (x − a)² would be too large by the noise of a.
+//! right on average, however noisy a and b are. The mean of (x − a)² would be too large by the
+//! noise of a.
 
 mod plot;
 mod slope;
@@ -23,7 +24,7 @@ pub(crate) struct Options {
     /// Settings of all renders, except for the sampling, the sampler and the number of samples. The seeds
     /// of the renders derive from its seed.
     pub(crate) settings: RenderSettings,
-    /// The ways to compare.
+    /// The combinations of a sampling strategy and a sampler to compare.
     pub(crate) ways: Vec<Way>,
     /// Samples per pixel of the longest renders. Each shorter length is half of the next longer one.
     pub(crate) most: u32,

@@ -87,7 +87,7 @@ fn panel<'a>(
     Ok(())
 }
 
-/// Label of a curve: the name of its way, and its slope over samples.
+/// Label of a curve: the name of its way of rendering, and its slope over samples.
 fn label(curve: &Curve) -> String {
     let slope = Slope::of_samples(&curve.points);
     let slope = slope.map_or_else(String::new, |slope| format!(", slope {:.2}", slope.slope));

@@ -17,18 +17,19 @@ pub(super) struct Change {
     pub(super) confirmed: bool,
 }
 
-/// Maximum number of records that make up a level: the latest ones.
+/// Maximum number of records that make up a level. If there are more, the latest ones are used.
 const LEVEL: usize = 8;
 
 /// Deviations of records from their level that are assumed before any is measured: four of 0.5%.
 const OFF_AT_FIRST: [f64; 4] = [0.005; 4];
 
-/// Finds the change points of a series. `records` holds the speeds of each record's blocks, none for
-/// records that do not take part.
+/// Finds the change points of a series. `records` holds the speeds of each record's blocks, and an
+/// empty list for records that do not take part.
 ///
 /// A record begins a new level if its speed differs from the blocks of the current level by more than the
 /// threshold, even after allowing for the deviations of earlier records from their levels. The next
-/// record, if there is one, must differ in the same direction, so that a single busy hour is no change.
+/// record, if there is one, must differ in the same direction, so that a single busy hour is not
+/// reported as a change.
 pub(super) fn changes(records: &[&[f64]]) -> Vec<Option<Change>> {
     let mut changes = vec![None; records.len()];
     let mut level: Vec<&[f64]> = Vec::new();
@@ -83,7 +84,7 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    /// Records at these speeds, each of ten blocks with one percent of noise.
+    /// Creates records with these speeds, each of ten blocks with one percent of noise.
     fn history(random: &mut Stream, speeds: &[f64]) -> Vec<Vec<f64>> {
         let mut block = |speed: f64| speed * f64::from(random.between(0.99, 1.01));
         speeds.iter().map(|&speed| (0..10).map(|_| block(speed)).collect()).collect()
@@ -137,8 +138,8 @@ mod tests {
         assert!(missed <= SERIES / 20, "{missed} of {SERIES}");
     }
 
-    /// A 95% interval misses the true value in 2.5% of the cases on either side, but a change must exceed
-    /// the threshold, too: a steady series has none.
+    /// A 95% interval misses the true value in 2.5% of the cases on either side, but a change must
+    /// also exceed the threshold. Hence a steady series has no changes.
     #[test]
     fn steady_series_have_no_changes() {
         let mut random = Stream::new(4);

@@ -2,8 +2,8 @@
 
 use crate::bench::{Record, Run, Workload};
 
-/// Command that measures all engines again, to include the speed-up. It uses the bench of the current
-/// checkout, since old commits have none.
+/// Command that measures all engines again, so that the result includes the speed-up. It uses the
+/// bench of the current checkout, since old commits have no bench.
 pub(super) fn bench(record: &Record, run: &Run) -> String {
     format!(
         "{}cargo run --release -- bench --program {}/target/release/ptfast {} --blocks {}",

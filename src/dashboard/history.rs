@@ -19,7 +19,8 @@ impl History {
     /// Reads all `.json` files of `folder`.
     ///
     /// # Errors
-    /// If the folder has no such file, if it or a file cannot be read, or if a file is not a bench record.
+    /// If the folder has no `.json` file, if the folder or a file cannot be read, or if a file is
+    /// not a bench record.
     pub(crate) fn read(folder: &Path) -> Result<Self> {
         let mut records = Vec::new();
         for entry in fs::read_dir(folder).map_err(Error::io(folder, "read"))? {

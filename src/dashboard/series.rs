@@ -141,8 +141,8 @@ fn entry((file, record): &(String, Record)) -> Entry {
 }
 
 /// Finds the changes of a series in paths per cycle, since clocks change from hour to hour, or in paths
-/// per second if the clock of every run is unknown. Runs without a known clock, if others have one, and
-/// runs with mostly contaminated blocks are skipped.
+/// per second if the clock of every run is unknown. Skips runs whose blocks are mostly
+/// contaminated, and runs without a known clock if other runs have one.
 fn levels(runs: &[&Run]) -> Vec<Option<Change>> {
     let cycles = || runs.iter().map(|run| run.paths_per_cycle());
     let mut speeds: Vec<Vec<f64>> = if cycles().any(|speeds| speeds.is_some()) {

@@ -21,8 +21,8 @@ pub struct Render {
     pub waves: WaveStats,
     /// The time of each step.
     pub seconds: Seconds,
-    /// The activities of all workers, if the settings ask for them: only the first two million
-    /// events.
+    /// The activities of all workers, if the settings ask for them. Only the first two million
+    /// events are kept.
     #[doc(hidden)]
     pub timeline: Vec<Event>,
 }

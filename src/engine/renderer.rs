@@ -20,7 +20,8 @@ use super::wavefront::WavefrontEngine;
 use crate::error::Result;
 use crate::film::{Film, Schedule};
 
-/// Renders images of a prepared scene, with settings that may change and threads that stay.
+/// Renders images of a prepared scene. The settings may change between renders; the threads are
+/// kept.
 #[derive(Debug)]
 pub struct Renderer {
     prepared: PreparedScene,

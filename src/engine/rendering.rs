@@ -32,7 +32,8 @@ pub struct Rendering {
     pub(crate) waves: WaveStats,
     /// Wall-clock seconds of rendering so far.
     pub seconds: f64,
-    /// The activities of all workers, if the settings ask for them: only the first `MOST_EVENTS`.
+    /// The activities of all workers, if the settings ask for them. Only the first
+    /// `MOST_EVENTS` are kept.
     pub(crate) timeline: Vec<Event>,
     /// The scene and settings that the samples belong to; `None` before the first pass.
     source: Option<(Scene, RenderSettings)>,

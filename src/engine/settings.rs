@@ -142,8 +142,8 @@ impl RenderSettings {
             .map_err(Error::Usage)
     }
 
-    /// Whether samples rendered with either settings belong to the same image. The number of
-    /// samples may differ.
+    /// Whether samples rendered with `self` and with `other` belong to the same image. The numbers
+    /// of samples may differ.
     pub(super) fn same_image(&self, other: &Self) -> bool {
         let size =
             |settings: &Self| (settings.width, settings.height, settings.depth, settings.seed);

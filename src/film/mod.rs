@@ -68,8 +68,8 @@ impl Film {
     /// Largest size of a film in bytes, in memory and in a file.
     pub(crate) fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
         let chunks = (samples.end - samples.start).div_ceil(CHUNK);
-        // At most two nodes per level, or one if the samples start with sample 0, and one
-        // incomplete chunk.
+        // Each pixel has at most one incomplete chunk, and at most two nodes per level, or one node
+        // per level if the samples start with sample 0.
         let levels = u64::from(u32::BITS - chunks.leading_zeros());
         let sums = 1 + levels * if samples.start == 0 { 1 } else { 2 };
         area.pixels() * (4 + 12 * sums)
@@ -181,7 +181,7 @@ impl Film {
     /// For each pixel, one past its last finished sample, and the number of sums kept for it.
     fn kept(&self) -> impl Iterator<Item = (u32, usize)> {
         let begin = self.samples.start;
-        // Most pixels have as many samples as the one before.
+        // Most pixels have as many samples as the pixel before them.
         let mut last = (begin, 0);
         self.done.iter().map(move |&done| {
             let done = if done == ABSENT { begin } else { done };

@@ -1,7 +1,7 @@
 //! Sums of a pixel's samples, in an order that any split into chunks can repeat.
 //!
 //! Within a chunk of [`CHUNK`] samples, samples are added one after the other. Chunks are added by
-//! a binary tree over their index, in which a missing right child adds nothing. Of a range of
+//! a binary tree over their index, in which a missing right child adds nothing. For a range of
 //! chunks, a film keeps the sums of the *nodes*: the largest complete subtrees that make up the
 //! range, from left to right, at most two per level. The nodes of two neighbouring ranges are
 //! enough to compute those of their union.
@@ -50,7 +50,7 @@ pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> u
     siblings
 }
 
-/// Mean of `samples` samples, computed from the sums kept for them; black without any.
+/// Mean of `samples` samples, computed from the sums kept for them; black if there are no sums.
 pub(super) fn mean(sums: impl DoubleEndedIterator<Item = Vec3>, samples: u32) -> Vec3 {
     let sum = sums.rev().reduce(|right, left| left + right);
     sum.map_or(Vec3::ZERO, |sum| sum / samples as f32)

@@ -11,7 +11,7 @@ fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
     Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
 }
 
-/// The result of `unit`, which must be next on `film`.
+/// The result of rendering `unit`, which must be the next unit of `film`.
 pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
     let open = film.open_sums(unit);
     let sum = |pixel: u32| {

@@ -1,8 +1,8 @@
 //! Rays, primitives, and the intersection tests that define a hit.
 //!
 //! The primitives' `intersect` methods define the closest hit of a ray: the one with the least
-//! distance in the open interval over all primitives. Ties go to the lowest index. The definition
-//! does not depend on any acceleration structure.
+//! distance in the open interval `(t_min, t_max)` over all primitives. Ties go to the lowest index.
+//! The definition does not depend on any acceleration structure.
 
 mod bounds;
 mod primitive;
@@ -31,9 +31,10 @@ pub(crate) struct Surface<R: Real = f32> {
     /// The point, computed from the primitive since that is more exact than `o + t d`.
     pub point: R::Vec3,
     /// Unit geometric normal on the primitive's front. It points outward from a sphere, along
-    /// `u × v` from a quad, and to the side from which a triangle's vertices run counter-clockwise.
+    /// `u × v` from a quad, and to the side from which a triangle's vertices appear in
+    /// counter-clockwise order.
     pub normal: R::Vec3,
-    /// Distance along the normal at which a new ray is certain to start off the surface.
+    /// Distance along the normal that is certain to move the origin of a new ray off the surface.
     pub offset: R,
 }
 

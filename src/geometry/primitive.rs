@@ -45,16 +45,16 @@ pub(crate) trait PrimitiveModel: Sized {
     /// the ray's direction.
     fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
 
-    /// A box around it over all times in `[0, 1]`.
+    /// A box that contains the primitive at all times in `[0, 1]`.
     fn bounds(&self) -> Bounds;
 
-    /// The shape, which selects the code that tests and shades it.
+    /// The shape, which selects the code that tests and shades the primitive.
     fn shape(&self) -> Shape;
 
-    /// The vectors that define it, for the scene's hash.
+    /// The vectors that define the primitive, for the scene's hash.
     fn identity(&self) -> [Vec3; 3];
 
-    /// The numbers that define it, for ray sets.
+    /// The numbers that define the primitive, for ray sets.
     fn record(&self) -> Self::Record;
 
     /// Builds the primitive that the finite numbers of `record` define. `Err` contains the
@@ -103,7 +103,7 @@ macro_rules! primitive {
         }
 
         impl Primitive<'_> {
-            /// The name of its kind in messages. It is part of the scene's hash.
+            /// The name of the primitive's kind in messages. It is part of the scene's hash.
             pub(crate) fn name(self) -> &'static str {
                 match self {
                     $(Self::$name(_) => stringify!($module),)*

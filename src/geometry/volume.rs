@@ -27,7 +27,8 @@ pub(crate) enum Volume {
 }
 
 impl Volume {
-    /// Its name and the vectors that define it, for the scene's hash.
+    /// The name of the kind of volume, and the vectors that define the volume, for the scene's
+    /// hash.
     pub(crate) fn identity(&self) -> (&'static str, Vec<Vec3>) {
         match *self {
             Self::Ball { center, radius } => ("ball", vec![center, Vec3::splat(radius)]),
@@ -116,7 +117,7 @@ impl Volume {
         self.half_edges().1.into_iter().map(DVec3::length).fold(0.0, f64::max)
     }
 
-    /// The largest absolute coordinate of its middle.
+    /// The largest absolute coordinate of the volume's middle.
     fn reach(&self) -> f64 {
         self.half_edges().0.abs().max_element()
     }

@@ -17,15 +17,15 @@ pub(crate) struct Comparison {
     pub psnr: f64,
     /// Largest absolute difference of a channel.
     pub largest: f64,
-    /// Pixel with the largest difference, from the top left.
+    /// Pixel with the largest difference, counted from the top left.
     pub largest_at: (u32, u32),
-    /// Mean of the first image over the mean of the second.
+    /// Mean of the first image divided by the mean of the second.
     pub ratio_of_means: f64,
 }
 
 /// Compares `a` with the reference `b`. Returns the measures, and an image of the differences in
-/// false colours. With `display`, it compares display values instead of linear ones: clamped to
-/// `[0, 1]`, mapped by the curve, and not rounded.
+/// false colours. With `display`, it compares display values instead of linear ones. Display
+/// values are clamped to `[0, 1]`, mapped by the curve, and not rounded.
 ///
 /// # Errors
 /// [`Error::Usage`] if the sizes differ.
@@ -81,8 +81,8 @@ pub(crate) fn compare(
     Ok((comparison, Image::from_pixels(a.width, a.height, pixels)))
 }
 
-/// Maps `x` in `[0, 1]` to a colour from black over red and yellow to white. The colour shows the
-/// square root of `x`, so that small differences are visible.
+/// Maps `x` in `[0, 1]` to a colour from black through red and yellow to white. The colour shows
+/// the square root of `x`, so that small differences are visible.
 fn false_colour(x: f64) -> [f32; 3] {
     let s = 3.0 * x.sqrt() as f32;
     [s, s - 1.0, s - 2.0].map(|c| crate::math::clamp(c, 0.0, 1.0))

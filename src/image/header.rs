@@ -23,7 +23,7 @@ pub(super) fn check(
                 Err(format!("too many chunks before the pixels (at most {MAX_CHUNKS} are allowed)"))
             }
             Ok(_) => Ok(()),
-            // The decoder has a better message for this.
+            // The decoder reports truncated files with a better message.
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(()),
             Err(error) => Err(error.to_string()),
         },

@@ -55,11 +55,11 @@ impl Image {
         read::read(path, &|_, _| Ok(()))
     }
 
-    /// As [`read`](Self::read), but calls `allow` with the number of pixels and the bytes of memory
-    /// that reading them takes, before it allocates that memory.
+    /// Like [`read`](Self::read), but calls `allow` with the number of pixels and the bytes of
+    /// memory that reading them takes, before it allocates that memory.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and with the message of `allow` if that returns one.
+    /// As for [`read`](Self::read), or if `allow` returns an error, whose message is then reported.
     #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
         read::read(path, allow)

@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
         let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
         return pfm.check_length(bytes.len() as u64).map(|()| pfm.image(&bytes)).map_err(bad);
     }
-    // A text header may be as long as the file.
+    // A text header may be as long as the file, and decoders load headers into memory.
     allow(0, length.saturating_mul(3)).map_err(bad)?;
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;

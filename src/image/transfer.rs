@@ -26,12 +26,12 @@ struct Table {
     /// Entry k is the linear value half-way, on the curve, between codes k and k + 1. The last
     /// entry is infinite.
     thresholds: [f32; 256],
-    /// The code of the smallest value of each range of values. There are 2⁸ ranges per octave, so
-    /// narrow that each contains at most one threshold.
+    /// The code of the smallest value of each range of values. Each octave has 2⁸ ranges, which are
+    /// so narrow that each contains at most one threshold.
     codes: [u8; RANGES],
 }
 
-/// Smaller linear values have code 0 on every curve.
+/// Linear values below this one have code 0 on every curve.
 const DARK: f32 = 1.0 / (1 << 18) as f32;
 /// Number of low bits that vary within a range: an octave of `f32` spans 23 bits.
 const RANGE_BITS: u32 = 23 - 8;

@@ -3,7 +3,7 @@
 use super::memory;
 use super::{MAX_PRIMITIVES, MAX_SIDE};
 
-/// A quantity that is limited, unless the user allows more.
+/// A quantity with a limit that the user can raise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Limit {
@@ -84,14 +84,15 @@ impl Limit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// It needs this much of a quantity: more than the limit allows, but not more than the limit
-    /// can be raised to.
+    /// The scene or render needs this amount of a quantity. The amount exceeds the limit, but the
+    /// user can raise the limit to this amount.
     Beyond(Limit, u64),
     /// The scene names a file outside its folder.
     OutsideFile,
 }
 
-/// Advice to users in error messages, in the words of the program that they use.
+/// Advice at the end of error messages. The program supplies the advice, so that it can name
+/// the options of that program.
 #[derive(Clone, Copy, Debug)]
 struct Advice(fn(Refused) -> String);
 

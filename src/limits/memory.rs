@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-/// The smallest of the machine's memory and the limits on the process's control groups and address
-/// space, in bytes; `u64::MAX` if the operating system reports nothing.
+/// The smallest of three values, in bytes: the machine's memory, the limits on the process's
+/// control groups, and the limit on its address space. `u64::MAX` if the operating system reports
+/// nothing.
 ///
 /// The amount of free memory is not used, because the same render would then be refused at one time
 /// and allowed at another.

@@ -40,7 +40,7 @@ pub(crate) fn check_sampling(spp: u32, depth: u32) -> Result<(), String> {
     check("depth", depth, MAX_DEPTH)
 }
 
-/// Checks that `value` is in 1 to `most`.
+/// Checks that `value` is at least 1 and at most `most`.
 pub(crate) fn check(name: &str, value: u32, most: u32) -> Result<(), String> {
     if (1..=most).contains(&value) {
         Ok(())

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Interference {
     /// Seconds that a hypervisor took from all cores of this machine (proc_stat(5), steal).
     pub stolen: f64,
-    /// Seconds that threads of this process were ready and waited for a core, summed
-    /// (/proc/PID/task/TID/schedstat).
+    /// Seconds during which a thread of this process was ready to run but waited for a core, summed
+    /// over the threads (/proc/PID/task/TID/schedstat).
     pub waited: f64,
     /// Number of times that a thread of this process was preempted (proc_pid_status(5)).
     pub switches: u64,
@@ -57,10 +57,10 @@ fn stolen() -> Option<f64> {
     Some(ticks(&stat, 1)?.nth(7)? / TICKS_PER_SECOND)
 }
 
-/// Seconds that other processes have kept cores busy since the machine booted, summed over its
-/// cores, and the number of these cores, whether this process may use them or not. Others are all
-/// processes except this one and its children that have ended. `None` if the operating system does
-/// not report them.
+/// Seconds that other processes have kept cores busy since the machine booted, summed over all
+/// cores, and the number of cores. Both include cores that this process may not use. Other
+/// processes are all except this one and its children that have ended. Returns `None` if the
+/// operating system does not report the times.
 pub(crate) fn busy_seconds_of_others() -> Option<(f64, usize)> {
     let (stat, own) =
         (fs::read_to_string("/proc/stat").ok()?, fs::read_to_string("/proc/self/stat").ok()?);

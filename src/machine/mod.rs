@@ -1,4 +1,4 @@
-//! Describes the machine and the build in records.
+//! Describes the machine and the build, for records of measurements.
 
 mod interference;
 

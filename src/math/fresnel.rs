@@ -71,7 +71,7 @@ mod tests {
         };
         let reflectance = |cos: f64, eta: Complex| {
             let eta2 = multiply(eta, eta);
-            // η cos θt = √(η² − sin²θ). Both ratios are multiplied out by η.
+            // η cos θt = √(η² − sin²θ). The fraction for `parallel` is expanded by η.
             let refracted = root(add(eta2, (cos * cos - 1.0, 0.0)));
             let across = norm(add((cos, 0.0), (-refracted.0, -refracted.1)))
                 / norm(add((cos, 0.0), refracted));

@@ -39,9 +39,9 @@ impl<R: Real> Ggx<R> {
         (a2 * (w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]).sqrt()
     }
 
-    /// Share of the lower part of the sampled spherical cap that can reflect upwards, seen from
-    /// `wo` (Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). A share of
-    /// 1 is the whole cap.
+    /// Share of the lower part of the sampled spherical cap that can reflect `wo` upwards (Eto
+    /// and Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections"). With a share of 1,
+    /// the whole cap is sampled.
     #[inline(always)]
     pub(crate) fn bound(self, wo: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;

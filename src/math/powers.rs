@@ -13,11 +13,11 @@ const ONE: u32 = 0x3F80_0000;
 /// exact.
 const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
 
-/// Cube root of `x`, a multiple of 2^-24 in `[0, 1]`, within a relative error of 2.3e-7.
+/// Cube root of `x` within a relative error of 2.3e-7. `x` must be a multiple of 2^-24 in `[0, 1]`.
 #[inline(always)]
 pub(crate) fn cbrt<R: Real>(x: R) -> R {
-    // The bits of a float approximate its logarithm, so a third of them is a cube root that is 3.3%
-    // off. Each step of Halley's method cubes the error.
+    // The bits of a float approximate its logarithm, so a third of their value gives a cube root
+    // with an error of 3.3%. Each step of Halley's method cubes the error.
     let third = (x.to_bits() >> 16).wrapping_mul(R::Word::splat(0x5556));
     let mut y = R::from_bits(third.wrapping_add(R::Word::splat(0x2A51_0000)));
     for _ in 0..2 {

@@ -52,7 +52,7 @@ pub trait Real:
     /// The number nearest to an integer below 2^31.
     fn from_word(word: Self::Word) -> Self;
 
-    /// The square root, rounded once.
+    /// The correctly rounded square root.
     fn sqrt(self) -> Self;
     /// The largest integer not above `self`.
     fn floor(self) -> Self;
@@ -84,7 +84,8 @@ pub trait Real:
     /// As [`Real::index`], for tables that often have a single entry, which is then read once for
     /// all lanes.
     fn index_of_few(entry: Self::Word, len: usize) -> Self::Index;
-    /// Reads the entry of `table` at `index`, and returns the vector and the number of its `row`.
+    /// Reads the entry of `table` at `index`. Returns the vector and the number in the `row` of
+    /// that entry.
     fn gather<T>(table: &[T], index: Self::Index, row: impl Fn(&T) -> &Row) -> (Self::Vec3, Self);
     /// The word of `table` at `index`.
     fn pick(table: &[u32], index: Self::Index) -> Self::Word;

@@ -9,8 +9,8 @@
 //! Differences from the paper:
 //! 1. The bits of the sample number are reversed once per path, in its key, instead of once per
 //!    sequence.
-//! 2. The eight bits that no sample number reaches come from the pixel's key, so that each pixel
-//!    starts at its own position of the sequence.
+//! 2. The eight bits that are zero in every reversed sample number are set from the pixel's key, so
+//!    that each pixel starts at its own position of the sequence.
 //! 3. The second coordinate's matrix, Pascal's triangle modulo 2, is applied in five steps (Ahmed
 //!    2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"), one for
 //!    each bit of a bit's index: (j choose i) is odd if and only if j has all bits of i (Lucas
@@ -135,8 +135,8 @@ mod tests {
         }
     }
 
-    /// Flipping a bit changes that bit and some above it, each of the latter in about half of the
-    /// trees.
+    /// Flipping a bit of the input flips the same bit of the output, and no lower bit. It flips
+    /// each higher bit in about half of the trees.
     #[test]
     fn scrambling_is_by_trees() {
         let mut flips = [[0u32; 32]; 32];
@@ -151,8 +151,8 @@ mod tests {
                 }
             }
         }
-        // So simple a hash is not fair in all bits. A test below compares the sequences that matter
-        // with those of ideal trees.
+        // Such a simple hash does not flip all bits with the same probability. A test below
+        // compares the sequences that are used with those of ideal trees.
         for (bit, flips) in flips.iter().enumerate() {
             for (above, &flips) in flips.iter().enumerate().skip(bit + 1) {
                 let share = f64::from(flips) / f64::from(TREES);
@@ -176,7 +176,7 @@ mod tests {
         }
     }
 
-    /// As [`scrambled`], with 64 bits of hash for each branch.
+    /// Like [`scrambled`], but with a 64-bit hash for each branch.
     fn scrambled_well(x: u32, seed: u32) -> u32 {
         (0..32).fold(0, |y, bit| {
             let below = u64::from(x & ((1 << bit) - 1)) << 6 | bit;
@@ -185,14 +185,15 @@ mod tests {
         })
     }
 
-    /// Chi-square over 8 × 8 cells of the square that two sequences of 64 numbers span.
+    /// Chi-square of 64 points over a grid of 8 × 8 cells. One sequence gives their x, the other
+    /// their y.
     fn common(a: impl Fn(u32) -> u32, b: impl Fn(u32) -> u32) -> f64 {
         let both: Vec<_> = (0..64).map(|sample| (a(sample), b(sample))).collect();
         let square = |n: u32| (f64::from(n) - 1.0) * (f64::from(n) - 1.0);
         cells(&both, 6, 3).into_iter().map(square).sum()
     }
 
-    /// Two sequences correlate no more than those of two ideal trees.
+    /// Two sequences correlate no more than the sequences of two ideal trees.
     #[test]
     fn sequences_are_independent_of_each_other() {
         const PIXELS: u32 = 2000;

@@ -36,7 +36,7 @@ pub(crate) fn max_element<V: Vector>(a: V) -> V::Real {
 }
 
 /// `n`, flipped if necessary to the side that a ray of direction `d` comes from, and whether `n`
-/// pointed there already.
+/// already pointed to that side.
 #[inline(always)]
 pub(crate) fn face_forward<V: Vector>(n: V, d: V) -> (V, <V::Real as Real>::Mask) {
     let front = dot(d, n).lt(V::Real::ZERO);

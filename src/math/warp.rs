@@ -27,7 +27,7 @@ pub fn uniform_sphere<R: Real>(u: R, v: R) -> R::Vec3 {
 }
 
 /// Uniform point in the unit ball. Its direction is that of [`uniform_sphere`], and `w` is the
-/// share of the ball's volume that is nearer to the centre.
+/// share of the ball's volume that is nearer to the centre than the point.
 #[inline(always)]
 pub(crate) fn uniform_ball<R: Real>(u: R, v: R, w: R) -> R::Vec3 {
     uniform_sphere(u, v) * cbrt(w)
@@ -90,8 +90,8 @@ mod tests {
         (mean, ((squares / n - mean * mean) / n).sqrt())
     }
 
-    /// Asserts that the mean is within five standard errors. A correct sampler fails for one fixed
-    /// seed in 1.7 million.
+    /// Asserts that the mean of `f` is within five standard errors of `want`. A correct sampler
+    /// fails for one fixed seed in 1.7 million.
     #[track_caller]
     fn assert_mean(want: f64, f: impl FnMut(&mut Stream) -> f32) {
         let (mean, error) = mean(f);

@@ -26,7 +26,7 @@ pub(crate) fn write_atomically(
     write_atomically_if(path, || Ok(()), fill)
 }
 
-/// As [`write_atomically`], but calls `check` just before the replacement.
+/// Does the same as [`write_atomically`], but calls `check` just before the replacement.
 ///
 /// # Errors
 /// As [`write_atomically`], and those of `check`.
@@ -39,7 +39,7 @@ pub(crate) fn write_atomically_if(
         let target = resolve(path)?;
         let temporary = Temporary::in_folder(folder_of(&target))?;
         if let Ok(replaced) = fs::metadata(&target) {
-            // A private file stays private.
+            // Keep the permissions of the replaced file, so that a private file stays private.
             let _ = temporary.file().set_permissions(replaced.permissions());
         }
         let mut writer = BufWriter::new(temporary.file());

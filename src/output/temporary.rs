@@ -59,7 +59,7 @@ impl Temporary {
     }
 }
 
-/// Makes the name of `file` survive a crash of the machine, if the file system can.
+/// Makes the name of `file` survive a crash of the machine, if the file system supports that.
 fn sync_folder(file: &Path) {
     let _ = fs::File::open(folder_of(file)).and_then(|folder| folder.sync_all());
 }

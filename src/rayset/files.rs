@@ -232,7 +232,7 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
     let name = |extension: &str| format!("{}.{extension}", entry.name);
     let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
     let range = read_records::<2>(folder, &name("range"), entry.rays)?;
-    // The file may only be missing if nothing moves.
+    // The file of times may be missing only if no primitive moves.
     let time = if geometry.moves() || folder.join(name("time")).exists() {
         read_records::<1>(folder, &name("time"), entry.rays)?
     } else {

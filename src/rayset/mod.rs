@@ -17,9 +17,9 @@
 //! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles. An occluded shadow ray has
 //! primitive 0, and its t has no meaning.
 //!
-//! Paths are ordered by tile of 8 × 8 pixels (row by row), in a tile by sample, and in a sample by
-//! pixel (row by row). Bounce and shadow rays are ordered by wave of 4096 paths, in a wave by segment,
-//! and in a segment by path.
+//! Paths are ordered by tile of 8 × 8 pixels (row by row), within a tile by sample, and within a
+//! sample by pixel (row by row). Bounce and shadow rays are ordered by wave of 4096 paths, within a
+//! wave by segment, and within a segment by path.
 //!
 //! The manifest looks like this:
 //!

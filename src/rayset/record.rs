@@ -10,9 +10,10 @@ use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// Paths of a wave, whose rays are recorded segment by segment.
+/// Number of paths in a wave. The rays of a wave are recorded segment by segment.
 const WAVE: usize = 4096;
-/// Waves that are traced before their rays are sorted into the sets, which bounds the memory.
+/// Number of waves that are traced before their rays are sorted into the sets. It bounds the
+/// memory.
 const WAVES_AT_ONCE: usize = 64;
 /// Side in pixels of the tiles, which are recorded one after the other.
 const TILE: u32 = 8;
@@ -26,9 +27,9 @@ pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
 
 /// Records the rays that a render of `scene` traces, at most `most` (2048 or more) of each kind.
 ///
-/// Paths are recorded tile by tile of 8 × 8 pixels, in a tile sample by sample, and in a sample row
-/// by row. Bounce and shadow rays are recorded in waves of 4096 paths, segment by segment. The scene
-/// is traced twice: once to count the rays, and once to keep the selected ones.
+/// Paths are recorded by tiles of 8 × 8 pixels, within a tile sample by sample, and within a sample
+/// row by row. Bounce and shadow rays are recorded in waves of 4096 paths, segment by segment. The
+/// scene is traced twice: once to count the rays, and once to keep the selected ones.
 ///
 /// # Errors
 /// If a setting is out of range.
@@ -60,7 +61,7 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
     })
 }
 
-/// Calls `visit` with all rays; those of each kind come in the order of their set.
+/// Calls `visit` with all rays. The rays of each kind come in the order of their set.
 fn for_each_ray(
     recorder: &PathRecorder,
     settings: &RenderSettings,
@@ -88,7 +89,7 @@ fn for_each_ray(
     }
 }
 
-/// Calls `visit` with the rays of one kind, segment by segment, and in a segment path by path.
+/// Calls `visit` with the rays of one kind, segment by segment, and within a segment path by path.
 fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMut(&TracedRay)) {
     let mut open: Vec<_> =
         wave.iter().map(|path| path.iter().filter(|ray| ray.kind == kind).peekable()).collect();

@@ -45,7 +45,8 @@ pub(crate) fn replay(
     let mut seconds = vec![Vec::new(); kernels.len()];
     for _ in 0..repetitions.max(1) {
         for (replay, seconds) in replays.iter_mut().zip(&mut seconds) {
-            // Kernels only write hits, so resetting all rays to misses is part of the timed work.
+            // Kernels write nothing for rays that miss, so resetting all rays to misses is part of
+            // the timed work.
             let start = Instant::now();
             hits.reset(set.rays.len());
             for batch in batches(set) {

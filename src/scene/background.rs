@@ -46,8 +46,8 @@ impl Background {
         Ok(())
     }
 
-    /// Radiance seen along the unit vector `direction`. A constant background never calls
-    /// `direction`.
+    /// Radiance seen along the unit vector that `direction` returns. A constant background never
+    /// calls `direction`.
     #[inline(always)]
     pub(crate) fn radiance<V: Vector>(&self, direction: impl FnOnce() -> V) -> V {
         match *self {

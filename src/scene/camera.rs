@@ -111,7 +111,7 @@ impl Camera {
         }
     }
 
-    /// All numbers that its rays depend on, for the scene's hash.
+    /// All numbers that the camera's rays depend on, for the scene's hash.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let Self { look_from, frame: [right, up, back], shutter: (open, close), .. } = *self;
         let vectors = [look_from, right, up, back].into_iter().flat_map(|v| v.to_array());

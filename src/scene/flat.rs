@@ -31,7 +31,8 @@ use crate::error::{Error, Result, suggestion};
 const RECORDS: [&str; 6] = ["size", "camera", "background", "mat", "sphere", "quad"];
 const MATERIALS: [&str; 5] = ["lambert", "metal", "dielectric", "emissive", "checker"];
 
-/// Reads the flat form. The places are the line numbers of sections, materials and primitives.
+/// Reads the flat form. The returned places are the line numbers of sections, materials and
+/// primitives.
 pub(super) fn from_flat(file: &str, text: &str) -> Result<(SceneFile, Places)> {
     let (mut camera, mut background, mut size) = (None, None, None);
     let (mut textures, mut materials) = (Named::default(), Named::default());

@@ -3,7 +3,8 @@
 //! They reproduce, number by number, the stress scenes of another renderer's benchmark, so that
 //! both programs trace the same primitives. All arithmetic is f32 in the order written. The other
 //! program computes the same numbers if its compiler fuses no operations and its library rounds
-//! cube roots correctly. glibc 2.36 does not for one N in eleven; for a million the root is 1.
+//! cube roots correctly. glibc 2.36 rounds them incorrectly for one N in eleven. For N = 1000000,
+//! the root is exactly 1.
 
 use std::collections::HashMap;
 

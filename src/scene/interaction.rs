@@ -19,8 +19,8 @@ pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) surface: Surface<R>,
     /// The surface's geometric normal, turned to the side that was hit. New rays start along it.
     pub(crate) normal: R::Vec3,
-    /// The shading normal, which the material scatters by. It equals `normal`: no shape has a
-    /// different one yet.
+    /// The shading normal, which the material uses for scattering. It equals `normal`, because no
+    /// shape has a different shading normal yet.
     pub(crate) shading: R::Vec3,
     /// Whether the front was hit.
     pub(crate) front: R::Mask,

@@ -139,7 +139,7 @@ impl Source {
             Form::Json => (parse::from_json(&name, &text)?, Places::default()),
             Form::Flat => flat::from_flat(&name, &text)?,
         };
-        // The flat form has its own lines.
+        // Errors in the flat form already have line numbers, so its text is not needed.
         let text = (form != Form::Flat).then_some((form, text));
         Ok(Parsed { places, text, ..Parsed::new(name, folder, file, budget) })
     }
@@ -168,11 +168,13 @@ impl Parsed {
             .map_err(|error| self.with_line(error))
     }
 
-    /// `error` with line and column in place of the path of an element, which moves to the message.
+    /// Replaces the place of `error`, the path of an element, by line and column. The path moves to
+    /// the message.
     fn with_line(&self, error: Error) -> Error {
         match (error, &self.text) {
             (Error::Input { file, place, message }, Some((form, text))) if file == self.name => {
-                // A section such as the camera has no path, and is named in the message.
+                // For a section such as the camera, the place is empty and the message starts with
+                // its name.
                 let section = message.split(':').next().unwrap_or_default();
                 let path = if place.is_empty() { section } else { &place };
                 match locate::locate(*form, text, path) {

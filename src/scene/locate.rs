@@ -1,4 +1,5 @@
-//! Finds the line and column of an element in the text of a scene file, for errors that are found after parsing.
+//! Finds the line and column of an element in the text of a scene file, for errors that are found
+//! after parsing.
 
 use std::fmt;
 
@@ -7,10 +8,11 @@ use serde::{Deserialize, Deserializer};
 
 use super::parse::{self, Form};
 
-/// `line:column` of the element at `path`, such as `camera`, `primitives[3]` or `materials.grey`; `None` if the text
-/// has no such element, or the form has no paths.
+/// Returns `line:column` of the element at `path`, such as `camera`, `primitives[3]` or
+/// `materials.grey`. Returns `None` if the text has no such element, or if the form has no paths.
 ///
-/// The text is parsed again, and a value at the path that cannot be parsed makes the parser report its position.
+/// The text is parsed again, and parsing deliberately fails at the element, so that the parser
+/// reports the position of the element.
 pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
     let (section, key) = match path.split_once(['.', '[']) {
         Some((section, key)) => (section, Some(key.trim_end_matches(']'))),
@@ -34,7 +36,7 @@ pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
     }
 }
 
-/// The message of the error at the element.
+/// Message of the deliberate error at the element.
 const FOUND: &str = "found";
 
 #[derive(Clone, Copy)]
@@ -111,7 +113,7 @@ impl<'de> Visitor<'de> for Element<'_> {
     }
 }
 
-/// A value whose parsing fails at its start.
+/// A type that always fails to parse, at the start of the value.
 struct Here;
 
 impl<'de> Deserialize<'de> for Here {

@@ -122,9 +122,10 @@ impl Media {
         self.media.is_empty()
     }
 
-    /// Returns the first collision along `ray` before its hit at `end`, or else the hit: the
-    /// distance, and the number of the medium or primitive. Since media do not overlap, a collision
-    /// is sampled in each independently, and the nearest one counts.
+    /// Returns the distance of the first collision along `ray` and the number of its medium. If
+    /// there is no collision before the given hit, returns the distance and primitive of the hit.
+    /// Since media do not overlap, a collision is sampled in each medium independently, and the
+    /// nearest one counts.
     #[inline(always)]
     pub(crate) fn collide<R: Real>(
         &self,
@@ -134,7 +135,7 @@ impl Media {
     ) -> (R, R::Word) {
         for (index, medium) in (0..).zip(&self.media) {
             let (near, far) = medium.volume.interval(ray);
-            // The distance is exponentially distributed: a share e^−σt of the light exceeds t.
+            // The distance is exponentially distributed: it exceeds t with probability e^−σt.
             let chance = R::ONE - randoms.one(Dimension::medium(index));
             let t = near - ln(chance) / R::splat(medium.density);
             let collides = t.lt(min(far, end));

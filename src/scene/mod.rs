@@ -87,7 +87,7 @@ struct SceneData {
     lights: u32,
     media: Vec<Medium>,
     files: BTreeSet<PathBuf>,
-    /// Data of its files that is ignored, in sentences.
+    /// Sentences that name the ignored data in the scene's files.
     ignored: Vec<String>,
     limits: Limits,
 }
@@ -113,7 +113,7 @@ impl Scene {
         Source::find(name_or_path)?.read(limits)?.resolve()
     }
 
-    /// Parses the scene in `text`, in RON. Paths of meshes and textures are relative to the current
+    /// Parses `text`, a scene in RON. Paths of meshes and textures are relative to the current
     /// folder.
     ///
     /// # Errors
@@ -211,7 +211,7 @@ impl Scene {
         self.0.lights
     }
 
-    /// The limits that it was loaded with.
+    /// The limits that the scene was loaded with.
     pub(crate) fn limits(&self) -> &Limits {
         &self.0.limits
     }

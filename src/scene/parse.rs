@@ -68,7 +68,8 @@ pub(super) fn from_json(file: &str, text: &str) -> Result<SceneFile> {
     })
 }
 
-/// Rewords a message of serde, which has the name found and then the known names in backticks.
+/// Rewords a message of serde. The message contains the name found and then the known names, all in
+/// backticks.
 fn json_message(message: &str, is_data: bool) -> String {
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     match names.split_first() {

@@ -6,7 +6,8 @@ use crate::geometry::Primitive;
 use crate::math::length;
 
 impl Scene {
-    /// Reasons why the picture may be black, and data of its files that ptfast ignores: one line each.
+    /// Returns the reasons why the picture may be black, and the data in the scene's files that
+    /// ptfast ignores, one line each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.0.ignored.clone();
         if self.geometry().is_empty() {

@@ -58,13 +58,13 @@ impl Float {
         Self(self.0.shuffle(lanes.0))
     }
 
-    /// Returns the least lane, in every lane.
+    /// Returns a vector with the smallest lane's value in every lane.
     #[inline(always)]
     pub(crate) fn least_lane(self) -> Self {
         self.reduce(Self::min)
     }
 
-    /// Returns the largest lane, in every lane.
+    /// Returns a vector with the largest lane's value in every lane.
     #[inline(always)]
     pub(crate) fn largest_lane(self) -> Self {
         self.reduce(Self::max)
@@ -163,13 +163,13 @@ impl Float {
         Mask(self.0.simd_eq(other.0))
     }
 
-    /// `self * a + b` with one rounding or two, whichever is faster here.
+    /// `self * a + b` with one rounding or two, whichever is faster on the target CPU.
     #[inline(always)]
     pub(crate) fn free_mul_add(self, a: Self, b: Self) -> Self {
         Self(self.0.mul_add(a.0, b.0))
     }
 
-    /// `self * a - b` with one rounding or two, whichever is faster here.
+    /// `self * a - b` with one rounding or two, whichever is faster on the target CPU.
     #[inline(always)]
     pub(crate) fn free_mul_sub(self, a: Self, b: Self) -> Self {
         Self(self.0.mul_sub(a.0, b.0))

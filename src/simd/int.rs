@@ -12,7 +12,7 @@ pub(crate) struct Int(pub(super) UintRegister);
 impl Int {
     pub(crate) const ZERO: Self = Self(UintRegister::ZERO);
 
-    /// Each lane holds its own number.
+    /// Each lane holds its own index.
     pub(crate) const LANE: Self = {
         let (mut lanes, mut lane) = ([0; LANES], 0);
         while lane < LANES {
@@ -63,7 +63,7 @@ impl Int {
         Mask(Register::from_bits(self.0.simd_eq(other.0)))
     }
 
-    /// Returns a mask of the lanes that are at most the other's.
+    /// Returns a mask of the lanes where `self` is at most `other`.
     #[inline(always)]
     pub(crate) fn le(self, other: Self) -> Mask {
         // The comparison that `wide` offers for 8 lanes takes five operations.

@@ -1,13 +1,14 @@
 //! SIMD types: vectors of [`LANES`] numbers in structure-of-arrays form.
 //!
 //! Every kernel is written once over [`Float`]. It uses 16 lanes if compiled for AVX-512, and 8
-//! otherwise (one AVX register or two SSE2 registers). No other module names the crate `wide`, on
-//! which this one is built.
+//! otherwise (one AVX register or two SSE2 registers). This module is built on the crate `wide`,
+//! which no other module names.
 //!
 //! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and
 //! sign operations are contract arithmetic: each lane equals the result of the scalar operation of
 //! the same name in [`crate::math`], bit for bit. [`Float::free_mul_add`] and
-//! [`Float::free_mul_sub`] are not: they may only decide where to look for hits.
+//! [`Float::free_mul_sub`] are not contract arithmetic: use them only to decide where to look for
+//! hits.
 
 mod compress;
 mod float;
@@ -115,8 +116,8 @@ mod tests {
         }
     }
 
-    /// For ordinary numbers, the result is a nearly exact f64 result rounded once, or an f32 result
-    /// rounded twice.
+    /// For ordinary numbers, the result is either the nearly exact f64 result, rounded once to f32,
+    /// or the f32 result, rounded twice.
     #[test]
     fn free_operations_round_once_or_twice() {
         let mut random = Stream::new(3);

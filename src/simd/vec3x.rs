@@ -24,7 +24,7 @@ impl Vec3x {
         Self([Float::new(lanes[0]), Float::new(lanes[1]), Float::new(lanes[2])])
     }
 
-    /// Returns the vector in lane `lane` of `lanes`, in every lane.
+    /// Returns a vector that has lane `lane` of `lanes` in every lane.
     #[inline(always)]
     pub(crate) fn splat_lane(lanes: &[Lanes; 3], lane: usize) -> Self {
         Self(axes(|axis| Float::splat(lanes[axis][lane])))

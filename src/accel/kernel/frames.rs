@@ -12,8 +12,8 @@ use crate::simd::{Float, Int, LANES, Mask};
 
 /// The bits of a key that hold the lane.
 const LANE: u32 = LANES as u32 - 1;
-/// The bits of a key that hold the distance: all except the sign, which is set for −0, and the
-/// lane.
+/// The bits of a key that hold the distance: all except the bits of the lane and the sign bit,
+/// which is set for −0.
 const DISTANCE: u32 = !(1 << 31) & !LANE;
 /// A value above every key, for lanes without a child.
 const NONE: u32 = u32::MAX >> 1;
@@ -71,7 +71,7 @@ impl Frame {
     }
 }
 
-/// A stack of the frames of the nodes above that have children left.
+/// A stack of frames, one for each node above the current one that has children left.
 #[derive(Clone, Debug)]
 pub(crate) struct Frames {
     keys: Vec<Int>,
@@ -91,14 +91,14 @@ impl Frames {
         self.top = 0;
     }
 
-    /// Pushes `frame`, unless it has no children left, while its child is visited. With `prefetch`,
-    /// its next child is prefetched.
+    /// Pushes `frame` before the child taken from it is visited, unless it has no children left.
+    /// With `prefetch`, its next child is prefetched.
     #[inline(always)]
     pub(crate) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
         self.keys[self.top] = frame.keys;
         self.rest[self.top] = (frame.least, frame.node);
         self.top += usize::from(frame.least != NONE);
-        // If no child is left, this is useless, but a branch to avoid it costs more.
+        // If no child is left, the prefetch is useless, but a branch to avoid it costs more.
         if prefetch {
             tree.prefetch(frame.nearest(tree));
         }
@@ -170,8 +170,8 @@ mod tests {
                 let coarse = |lane: usize| entry[lane].abs().to_bits() & !LANE;
                 assert!(visited.is_sorted_by_key(|&lane| coarse(lane)), "{entry:?} {visited:?}");
                 for lane in 0..LANES {
-                    // No child entered up to the limit is left out. One slightly beyond may be
-                    // kept.
+                    // Every child that is entered up to the limit must be visited. A child
+                    // slightly beyond the limit may be visited, too.
                     let is_in = entered >> lane & 1 == 1;
                     let count = visited.iter().filter(|&&other| other == lane).count();
                     assert!(count <= usize::from(is_in), "{visited:?}");

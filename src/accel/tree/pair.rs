@@ -103,8 +103,8 @@ impl PairTree {
     }
 }
 
-/// Largest distance from the boxes, as a multiple of the sum of the three edges of their bounding
-/// box, at which rays may begin and still need no more slack than the boxes contain.
+/// Rays that begin within this distance of the boxes need no more slack than the boxes contain. The
+/// unit is the sum of the three edges of the bounding box of all boxes.
 const REACH: f32 = 4.0;
 
 /// Returns the planes of a box, moved outward by `slack`.

@@ -47,7 +47,7 @@ pub(crate) struct WideTree {
     /// Whether the tree is larger than the fast caches.
     pub(crate) is_large: bool,
     /// Whether single rays take turns while they wait for their blocks. This pays for triangles,
-    /// whose blocks are long and few along a ray, but not for spheres (`profiling/`).
+    /// whose blocks are long and of which a ray meets only few, but not for spheres (`profiling/`).
     pub(crate) in_turn: bool,
 }
 
@@ -57,8 +57,9 @@ const LARGE: usize = 1 << 20;
 impl WideTree {
     /// Lays out `tree`.
     ///
-    /// Neighbouring leaves of one shape share a block if they fit. Each has its own box, and a
-    /// visit of one is a visit of all. This halves the memory for a million spheres (`profiling/`).
+    /// Neighbouring leaves of one shape share a block if they fit. Each leaf has its own
+    /// box, and a visit of one of them visits them all. Sharing blocks halves the memory for a
+    /// million spheres (`profiling/`).
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut layout = Self {
             nodes: Vec::new(),

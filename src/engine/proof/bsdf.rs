@@ -142,8 +142,8 @@ fn samples_have_their_density() {
     table.check();
 }
 
-/// The weight of a sample is f·|cos θ|/pdf, its density is that of its direction, and it is
-/// transmitted if its direction is on the other side of the surface.
+/// The weight of a sample is f·|cos θ|/pdf, its density is the pdf of its direction, and it
+/// is marked as transmitted if its direction is on the other side of the surface.
 #[test]
 fn samples_are_as_evaluated() {
     for (index, Case { name, bsdf, normal, .. }) in cases().into_iter().enumerate() {
@@ -186,8 +186,8 @@ fn weights_are_what_is_scattered() {
     }
 }
 
-/// Scattering is reciprocal: f is symmetric, and for transmission through glass up to a factor of
-/// η².
+/// Scattering is reciprocal: f is symmetric, except for a factor of η² in transmission through
+/// glass.
 #[test]
 fn scattering_is_reciprocal() {
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));

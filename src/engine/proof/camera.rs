@@ -80,7 +80,7 @@ fn pairs_have_nothing_in_common(sampler: Sampler) {
             }
             table.compare(&format!("{a:?} {b:?}"), &counts, &even, 1.0, 1.0);
         }
-        // The second number of a pair, with all other dimensions.
+        // Compare the second number of each pair with all other dimensions.
         for pair in [Dimension::LIGHT, Dimension::SCATTER] {
             let mut counts = vec![0; 256];
             for pixel in 0..SAMPLES {

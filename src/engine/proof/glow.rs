@@ -30,7 +30,7 @@ fn surfaces_scatter_and_emit() {
         let mean =
             pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / pixels.len() as f64;
         println!("{sampling:?}: {mean:.5}");
-        // With scattering alone, all paths have the same radiance.
+        // If only the BSDF is sampled, all paths have the same radiance.
         let bound = if sampling == Sampling::Bsdf { 1e-5 } else { 0.01 };
         assert!((mean - 2.0).abs() < bound, "{sampling:?}: {mean}");
     }

@@ -47,8 +47,9 @@ impl Cone {
     const RINGS: usize = 16;
     const SECTORS: usize = 32;
 
-    /// Creates a cone that contains the cone of `angle` around `middle`. Its axis is tilted: around
-    /// the same axis, a circular rim would lie between the same points of the integral all around.
+    /// Creates a cone that contains the cone of `angle` around `middle`. Its axis is tilted
+    /// from `middle`. Otherwise a circular rim around `middle` would everywhere pass between the
+    /// same two rings of integration points.
     fn new(middle: Vec3, angle: f64) -> Self {
         let aside = 0.15 * angle.min(1.0) as f32;
         let aside = Frame::new(middle).world(Vec3::new(aside, 0.3 * aside, 1.0));
@@ -104,8 +105,8 @@ impl Cone {
         let twice = quarters.iter().sum::<f64>();
         let change = (twice - once).abs();
         if depth == 8 || (depth > 2 && change < 1e-7) {
-            // The error of the midpoint rule is a third of the change by halving. At edges it may
-            // be anything.
+            // The error of the midpoint rule is a third of the change that the halving made. At
+            // edges, the error can have any size.
             *off += 0.33 * change * if depth == 8 { 1.0 } else { 0.1 };
             return twice;
         }
@@ -145,7 +146,7 @@ fn p_value(counts: &[u32], expected: &[f64]) -> (f64, f64, usize) {
         statistic += (rest_count - rest) * (rest_count - rest) / rest;
         cells += 1;
     } else {
-        // Too few samples are expected for a test, but many more would be wrong.
+        // Too few samples are expected for a chi-square test, but a large excess is an error.
         assert!(
             rest_count < rest + 12.0 + 8.0 * rest.sqrt(),
             "{rest_count} samples in rare cells, expected {rest}"
@@ -169,8 +170,8 @@ impl Table {
         Self { rows: 0, least: (1.0, String::new()) }
     }
 
-    /// Compares samples of directions with their density. `sample` may return `None`: the integral
-    /// of the density must equal the share of the other samples.
+    /// Compares samples of directions with their density. `sample` may return `None`. The integral
+    /// of the density must equal the share of samples that are directions.
     fn directions(
         &mut self,
         name: &str,

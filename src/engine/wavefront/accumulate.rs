@@ -1,4 +1,4 @@
-//! Accumulate: adds the samples of each pixel, in the same order as every engine.
+//! Accumulate: adds the samples of each pixel, in the order that all engines use.
 
 use super::paths::Paths;
 use crate::engine::settings::RenderSettings;

@@ -4,18 +4,20 @@ use crate::engine::plan::{Plan, SegmentPlan};
 use crate::engine::stage::Stage;
 use crate::engine::stats::{SegmentWork, WaveStats};
 
-/// Number of segments with a plan of their own. The last one also stands for all later segments.
+/// Number of segments that have a plan of their own. The plan of the last one also applies to all
+/// later segments.
 pub(super) const PLANNED: u32 = 4;
-/// A plan is dropped if it takes this many times as long as the fastest plan on every segment. The
-/// first bound applies after the first round, which may have been interrupted, the second after
-/// later rounds.
+/// A plan is dropped if it takes more than this many times the least time of all plans, on every
+/// segment and for both kinds of rays. The first bound applies after the first round, which may
+/// have been interrupted. The second bound applies after each later round.
 const BEHIND: [f64; 2] = [4.0, 1.25];
-/// A wave that takes this many times the median time per ray was interrupted: only this multiple
-/// counts.
+/// A wave that takes more than this many times the median time per ray was probably interrupted. It
+/// is counted with this multiple of the median.
 const INTERRUPTED: f64 = 3.0;
-/// The stages that judge a kernel for closest hits, and whether rays are ordered.
+/// The stages whose times decide the kernel for closest hits, and whether rays are ordered.
 const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Collide, Stage::Sort, Stage::Shade];
-/// The stages that judge a kernel for shadow rays, which are in the order of the hits.
+/// The stages whose times decide the kernel for shadow rays. These rays are in the order of the
+/// hits.
 const OCCLUDED: &[Stage] = &[Stage::Connect];
 
 /// A plan, and the times of the waves that it traced.
@@ -29,7 +31,7 @@ impl<'a> Tried<'a> {
         Self { plan, waves: Vec::new() }
     }
 
-    /// How a plan that treats all segments alike traces rays.
+    /// The way in which the plan traces rays. The plan must treat all segments alike.
     fn way(&self) -> SegmentPlan {
         self.plan.segments[0]
     }
@@ -81,7 +83,7 @@ pub(super) fn fastest_segment(
     number: u32,
     usual: &SegmentPlan,
 ) -> SegmentPlan {
-    // Shadow rays inherit the order of rays, so an order is judged by the time of both.
+    // Shadow rays inherit the order of the other rays, so ordering is judged by the time of both.
     let with_order = |ordered: bool| {
         let least = |stages: &[Stage]| {
             let same = tried.iter().filter(|tried| tried.way().ordered == ordered);
@@ -98,7 +100,8 @@ pub(super) fn fastest_segment(
     orders.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(*usual, |(segment, _)| segment)
 }
 
-/// Drops plans that are behind on every segment after round number `round`, from 0.
+/// Drops plans that are too slow on every segment, by the bounds [`BEHIND`]. `round` is the number
+/// of the last round, counted from 0.
 pub(super) fn without_those_behind(tried: Vec<Tried<'_>>, round: u64) -> Vec<Tried<'_>> {
     let behind = BEHIND[usize::from(round > 0)];
     let mut keep = vec![false; tried.len()];
@@ -213,7 +216,7 @@ mod tests {
         };
         assert_eq!((left(0, [9.0; 2]), left(0, [3.9; 2])), (1, 2));
         assert_eq!((left(1, [1.3; 2]), left(1, [1.2; 2])), (1, 2));
-        // A plan that is competitive in one respect is kept.
+        // A plan is kept if it is competitive for one kind of rays.
         assert_eq!((left(5, [9.0, 1.1]), left(5, [1.1, 9.0])), (2, 2));
         // If the clock does not advance, all plans are kept.
         let works = [(Stage::Extend, 1, 0.0)];

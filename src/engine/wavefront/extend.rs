@@ -16,8 +16,8 @@ pub(super) fn extend(
     trace(accelerator, kernel, false, &rays.batch, hits, count)
 }
 
-/// Finds the closest hits of `rays`, or only whether they have `any` hit. The length of
-/// `hits` is rounded up so that whole vectors can be read.
+/// Finds the closest hits of `rays`. If `any` is set, only finds out whether each ray has a hit.
+/// The length of `hits` is rounded up so that whole vectors can be read.
 pub(super) fn trace(
     accelerator: &Accelerator,
     kernel: Kernel,

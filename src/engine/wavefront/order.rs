@@ -9,7 +9,8 @@ use super::rays::Rays;
 /// The paths that continue. Columns: path, cell.
 pub(super) type Next = Columns<2>;
 
-/// Builds the rays of the paths `next`, sorted `by_cell` or in the given order.
+/// Builds the rays of the paths `next`, sorted by cell if `by_cell` is set, else in the given
+/// order.
 #[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
     if by_cell {

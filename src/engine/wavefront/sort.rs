@@ -6,7 +6,7 @@ use crate::accel::HitBatch;
 use crate::scene::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 
-/// The paths of a wave, sorted by key. Each key adds only a few vectors to the size.
+/// The paths of a wave, sorted by key. Each key needs room for only two additional vectors.
 #[derive(Debug)]
 pub(super) struct Queues {
     /// Columns: path, distance, primitive.
@@ -88,8 +88,8 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
 /// Finds the key of each ray, and how many rays each key has.
 #[inline(never)]
 fn count(primitives: &[u32], looks: &Looks, keys: &mut [u8], spans: &mut [(u32, u32)]) {
-    // Neighbours often have the same key: with one table, each increment would wait for the
-    // previous.
+    // Neighbours often have the same key. With only one table, each increment would wait for the
+    // previous one.
     let mut counts = [[0; 256]; 4];
     let (fours, rest) = primitives.as_chunks::<4>();
     for (these, keys) in fours.iter().zip(keys.as_chunks_mut::<4>().0) {

@@ -23,14 +23,14 @@ struct Effort {
     share: u64,
     /// Minimum and maximum number of rounds. Fewer would be too noisy, more would not help.
     rounds: [u64; 2],
-    /// The first round is shorter by this factor, since plans that are far too slow show at once.
+    /// The first round is shorter by this factor, since far too slow plans are soon recognised.
     first: u64,
 }
 
 /// Effort to compare ways of tracing, whose times differ by factors.
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
-/// Effort to compare wave sizes, whose times differ by a few percent, less than the parts of an
-/// image.
+/// Effort to compare wave sizes. Their times differ by a few percent, which is less than the
+/// differences between parts of an image.
 const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
 /// Returns the fastest plan for waves from all over the image, or the usual plan if the render has
@@ -65,7 +65,7 @@ fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
     sizes.into_iter().filter(|_| settings.wave_size == 0).collect()
 }
 
-/// Returns a plan for each way of tracing that might be fastest. It applies to all segments.
+/// Returns a plan for each way of tracing that might be fastest. Each plan applies to all segments.
 fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
     let kernels = Kernel::ALL.into_iter().filter(|&k| view.prepared.accelerator().may_win(k));
     let ways = kernels.flat_map(|kernel| {
@@ -129,7 +129,8 @@ fn try_all<'a>(
 
 impl Effort {
     /// Returns the number of rounds if each of `threads` threads renders `paths` paths, and traces
-    /// `paths_a_round` paths per round. Returns `None` if even the minimum would take too long.
+    /// `paths_a_round` paths per round. Returns `None` if even the minimum number of rounds would
+    /// take too long.
     fn rounds(self, paths: u64, paths_a_round: u64, threads: u64) -> Option<u64> {
         let [least, most] = self.rounds;
         // The threads share the maximum number of rounds.

@@ -54,8 +54,8 @@ fn in_square(a: Float, b: Float) -> Mask {
     in_unit(a) & in_unit(b)
 }
 
-/// Compares the bits of the floats as unsigned integers: those of 0 to 1 are the smallest ones. −0
-/// is an exception, so 0 is added, which turns −0 into 0.
+/// Compares the bits of the floats as unsigned integers: numbers in [0, 1] have the smallest
+/// bits. −0 is an exception, so 0 is added, which turns −0 into 0.
 #[inline(always)]
 fn in_square_as_bits(a: Float, b: Float) -> Mask {
     let bits = |x: Float| (x + Float::ZERO).to_bits();
@@ -67,9 +67,9 @@ fn in_square_as_bits(a: Float, b: Float) -> Mask {
 /// to the reference.
 ///
 /// The results agree because a sum of two numbers does not depend on their order, and because
-/// adding a product with 0 changes nothing, with two exceptions. It can change the sign of a zero,
-/// which no comparison sees. The product is NaN if the other factor is infinite, but then `t` or a
-/// coordinate is beyond the quad, and both tests miss.
+/// adding a product with 0 changes nothing, with two exceptions. First, it can change the sign of a
+/// zero, which no comparison sees. Second, the product is NaN if the other factor is infinite, but
+/// then `t` or a coordinate is beyond the quad, and both tests miss.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum SpecialQuad {
     /// Both edges are parallel to axes.
@@ -128,7 +128,7 @@ impl Corner {
 }
 
 /// A quad with both edges parallel to axes, such as a wall or a table top. Its plane is a condition
-/// on one coordinate, and each edge adds a condition on one more.
+/// on one coordinate, and each edge adds a condition on another coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlignedQuad {
     /// The corner, on the axis perpendicular to the quad and then the axes of the edges.
@@ -145,7 +145,8 @@ impl AlignedQuad {
         };
         let [dual_u, dual_v] = quad.duals();
         let axes = [along(quad.normal)?, along(dual_u)?, along(dual_v)?];
-        // The sign of the normal cancels in the distance. A normal of another length could round.
+        // The sign of the normal cancels in the distance. With a normal of
+        // another length, the products could be rounded.
         (quad.normal[axes[0]].abs() == 1.0).then(|| Self {
             corner: Corner::new(quad, axes),
             duals: [dual_u[axes[1]], dual_v[axes[2]]],

@@ -59,7 +59,7 @@ impl Quad {
         })
     }
 
-    /// Distance of the quad's plane along the ray. NaN or infinite if they are parallel.
+    /// Distance of the quad's plane along the ray. NaN or infinite if the ray is parallel to it.
     #[inline]
     pub fn plane_distance(&self, ray: &Ray) -> f32 {
         -dot(self.normal, ray.origin - self.q) / dot(self.normal, ray.direction)
@@ -101,7 +101,7 @@ impl PrimitiveModel for Quad {
     #[inline]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
         let t = self.plane_distance(&prepared.ray);
-        // NaN and infinity fail this test, and with them every parallel ray.
+        // NaN and infinity fail this test, so rays parallel to the plane never hit.
         if !(t > t_min && t < t_max) {
             return None;
         }

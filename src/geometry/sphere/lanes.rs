@@ -4,12 +4,12 @@ use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Float, Vec3x};
 
-/// Hits above `t_min` of spheres that are at `center` at the rays' times. Returns `None` if no lane
-/// comes near its sphere.
+/// Intersects rays with spheres whose centres are at `center` at the rays' times. Only distances
+/// above `t_min` count as hits. Returns `None` if no lane comes near its sphere.
 ///
 /// With `ASK`, rays that start outside the sphere and point away from it are ruled out before the
 /// square root is taken. That pays off if [`misses`] has not been called or, for huge spheres,
-/// leaves such rays because of its margin.
+/// does not reject such rays because of its margin.
 #[inline(always)]
 pub(crate) fn hits<const ASK: bool>(
     ray: &RayLanes,
@@ -40,21 +40,21 @@ pub(crate) fn hits<const ASK: bool>(
 }
 
 /// Returns the lanes whose rays certainly miss their spheres. These are most of the lanes without a
-/// hit in [`hits`]. This takes half the work of that test, in free arithmetic (fused
+/// hit in [`hits`]. This function takes half the work of [`hits`], in free arithmetic (fused
 /// multiply-adds), and pays off if usually no lane comes near its sphere.
 ///
 /// With `f` known exactly and u the unit roundoff, r² − l·l = r² − f·f + (f·d)²/d·d is off by at
-/// most 17u f·f + 3u r² here, and by 16u f·f in the test. For a ray that hits, r² + (f·d)²/d·d is
-/// thus at least f·f up to an error of 16u f·f. A margin of 37u of both terms is enough; 64u are
-/// taken. If the sign of f·d is in doubt, (f·d)²/d·d is below 9u² f·f. A ray that certainly starts
-/// outside and points away hits nothing at distances above 0.
+/// most 17u f·f + 3u r² here, and by 16u f·f in [`hits`]. For a ray that hits, r² + (f·d)²/d·d is
+/// thus at least f·f up to an error of 16u f·f. A margin of 37u of both terms is enough, and the
+/// code takes 64u. If the sign of f·d is in doubt, (f·d)²/d·d is below 9u² f·f. A ray that
+/// certainly starts outside and points away hits nothing at distances above 0.
 #[inline(always)]
 pub(crate) fn misses(ray: &RayLanes, center: Vec3x, padded_radius2: Float) -> u32 {
     let (Vec3x([fx, fy, fz]), Vec3x([dx, dy, dz])) = (ray.origin - center, ray.direction);
     let away = fz.free_mul_add(dz, fy.free_mul_add(dy, fx * dx));
     let toward = away.min(Float::ZERO);
     // `outside` is f·f − r². For rays that point toward the sphere, the discriminant is r² − l·l.
-    // The margin makes the former too small and the latter too large.
+    // The margin makes `outside` too small and the discriminant too large.
     let outside = fz.free_mul_add(fz, fy.free_mul_add(fy, fx.free_mul_sub(fx, padded_radius2)));
     let discriminant = (toward * ray.padded_inv_length2).free_mul_sub(toward, outside);
     discriminant.lt(Float::ZERO).bits()

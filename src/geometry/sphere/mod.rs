@@ -120,8 +120,8 @@ pub(super) fn surface<R: Real>(center: R::Vec3, radius: R, ray: &Ray<R>, t: R) -
     }
 }
 
-/// [`Sphere::intersect`] above 0 for a sphere at `center`, or for one sphere per lane. Returns the
-/// distance, which is valid only if the mask is set.
+/// Like [`Sphere::intersect`], returns the distance of the first hit above 0, for a sphere at
+/// `center` or for one sphere per lane. The distance is valid only if the mask is set.
 #[inline(always)]
 pub(crate) fn distance<R: Real>(ray: &Ray<R>, center: R::Vec3, radius: R) -> (R, R::Mask) {
     let length2 = dot(ray.direction, ray.direction);

@@ -5,7 +5,7 @@ use crate::math::UNIT_ROUNDOFF;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
 /// Triangles in the coordinates of their rays, and the lanes that may hit. Each vertex has two
-/// sideways coordinates and then the distance ahead.
+/// coordinates across the ray, followed by its distance along the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedTriangles {
     vertices: [[Float; 3]; 3],
@@ -44,8 +44,8 @@ pub(crate) fn shear(
     ShearedTriangles { vertices, candidates: !mixed }
 }
 
-/// Up to this many candidates are decided one by one, more all at once. Twice this limit is 1%
-/// slower on x86-64-v3.
+/// Up to this many candidates are decided one by one. If there are more, all lanes are decided at
+/// once. Twice this limit is 1% slower on x86-64-v3.
 const MOST_ALONE: u32 = LANES as u32 / 8;
 
 impl ShearedTriangles {

@@ -40,8 +40,8 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     ahead([u, v, w], sheared)
 }
 
-/// [`distance`] without a branch, for loops that the compiler vectorizes. Ray by ray, the version
-/// with a branch is 4% faster.
+/// [`distance`] without a branch, for loops that the compiler vectorizes. For tests of single
+/// rays, the version with a branch is 4% faster.
 #[inline(always)]
 pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);
@@ -55,8 +55,8 @@ pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
 #[inline(always)]
 fn ahead([u, v, w]: [f64; 3], sheared: Sheared) -> f32 {
     let [a, b, c] = sheared.map(|vertex| f64::from(vertex[2]));
-    // A triangle seen edge-on has weights of mixed signs, or all weights and the sum are 0 and the
-    // distance is NaN.
+    // A triangle seen edge-on has weights of mixed signs, or all weights and their sum are 0, which
+    // makes the distance NaN.
     ((u * a + v * b + w * c) / (u + v + w)) as f32
 }
 

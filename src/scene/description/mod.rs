@@ -163,11 +163,12 @@ impl Default for RenderDefaults {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
-    /// By scattering alone. A light counts only if a path happens to hit it.
+    /// Paths find light by scattering alone. A light counts only if a path happens to hit it.
     Bsdf,
-    /// By a shadow ray to a light from every non-specular surface and every collision in a medium.
+    /// Paths trace a shadow ray to a light from every non-specular surface and every collision in
+    /// a medium.
     Light,
-    /// By both ways, weighted with the power heuristic (Veach 1997, section 9.2.4).
+    /// Both ways are combined, weighted with the power heuristic (Veach 1997, section 9.2.4).
     Mis,
 }
 

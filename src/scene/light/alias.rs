@@ -3,13 +3,13 @@
 
 use crate::math::{Mask, Real, Row, Word};
 
-/// A table that maps 32 random bits to an entry. Exactly [`AliasTable::share`] of the 2^32 numbers
-/// choose each entry.
+/// A table that maps 32 random bits to an entry. Each entry is chosen by exactly
+/// [`AliasTable::share`] of the 2^32 numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AliasTable {
     shares: Vec<u32>,
-    /// Cells, each of which covers equally many numbers. A row holds how many of them choose the
-    /// first entry, the first entry, and the other entry.
+    /// Cells of equal size, which divide the 2^32 numbers. A row holds how many numbers of
+    /// its cell choose the first entry, the index of that entry, and the index of the other entry.
     cells: Vec<Row>,
     /// Number of low bits that hold a number's position within its cell.
     rest: u32,
@@ -59,7 +59,7 @@ impl AliasTable {
         is_first.select(words[1].to_bits(), words[2].to_bits())
     }
 
-    /// Returns how many of the 2^32 numbers choose `entry`. 2^32 − 1 also stands for all of them.
+    /// Returns how many of the 2^32 numbers choose `entry`. Returns 2^32 − 1 if all do.
     pub(crate) fn share(&self, entry: u32) -> u32 {
         self.shares[entry as usize]
     }

@@ -1,4 +1,4 @@
-//! Lights that paths sample directly, one file per kind with its table and its sampling.
+//! Lights that paths sample directly. Each kind has a file with its table and its sampling.
 //!
 //! The list in `lights!` generates the kinds, the tables and the dispatch.
 
@@ -26,7 +26,7 @@ use crate::sampler::{Dimension, Randoms};
 /// Samples are uniform in the light's solid angle whenever that can be computed.
 pub(crate) trait LightModel: Copy + Debug {
     /// Returns the primitive as a light of this kind, and its area. Returns `None` if the primitive
-    /// has another shape; kinds of lights that are not primitives always do.
+    /// has another shape. Kinds of lights that are not primitives always return `None`.
     fn of(primitive: Primitive<'_>) -> Option<(Self, f64)>;
 
     /// Samples directions from `from` to the entries at `index`.
@@ -55,8 +55,8 @@ const KIND_SHIFT: u32 = 1;
 /// corner angles has lost too many digits.
 const MIN_SOLID_ANGLE: f32 = 1e-3;
 /// Smallest sine of the angle between a flat light's plane and the direction to its farthest corner
-/// at which it is sampled by solid angle. Below it, the mapping from angles to points has lost too
-/// many digits.
+/// at which the light is sampled by solid angle. Below it, the mapping from angles to points has
+/// lost too many digits.
 const MIN_SINE: f32 = 2.5e-3;
 
 macro_rules! lights {
@@ -215,8 +215,8 @@ impl<R: Real> Chosen<'_, R> {
         (self.flags >> KIND_SHIFT).eq(R::Word::splat(kind as u32))
     }
 
-    /// Returns the indices of the lights in `here` in the table of their kind, which has `len`
-    /// entries. The other lanes are 0.
+    /// For each lane in `here`, returns the index of the light in the table of its kind, which has
+    /// `len` entries. The other lanes are 0.
     #[inline(always)]
     fn place(&self, here: R::Mask, len: usize) -> R::Index {
         let place = self.chance_and_place()[1].to_bits();

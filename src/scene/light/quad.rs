@@ -8,17 +8,18 @@ use crate::math::{Mask, Real, Row, normalize, row};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuadLight {
-    /// Corner, 1 for a rectangle or 0 for another parallelogram.
+    /// Corner, and 1 for a rectangle or 0 for another parallelogram.
     corner: Row,
-    /// Unit vector along the edge `u`, width.
+    /// Unit vector along the edge `u`, and the width.
     x: Row,
-    /// Unit vector along the edge `v`, height.
+    /// Unit vector along the edge `v`, and the height.
     y: Row,
-    /// Normal, area.
+    /// Normal and area.
     normal: Row,
 }
 
-/// Returns the quads treated as rectangles, their planes, and which of them are rectangles.
+/// Returns the quads as if all were rectangles, their planes, and a mask of those that really are
+/// rectangles.
 #[inline(always)]
 fn shape<R: Real>(table: &[QuadLight], index: R::Index) -> (Rectangle<R>, Plane<R>, R::Mask) {
     let (corner, rectangular) = R::gather(table, index, |light| &light.corner);

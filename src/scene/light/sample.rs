@@ -38,8 +38,8 @@ pub(super) struct Plane<R: Real> {
 }
 
 impl<R: Real> Plane<R> {
-    /// Returns the sample in this direction. Its density is `pdf` in the lanes of `exact`; in the
-    /// others it is that of a point chosen uniformly by area.
+    /// Returns the sample in this direction. Its density is `pdf` in the lanes of `exact`. In the
+    /// other lanes, it is the density of a point chosen uniformly by area.
     #[inline(always)]
     pub(super) fn sample(
         &self,

@@ -36,8 +36,8 @@ pub(super) struct SphericalRectangle<'a, R: Real> {
     /// Angle of the samples with u = 0.
     start: R,
     solid_angle: R,
-    /// Whether the rectangle is large enough, and not too edge-on, for f32. If not, it is sampled
-    /// by area.
+    /// Whether f32 is precise enough to sample by solid angle. It is not if the rectangle appears
+    /// too small or its plane almost contains the point; then it is sampled by area.
     pub(super) exact: R::Mask,
 }
 
@@ -77,7 +77,7 @@ impl<'a, R: Real> SphericalRectangle<'a, R> {
         // z components of the normals of the planes through the edges at y0 and y1.
         let (d0, d1) = ((y0 * y0 + z2).sqrt(), (y1 * y1 + z2).sqrt());
         let (b0, b1) = (-y0 / d0, y1 / d1);
-        // Their sum, computed as a quotient in lanes where the terms may nearly cancel.
+        // The sum b0 + b1, computed as a quotient in lanes where the terms may nearly cancel.
         let quotient = z2 * ((y1 - y0) * (y1 + y0)) / (d0 * d1 * (y1 * d0 + y0 * d1));
         let sum = y0.gt(R::ZERO).select(quotient, b0 + b1);
         // The column that has the share u of the solid angle to its left.

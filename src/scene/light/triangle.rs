@@ -46,7 +46,7 @@ impl LightModel for TriangleLight {
     ) -> LightSample<R> {
         let (vertices, plane) = shape::<R>(table, index);
         let spherical = SphericalTriangle::new(vertices, &plane, from);
-        // A point uniform by area, by the square-root mapping (Turk 1990).
+        // A point distributed uniformly over the area, by the square-root mapping (Turk 1990).
         let ([a, b, c], root) = (vertices, u.sqrt());
         let target = a + (b - a) * (root * (R::ONE - v)) + (c - a) * (root * v);
         let mut direction = normalize(target - from);

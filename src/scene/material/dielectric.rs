@@ -28,8 +28,8 @@ pub struct Dielectric {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fresnel {
-    /// Schlick's approximation, evaluated with the angle of incidence on either side, as in the
-    /// report.
+    /// Schlick's approximation. As in the report, it uses the angle of incidence, whichever side
+    /// the path arrives on.
     #[default]
     Schlick,
     /// The exact Fresnel equations.
@@ -37,7 +37,7 @@ pub enum Fresnel {
 }
 
 impl MaterialModel for Dielectric {
-    /// (1 for the exact Fresnel equations or 0 for Schlick, 0, 0), index of refraction.
+    /// (`f`, 0, 0), index of refraction. `f` is 1 for the exact Fresnel equations, 0 for Schlick.
     type Entry = Row;
     type Bsdf<R: Real> = DielectricBsdf<R>;
 

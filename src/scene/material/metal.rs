@@ -13,8 +13,8 @@ use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
 use crate::scene::texture::{Color, TextureTables};
 
-/// A mirror that offsets the reflected direction by `fuzz` times a uniform point of the unit ball.
-/// Paths whose direction then points below the surface are absorbed.
+/// A mirror that offsets the reflected direction by `fuzz` times a uniformly distributed
+/// random point of the unit ball. Paths whose direction then points below the surface are absorbed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Metal {
@@ -71,7 +71,8 @@ impl<R: Real> MetalBsdf<R> {
     /// Density of `direction`: the share of the ball's volume in that direction.
     ///
     /// A ray in `direction` crosses the ball from b − s to b + s, where b is the cosine of its
-    /// angle with the mirror direction. The volume per solid angle is ∫r² dr = 2s(3b² + s²)/3.
+    /// angle with the mirror direction and s² = fuzz² − 1 + b². The volume per solid angle is
+    /// ∫r² dr = 2s(3b² + s²)/3.
     #[inline(always)]
     fn pdf(&self, direction: R::Vec3) -> R {
         let b = dot(self.mirror, direction);

@@ -15,7 +15,7 @@ use crate::scene::place::{MAX_COORDINATE, angles};
 pub(in crate::scene) struct Mesh {
     pub(in crate::scene) vertices: Vec<Vec3>,
     pub(in crate::scene) triangles: Vec<[u32; 3]>,
-    /// Names of the data in the file that is ignored.
+    /// Names of the ignored data in the file.
     pub(super) ignored: BTreeSet<&'static str>,
 }
 
@@ -46,7 +46,7 @@ impl Mesh {
         }
     }
 
-    /// Returns a sentence about the data in `file` that is ignored, if any.
+    /// Returns a message that names the ignored data in `file`, if any.
     pub(in crate::scene) fn ignored(&self, file: &Path) -> Option<String> {
         let names: Vec<&str> = self.ignored.iter().copied().collect();
         (!names.is_empty()).then(|| format!("{}: ignoring {}", file.display(), names.join(", ")))
@@ -61,8 +61,8 @@ impl Mesh {
     /// once.
     ///
     /// No ray slips between triangles that share a whole edge. Rays may slip through at
-    /// T-junctions, which are vertices on the edge of a neighbour. A triangle without area that
-    /// fills such a crack is left out, because it has no normal.
+    /// T-junctions, which are vertices on the edge of a neighbour. A triangle without area
+    /// is left out even if it closes the crack at a T-junction, because it has no normal.
     ///
     /// # Errors
     /// If a vertex ends up too far away, no triangle has an area, or the memory limit is exceeded.

@@ -12,7 +12,7 @@ use crate::scene::budget::Budget;
 const VERTEX: &str = "a vertex is `v` and three numbers";
 const FACE: &str = "a face is `f` and three or more vertex numbers";
 
-/// Keywords of data that is ignored, and its name in messages.
+/// Keywords of ignored data, each with the name of that data in messages.
 const IGNORED: [(&str, &str); 3] =
     [("vn", "normals"), ("vt", "texture coordinates"), ("usemtl", "materials")];
 
@@ -47,7 +47,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// An OBJ file reduced to its `v` and `f` lines, with positions only in faces.
+/// An OBJ file reduced to its `v` and `f` lines. Faces keep only the indices of positions.
 ///
 /// The other lines are blank, so that line numbers stay the same and errors in data that a mesh
 /// does not need are ignored.
@@ -62,7 +62,8 @@ struct Positions {
 
 /// Bytes of memory for two copies of the text and for the words of its longest line.
 fn text_memory(bytes: &[u8]) -> u64 {
-    // Each byte of invalid UTF-8 becomes three bytes, in a string that grows.
+    // Each byte of invalid UTF-8 becomes three bytes, in a string that is reallocated as it
+    // grows.
     let texts = if std::str::from_utf8(bytes).is_ok() { 2 } else { 12 };
     let longest = bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
     (texts * bytes.len() + 32 * longest) as u64
@@ -119,7 +120,7 @@ impl Positions {
     }
 
     /// Bytes of memory for tobj's data and for the mesh. The factors were measured on vertices,
-    /// triangles and polygons, while lists grow.
+    /// triangles and polygons, and include the growth of the lists.
     fn memory(&self) -> u64 {
         2 * self.text.len() as u64
             + 120 * self.vertices as u64

@@ -18,8 +18,8 @@ use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
 
-/// Returns the scene that `file` describes. Errors call it `name`; paths of textures and meshes are
-/// relative to `folder`.
+/// Returns the scene that `file` describes. Error messages call the file `name`. Paths of textures
+/// and meshes are relative to `folder`.
 pub(super) fn resolve(
     name: &str,
     folder: &Path,

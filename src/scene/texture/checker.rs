@@ -43,7 +43,8 @@ impl TextureModel for Checker {
         [row(self.odd.into(), frequency), row(self.even.into(), 0.0)]
     }
 
-    /// The product of sines is negative exactly if the sum of the cell's three numbers is odd.
+    /// The product of sines is negative exactly if the sum of the cell's three integer coordinates
+    /// is odd.
     #[inline(always)]
     fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
         let index = R::index_of_few(index, table.len());

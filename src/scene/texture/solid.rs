@@ -26,7 +26,7 @@ impl TextureModel for Solid {
         e.color("color", self.color, 1.0).map(|_| ())
     }
 
-    /// Returns the same value as for a colour without a texture.
+    /// Returns the same value as a plain colour in place of the texture would have.
     fn identity(&self) -> Value {
         json!(self.color)
     }

@@ -43,7 +43,7 @@ impl Shading<'_> {
         };
         let origin = if B::TRANSMITS {
             // A light behind the surface is sampled from the front but needs a shadow ray from the
-            // back. Both origins have the same distance to it, up to rounding errors.
+            // back. Both origins have the same distance to the light, up to rounding errors.
             let above = dot(direction, normal).gt(Float::ZERO);
             surface.spawn(above.select(normal, -normal))
         } else {

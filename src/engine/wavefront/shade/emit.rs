@@ -43,7 +43,7 @@ impl Shading<'_> {
                 Sampling::Light => Float::ZERO,
                 Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, vertex.t) * light.chance()),
             };
-            // Light that light samples could find, too, is weighted: they contribute the rest.
+            // Emission that light samples could also find is weighted: they contribute the rest.
             let sampled: Mask = is_light & !pdf.eq(Float::splat(SPECULAR));
             let weight = sampled.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);

@@ -41,8 +41,8 @@ pub(super) struct Shaded<'a> {
 }
 
 impl Shading<'_> {
-    /// Shades all queues. Returns the numbers of paths and lanes in queues that needed more work
-    /// than to end paths at the depth limit.
+    /// Shades all queues. Returns the numbers of paths and lanes, without the queues whose paths
+    /// were only ended at the depth limit.
     #[inline(never)]
     pub(super) fn shade(&self, queues: &Queues, shaded: &mut Shaded<'_>) -> StageWork {
         shaded.next.clear();
@@ -93,7 +93,7 @@ struct ShadeSurfaces<'s, 'a> {
 }
 
 impl MaterialVisitor for ShadeSurfaces<'_, '_> {
-    /// Whether the paths needed more work than to end them at the depth limit.
+    /// False if the paths were only ended at the depth limit.
     type Output = bool;
 
     #[inline(always)]

@@ -15,7 +15,7 @@ impl Shading<'_> {
     /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
     ///
     /// It is not inlined, so that each kind of material has all registers to itself. For a kind
-    /// without textured materials, a separate loop saves 10% of *shade* with AVX2.
+    /// without textured materials, a separate loop saves 10% of the *shade* stage with AVX2.
     #[inline(never)]
     pub(super) fn scatter<M: MaterialModel, const TEXTURED: bool>(
         &self,

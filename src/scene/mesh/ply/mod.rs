@@ -276,8 +276,8 @@ mod tests {
         }
     }
 
-    /// The limit is checked before memory is allocated. Meshes as programs write them need little
-    /// memory, polygons with many corners need much.
+    /// The limit is checked before memory is allocated. Typical meshes need little memory, but
+    /// polygons with many corners need much.
     #[test]
     fn memory_is_limited() {
         let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");

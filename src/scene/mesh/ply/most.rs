@@ -9,7 +9,7 @@ use super::ROWS;
 /// Upper bounds on the content of a PLY file.
 pub(super) struct Most {
     triangles: usize,
-    /// Entries of the lists that are in memory at once.
+    /// Number of list entries that are in memory at once.
     entries: usize,
 }
 
@@ -17,7 +17,8 @@ impl Most {
     /// Returns the bounds for `bytes` bytes after `header`.
     ///
     /// # Errors
-    /// If `bytes` is too small for the rows of an element. `Err` holds its name and the message.
+    /// If `bytes` is too small for the rows of an element. `Err` holds the name of the
+    /// element and the message.
     pub(super) fn new(header: &Header, bytes: usize) -> Result<Self, (String, String)> {
         let is_text = header.encoding == Encoding::Ascii;
         let size = |scalar: &ScalarType| match scalar {
@@ -74,7 +75,8 @@ impl Most {
     /// of a text file, or `None` for a binary one.
     pub(super) fn memory(&self, vertices: usize, text: Option<&[u8]>) -> u64 {
         let longest = |text: &[u8]| text.split(|byte| *byte == b'\n').map(<[u8]>::len).max();
-        // Bytes of ROWS rows: words take at least two bytes, and are held as text and as numbers.
+        // The bytes of ROWS rows. Each word takes at least two bytes and is held both as text and
+        // as a number.
         let rows = text.map_or(usize::MAX, |text| {
             longest(text).unwrap_or(0).saturating_mul(ROWS).min(text.len())
         });
