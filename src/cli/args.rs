@@ -16,7 +16,7 @@ use super::named::named;
 use super::path::PathArgs;
 use super::progress::ProgressMode;
 use super::rays::RaysArgs;
-use super::sample_args::{SampleArgs, SceneArg};
+use super::sample_args::{IMAGE, SampleArgs, SceneArg};
 use super::share::ShareArgs;
 use super::trace::TraceArgs;
 use crate::engine::{Engine, Pin};
@@ -67,7 +67,6 @@ pub(super) enum Command {
     Dashboard(DashboardArgs),
 }
 
-const IMAGE: &str = "Image";
 const SPEED: &str = "Speed";
 const REPORTS: &str = "Reports";
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use jiff::SignedDuration;
 
-const HEADING: &str = "Parts and long renders";
+use super::share::HEADING;
 
 #[derive(Debug, Args)]
 pub(super) struct CheckpointArgs {

@@ -61,10 +61,10 @@ impl CheckpointFile {
     /// A picture in a format without metadata is recognised by the checkpoint beside it.
     pub(super) fn own_picture(&self) -> Option<&Path> {
         self.picture().filter(|picture| {
-            let is_partial = Metadata::read(picture)
-                .is_ok_and(|metadata| metadata.get("ptfast:partial").is_some());
-            let tells = Format::of_path(picture).is_ok_and(Format::has_metadata);
-            picture.symlink_metadata().is_err() || is_partial || !tells && self.continued
+            let is_partial = Metadata::read(picture).is_ok_and(|metadata| metadata.is_partial());
+            let has_metadata = Format::of_path(picture).is_ok_and(Format::has_metadata);
+            let is_missing = picture.symlink_metadata().is_err();
+            is_missing || is_partial || !has_metadata && self.continued
         })
     }
 

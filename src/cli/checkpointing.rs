@@ -128,6 +128,6 @@ pub(super) fn write_picture(
     transfer: Transfer,
 ) -> Result<()> {
     let samples = checkpoint.rendering.progress().samples;
-    let metadata = Metadata::of_program().with("ptfast:partial", samples);
+    let metadata = Metadata::of_partial(samples);
     checkpoint.rendering.image()?.write(path, transfer, &metadata)
 }

@@ -74,7 +74,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
 fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
     let PartialRender { scene, image, samples, spp } =
         merge_partial(&args.parts, &args.limits.limits())?;
-    let metadata = Metadata::of_program().with("ptfast:partial", samples);
+    let metadata = Metadata::of_partial(samples);
     image.write(&args.output, args.gamma, &metadata)?;
     let (width, height) = (image.width(), image.height());
     let per_pixel = samples as f64 / (f64::from(width) * f64::from(height));

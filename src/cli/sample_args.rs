@@ -8,7 +8,8 @@ use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 
-const IMAGE: &str = "Image";
+/// Heading in the help.
+pub(super) const IMAGE: &str = "Image";
 
 /// A scene, with or without `--scene` before it.
 #[derive(Debug, Args)]

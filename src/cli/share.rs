@@ -12,7 +12,8 @@ use crate::error::{Error, Result};
 use crate::film::{CHUNK, Tile};
 use crate::scene::Scene;
 
-const HEADING: &str = "Parts and long renders";
+/// Heading in the help.
+pub(super) const HEADING: &str = "Parts and long renders";
 
 #[derive(Debug, Args)]
 pub(super) struct ShareArgs {

@@ -9,6 +9,9 @@ use super::{Image, Transfer, row_bytes};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
+/// The key of the number of samples in the metadata of an unfinished picture.
+const PARTIAL: &str = "ptfast:partial";
+
 /// Text entries of a file's header. Equal renders have equal entries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Metadata(pub Vec<(String, String)>);
@@ -17,6 +20,16 @@ impl Metadata {
     /// Metadata that names the program and its version.
     pub fn of_program() -> Self {
         Self::default().with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
+    }
+
+    /// Metadata of the picture of an unfinished render that has `samples` samples.
+    pub(crate) fn of_partial(samples: u64) -> Self {
+        Self::of_program().with(PARTIAL, samples)
+    }
+
+    /// Whether the file is the picture of an unfinished render.
+    pub(crate) fn is_partial(&self) -> bool {
+        self.get(PARTIAL).is_some()
     }
 
     /// Adds one entry.

@@ -14,11 +14,11 @@ use super::parse::{self, Form};
 /// The text is parsed again, and parsing deliberately fails at the element, so that the parser
 /// reports the position of the element.
 pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
-    let (section, key) = match path.split_once(['.', '[']) {
-        Some((section, key)) => (section, Some(key.trim_end_matches(']'))),
-        None => (path, None),
+    let keys = match path.split_once(['.', '[']) {
+        Some((section, key)) => vec![section, key.trim_end_matches(']')],
+        None => vec![path],
     };
-    let find = Find { section, key };
+    let find = Find(&keys);
     match form {
         Form::Ron => {
             let position = parse::options().from_str_seed(text, find).err()?;
@@ -39,19 +39,17 @@ pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
 /// Message of the deliberate error at the element.
 const FOUND: &str = "found";
 
-#[derive(Clone, Copy)]
-struct Find<'a> {
-    /// A field of the scene.
-    section: &'a str,
-    /// An index or a key in the section; `None` for the section itself.
-    key: Option<&'a str>,
-}
+/// The names and indices that lead to an element.
+struct Find<'a>(&'a [&'a str]);
 
 impl<'de> DeserializeSeed<'de> for Find<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
+        match self.0 {
+            [] => Err(D::Error::custom(FOUND)),
+            _ => deserializer.deserialize_any(self),
+        }
     }
 }
 
@@ -59,66 +57,27 @@ impl<'de> Visitor<'de> for Find<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a scene")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        while let Some(name) = map.next_key::<Name>()? {
-            match self.key {
-                None if name.0 == self.section => return Err(A::Error::custom(FOUND)),
-                Some(key) if name.0 == self.section => map.next_value_seed(Element { key })?,
-                _ => drop(map.next_value::<IgnoredAny>()?),
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The element `key` of a list or a map.
-struct Element<'a> {
-    key: &'a str,
-}
-
-impl<'de> DeserializeSeed<'de> for Element<'_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
-
-impl<'de> Visitor<'de> for Element<'_> {
-    type Value = ();
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a list or a map")
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
-        let index: usize = self.key.parse().map_err(A::Error::custom)?;
+        let index: usize = self.0[0].parse().map_err(A::Error::custom)?;
         for _ in 0..index {
             list.next_element::<IgnoredAny>()?;
         }
-        list.next_element::<Here>().map(drop)
+        list.next_element_seed(Find(&self.0[1..])).map(drop)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(name) = map.next_key::<Name>()? {
-            if name.0 == self.key {
-                return Err(A::Error::custom(FOUND));
+            match &self.0[1..] {
+                _ if name.0 != self.0[0] => drop(map.next_value::<IgnoredAny>()?),
+                // The position of the name, not of the value.
+                [] => return Err(A::Error::custom(FOUND)),
+                rest => map.next_value_seed(Find(rest))?,
             }
-            map.next_value::<IgnoredAny>()?;
         }
         Ok(())
-    }
-}
-
-/// A type that always fails to parse, at the start of the value.
-struct Here;
-
-impl<'de> Deserialize<'de> for Here {
-    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
-        Err(D::Error::custom(FOUND))
     }
 }
 
