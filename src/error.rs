@@ -136,8 +136,8 @@ impl Error {
 /// Returns `, did you mean ...?` with the known name nearest to `found`, or the list of all names
 /// if they are few.
 pub(crate) fn suggestion<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    // Very many or very long names are left out: comparing them takes long, and nobody mistypes
-    // them.
+    // Only the first 1000 names are compared, and no names longer than 64 bytes: more would take
+    // long, and nobody types such long names by hand.
     let (most, longest) = (1000, 64);
     let known: Vec<&str> = known.into_iter().take(most).collect();
     let short = |name: &&&str| name.len().max(found.len()) <= longest;

@@ -11,13 +11,15 @@ use crate::statistics::Estimate;
 /// The reference that runs are compared with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reference<'a> {
-    /// A record from another time. Clocks may have been different then, so paths per cycle are compared.
+    /// A record from another time. Clocks may have been different then, so paths per cycle are
+    /// compared.
     Baseline(&'a Record),
     /// The other program of the same bench, compared block by block.
     Against,
 }
 
-/// Checks that speeds in `baseline`, a record from `file`, can be compared with those of this machine.
+/// Checks that speeds in `baseline`, a record from `file`, can be compared with those of this
+/// machine.
 ///
 /// # Errors
 /// If the baseline was measured on another machine.
@@ -38,8 +40,8 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
     Err(Error::input(file, "machine", message))
 }
 
-/// Checks that `baseline`, a record from `file`, has a run of the same work as one that `bench` will
-/// measure.
+/// Checks that `baseline`, a record from `file`, has a run with the same workload as a run that
+/// `bench` will measure.
 ///
 /// # Errors
 /// If `baseline` has no such run.
@@ -57,15 +59,15 @@ pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Resul
 /// share of the cores that other processes keep busy.
 const MOST_LOAD_CHANGE: f64 = 0.1;
 
-/// Maximum number of samples of a run.
+/// Maximum number of times that a run is measured. Each measurement is called a sample.
 const MOST_SAMPLES: usize = 4;
 
-/// Compares every run of `record`, which `bench` has measured, with the matching run of `reference`, if
-/// there is one.
+/// Compares every run of `record`, which `bench` has measured, with the matching run of
+/// `reference`, if there is one.
 ///
-/// If `again` is given, the groups of runs that seem to have changed by more than `threshold`, or that
-/// were too disturbed to decide, are measured again with that number of blocks, up to [`MOST_SAMPLES`]
-/// samples in total.
+/// If `again` is given, it is a number of blocks. Groups with a run that seems to have changed by
+/// more than `threshold`, or that was too disturbed to decide, are then measured again with this
+/// number of blocks, until they have at most [`MOST_SAMPLES`] samples in total.
 ///
 /// # Errors
 /// If a program fails.
@@ -159,9 +161,9 @@ fn other_load(new: &Run, old: &Run) -> Option<Doubt> {
     ((new - old).abs() > MOST_LOAD_CHANGE).then_some(Doubt::Load)
 }
 
-/// Why a run of `record` does not count: most of its blocks are contaminated, it has no control, or its
-/// control differs too much from 1. The control's median may differ from
-/// 1 by at most the threshold, and its interval must not lie entirely beyond half the threshold.
+/// Why a run of `record` does not count: most of its blocks are contaminated, it has no control, or
+/// its control differs too much from 1. The control's median may differ from 1 by at most the
+/// threshold, and its interval must not lie entirely beyond half the threshold.
 fn doubt(run: &Run, record: &Record, threshold: f64) -> Option<Doubt> {
     if run.contaminated() * 2 > run.blocks.len() {
         return Some(Doubt::Contaminated);
@@ -198,8 +200,8 @@ mod tests {
         assert_eq!(found(&loaded(0.6), &record(1.0, 4.0, 0, CLEAN)).doubt, None, "unknown load");
     }
 
-    /// A record of one run with a control. Each of its 12 blocks takes about `seconds` at `clock`, and
-    /// the first `contaminated` of them are contaminated.
+    /// A record of one run with a control. Each of its 12 blocks takes about `seconds` at `clock`,
+    /// and the first `contaminated` of them are contaminated.
     fn record(seconds: f64, clock: f64, contaminated: usize, control: [f64; 3]) -> Record {
         let block = |number: usize| {
             json!({

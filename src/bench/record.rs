@@ -50,7 +50,7 @@ impl Record {
         self.runs.iter().find(same)?.plan.clone()
     }
 
-    /// Speed ratio of `run` to the side of its group named `to`.
+    /// Speed ratio of `run` to the side named `to`, for the same scene and number of threads.
     pub(crate) fn ratio(&self, run: &Run, to: &str) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
             (&ratio.scene, ratio.threads, &*ratio.of)

@@ -9,15 +9,15 @@ use crate::error::{Error, Result};
 /// Number of bytes at the start of a file that [`contains`] searches.
 const START: u64 = 4096;
 
-/// Checks that each of `files` is missing, or belongs to an earlier output of the same command, which may be
-/// overwritten.
+/// Checks that each of `files` is missing, or belongs to an earlier output of the same command,
+/// which may be overwritten.
 ///
 /// # Errors
 /// [`Error::Usage`] names the first file that must not be overwritten.
 pub(super) fn check_unrelated(files: &[PathBuf], is_own: impl Fn(&Path) -> bool) -> Result<()> {
     match files.iter().find(|file| file.symlink_metadata().is_ok() && !is_own(file)) {
         Some(file) => Err(Error::Usage(format!(
-            "{}: exists, and is not an earlier output of this command: choose another folder, or delete it",
+            "{}: this file exists and is not an earlier output of this command: choose another folder, or delete the file",
             file.display()
         ))),
         None => Ok(()),

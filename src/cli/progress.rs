@@ -141,7 +141,8 @@ impl ProgressReport {
         }
     }
 
-    /// Events per second since the report began.
+    /// Samples or rays per second since the report began, where `begun` is their number at that
+    /// time.
     fn rate(&self, count: u64, begun: u64) -> f64 {
         (count - begun) as f64 / self.start.elapsed().as_secs_f64()
     }
@@ -184,7 +185,8 @@ impl ProgressReport {
     }
 }
 
-/// Writes the JSON line for a render that an earlier run completed. The number of its rays is unknown.
+/// Writes the JSON line for a render that an earlier run completed. The number of its rays is
+/// unknown.
 pub(super) fn write_complete(samples: u64) {
     write_line(&json!({
         "schema": 1,

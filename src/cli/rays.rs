@@ -25,7 +25,8 @@ pub(super) struct RaysArgs {
     /// Samples per pixel [default: enough for --max-rays primary rays]
     #[arg(long, alias = "samples", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     spp: Option<u32>,
-    /// Maximum number of rays of each kind, in runs of 2048 that are spread over the render
+    /// Maximum number of rays of each kind. If the render has more, whole runs of 2048 rays are
+    /// kept, spread evenly over the render
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(2048..=MAX_RAYS))]
     max_rays: u64,
     /// Seed of all random numbers

@@ -15,8 +15,8 @@ pub struct Render {
     pub image: Image,
     /// Counts of rays, path endings and samples.
     pub tally: Tally,
-    /// The work of the wavefront engine's stages. For the scalar engine, the work of its rays
-    /// without times, if the settings ask for counting.
+    /// The work of the wavefront engine's stages. For the scalar engine, they contain no times,
+    /// only counts of the work for its rays, and only if the settings ask for counting.
     #[doc(hidden)]
     pub waves: WaveStats,
     /// The time of each step.

@@ -211,9 +211,9 @@ impl Renderer {
     /// `observer` stops it. The image does not depend on the number or size of such passes.
     ///
     /// # Errors
-    /// If `rendering` has samples of another scene or view, or rendered with other settings that
-    /// affect the image, returns [`Error::Usage`](crate::Error::Usage). If memory runs out, returns
-    /// [`Error::Resource`](crate::Error::Resource).
+    /// If `rendering` has samples of another scene or view, or samples that were rendered with
+    /// other settings that affect the image, returns [`Error::Usage`](crate::Error::Usage). If
+    /// memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub fn advance_to(
         &self,
         rendering: &mut Rendering,
@@ -235,7 +235,8 @@ impl Renderer {
                     return shared.next();
                 }
                 drop(shared);
-                // Wait for the delayed worker, so that finished units do not pile up in memory.
+                // Wait for the worker that is still rendering an earlier unit: finished units stay
+                // in memory until that unit is done.
                 thread::sleep(Duration::from_millis(1));
             }
             None

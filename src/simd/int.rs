@@ -81,7 +81,7 @@ impl Int {
         self.0.to_array()
     }
 
-    /// Returns the least lane.
+    /// Returns the least value of all lanes.
     #[inline(always)]
     pub(crate) fn least_lane(self) -> u32 {
         let (mut least, mut apart) = (self.0, LANES / 2);
@@ -129,8 +129,7 @@ impl Word for Int {
 
     #[inline(always)]
     fn reverse_bits(self) -> Self {
-        // `wide` has no such operation. On CPUs with byte tables, this compiles to two or three
-        // instructions.
+        // `wide` has no such operation. The compiler uses byte shuffles where the CPU has them.
         Self::new(self.to_array().map(u32::reverse_bits))
     }
 

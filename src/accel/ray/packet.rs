@@ -38,7 +38,7 @@ impl<const V: usize> Packet<V> {
         }
     }
 
-    /// Multiplies the distance up to which each ray still searches by the ray's scale. Returns the
+    /// For each ray, multiplies its current maximum distance by its scale. Returns the
     /// largest product, in every lane.
     #[inline(always)]
     pub(crate) fn farthest(&self, scales: &[Float; V]) -> Float {

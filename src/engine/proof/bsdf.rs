@@ -78,7 +78,7 @@ struct Case {
     bsdf: Scattering,
     /// Surface normal on the side where the path arrives; `None` in media.
     normal: Option<Vec3>,
-    /// Direction around which the cells are finer.
+    /// Direction around which the chi-square cells ([`Cone`]) are smaller.
     middle: Vec3,
 }
 
@@ -151,7 +151,8 @@ fn samples_are_as_evaluated() {
             (0..20_000).filter_map(|sample| bsdf.sample(&randoms(index, sample))).collect();
         for scatter in samples {
             let (f_cos, pdf) = bsdf.evaluate(scatter.direction);
-            // Rounding a direction changes its microfacets and, at grazing angles, their shadowing.
+            // Rounding a direction changes the normal of the microfacets that scatter into it and,
+            // at grazing angles, their shadowing.
             let cos = normal.map_or(1.0, |normal| dot(normal, scatter.direction));
             let near =
                 |a: f32, b: f32| (a - b).abs() <= (1e-2 + f32::EPSILON / cos.abs()) * b.abs();
@@ -208,7 +209,8 @@ fn scattering_is_reciprocal() {
                 let (there, back) = (f(a, b, true), f(b, a, true));
                 assert!((there - back).abs() < 1e-3 * (there + back) + 1e-6, "{there} {back}");
                 if matches!(material, Material::RoughDielectric(_)) {
-                    // Radiance is not scaled, so f from below is η² times f from above.
+                    // Radiance is not scaled, so f of a path that enters the glass from above is η²
+                    // times f of the reversed path.
                     let (down, up) = (f(a, -b, true), f(-b, a, false));
                     assert!((down - up * 2.25).abs() < 2e-3 * (down + up) + 1e-5, "{down} {up}");
                 }

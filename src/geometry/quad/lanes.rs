@@ -131,7 +131,8 @@ impl Corner {
 /// on one coordinate, and each edge adds a condition on another coordinate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlignedQuad {
-    /// The corner, on the axis perpendicular to the quad and then the axes of the edges.
+    /// The components of the corner: first along the axis perpendicular to the quad, then along the
+    /// axes of the two dual edges.
     corner: Corner,
     /// The nonzero component of each dual edge.
     duals: [f32; 2],
@@ -172,7 +173,8 @@ impl QuadTest for AlignedQuad {
 /// the lid of a box rotated about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelQuad {
-    /// The corner, on the axis perpendicular to the quad and then the axes in its plane.
+    /// The components of the corner: first along the axis perpendicular to the quad, then along the
+    /// two axes in the quad's plane.
     corner: Corner,
     /// The dual edges, on the axes in the plane.
     dual_u: [f32; 2],
@@ -213,8 +215,8 @@ impl QuadTest for LevelQuad {
 /// a box rotated about an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UprightQuad {
-    /// The corner, on the two axes perpendicular to the axis-parallel edge and then that edge's
-    /// axis.
+    /// The components of the corner: first along the two axes perpendicular to the axis-parallel
+    /// edge, then along that edge's axis.
     corner: Corner,
     /// The normal and one dual edge, on the two perpendicular axes.
     normal: [f32; 2],

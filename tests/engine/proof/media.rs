@@ -32,7 +32,8 @@ fn media_take_what_they_should() {
     let turned = "box(min: (-1, -1, -1), max: (1, 1, 1), rotation: (0, 0, 45), density: 0.8, albedo: (1, 1, 1))";
     let two = "box(min: (-1, -1, -1), max: (1, 1, 0), density: 0.5, albedo: (0, 0, 0)), \
                sphere(center: (0, 0, 2), radius: 1, density: 0.3, albedo: (0, 0, 0))";
-    // 2ρL ∫ cos θ e^(−σd/cos θ) sin θ dθ over the lamp, integrated over cos θ.
+    // The floor's radiance: 2ρL ∫ cos θ e^(−σd/cos θ) sin θ dθ over the angles θ at which it sees
+    // the lamp. The variable of the numerical integration is cos θ.
     let lit = |density: f64| {
         let (rim, steps) = ((1.0f64 - 1.0 / 9.0).sqrt(), 10_000);
         let cosines =

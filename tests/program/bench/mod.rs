@@ -1,7 +1,7 @@
 //! Tests of `ptfast bench`: records, exports, comparisons.
 //!
-//! They do not test measured speeds. If a verdict matters, the bench runs fake programs that only
-//! report how long they took.
+//! They do not test measured speeds. If a verdict matters, the bench runs fake programs, which
+//! render nothing and report a time that the test chooses.
 
 #[cfg(unix)]
 mod gate;
@@ -47,15 +47,16 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
-/// Does the render by which a bench counts the work, and writes its record to a file.
+/// Runs the same render as the counting render of a bench, and writes the record of that render to
+/// a file.
 fn render_counting(folder: &Path, engine: &str, record: &str) {
     let what = ["--scene", "cornell", "--width", "16", "--spp", "2", "--threads", "1"];
     let how = ["-q", "--stats", "--engine", engine, "--json", record];
     assert!(ptfast(folder, &[&["render"], &what[..], &how[..]].concat()).status.success());
 }
 
-/// A fake program that renders nothing. It writes the record of a render of cornell with another time
-/// and, if given, another hash for the scalar engine.
+/// A fake program that renders nothing. It writes the record of a render of cornell with another
+/// time and, if given, another hash for the scalar engine.
 #[cfg(unix)]
 fn pretender(folder: &Path, name: &str, seconds: f64, scalar_hash: Option<&str>) -> PathBuf {
     for engine in ["scalar", "wavefront"] {

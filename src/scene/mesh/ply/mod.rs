@@ -132,8 +132,9 @@ fn add_vertices(mesh: &mut Mesh, rows: &[Row]) -> Result<(), (usize, String)> {
     Ok(())
 }
 
-/// Adds faces to the mesh. Their corners must be below `count`, the number of vertices in the whole
-/// file, because faces may precede vertices. `Err` is the same as for [`add_vertices`].
+/// Adds faces to the mesh. Their vertex indices must be below `count`, the number of vertices in
+/// the whole file. Faces may precede vertices, so the number of vertices read so far would not do.
+/// `Err` is the same as for [`add_vertices`].
 fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
     for (number, Row { corners, .. }) in rows.iter().enumerate() {
         if corners.len() < 3 {
