@@ -30,7 +30,7 @@ fn frames(criterion: &mut Criterion) {
                         let start = Instant::now();
                         let render = renderer.render().expect("one thread can be started");
                         time += start.elapsed();
-                        // A wrong answer is never a fast one.
+                        // The benchmark fails if an image differs from the first one.
                         assert_eq!(render.image.hash(), hash);
                     }
                     time

@@ -17,8 +17,8 @@ const STEPS: u64 = 1000;
 /// Instructions per step.
 const INSTRUCTIONS: u64 = (2 * VECTORS + 6 * INTEGERS) as u64;
 
-/// A mix that keeps all units of a core busy. The dependent operations of a step take 6 to 8 cycles for a
-/// vector and 6 for a chain of integers.
+/// A mix that keeps all execution units of a core busy. The dependent operations of a step take 6
+/// to 8 cycles for a vector and 6 for a chain of integers.
 #[inline(never)]
 fn mixed(vectors: &mut [f32x8; VECTORS], integers: &mut [u64; INTEGERS]) {
     let (mut v, mut i) = (*vectors, *integers);

@@ -34,13 +34,12 @@ fn signals() -> &'static Signals {
 /// [`Error::Resource`] if the operating system refuses.
 pub(crate) fn watch() -> Result<()> {
     let Signals { last, leaves, insists, asked } = signals();
-    // nohup makes a process ignore SIGHUP; the process continues to ignore it. Shells make
-    // background processes ignore SIGINT, but a SIGINT that is sent to one is intended, so it is
-    // recorded.
+    // Under nohup, SIGHUP stays ignored. Shells make background processes ignore SIGINT, but a
+    // SIGINT that somebody sends to a background process is intended, so SIGINT is recorded.
     let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
     let register = || {
-        // Registered before the handler that sets the flag, so that only a second SIGINT ends the
-        // process.
+        // This handler is registered before the one that sets `insists`, so that only a second
+        // SIGINT ends the process.
         flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
         flag::register(SIGINT, Arc::clone(insists))?;
         for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {

@@ -68,7 +68,7 @@ impl Dimension {
     pub(crate) const SCATTER: Self = Self(3);
     /// Vertex: choice of reflection or refraction.
     pub(crate) const LOBE: Self = Self(5);
-    /// Vertex: distance of a point in the unit ball.
+    /// Vertex: distance of a point in the unit ball from the centre of the ball.
     pub(crate) const BALL: Self = Self(6);
     /// Vertex: Russian roulette, which decides whether the path continues.
     pub(crate) const ROULETTE: Self = Self(7);

@@ -79,7 +79,8 @@ fn beyond_median(count: usize) -> usize {
     }
 }
 
-/// Number of pairs left out on either side of the interval of a shift, by the normal approximation.
+/// Number of pairs left out on either side of the interval of a ratio, which is a shift of the
+/// logarithms. Uses the normal approximation.
 fn beyond_shift(a: usize, b: usize) -> usize {
     let (a, b) = (a as f64, b as f64);
     let (mean, variance) = (0.5 * a * b, a * b * (a + b + 1.0) / 12.0);

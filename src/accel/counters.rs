@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Counts the work that a kernel does. The implementation for `()` counts nothing, and calls to it
 /// compile to nothing.
 pub(crate) trait Count {
-    /// Counts a visit of a node. Lanes hold rays or children; `active` of the `issued` ones enter a
-    /// box.
+    /// Counts a visit of a node. Each lane tests a ray or a beam against a box, which it enters in
+    /// `active` of the `issued` lanes.
     fn node(&mut self, issued: u32, active: u32);
     /// Counts a test of a primitive against a vector of rays, or of a ray against a vector of
     /// primitives, in which `active` of the `issued` lanes matter.

@@ -126,9 +126,9 @@ impl Common {
         Some((busy / (self.seconds * cores as f64)).clamp(0.0, 1.0))
     }
 
-    /// Whether other processes or a hypervisor took too much from renders that lasted `seconds` in
-    /// total. Stolen time is only known for all cores together, so it is divided evenly among the busy
-    /// cores, ours and those of other processes.
+    /// Whether other processes or a hypervisor took too much core time from renders that lasted
+    /// `seconds` in total. Stolen time is only known for all cores together, so it is divided
+    /// evenly among the busy cores, ours and those of other processes.
     fn is_contaminated(&self, interference: &Interference, seconds: f64) -> bool {
         let Interference { stolen, waited, switches } = *interference;
         let core_seconds = seconds * self.threads as f64;

@@ -1,6 +1,6 @@
 //! Benchmarks in which renders take turns, block by block.
 //!
-//! A disturbance of a shared machine therefore affects all sides alike.
+//! A disturbance of a shared machine therefore affects all of them alike.
 //!
 //! A *side* is an engine of a program. A *group* consists of the sides of one scene and number of
 //! threads. In a *block* each side renders twice, in mirrored order (A B C C B A), so that a steady

@@ -180,7 +180,7 @@ impl Program {
         let Seconds { render, .. } = rendered.seconds;
         if !(render > 0.0 && render.is_finite() && rendered.rays.primary > 0) {
             return Err(no_record(format!(
-                "it took {render} seconds and traced {:?}",
+                "the render took {render} seconds and traced {:?}",
                 rendered.rays
             )));
         }
@@ -196,7 +196,7 @@ impl Program {
             let status = child.try_wait().map_err(failed())?;
             // A signal that ended the child has usually reached this process, too.
             if let Err(interrupted) = interrupt::check() {
-                // Both calls fail if the child has already ended, which does no harm.
+                // If the child has already ended, these calls do nothing.
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(interrupted);

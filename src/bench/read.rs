@@ -63,7 +63,8 @@ fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
     }
 }
 
-/// Whether these numbers are possible measurements, whose sums and quotients are finite.
+/// Whether the numbers of `block` are possible measurements. Sums and quotients of possible
+/// measurements are finite.
 fn can_be(block: &Block) -> bool {
     let rays = [block.rays.primary, block.rays.bounce, block.rays.shadow];
     let taken = block.interference.unwrap_or_default();

@@ -90,7 +90,7 @@ impl Doubt {
             Self::Image => "the images differ",
             Self::Baseline => "the baseline was disturbed or has no control",
             Self::Load => {
-                "the load by other processes differs from the baseline by more than 0.1 cores"
+                "the load by other processes differs from the baseline by over 10% of all cores"
             }
             Self::Uncontrolled => "there is no control",
             Self::Contaminated => "most blocks are contaminated",
@@ -115,8 +115,9 @@ impl Outcome {
     }
 }
 
-/// Whether a change that [`decide`] calls `Same` shows that nothing changed: its median is within the
-/// threshold, and the ends of its interval are within three times the threshold.
+/// Whether an estimate for which [`decide`] returns `Same` is precise enough to show that nothing
+/// changed: its median is within the threshold, and the ends of its interval are within three times
+/// the threshold.
 fn is_same(change: &Estimate, threshold: f64) -> bool {
     let off = |change: f64| change.max(1.0 / change) - 1.0;
     let ends = off(change.lo).max(off(change.hi));

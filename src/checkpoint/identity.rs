@@ -1,6 +1,6 @@
 //! The identity of an image: the scene and settings that decide its bits.
 //!
-//! Checkpoints and image files store it.
+//! Checkpoints store it, and PNG and EXR images store it in their metadata.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -91,8 +91,8 @@ impl Identity {
         ]
     }
 
-    /// Metadata of an image file whose pixels have this `hash`. It is the same for equal renders,
-    /// whatever engine, number of threads or machine rendered them.
+    /// Metadata of an image file whose pixels have this `hash`. Equal renders have equal metadata,
+    /// even if their engines, numbers of threads or machines differ.
     pub fn metadata(&self, hash: &str) -> Metadata {
         let mut settings = json!({
             "bits": self.bits,

@@ -131,11 +131,11 @@ fn missing(parts: &[PartFile<'_>], sample: Sample) -> Error {
             let absent: Vec<String> =
                 absent.take(10).map(|index| format!("{index}/{}", first.count)).collect();
             match absent.is_empty() {
-                true => format!("{} is missing: add its part", describe(sample)),
+                true => format!("{} is missing: add the part that contains it", describe(sample)),
                 false => format!("shards are missing: {}", absent.join(", ")),
             }
         }
-        _ => format!("{} is missing: add its part", describe(sample)),
+        _ => format!("{} is missing: add the part that contains it", describe(sample)),
     };
     Error::input(names.join(", "), "", message)
 }
@@ -144,7 +144,7 @@ fn missing(parts: &[PartFile<'_>], sample: Sample) -> Error {
 pub(crate) struct PartialRender {
     /// The name of the scene.
     pub(crate) scene: String,
-    /// The mean of each pixel's finished samples; black for pixels without one.
+    /// The mean of each pixel's finished samples, or black if the pixel has none.
     pub(crate) image: Image,
     /// Number of finished samples.
     pub(crate) samples: u64,

@@ -7,14 +7,14 @@ use crate::math::random::mix32;
 /// Side of a tile in pixels.
 const TILE: u32 = 32;
 
-/// One of every `count` consecutive tiles of an image. The choice is pseudo-random, so that no shard consists of just
-/// a few columns.
+/// A part of an image: one tile of each group of `count` consecutive tiles. The choice is
+/// pseudo-random, so that no shard consists of just a few columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
-    /// Number of this shard, from 0.
+    /// Index of this shard, from 0.
     pub index: u32,
-    /// Number of all shards.
+    /// Number of shards that make up the image.
     pub count: u32,
 }
 
@@ -37,8 +37,9 @@ mod tests {
 
     use super::*;
 
-    /// For every number of shards, each tile is in exactly one shard, the numbers of tiles differ by at most one, and
-    /// no shard consists of just a few columns or rows, which might take longer than others.
+    /// For every number of shards, each tile is in exactly one shard, shards differ in size by at
+    /// most one tile, and no shard consists of just a few columns or rows, which might take longer
+    /// than others.
     #[test]
     fn shards_are_disjoint_equal_and_spread() {
         for (width, height) in [(400, 400), (600, 600), (1280, 720), (1920, 1080), (33, 1)] {

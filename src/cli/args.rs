@@ -45,11 +45,11 @@ pub(super) struct Cli {
 pub(super) enum Command {
     /// Render a scene to an image file
     Render(Box<RenderArgs>),
-    /// Join the parts of a render, or write the picture of an unfinished one
+    /// Join the parts of a render, or write the picture of its finished samples
     Merge(MergeArgs),
     /// List, show or check scenes
     Scenes(ScenesArgs),
-    /// Render the six figures of the report, with a page that shows them
+    /// Render the six figures of the report that ptfast follows, with a page that shows them
     Figures(FiguresArgs),
     /// Measure how two images differ
     Compare(CompareArgs),

@@ -32,7 +32,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     advise_on_build(Isa::Avx512);
     notice(format_args!("rendering everything once to count the work"));
-    // A signal ends the bench only after it has removed its temporary files.
+    // After a signal, the bench removes its temporary files before it ends.
     interrupt::watch()?;
     let bench = Bench::new(&options, baseline.as_ref().map(|(record, _)| record))?;
     if let Some((baseline, file)) = &baseline {
@@ -56,8 +56,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<u8> {
         None => return exported.map(|()| 0),
     };
     bench_table::print_counts(&counts(&record, reference))?;
-    // Samples are not pooled: each repeated one is judged on its own. It is twice as long, so
-    // that a few disturbed blocks do not hide a change.
+    // Samples are not pooled: each further sample is judged on its own. It has twice as many
+    // blocks, so that a few disturbed blocks do not hide a change.
     let again = args.gate.then_some(2 * blocks);
     let gate = judge(&bench, &record, reference, threshold, again, &mut show)?;
     if !args.gate {
@@ -79,13 +79,14 @@ fn read_baseline(path: &Path) -> Result<(Record, String)> {
     Ok((record, file))
 }
 
-/// Prints a notice if the baseline was built in another way, which may explain a change of speed.
+/// Prints a notice if the program of the baseline was built in another way, which may explain a
+/// change of speed.
 fn report_other_build(bench: &Bench, baseline: &Record) {
     let build =
         |machine: &Machine| format!("{} ({}), {}", machine.isa, machine.flags, machine.rustc);
     let (here, there) = (build(bench.machine(0)), build(&baseline.machine));
     if here != there {
-        notice(format_args!("the baseline was built for {there}, this program for {here}"));
+        notice(format_args!("the baseline's program was built for {there}, this one for {here}"));
     }
 }
 
@@ -99,7 +100,7 @@ fn report_doubts(record: &Record, threshold: f64) {
         .collect();
     if !doubts.is_empty() {
         let doubts = doubts.join(", ");
-        notice(format_args!("not usable as a baseline for {doubts}"));
+        notice(format_args!("this record is not usable as a baseline for {doubts}"));
     }
 }
 
@@ -172,7 +173,7 @@ impl BlockReport {
         Self { start: now, shown: now }
     }
 
-    /// Shows that `done` of `of` blocks are done; 0 starts a new series.
+    /// Shows that `done` of `of` blocks are done. A `done` of 0 restarts the time for the ETA.
     fn show(&mut self, done: usize, of: usize) {
         if done == 0 {
             self.start = Instant::now();

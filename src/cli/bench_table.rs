@@ -119,8 +119,8 @@ fn noise(record: &Record) -> Result<()> {
     let disturbed: usize = runs.iter().map(|run| run.contaminated()).sum();
     let blocks: usize = runs.iter().map(|run| run.blocks.len()).sum();
     say(format_args!(
-        "contaminated blocks, in which other processes took 5% of the cores or preempted threads often: \
-         {disturbed} of {blocks}"
+        "contaminated blocks, in which other processes or a hypervisor took more than 5% of the \
+         core time, or threads were preempted often: {disturbed} of {blocks}"
     ))
 }
 

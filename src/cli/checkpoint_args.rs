@@ -11,8 +11,9 @@ use super::share::HEADING;
 #[derive(Debug, Args)]
 pub(super) struct CheckpointArgs {
     /// Checkpoint file, a .film. If it exists and belongs to this render, the render continues from it, also
-    /// with more samples than before; if it belongs to another render, it is an error. It is kept when the
-    /// render is complete [default: NAME.partial.film beside the image, deleted when the render is complete]
+    /// with more samples than before; if it belongs to another render, ptfast stops with an error. The file is
+    /// kept when the render is complete [default: NAME.partial.film beside the image, deleted when the render
+    /// is complete]
     #[arg(long, help_heading = HEADING, value_name = "FILE")]
     pub(super) checkpoint: Option<PathBuf>,
     /// Time between checkpoints, such as 90s or 1h30m. SIGUSR1 requests one at once

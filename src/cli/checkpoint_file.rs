@@ -103,8 +103,9 @@ impl CheckpointFile {
         checkpoint.write_if(&self.path, || self.check(&part))
     }
 
-    /// Cleans up once the output is written. A file that the user named is kept, and the complete
-    /// `checkpoint` is written to it. All other files of this render are deleted.
+    /// Cleans up once the output is written. A checkpoint file that the user named is kept, and the
+    /// complete `checkpoint` is written to it. A checkpoint file with the default name and the
+    /// unfinished picture are deleted.
     ///
     /// # Errors
     /// If the file cannot be written.

@@ -68,7 +68,7 @@ pub(super) fn suppress_notices() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Writes JSON objects to standard error from now on, or plain lines.
+/// From now on, writes JSON objects to standard error if `on`, plain lines otherwise.
 pub(super) fn write_json(on: bool) {
     JSON.store(on, Ordering::Relaxed);
 }
@@ -98,8 +98,8 @@ fn report(event: &str, message: &str, code: Option<u8>) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Prints a notice if a build for this CPU would be faster, up to the `best` instruction set that the command can
-/// use.
+/// Prints a notice if a build for this CPU would be faster. Instruction sets above `best` are not
+/// worth a notice for this command.
 pub(super) fn advise_on_build(best: Isa) {
     let (built, available) = (compiled_isa(), detected_isa());
     if built != Isa::Portable && built < available.min(best) {

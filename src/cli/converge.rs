@@ -25,7 +25,7 @@ use crate::scene::{Sampling, Scene};
 pub(super) struct ConvergeArgs {
     #[command(flatten)]
     scene: SceneArg,
-    /// Sampling of light; may be repeated [default: all that differ for the scene]
+    /// Sampling of light; may be repeated [default: all, or only bsdf if the scene has no lights]
     #[arg(long = "sampling", value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     samplings: Vec<Sampling>,
     /// Source of random numbers; may be repeated [default: all]
@@ -49,7 +49,8 @@ pub(super) struct ConvergeArgs {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Seconds at which errors are compared [default: the time of the fastest of the longest renders]
+    /// Render time in seconds at which errors are compared [default: the shortest time of the renders with --spp
+    /// samples]
     #[arg(long, value_name = "SECONDS")]
     at: Option<f64>,
     /// Write the measurements as JSON
@@ -223,12 +224,12 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
         ));
     } else if unknown {
         notice(format_args!(
-            "some renders have no error at {} s: increase --spp, or choose another --at",
+            "some renders have no error at {} s, which is outside the range of their times: increase --spp, or choose another --at",
             brief(seconds)
         ));
     }
     say_lines(
-        "\nslope: of the error over samples, with its standard error; over time: of the error over seconds\n\
+        "\nslope: slope of the error over samples, with its standard error; over time: slope of the error over seconds\n\
          x: how many times smaller the error is than in the first line, at equal seconds",
     )
 }

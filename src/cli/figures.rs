@@ -98,7 +98,7 @@ pub(super) struct FiguresArgs {
     /// Folder for the six pictures and index.html; created if missing
     #[arg(short, long, visible_alias = "out", value_name = "DIR")]
     output: PathBuf,
-    /// A tenth of the report's samples
+    /// Use a tenth of the report's samples per pixel
     #[arg(long)]
     quick: bool,
     /// Worker threads [default: one per available core]
@@ -146,8 +146,8 @@ pub(super) fn run(args: &FiguresArgs) -> Result<()> {
     if args.quiet { Ok(()) } else { say(format_args!("page      {}", page.display())) }
 }
 
-/// Whether `figures` wrote this file. Its pictures are recognised by their metadata, and its page
-/// by the title.
+/// Whether `figures` wrote this file. Pictures are recognised by their metadata, and the page by
+/// its title.
 fn is_figure(file: &Path) -> bool {
     if file.ends_with(PAGE) {
         return folder::contains(file, "<title>The report's figures by ptfast</title>");

@@ -18,8 +18,8 @@ pub(super) struct LimitArgs {
     /// 2GiB
     #[arg(help_heading = HEADING, long = "limit", value_name = "NAME=N", value_parser = limit)]
     limits: Vec<(Limit, u64)>,
-    /// Reject input whose estimated memory exceeds SIZE, such as 4GiB [default: the memory that the machine and the
-    /// process have]
+    /// Reject input whose estimated memory exceeds SIZE, such as 4GiB [default: the machine's
+    /// memory, or a lower limit of the process]
     #[arg(help_heading = HEADING, long, value_name = "SIZE", value_parser = size)]
     memory_limit: Option<u64>,
 }
@@ -86,16 +86,18 @@ fn advice(refused: Refused) -> String {
 
 fn size(text: &str) -> Result<u64, String> {
     let size = text.parse::<ByteSize>().map(|size| size.as_u64());
-    size.ok().filter(|&size| size > 0).ok_or_else(|| "a size such as 500MB or 4GiB".to_owned())
+    size.ok()
+        .filter(|&size| size > 0)
+        .ok_or_else(|| "must be a size above 0, such as 500MB or 4GiB".to_owned())
 }
 
 fn limit(text: &str) -> Result<(Limit, u64), String> {
     // Memory has a flag of its own.
     let mut known = Limit::ALL.into_iter().filter(|&limit| limit != Limit::Memory);
-    let (name, value) = text.split_once('=').ok_or("NAME=N, such as mesh-bytes=8GiB")?;
+    let (name, value) = text.split_once('=').ok_or("must be NAME=N, such as mesh-bytes=8GiB")?;
     let Some(limit) = known.clone().find(|limit| limit.name() == name) else {
         let names: Vec<_> = known.by_ref().map(Limit::name).collect();
-        return Err(format!("one of {}", names.join(", ")));
+        return Err(format!("NAME must be one of {}", names.join(", ")));
     };
     let value = size(value)?;
     match value <= limit.most() {

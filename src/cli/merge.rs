@@ -21,7 +21,8 @@ pub(super) struct MergeArgs {
     /// Output file: an image (.png, .exr, .hdr, .pfm), or a .film that can be continued
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Write the picture of the samples that are finished so far, also of unfinished or missing parts
+    /// Write the picture of the samples that are finished so far, even if parts are unfinished or
+    /// missing
     #[arg(long)]
     partial: bool,
     /// Transfer curve of 8-bit files

@@ -27,7 +27,7 @@ pub(super) struct PathArgs {
 fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
     let parsed = text.split_once(',').and_then(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)));
     parsed.ok_or_else(|| {
-        format!("must be two whole numbers with a comma, such as 17,4, not `{text}`")
+        format!("must be two whole numbers with a comma between them, such as 17,4, not `{text}`")
     })
 }
 
@@ -81,7 +81,7 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         (_, Some(t), _) => format!("is scattered by a medium at {t}"),
         (RayKind::Shadow, _, Some(_)) => "occluded".to_owned(),
         (RayKind::Shadow, _, None) => {
-            let media = if scene.media().is_empty() { "" } else { ", but for media" };
+            let media = if scene.media().is_empty() { "" } else { ", apart from media" };
             format!("free up to {t_max}{media}")
         }
         (_, _, None) => "leaves the scene".to_owned(),

@@ -9,8 +9,8 @@ use crate::input::read_json;
 use crate::limits::MAX_PLAN;
 use crate::scene::Scene;
 
-/// Reads the plan in a file, which is a plan or the record of a render. Prints a notice if the record is of
-/// another scene.
+/// Reads a plan from a file that contains just the plan, or the record of a render. Prints a notice
+/// if the record is of another scene.
 pub(super) fn read(path: &Path, scene: &Scene) -> Result<Plan> {
     let bad = |message| Error::input(path.display().to_string(), "plan", message);
     let record: serde_json::Value = read_json(path, "a plan", MAX_PLAN)?;

@@ -152,7 +152,8 @@ impl<'a> Job<'a> {
         let to_file = self.output != Target::StandardOutput;
         let written = [
             ("the image", self.output.path()),
-            // With the image on standard output, the default checkpoint file may be unwritable.
+            // If the image goes to standard output, do not reject the render because of an
+            // unwritable default checkpoint file.
             ("the checkpoint", Some(file.path()).filter(|_| file.is_named() || to_file)),
             ("the partial image", file.picture()),
             ("the record", args.json.as_deref()),

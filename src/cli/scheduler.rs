@@ -42,13 +42,13 @@ pub(super) fn shard(
         && most.checked_sub(least).is_none_or(|last| last / step + 1 != count)
     {
         // For example, tasks 0, 2 and 5 make three shards, so that index 5 is out of range.
-        let message = format!("the tasks {least} to {most} by {step} are not {count}");
+        let message = format!("tasks {least} to {most} in steps of {step} are not {count} tasks");
         return Err(Error::Usage(format!("--shard auto: {message}: give --shard I/N")));
     }
     match (index, count) {
         (Some(index), Some(count)) if index < count => Ok(Shard { index, count }),
         (Some(index), Some(count)) => {
-            Err(Error::Usage(format!("--shard auto: task {index} is out of range: there are {count} shards, from 0")))
+            Err(Error::Usage(format!("--shard auto: shard index {index} is out of range: there are {count} shards, numbered from 0")))
         }
         (Some(_), None) => Err(Error::Usage(
             "--shard auto: SLURM_ARRAY_TASK_COUNT is not set: give the number of shards with auto/N"

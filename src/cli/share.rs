@@ -20,12 +20,13 @@ pub(super) struct ShareArgs {
     /// Render only these pixels: left, upper, right and lower edge, from the top left of the image
     #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<[u32; 4]>,
-    /// Render shard I of N, counted from 0, into a .film for `ptfast merge`; auto: the task of a Slurm array;
-    /// auto/N: the task of a Slurm array or a Kubernetes indexed job
+    /// Render shard I of N, counted from 0, into a .film for `ptfast merge`; auto: I and N from the
+    /// variables of a Slurm array; auto/N: I from those of a Slurm array or a Kubernetes indexed
+    /// job
     #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "I/N|auto|auto/N", value_parser = shard)]
     shard: Option<ShardChoice>,
-    /// Render the samples A to B-1 of each pixel into a .film for `ptfast merge`. A and B must be multiples of 16,
-    /// except for the last sample
+    /// Render the samples A to B-1 of each pixel into a .film for `ptfast merge`. A and B must be
+    /// multiples of 16, but B can also be the number of --spp
     #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "A..B", value_parser = samples)]
     sample_range: Option<SampleRange>,
 }

@@ -42,7 +42,7 @@ impl Target {
         Ok(Self::Image(path))
     }
 
-    /// Returns the file `given`, or without one a file in the current folder that is named after
+    /// Returns the file `given`. If it is `None`, returns a file in the current folder, named after
     /// the scene and `part`.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ fn metadata(name: &str, worker: usize, args: Value) -> Value {
     json!({ "ph": "M", "pid": 1, "tid": worker, "name": name, "args": args })
 }
 
-/// A complete event, with times in microseconds.
+/// An event of the format's type "complete" (`X`), with times in microseconds.
 fn event(event: &Event) -> Value {
     let (name, category, args) = match event.activity {
         Activity::Unit(Unit { tile, first, end }) => {

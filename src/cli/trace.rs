@@ -21,7 +21,8 @@ pub(super) struct TraceArgs {
     /// Folder with a ray set, from `ptfast rays`
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    /// One kernel [default: the kernels that suit the scene's size, and scalar]
+    /// Replay through this kernel only [default: the kernels that suit the scene's size, and
+    /// scalar]
     #[arg(long, value_name = "KERNEL", value_parser = named(&Kernel::ALL, Kernel::name))]
     kernel: Option<Kernel>,
     /// Number of repetitions; the median is printed

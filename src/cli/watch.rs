@@ -29,7 +29,7 @@ pub(super) struct Watch<'a> {
     start: Instant,
     /// Minimum time until the next checkpoint.
     gap: Duration,
-    /// Whether any work was finished since `start`. The time limit applies only from then on.
+    /// Whether any work was finished since `start`. The time limit applies only once this is true.
     /// Otherwise a limit that has already passed would end each run before it makes progress.
     advanced: AtomicBool,
     /// When it was first noticed that the render must end.

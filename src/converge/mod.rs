@@ -21,14 +21,15 @@ pub(crate) use slope::{Slope, at_seconds};
 
 /// Options of a measurement.
 pub(crate) struct Options {
-    /// Settings of all renders, except for the sampling, the sampler and the number of samples. The seeds
-    /// of the renders derive from its seed.
+    /// Settings of all renders, except for the sampling, the sampler and the number of samples. The
+    /// seeds of the renders derive from the seed in these settings.
     pub(crate) settings: RenderSettings,
     /// The combinations of a sampling strategy and a sampler to compare.
     pub(crate) ways: Vec<Way>,
-    /// Samples per pixel of the longest renders. Each shorter length is half of the next longer one.
+    /// Samples per pixel of the longest renders. The others have half as many, a quarter as many,
+    /// and so on, down to 1.
     pub(crate) most: u32,
-    /// Number of renders per length and way.
+    /// Number of renders of each way with each number of samples per pixel.
     pub(crate) rounds: u32,
     /// Samples per pixel of each of the two reference renders.
     pub(crate) reference: u32,
@@ -48,13 +49,14 @@ impl Way {
     }
 }
 
-/// Error of the renders with one number of samples.
+/// Error of the renders that have the same number of samples per pixel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Point {
     pub(crate) spp: u32,
     /// Mean squared error, averaged over the renders.
     pub(crate) mse: f64,
-    /// Standard error of `mse` due to the noise of the renders; 0 with a single render, when it is unknown.
+    /// Standard error of `mse` due to the noise of the renders. It is unknown for a single render,
+    /// and is then set to 0.
     pub(crate) mse_error: f64,
     /// Median time of the renders, without building trees.
     pub(crate) seconds: f64,
@@ -67,8 +69,8 @@ pub(crate) struct Curve {
     pub(crate) points: Vec<Point>,
 }
 
-/// Renders everything and returns a curve for each way. Reports the numbers of finished samples and of
-/// all samples to `progress`.
+/// Renders everything and returns a curve for each way. Reports two sums over the renders to
+/// `progress`: the samples per pixel of the finished renders, and those of all renders.
 ///
 /// # Errors
 /// If a setting is out of range, or a render fails.
@@ -190,8 +192,9 @@ mod tests {
             let curves = measure(&scene, &options, &mut |_, _| ()).unwrap();
             curves[0].points[4]
         });
-        // The noise of both small references together is as large as that of the renders. It affects all
-        // differences alike, so it adds an error of about the same size that `mse_error` does not cover.
+        // The noise of both small references together is as large as that of the renders. It
+        // affects the differences of all renders alike, so `mse_error` does not cover it. It adds
+        // an error of about the same size.
         let error = (few.mse_error * few.mse_error + many.mse_error * many.mse_error).sqrt();
         assert!((few.mse - many.mse).abs() < 12.0 * error, "{few:?} {many:?}");
     }

@@ -1,4 +1,6 @@
 //! Finds change points: the records at which a series becomes faster or slower.
+//!
+//! The records from one change point to the next form a *level*.
 
 use serde::Serialize;
 
@@ -17,7 +19,7 @@ pub(super) struct Change {
     pub(super) confirmed: bool,
 }
 
-/// Maximum number of records that make up a level. If there are more, the latest ones are used.
+/// Maximum number of records of a level that a record is compared with, namely the latest ones.
 const LEVEL: usize = 8;
 
 /// Deviations of records from their level that are assumed before any is measured: four of 0.5%.
@@ -74,7 +76,8 @@ fn change(level: &[f64], blocks: &[f64], next: Option<&[f64]>, spread: f64) -> O
 }
 
 /// Factor by which a record may deviate from its level by chance: three standard deviations of the
-/// earlier deviations `off`. They are estimated from the median, which a single bad record hardly moves.
+/// earlier deviations `off`. The standard deviation is estimated from the median of `off`, which a
+/// single bad record hardly moves.
 fn spread(off: &[f64]) -> f64 {
     1.0 + 3.0 * 1.4826 * middle(&sorted(off.iter().copied()))
 }

@@ -34,7 +34,7 @@ pub(super) fn render(record: &Record, run: &Run) -> String {
 fn build(record: &Record) -> String {
     let (commit, flags) = (&record.machine.commit, &record.machine.flags);
     let changed = if commit.ends_with("-dirty") {
-        "# measured with uncommitted changes, which are not repeated\n"
+        "# measured with uncommitted changes, which these commands do not include\n"
     } else {
         ""
     };

@@ -27,7 +27,7 @@ pub(crate) fn page(history: &History, criterion: Option<&str>) -> Result<String>
         ("/*page.js*/", include_str!("page.js")),
         ("<!--criterion-->", &criterion),
         ("<!--version-->", env!("CARGO_PKG_VERSION")),
-        // The data comes last, so that no marker is searched for in the content of files.
+        // The data comes last, so that no text in it is mistaken for a marker.
         ("/*data*/", &in_script(&data)),
     ];
     let page = include_str!("page.html").to_owned();

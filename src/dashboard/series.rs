@@ -71,8 +71,8 @@ struct Point {
     render: String,
 }
 
-/// Name that identifies a machine by everything that decides speed besides the program. It includes the
-/// instruction set, since a build for another one counts as another program.
+/// Name that identifies a machine by everything that decides speed besides the program. It includes
+/// the instruction set, so that builds for different instruction sets are in different series.
 fn machine_name(machine: &Machine) -> String {
     let Machine { cpu, cpu_model, cores, isa, lanes, .. } = machine;
     let model = if cpu_model.is_empty() { String::new() } else { format!(" ({cpu_model})") };

@@ -15,8 +15,9 @@ pub(super) const ROULETTE_MAX: f32 = 0.95;
 /// Fraction of the distance to a light that must be unoccluded, as in pbrt (Pharr et al. 2023,
 /// 6.8.6).
 ///
-/// The last 10⁻⁴ contain surfaces flush with the light, and the light itself even with the rounding
-/// errors of its distance in this or another program (except for grazing rays and silhouettes).
+/// The last 10⁻⁴ is left out so that neither the light itself nor a surface flush with it occludes
+/// the light, whatever the rounding errors of the distance in this or another program. Grazing rays
+/// and silhouettes are exceptions.
 pub(super) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Power heuristic: the weight of a sample that was drawn with density `of`, and that another

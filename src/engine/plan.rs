@@ -6,12 +6,12 @@ use crate::accel::Kernel;
 use crate::limits;
 
 /// How the wavefront engine traces rays. In large renders, the engine measures which plan is
-/// fastest. Passing that plan to a later render repeats its work and its counts exactly.
+/// fastest. A later render with this plan repeats the work and the counts of the first one exactly.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Maximum number of paths that a worker traces at once, 1 to 262 144. A wave is larger only if
-    /// a single pixel has more paths.
+    /// Maximum number of paths of a wave, which a worker traces at once, 1 to 262 144. A wave is
+    /// larger only if a single pixel has more paths.
     pub wave_size: u32,
     /// The plans of segments 1, 2, …; the last one also applies to all later segments.
     pub segments: Vec<SegmentPlan>,

@@ -32,7 +32,7 @@ pub(crate) struct TracedRay {
     pub t_max: f32,
     /// The hit, if any. For an occluded shadow ray it is primitive 0 at distance 0.
     pub hit: Option<Hit>,
-    /// Distance of the collision in a medium that ends the segment before `hit`, if any.
+    /// If the path collides in a medium before `hit`, the distance of the collision.
     pub collision: Option<f32>,
 }
 

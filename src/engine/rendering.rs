@@ -27,8 +27,8 @@ pub struct Rendering {
     pub film: Film,
     /// Counts of rays, path endings and samples so far.
     pub tally: Tally,
-    /// The work of the wavefront engine's stages. For the scalar engine, the work of its rays
-    /// without times, if the settings ask for counting.
+    /// The work of the wavefront engine's stages. For the scalar engine, the counted work of its
+    /// rays, but no times; empty unless the settings ask for counting.
     pub(crate) waves: WaveStats,
     /// Wall-clock seconds of rendering so far.
     pub seconds: f64,

@@ -32,7 +32,7 @@ impl Engine {
     }
 }
 
-/// Settings of a render. Only the first group affects the image.
+/// Settings of a render. Only the fields from `camera` to `clamp` affect the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The camera.
@@ -64,9 +64,9 @@ pub struct RenderSettings {
     pub threads: u32,
     /// Whether each thread is pinned to a core.
     pub pin: Pin,
-    /// Maximum number of paths that a worker of the wavefront engine traces at once; 0 lets the
-    /// engine choose. A wave is larger only if a single pixel has more paths. It does not affect
-    /// the image.
+    /// Maximum number of paths of a wave, which a worker of the wavefront engine traces at once; 0
+    /// lets the engine choose. A wave is larger only if a single pixel has more paths. The wave
+    /// size does not affect the image.
     pub wave_size: u32,
     /// The plan of the wavefront engine, including the wave size; `None` lets the engine choose.
     pub plan: Option<Plan>,

@@ -19,9 +19,9 @@ pub(crate) enum Conflict {
 }
 
 impl Film {
-    /// Appends all samples of `film`, which must be complete and have the same area. For each of
-    /// its pixels, they must directly follow the samples that `self` has; otherwise the first
-    /// conflict is returned, and `self` is no longer usable.
+    /// Appends all samples of `film`, which must be complete and have the same area as `self`. In
+    /// each pixel that `film` has, its samples must directly follow those of `self`; otherwise the
+    /// first conflict is returned, and `self` is no longer usable.
     ///
     /// # Errors
     /// [`Error::Resource`](crate::Error::Resource) if memory runs out.
@@ -59,8 +59,8 @@ impl Film {
         (x, y, sample)
     }
 
-    /// The next run of pixels that `film` has, at or after pixel number `first`. All are in one row
-    /// and have the same number of samples in `self`.
+    /// The next run of pixels that `film` has, at or after pixel number `first`. The pixels of the
+    /// run are in one row and have the same number of samples in `self`.
     fn next_run(&self, film: &Self, first: usize) -> Option<Range<usize>> {
         let width = self.area.width as usize;
         let present = |pixel: &usize| film.done[*pixel] != ABSENT;

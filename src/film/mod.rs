@@ -91,7 +91,7 @@ impl Film {
         self.done.iter().map(count)
     }
 
-    /// The smallest end of a pixel's finished samples: every pixel has all samples before it.
+    /// One past the last sample that all pixels have finished.
     fn least_done(&self) -> u32 {
         self.done.iter().copied().min().unwrap_or(0).min(self.samples.end)
     }

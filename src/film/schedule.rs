@@ -4,7 +4,7 @@ use super::Film;
 use super::sum::CHUNK;
 use super::tile::{Grid, Tile};
 
-/// Samples of one chunk for neighbouring pixels, which a worker renders at once.
+/// Samples of one chunk for neighbouring pixels, which one worker renders together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit {
     /// The pixels.
@@ -28,8 +28,8 @@ impl Unit {
 }
 
 /// The units that a film still lacks, chunk after chunk over all pixels. The image is therefore
-/// equally good everywhere whenever rendering stops. (Rendering more samples of fewer pixels at
-/// once is not faster.)
+/// equally good everywhere whenever rendering stops. (Units with more samples of fewer pixels are
+/// not faster.)
 #[derive(Debug)]
 pub(crate) struct Schedule {
     area: Tile,
@@ -111,7 +111,7 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    /// Units take chunk after chunk, include each pixel once, and respect the requested size.
+    /// Units take chunk after chunk, contain each sample once, and respect the requested size.
     #[test]
     fn all_samples_are_taken_once() {
         let area = Tile { x: 3, y: 2, width: 23, height: 9 };

@@ -1,4 +1,4 @@
-//! Sums of a pixel's samples, in an order that any split into chunks can repeat.
+//! Sums of a pixel's samples, in an order that does not depend on how films split the samples.
 //!
 //! Within a chunk of [`CHUNK`] samples, samples are added one after the other. Chunks are added by
 //! a binary tree over their index, in which a missing right child adds nothing. For a range of
@@ -39,7 +39,7 @@ pub(super) fn sums(samples: &Range<u32>) -> usize {
 
 /// Number of nodes that merge with a node appended to a range of chunks that starts at `begin`. The
 /// appended node is given by its level and its first chunk. Its left sibling is added to it, then
-/// the left sibling of their parent, and so on while the range contains one.
+/// the left sibling of their parent, and so on while the range contains that sibling.
 pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> usize {
     let mut siblings = 0;
     while (first >> level) & 1 == 1 && first - begin >= 1 << level {
@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Two neighbouring ranges have the nodes of their union, once siblings are added.
+    /// Adding siblings turns the nodes of two neighbouring ranges into those of their union.
     #[test]
     fn neighbouring_ranges_join() {
         for begin in 0..20u32 {

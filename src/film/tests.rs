@@ -1,4 +1,4 @@
-//! Tests of films, and sample films for tests of other modules.
+//! Tests of films, and helpers that make films for the tests of the other modules.
 
 use super::*;
 use crate::math::random::Stream;
@@ -22,7 +22,8 @@ pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
     Part { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
 }
 
-/// By definition, node (level, index) of the tree is the sum of its children, if they exist.
+/// Node (level, index) of the tree in `sum.rs`, by its definition: the sum of its children, or the
+/// left child if there is no right one.
 fn node(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
     if level == 0 {
         return chunks.get(index).copied();
@@ -100,8 +101,8 @@ fn films_grow() {
     }
 }
 
-/// A film that grows by a few samples at a time, and stops in the middle of passes, has the same
-/// means.
+/// A film that grows by a few samples at a time, often before all its units are rendered, has the
+/// same means as a film that is rendered in one pass.
 #[test]
 fn chunks_are_continued() {
     let mut random = Stream::new(4);

@@ -143,8 +143,8 @@ fn text(chunk: &ITXtChunk) -> Option<String> {
     chunk.get_text().ok()
 }
 
-/// Size of an OpenEXR file: the number of pixels of its largest part, displayed or not, and the
-/// bytes of all parts and of the largest blocks, because several blocks are decoded at once.
+/// Size of an OpenEXR file: the number of pixels of its largest data or display window, and the
+/// bytes of all parts, with eight more blocks for each, because several blocks are decoded at once.
 fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
     let begin = BufReader::new(file.take(MAX_HEADER));
     let headers = exr::meta::MetaData::read_from_buffered(begin, false)?.headers;

@@ -9,7 +9,7 @@ use super::{Image, Transfer, row_bytes};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
 
-/// The key of the number of samples in the metadata of an unfinished picture.
+/// The metadata key of the number of samples, used only for pictures of unfinished renders.
 const PARTIAL: &str = "ptfast:partial";
 
 /// Text entries of a file's header. Equal renders have equal entries.
@@ -108,7 +108,8 @@ pub(super) fn write_png(
     let mut encoder = png::Encoder::new(file, image.width(), image.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Fast compression takes a quarter of the time of the default, and compresses noise as well.
+    // Fast compression takes a quarter of the time of the default, and compresses noisy images
+    // equally well.
     encoder.set_compression(png::Compression::Fast);
     match transfer {
         Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),

@@ -21,7 +21,7 @@ pub(crate) const MAX_MEDIA: usize = 64;
 pub(crate) const MAX_JSON: u64 = 1 << 24;
 /// Largest size in bytes of a plan file, or of the record of a render that contains a plan.
 pub(crate) const MAX_PLAN: u64 = 1 << 20;
-/// Largest number of rays of each kind in a ray set: 12 GB of files.
+/// Largest number of rays of each kind in a ray set: 12 GB of files per kind.
 pub(crate) const MAX_RAYS: u64 = 1 << 28;
 /// Largest number of paths in a wave.
 pub(crate) const MAX_WAVE: u32 = 1 << 18;

@@ -31,7 +31,8 @@ impl Add for Interference {
 }
 
 impl Interference {
-    /// Totals since the machine booted and the live threads started.
+    /// Totals so far: stolen time since the machine booted, the other values since each of the
+    /// live threads started.
     pub(crate) fn so_far() -> Self {
         let (waited, switches) = threads()
             .fold((0.0, 0), |(waited, switches), thread| (waited + thread.0, switches + thread.1));
@@ -48,7 +49,7 @@ impl Interference {
     }
 }
 
-/// Linux reports CPU times in hundredths of a second, whatever its own clock.
+/// Linux reports CPU times in hundredths of a second, whatever the tick rate of the kernel.
 const TICKS_PER_SECOND: f64 = 100.0;
 
 /// Stolen seconds of all cores: the eighth number after `cpu` in the first line.

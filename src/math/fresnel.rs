@@ -71,7 +71,8 @@ mod tests {
         };
         let reflectance = |cos: f64, eta: Complex| {
             let eta2 = multiply(eta, eta);
-            // η cos θt = √(η² − sin²θ). The fraction for `parallel` is expanded by η.
+            // η cos θt = √(η² − sin²θ). The numerator and the denominator of `parallel` are
+            // multiplied by η.
             let refracted = root(add(eta2, (cos * cos - 1.0, 0.0)));
             let across = norm(add((cos, 0.0), (-refracted.0, -refracted.1)))
                 / norm(add((cos, 0.0), refracted));

@@ -22,7 +22,7 @@ pub(crate) struct Ggx<R = f32> {
 }
 
 impl<R: Real> Ggx<R> {
-    /// Density D of the microfacet normal `m` over projected area.
+    /// GGX density D of the microfacet normal `m`. It integrates to 1 over projected solid angle.
     #[inline(always)]
     pub(crate) fn density(self, m: R::Vec3) -> R {
         let a2 = self.alpha * self.alpha;

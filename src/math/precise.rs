@@ -1,7 +1,7 @@
 //! f64 functions for values that are computed once per scene and rounded once to f32.
 //!
-//! These are the camera frame, the rotation of boxes and the transfer curves. The functions use
-//! only `+ - * /`, so every platform agrees.
+//! Such values are the camera frame, rotations and the transfer curves. The functions use only
+//! `+ - * / %` and `round`, so every platform agrees.
 
 use std::f64::consts::PI;
 

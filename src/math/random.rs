@@ -6,8 +6,8 @@ use super::real::{Real, Word};
 
 /// Key of all random numbers of one sample of one pixel, or of one such sample per lane.
 ///
-/// It has two words, so that two different paths share all their numbers with a probability of
-/// 2^-64.
+/// It has two words, so that the probability that two different paths share all their numbers is
+/// only 2^-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PathKey<W = u32> {
     pub(crate) pixel_word: W,
@@ -131,7 +131,7 @@ mod tests {
     }
 
     /// The mean plus six standard deviations. Each of the few hundred tests below exceeds it by
-    /// chance with a probability of about 1e-8.
+    /// chance with a probability of about 1e-7.
     const LIMIT: f64 = 255.0 + 6.0 * 22.6;
 
     #[test]

@@ -11,10 +11,10 @@
 //!    sequence.
 //! 2. The eight bits that are zero in every reversed sample number are set from the pixel's key, so
 //!    that each pixel starts at its own position of the sequence.
-//! 3. The second coordinate's matrix, Pascal's triangle modulo 2, is applied in five steps (Ahmed
-//!    2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"), one for
-//!    each bit of a bit's index: (j choose i) is odd if and only if j has all bits of i (Lucas
-//!    1878).
+//! 3. The second coordinate's matrix has the entries (j choose i) modulo 2 (Pascal's triangle). It
+//!    is applied in five steps (Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast,
+//!    Elegant, and Compact"), one for each of the five bits of the indices i and j: (j choose i) is
+//!    odd if and only if j has all bits of i (Lucas 1878).
 //! 4. The tree hash is the later one by Vegdahl (2021, "Building a Better LK Hash").
 
 use super::random::{GOLDEN, PathKey, PixelKey, mix32, unit_interval};

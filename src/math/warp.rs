@@ -91,7 +91,7 @@ mod tests {
     }
 
     /// Asserts that the mean of `f` is within five standard errors of `want`. A correct sampler
-    /// fails for one fixed seed in 1.7 million.
+    /// would fail for one of 1.7 million seeds.
     #[track_caller]
     fn assert_mean(want: f64, f: impl FnMut(&mut Stream) -> f32) {
         let (mean, error) = mean(f);

@@ -14,8 +14,8 @@ const MOST_LINKS: usize = 40;
 
 /// Calls `fill` with a temporary file, which replaces `path` once it is complete and on the disk.
 /// After an error `path` is unchanged, and the temporary file is removed. If the process is killed,
-/// a temporary file can remain only on a file system without unnamed files, or during the
-/// replacement.
+/// a temporary file can remain only if the file system does not support unnamed files, or if the
+/// process is killed during the replacement.
 ///
 /// # Errors
 /// If `path` is not a regular file, its folder cannot be written, or `fill` fails.

@@ -10,8 +10,8 @@ use super::folder_of;
 
 /// A file that has not replaced its target yet.
 pub(super) enum Temporary {
-    /// A file without a name and its folder, if the file system supports that. The file disappears
-    /// with the process.
+    /// An unnamed file, which disappears with the process, and the folder in which it was created.
+    /// Used if the file system supports unnamed files.
     Unnamed(fs::File, PathBuf),
     /// A file with a temporary name.
     Named(NamedTempFile),

@@ -1,6 +1,7 @@
-//! Selects the rays of a recording that are kept.
+//! Selects which rays of a recording to keep.
 
-/// Length of a run. Rays are kept in whole runs, so that neighbouring rays stay together.
+/// Number of rays in a run of consecutive rays. Rays are kept in whole runs, so that neighbouring
+/// rays stay together.
 pub(super) const RUN: u64 = 2048;
 
 /// Selects whole, evenly spread runs from a stream of rays, up to a maximum number of rays.

@@ -1,6 +1,7 @@
 //! The scenes of the report, compiled into the program.
 
-/// Names of the built-in scenes: the report's figures 1, 2, 3 and 4 to 6.
+/// Names of the built-in scenes. In the report, the first three are figures 1 to 3, and the last
+/// one is figures 4 to 6.
 pub const BUILTIN_NAMES: [&str; 4] = ["spheres", "spacetime", "checker", "cornell"];
 
 /// RON text of a built-in scene.

@@ -1,10 +1,11 @@
 //! Generated scenes of any size: `cloud:N` and `mesh:N`.
 //!
 //! They reproduce, number by number, the stress scenes of another renderer's benchmark, so that
-//! both programs trace the same primitives. All arithmetic is f32 in the order written. The other
-//! program computes the same numbers if its compiler fuses no operations and its library rounds
-//! cube roots correctly. glibc 2.36 rounds them incorrectly for one N in eleven. For N = 1000000,
-//! the root is exactly 1.
+//! both programs trace the same primitives. All arithmetic is in f32 and in the order of the source
+//! code, except that cube roots are computed in f64 and then rounded. The other program computes
+//! the same numbers if its compiler fuses no operations and its math library rounds cube roots
+//! correctly. glibc 2.36 rounds them incorrectly for one N in eleven. For N = 1000000, the root is
+//! exactly 1.
 
 use std::collections::HashMap;
 
@@ -77,7 +78,7 @@ fn scene(
 }
 
 /// Spheres of radius 0.1 to 0.5, distributed uniformly in a ball that grows with their number, so
-/// that the density is constant. Four in five of the 64 materials are diffuse.
+/// that the density is constant. About four in five of the 64 materials are diffuse.
 fn cloud(count: u32) -> SceneFile {
     let mut random = Stream::new(12_345);
     let radius = 100.0 * cbrt(f64::from(count as f32 / 1e6)) as f32;
@@ -140,7 +141,8 @@ fn mesh(count: u32) -> SceneFile {
     scene([0.0, 9.0, 22.0], 35.0, materials, primitives)
 }
 
-/// An icosahedron inscribed in the unit sphere, with each face split into four `levels` times.
+/// An icosahedron inscribed in the unit sphere. Each face is split into four smaller ones, and this
+/// is done `levels` times.
 fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     const GOLDEN: f32 = 1.618_034;
     let mut vertices: Vec<Vec3> = Vec::new();

@@ -8,7 +8,8 @@ use crate::math::Real;
 #[derive(Clone, Copy)]
 pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) surfaces: &'a Surfaces,
-    /// `None` if no material of this kind has a texture, so that colours need no texture lookup.
+    /// The scene's textures, or `None` if no material of the same kind as the surface's uses a
+    /// texture. Colours then need no texture lookup.
     pub(crate) textures: Option<&'a TextureTables>,
     /// The arriving ray, with a direction of unit length.
     pub(crate) ray: Ray<R>,
@@ -17,7 +18,8 @@ pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) shape: Shape,
     pub(crate) primitive: R::Word,
     pub(crate) surface: Surface<R>,
-    /// The surface's geometric normal, turned to the side that was hit. New rays start along it.
+    /// The surface's geometric normal, turned to the side that was hit. The origins of new rays are
+    /// moved along it.
     pub(crate) normal: R::Vec3,
     /// The shading normal, which the material uses for scattering. It equals `normal`, because no
     /// shape has a different shading normal yet.
@@ -27,8 +29,8 @@ pub(crate) struct Interaction<'a, R: Real> {
 }
 
 impl<R: Real> Interaction<'_, R> {
-    /// The colour for a row made by [`TextureTables::row`]: its constant, or the texture at this
-    /// point.
+    /// The colour for a row made by [`TextureTables::row`]: the row's constant colour, or the
+    /// colour of its texture at this point.
     #[inline(always)]
     pub(crate) fn color(&self, row: (R::Vec3, R)) -> R::Vec3 {
         self.textures.map_or(row.0, |textures| textures.color(row, self))

@@ -14,7 +14,7 @@ use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Limit, Limits};
 
-/// Bytes of memory for each primitive of a generated scene, in the form of a scene file.
+/// Bytes of memory that a generated [`SceneFile`] needs for each primitive.
 const GENERATED: u64 = 160;
 
 /// The source of a scene.

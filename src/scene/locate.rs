@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 use super::parse::{self, Form};
 
 /// Returns `line:column` of the element at `path`, such as `camera`, `primitives[3]` or
-/// `materials.grey`. Returns `None` if the text has no such element, or if the form has no paths.
+/// `materials.grey`. Returns `None` if the text has no such element or is in the flat form.
 ///
 /// The text is parsed again, and parsing deliberately fails at the element, so that the parser
 /// reports the position of the element.

@@ -48,8 +48,8 @@ pub(crate) enum Key {
 pub(crate) struct Looks {
     /// All keys that occur in the scene.
     keys: Vec<Key>,
-    /// For each sphere and quad, the index of its key in `keys`. If the scene has no triangles,
-    /// media and the background follow; otherwise a single [`SEARCH`] follows.
+    /// For each sphere and quad, the index of its key in `keys`. If the scene has triangles, a
+    /// single [`SEARCH`] follows. Otherwise the keys of the media and the background follow.
     key_of: Vec<u8>,
     /// For each sphere and quad, the index of its material in the table of the material's kind.
     entries: Vec<u32>,

@@ -1,4 +1,4 @@
-//! Scenes, loaded from a name or file into checked data with names resolved to indices.
+//! Scenes: loaded by name or from a file, and checked, with all names resolved to indices.
 
 mod background;
 mod bsdf;
@@ -94,7 +94,8 @@ struct SceneData {
 
 impl Scene {
     /// Loads the built-in scene with this name, generates `cloud:N` or `mesh:N`, or reads the file
-    /// at this path (`.ron`, `.json`, or `.txt` in the flat form).
+    /// at this path: a scene (`.ron`, `.json`, or `.txt` in the flat form) or a mesh (`.obj` or
+    /// `.ply`).
     ///
     /// # Errors
     /// If the file cannot be read or its content is wrong. The message is one line that names the

@@ -24,7 +24,8 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let mesh = mesh::read(path, budget)?;
     let bounds = Bounds::of(mesh.vertices.iter().copied());
     let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
-    // A sphere around the box fits into the field of view. A mesh of one point still has a distance.
+    // A sphere around the box fits into the field of view. If the mesh is a single point, a radius
+    // of 1 keeps the camera away from it.
     let radius = match length(half) {
         0.0 => 1.0,
         radius => radius,

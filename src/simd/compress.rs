@@ -9,8 +9,8 @@ use super::Int;
 /// the front.
 #[inline(always)]
 pub(crate) fn set_lanes(bits: u32) -> Int {
-    // Each stage uses this instruction once for every path, to move it either to a queue or to the
-    // paths that continue.
+    // This function is used often: in each segment, it moves all paths into queues, and the
+    // survivors to the paths that continue.
     // SAFETY: this is compiled only for CPUs that have the instruction, and both types are
     // registers of 16 u32.
     #[cfg(target_feature = "avx512f")]

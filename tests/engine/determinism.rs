@@ -106,8 +106,8 @@ fn renderings_belong_to_a_view() {
     assert_eq!(rendering.image().unwrap().hash(), render(&scene, base).hash());
 }
 
-/// Every build and machine must give these hashes. Changing them changes the images, which needs an entry in
-/// CHANGELOG.md and a new version of the arithmetic (`BITS`).
+/// Every build and machine must give these hashes. If they change, images have changed, which needs
+/// an entry in CHANGELOG.md and a new version of the arithmetic (`BITS`).
 #[test]
 fn every_build_gives_the_pinned_hashes() {
     let mut hashes = String::new();
@@ -132,8 +132,8 @@ fn every_build_gives_the_pinned_hashes() {
         hashes, pinned,
         "if the change is intended, write these to tests/data/hashes.txt:\n{hashes}"
     );
-    // One line per version of the arithmetic, with the hash of these hashes. Checkpoints store the version, so
-    // that a build with other arithmetic does not continue them.
+    // `bits.txt` has one line per version of the arithmetic, with the hash of `hashes.txt`.
+    // Checkpoints store the version, so that a build with other arithmetic does not continue them.
     let known = include_str!("../data/bits.txt");
     let now = format!("{BITS} {}", blake3::hash(pinned.as_bytes()));
     assert_eq!(

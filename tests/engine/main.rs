@@ -1,6 +1,6 @@
 //! Library tests that depend on the instruction set: images, proofs and kernels.
 //!
-//! `.ci/run` repeats them for each instruction set, except the proofs and the comparisons with other programs.
+//! `.ci/run` repeats them for each instruction set, except those in `proof` and `scenes`.
 
 mod common;
 mod determinism;

@@ -184,7 +184,7 @@ impl Maker {
 
     fn primitive(&mut self, materials: u64) -> PrimitiveFile {
         let material = format!("m{}", self.below(materials));
-        // Now and then far larger, so that it holds the camera.
+        // Some primitives are far larger, so that they may contain the camera.
         let size = if self.one_in(12) { 20.0 } else { 1.0 };
         match self.below(7) {
             0 | 1 => SphereFile {
@@ -207,7 +207,7 @@ impl Maker {
                 material,
             }
             .into(),
-            // Along the axes: a rectangle.
+            // A rectangle with edges along the axes.
             4 => QuadFile {
                 q: self.vector(-3.0, 3.0),
                 u: [0.0, 0.0, self.0.between(0.1, 3.0)],

@@ -1,4 +1,5 @@
-//! Tests of built-in scenes and scene file formats, and comparison with the mean colours of other programs.
+//! Tests of built-in scenes and scene file formats, and a comparison with the mean colours of
+//! pictures by other programs.
 
 use std::fs;
 
@@ -88,8 +89,8 @@ fn cameras_are_made_in_code() {
     assert_eq!(error, "scene: camera: vfov must be in (0, 180) degrees, is 180.0");
 }
 
-/// Mean linear RGB from two independent path tracers around Embree, without direct light sampling. The last
-/// digit is uncertain by ±1.
+/// Mean linear RGB from two independent path tracers that use Embree, without direct light
+/// sampling. The last digit is uncertain by ±1.
 const MEANS: [(&str, [f64; 3]); 4] = [
     ("spheres", [0.3277, 0.3530, 0.4454]),
     ("spacetime", [0.3244, 0.3494, 0.4423]),
@@ -97,9 +98,10 @@ const MEANS: [(&str, [f64; 3]); 4] = [
     ("cornell", [0.1805, 0.1610, 0.1464]),
 ];
 
-/// All sampling modes agree with these means, and with each other, within 0.5% in every channel. 16 seeds give
-/// a mean and its standard error. The error must be small enough that chance alone (3.3 standard errors, 0.1%)
-/// stays well within that tolerance.
+/// All sampling modes agree with these means, and with each other, within 0.5% in every channel. 16
+/// seeds give a mean and its standard error. 3.3 standard errors must be below 0.35% of the mean,
+/// so that chance alone rarely exceeds the tolerance: a normal error exceeds 3.3 standard errors
+/// with a probability of 0.1%.
 #[test]
 fn means_agree_with_other_programs() {
     for (name, want) in MEANS {

@@ -220,7 +220,8 @@ fn plans_out_of_range_are_refused() {
     assert!(refused(Plan { segments: Vec::new(), ..plan }));
 }
 
-/// Passes of any size give the same bits and counts as one pass. Each pass yields an image.
+/// Passes of any size give the same bits and the same counts as a single pass. Each pass yields an
+/// image.
 #[test]
 fn passes_of_any_size_give_the_same_bits() {
     struct Nobody;

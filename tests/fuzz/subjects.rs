@@ -128,7 +128,7 @@ pub fn texture_pfm(bytes: &[u8]) {
     image("t.pfm", bytes);
 }
 
-/// Loads a checkpoint. A valid hash is appended, so that the fuzzer reaches the code behind that check.
+/// Loads a checkpoint. A valid hash is appended, so that the fuzzer passes the check of the hash.
 pub fn checkpoint(bytes: &[u8]) {
     let hash = blake3::hash(bytes);
     let whole = [bytes, hash.as_bytes()].concat();

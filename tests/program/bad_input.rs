@@ -1,7 +1,7 @@
 //! Tests of bad input.
 //!
-//! The program must print one line that names the file, the place and the right form, exit with the
-//! code for this kind of error, and leave no file behind.
+//! The program must print one line that names the file and the place and says what would be right,
+//! exit with the code for this kind of error, and leave no file behind.
 
 use std::fs;
 use std::path::Path;

@@ -9,7 +9,8 @@ use std::process::Command;
 use crate::common::{ptfast, stderr, stdout};
 use serde_json::{Value, json};
 
-/// Speeds of spheres on the first of two machines: it slows down by 8% at the fifth of 8 commits.
+/// Speeds of the scene `spheres` on the first of two machines. They drop by 8% at the fifth of 8
+/// commits.
 const SPEEDS: [f64; 8] = [100.0, 100.4, 99.8, 100.1, 92.0, 92.3, 91.9, 92.1];
 
 fn estimate(median: f64) -> Value {
@@ -239,7 +240,7 @@ document.body.append(report);
 </script>
 "##;
 
-/// Loads a page in Chromium, and returns the document after its scripts and the console messages.
+/// Loads a page in Chromium. Returns the document as its scripts left it, and the console messages.
 fn browse(file: &Path) -> (String, Vec<String>) {
     let output = Command::new("chromium")
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])

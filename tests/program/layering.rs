@@ -142,8 +142,8 @@ fn named_paths(module: &[String], text: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// For each module with a `mod.rs`, the names that it imports from modules in its folder, each with
-/// its module.
+/// For each module with a `mod.rs`, maps each name that it imports from a module in its folder to
+/// this module.
 fn re_exports(files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, String>> {
     let mut all = BTreeMap::new();
     for file in files.iter().filter(|file| file.ends_with("mod.rs")) {

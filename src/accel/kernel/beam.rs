@@ -7,8 +7,8 @@
 //! enter.
 //!
 //! Differences from the paper:
-//! 1. Distances are measured along the longest axis of the first ray. The slopes on the other two
-//!    axes then have the intervals of the frustum around the rays.
+//! 1. Distances are measured along the longest axis of the first ray. The intervals of the slopes
+//!    on the other two axes then describe the frustum around the rays.
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
 
@@ -152,7 +152,8 @@ const MANY: usize = 64 / LANES;
 const FEW: usize = 2;
 
 /// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are
-/// traced one by one. Returns the indices of the wild rays, which are left to the scalar reference.
+/// traced one by one. Returns the indices of the wild rays (see `Setup::load`), which are left to
+/// the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,

@@ -1,8 +1,8 @@
 //! Traversal of the first levels of a wide tree, for all rays of a vector together.
 //!
 //! At each level, every ray descends to its nearest child, so that the rays' waits for memory and
-//! for branches overlap. From there the rays continue one by one ([`super::single`]). Each visits
-//! the same nodes as if it had been traced alone from the root.
+//! for branches overlap. After these levels, the rays continue one by one ([`super::single`]). Each
+//! visits the same nodes as if it had been traced alone from the root.
 
 use super::frames::{Frame, Frames};
 use crate::accel::counters::Count;

@@ -30,8 +30,8 @@ impl Flat {
         self.blocks.bytes()
     }
 
-    /// Tests the rays of `job` against all primitives. Returns the indices of the wild rays, which
-    /// are left to the scalar reference.
+    /// Tests the rays of `job` against all primitives. Returns the indices of the wild rays (see
+    /// `Setup::load`), which are left to the scalar reference.
     #[inline(never)] // so that profilers find it
     pub(crate) fn trace<const ANY: bool, C: Count>(
         &self,

@@ -33,7 +33,8 @@ impl Frame {
     pub(crate) const NONE: Self = Self { keys: Int::ZERO, least: NONE, node: 0 };
 
     /// Creates a frame with the children of `node` in the lanes of `entered`. The distances `entry`
-    /// are not negative, since no ray's `t_min` is ([`RayBatch`](crate::accel::RayBatch)).
+    /// are not negative, since no ray has a negative `t_min`
+    /// ([`RayBatch`](crate::accel::RayBatch)).
     #[inline(always)]
     pub(crate) fn new(node: u32, entry: Float, entered: Mask) -> Self {
         let keys = (entry.to_bits() & Int::splat(DISTANCE)) | Int::LANE;
@@ -91,8 +92,8 @@ impl Frames {
         self.top = 0;
     }
 
-    /// Pushes `frame` before the child taken from it is visited, unless it has no children left.
-    /// With `prefetch`, its next child is prefetched.
+    /// Pushes `frame`, unless it has no children left. Call this before visiting the child that was
+    /// taken from `frame`. With `prefetch`, prefetches the next child of `frame`.
     #[inline(always)]
     pub(crate) fn push(&mut self, frame: &Frame, tree: &WideTree, prefetch: bool) {
         self.keys[self.top] = frame.keys;

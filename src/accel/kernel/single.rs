@@ -14,8 +14,9 @@ use crate::accel::ray::packet::Packet;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Bits, Float, Int, LANES};
 
-/// Traces rays through the tree, one by one or taking turns. Returns the indices of the wild rays,
-/// which are left to the scalar reference.
+/// Traces rays through the tree, one by one or taking turns. Returns the indices of the wild rays
+/// (see [`Rays::load`](crate::accel::ray::rays::Rays::load)), which are left to the scalar
+/// reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,

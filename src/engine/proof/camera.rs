@@ -34,7 +34,7 @@ fn rays_fill_pixel_lens_and_shutter() {
         pixel[square(cell(right) - x, cell(down) - y)] += 1;
         let on_lens = |axis: Vec3| dot(ray.origin - frame.origin, axis) / dot(axis, axis);
         let (a, b) = (on_lens(lens_u), on_lens(lens_v));
-        // The squared radius and the angle of points uniform by area are uniform.
+        // If points are uniform in a disk, their squared radius and their angle are uniform.
         let turn = (b.atan2(a) / std::f32::consts::TAU).rem_euclid(1.0);
         lens[square(a * a + b * b, turn)] += 1;
         time[((ray.time - 0.2) / 0.5 * 256.0) as usize] += 1;

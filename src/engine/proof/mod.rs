@@ -48,8 +48,8 @@ impl Cone {
     const SECTORS: usize = 32;
 
     /// Creates a cone that contains the cone of `angle` around `middle`. Its axis is tilted
-    /// from `middle`. Otherwise a circular rim around `middle` would everywhere pass between the
-    /// same two rings of integration points.
+    /// from `middle`. Otherwise, if a density ended at a circle around `middle`, that circle would
+    /// everywhere pass between the same two rings of integration points.
     fn new(middle: Vec3, angle: f64) -> Self {
         let aside = 0.15 * angle.min(1.0) as f32;
         let aside = Frame::new(middle).world(Vec3::new(aside, 0.3 * aside, 1.0));
@@ -83,7 +83,8 @@ impl Cone {
                 cells.push(self.refined(&f, low, size, once, 0, &mut off));
             }
         }
-        // Allow for edges that pass between all points, and for rounding errors.
+        // Allow for edges of `f` that pass unnoticed between the integration points, and for
+        // rounding errors.
         (cells, off + 5e-4)
     }
 
@@ -105,8 +106,8 @@ impl Cone {
         let twice = quarters.iter().sum::<f64>();
         let change = (twice - once).abs();
         if depth == 8 || (depth > 2 && change < 1e-7) {
-            // The error of the midpoint rule is a third of the change that the halving made. At
-            // edges, the error can have any size.
+            // The error of the midpoint rule is a third of the change that the halving made. Edges
+            // of `f` reach the depth limit and count in full, smooth parts only with a tenth.
             *off += 0.33 * change * if depth == 8 { 1.0 } else { 0.1 };
             return twice;
         }
@@ -171,7 +172,7 @@ impl Table {
     }
 
     /// Compares samples of directions with their density. `sample` may return `None`. The integral
-    /// of the density must equal the share of samples that are directions.
+    /// of the density must equal the share of samples that are not `None`.
     fn directions(
         &mut self,
         name: &str,

@@ -118,7 +118,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 
     /// Adds direct light and samples the next direction. Returns whether the path continues.
     fn scatter<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &mut Path) -> bool {
-        // Connect: sample one light with one shadow ray, which is the path's next segment.
+        // Connect: sample one light with one shadow ray. The depth limit counts this ray as the
+        // path's next segment.
         if self.settings.samples_lights(self.scene) && !bsdf.specular() {
             let direct = self.direct(bsdf, vertex, path);
             path.radiance += direct.map_or(Vec3::ZERO, |light| path.beta * light);

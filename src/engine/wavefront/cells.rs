@@ -26,18 +26,19 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// The number of highest bits of cell numbers by which to sort `rays` rays. They distinguish
-    /// about as many cells as rays, since more cells cost more than they gain.
+    /// Returns how many bits of the cell numbers, counted from the highest, to use for sorting
+    /// `rays` rays. These bits distinguish about as many cells as there are rays, since more cells
+    /// cost more than they gain.
     pub(super) fn bits_for(rays: usize) -> u32 {
         rays.max(1).ilog2().clamp(3, Self::BITS)
     }
 
     /// The cell numbers of rays. From the highest bits down, a number consists of the octant of the
-    /// direction, the position in pairs of cells along each axis, the direction within the octant,
-    /// and the position within the pairs. The lowest bits may be ignored.
+    /// direction, the position along each axis in units of two cells, the direction within the
+    /// octant, and which of the two cells it is along each axis. The lowest bits may be ignored.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
-        // Adding 1.5 · 2²³ rounds to an integer and moves it to the last bits of the sum.
+        // Adding 1.5 · 2²³ rounds to an integer and moves it to the lowest bits of the sum.
         let magic = Float::splat(12_582_912.0);
         let position = axes(|axis| {
             let position = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
@@ -112,7 +113,8 @@ mod tests {
         }
     }
 
-    /// Every cell number is a valid index into the table of counts, even for odd rays.
+    /// Every cell number is a valid index into the table of counts, even for rays with non-finite
+    /// or extreme components.
     #[test]
     fn cell_numbers_are_in_range() {
         let (mut random, odd) =

@@ -16,8 +16,8 @@ pub(super) struct Columns<const N: usize> {
 impl<const N: usize> Columns<N> {
     /// Creates an empty list with room for `capacity` rows.
     pub(super) fn with_capacity(capacity: usize) -> Self {
-        // A whole vector may be stored at any row. The number of cache lines is odd, because
-        // columns a power of two apart would share few sets of a cache.
+        // A whole vector may be stored at any row. The number of cache lines is odd: if the
+        // distance of columns were a power of two, they would share few sets of a cache.
         let lines = (capacity + LANES).div_ceil(16) | 1;
         Self { len: 0, stride: lines * 16, words: vec![0; N * lines * 16] }
     }

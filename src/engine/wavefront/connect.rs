@@ -34,8 +34,8 @@ impl Shadows {
     }
 }
 
-/// Traces the shadow rays, at least one, and adds the light of those that are not occluded. Returns
-/// the work of the kernel if `count` is set.
+/// Traces the shadow rays and adds the light of those that are not occluded. There must be at least
+/// one shadow ray. Returns the work of the kernel if `count` is set.
 #[inline(never)]
 pub(super) fn connect(
     accelerator: &Accelerator,

@@ -50,7 +50,7 @@ impl Queue<'_> {
         self.len
     }
 
-    /// The rows from `first` on, one per lane. Missing lanes repeat the last row.
+    /// The rows from `first` on, one per lane. Lanes beyond the last row repeat it.
     #[inline(always)]
     pub(super) fn rows(&self, first: usize) -> [Int; 3] {
         self.rows.rows(self.first + first)

@@ -19,15 +19,17 @@ const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 /// Limits the length of a trial.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// A trial traces at most one path for this many paths of the render.
+    /// A trial traces at most 1/`share` as many paths as the render.
     share: u64,
     /// Minimum and maximum number of rounds. Fewer would be too noisy, more would not help.
     rounds: [u64; 2],
-    /// The first round is shorter by this factor, since far too slow plans are soon recognised.
+    /// The first round is shorter by this factor, which is enough to recognise plans that are far
+    /// too slow.
     first: u64,
 }
 
-/// Effort to compare ways of tracing, whose times differ by factors.
+/// Effort to compare ways of tracing, that is, kernels with and without ordered rays. Their times
+/// differ by large factors.
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// Effort to compare wave sizes. Their times differ by a few percent, which is less than the
 /// differences between parts of an image.
@@ -133,7 +135,7 @@ impl Effort {
     /// take too long.
     fn rounds(self, paths: u64, paths_a_round: u64, threads: u64) -> Option<u64> {
         let [least, most] = self.rounds;
-        // The threads share the maximum number of rounds.
+        // The maximum is the number of rounds of all threads together.
         let most = most.div_ceil(threads).max(least);
         let rounds = (paths / (self.share * paths_a_round)).min(most);
         (rounds >= least).then_some(rounds)
@@ -234,8 +236,8 @@ mod tests {
             [tried(settings.paths()), tried(settings.paths() / 2)]
         };
         assert_eq!(tried(100), [0, 0]);
-        // The number of plans that fall behind is random. Half of the render, like a shard, is too
-        // small for trials.
+        // The number of plans that fall behind is random. Half of the paths, as in one of two
+        // shards, are too few for trials.
         let [whole, half] = tried(200);
         assert!(whole > 0 && half == 0);
     }

@@ -19,8 +19,8 @@ use crate::engine::stats::{StageWork, Stopwatch};
 use crate::engine::tally::{Endings, Tally};
 use crate::engine::unit::{Taken, Task, UnitWorker};
 
-/// The paths of a wave, and the data that the stages hand to each other. Its size depends on the
-/// plan and on the kinds of materials, not on the image or its samples.
+/// The paths of a wave, and the data that the stages hand to each other. The size of a wave depends
+/// on the plan and on the kinds of materials, not on the image or its samples.
 #[derive(Debug)]
 struct Wave {
     paths: Paths,

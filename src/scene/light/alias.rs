@@ -35,7 +35,8 @@ impl AliasTable {
             (0..count as u32).map(|entry| [size as u32, entry, entry, 0]).collect();
         let (mut small, mut large): (Vec<usize>, Vec<usize>) =
             (0..count).partition(|&cell| left[cell] < size);
-        // A large entry takes the numbers of a cell that its small entry leaves unused.
+        // In the cell of a small entry, a large entry takes the numbers that the small one does not
+        // need.
         while let Some(cell) = small.pop() {
             let &from = large.last().expect("a small entry implies a large one");
             cells[cell] = [left[cell] as u32, cell as u32, from as u32, 0];

@@ -54,9 +54,9 @@ const KIND_SHIFT: u32 = 1;
 /// Smallest solid angle at which flat lights are sampled by solid angle. Below it, the sum of the
 /// corner angles has lost too many digits.
 const MIN_SOLID_ANGLE: f32 = 1e-3;
-/// Smallest sine of the angle between a flat light's plane and the direction to its farthest corner
-/// at which the light is sampled by solid angle. Below it, the mapping from angles to points has
-/// lost too many digits.
+/// A flat light is sampled by solid angle only if the sine of the angle between its plane and the
+/// direction to its farthest corner is above this value. Below it, the mapping from angles to
+/// points has lost too many digits.
 const MIN_SINE: f32 = 2.5e-3;
 
 macro_rules! lights {
@@ -200,7 +200,7 @@ impl Lights {
         }
     }
 
-    /// Returns the lights with these numbers.
+    /// Returns the lights at the indices `light`.
     #[inline(always)]
     pub(crate) fn get<R: Real>(&self, light: R::Word) -> Chosen<'_, R> {
         let index = R::index_of_few(light, self.rows.len());

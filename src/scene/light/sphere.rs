@@ -36,8 +36,8 @@ impl<R: Real> Cone<R> {
         let to_center = center - from;
         let d = length(to_center);
         let d2 = d * d;
-        // Computes cos² as a product, because 1 − sin² would cancel for narrow cones and for points
-        // near the surface.
+        // Computes cos² as a product, because 1 − sin² would cancel for points near the surface.
+        // Computes 1 − cos as sin²/(1 + cos), because it would cancel for narrow cones.
         let cos = ((d - r) * (d + r) / d2).sqrt();
         let one_minus_cos = (r * r / d2) / (R::ONE + cos);
         Self { center, radius: r, to_center, outside: d.gt(r), one_minus_cos }

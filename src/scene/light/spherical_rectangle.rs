@@ -3,8 +3,8 @@
 //!
 //! The code departs from the paper in two points to keep precision in f32:
 //! 1. An inner angle is π/2 plus the angle whose tangent is xy/(|z|r) at its corner (x, y),
-//!    with r the corner's distance. This avoids an arccosine near ±1, and a 2π that would
-//!    cancel is never added.
+//!    with r the corner's distance. This avoids an arccosine near ±1, and it avoids adding a
+//!    2π that would cancel later.
 //! 2. The angle of a sample is measured from π, the cotangent that the paper divides by is
 //!    multiplied out, and the rectangle is mirrored so that y1 ≥ |y0|. This avoids a pole in
 //!    the middle of the rectangle and differences of almost equal terms.
@@ -36,8 +36,8 @@ pub(super) struct SphericalRectangle<'a, R: Real> {
     /// Angle of the samples with u = 0.
     start: R,
     solid_angle: R,
-    /// Whether f32 is precise enough to sample by solid angle. It is not if the rectangle appears
-    /// too small or its plane almost contains the point; then it is sampled by area.
+    /// Whether f32 is precise enough to sample by solid angle. Otherwise the rectangle appears too
+    /// small, or its plane almost contains the point, and the rectangle is sampled by area.
     pub(super) exact: R::Mask,
 }
 
@@ -130,7 +130,7 @@ mod tests {
     const VIEWS: [Vec3; 7] = [
         Vec3::new(278.0, 0.0, 279.0),
         Vec3::new(0.0, 300.0, 0.0),
-        Vec3::new(250.0, 555.0, 200.0), // 1 above the lamp, as seen from the ceiling
+        Vec3::new(250.0, 555.0, 200.0), // on the ceiling, 1 above the lamp
         Vec3::new(400.0, 555.0, 300.0),
         Vec3::new(300.0, 555.0, 60.0),
         Vec3::new(214.0, 553.0, 226.0),

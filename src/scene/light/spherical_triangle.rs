@@ -4,10 +4,11 @@
 //! The code departs from the paper in three points to keep precision in f32, in the manner of
 //! Peters 2021, "BRDF Importance Sampling for Polygonal Lights":
 //! 1. The solid angle is twice the angle whose tangent is det(a, b, c) over a sum of products (Van
-//!    Oosterom and Strackee 1983), not the excess of three angles computed by arccosines.
-//! 2. A sample with the share u of the solid angle needs the point on the arc from a to c whose
-//!    triangle with a and b has that share. The same formula, solved for that point, gives the
-//!    tangent of half its angle from a as a quotient.
+//!    Oosterom and Strackee 1983), where a, b and c are the directions to the vertices. It is not
+//!    the excess of three angles computed by arccosines.
+//! 2. For a random number u, sampling needs the point on the arc from a to c that forms a triangle
+//!    with a and b of u times the solid angle. The formula of point 1, solved for this point, gives
+//!    the tangent of half its angle from a as a quotient.
 //! 3. Quantities that vanish for small triangles are computed without cancellation. The
 //!    determinants come from the edges, which are given, and not from differences of directions.
 //!    1 − cos and 1 + cos of the angle between two directions are half the squared lengths of their
@@ -66,7 +67,7 @@ impl<R: Real> SphericalTriangle<R> {
     #[inline(always)]
     pub(super) fn sample(&self, u: R, v: R) -> R::Vec3 {
         let Self { a, b, along, one_plus_cos, det, solid_angle, .. } = *self;
-        // The point c on the arc whose triangle with a and b has the share u.
+        // The point c on the arc that forms a triangle with a and b of u times the solid angle.
         let (sin, cos) = sin_cos(u * solid_angle * 0.5);
         let (y, x) = (one_plus_cos * sin, det * cos - dot(b, along) * sin);
         let (x2, y2) = (x * x, y * y);

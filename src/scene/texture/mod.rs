@@ -143,8 +143,8 @@ macro_rules! textures {
                     if here.any() {
                         let entry = code & R::Word::splat((1 << KIND_SHIFT) - 1);
                         let entry = here.select(entry, R::Word::splat(0));
-                        // Pass a copy: if the original were passed by reference, it would always be
-                        // in memory.
+                        // Pass a copy: if the original were passed by reference, the compiler would
+                        // always keep it in memory instead of in registers.
                         let at = *at;
                         color = here.select($name::color(&self.$module, entry, &at), color);
                     }
@@ -164,8 +164,8 @@ textures! {
     Image in image,
 }
 
-/// Bits of a code that hold the texture's index in its table. The bits above hold its kind plus 1,
-/// so that code 0 means no texture.
+/// Number of low bits in a texture's code, which hold its index in its table. The bits above them
+/// hold its kind plus 1, so that code 0 means no texture.
 const KIND_SHIFT: u32 = 28;
 
 impl TextureTables {

@@ -26,7 +26,7 @@ impl TextureModel for Solid {
         e.color("color", self.color, 1.0).map(|_| ())
     }
 
-    /// Returns the same value as a plain colour in place of the texture would have.
+    /// Returns the colour, in the JSON form of a plain colour.
     fn identity(&self) -> Value {
         json!(self.color)
     }

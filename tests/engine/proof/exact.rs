@@ -56,7 +56,8 @@ fn one_sided_lights_are_dark_behind() {
     }
 }
 
-/// No material scatters more light than it receives. Clear glass and perfect mirrors lose none.
+/// No material scatters more light than it receives. White diffuse surfaces, clear glass and
+/// perfect mirrors lose none.
 #[test]
 fn energy_is_conserved_by_every_material() {
     for (material, lossless) in [
@@ -96,7 +97,8 @@ fn energy_is_conserved_by_every_material() {
     }
 }
 
-/// Metal with a blur around the limit below which its density is not computed loses no energy.
+/// Metal with a small fuzz loses only the energy that its albedo absorbs, whether its fuzz is below
+/// the limit of 1e-4 and counts as specular, or above it.
 #[test]
 fn narrow_blurs_lose_nothing() {
     for fuzz in ["1e-30", "1e-9", "1e-7", "1e-5", "9.9e-5", "1e-4", "1e-3"] {

@@ -1,7 +1,7 @@
 //! Furnace tests: the radiance of surfaces under uniform light from all sides.
 //!
-//! It equals the share of light that the surface scatters, which closed forms or numerical
-//! integrals of textbook formulas give.
+//! Divided by the radiance of the light, it is the share of light that the surface scatters. Closed
+//! forms or numerical integrals of textbook formulas give the expected share.
 
 use std::f64::consts::PI;
 
@@ -33,7 +33,7 @@ fn dielectric(cos: f64, eta: f64) -> f64 {
 
 /// Fresnel reflectance of a conductor.
 fn conductor(cos: f64, n: f64, k: f64) -> f64 {
-    // The complex cosine inside: a² − b² = n² − k² − sin², ab = nk.
+    // (a + bi)² = (n + ki)² − sin²: a + bi is the index times the complex cosine of refraction.
     let (p, q) = (n * n - k * k - (1.0 - cos * cos), 2.0 * n * k);
     let length = (p * p + q * q).sqrt();
     let (a2, b2) = (0.5 * (length + p), 0.5 * (length - p));
@@ -46,8 +46,9 @@ fn conductor(cos: f64, n: f64, k: f64) -> f64 {
 
 /// The share of uniform light that microfacets scatter (Walter et al. 2007).
 ///
-/// Integrates over the microfacets' normals how much of each is visible, times the share of light
-/// that it reflects or, with an index of refraction `eta`, refracts.
+/// Integrates over the normals of the microfacets: the visible area of the microfacets with a
+/// normal, times the share of light that they reflect or, with an index of refraction `eta`,
+/// refract.
 fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -> f64 {
     let smith = |z: f64| (-1.0 + (1.0 + alpha * alpha * (1.0 - z * z) / (z * z)).sqrt()) / 2.0;
     let wo = [(1.0 - COS * COS).sqrt(), 0.0, COS];
@@ -55,7 +56,8 @@ fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -
     let (rows, columns) = (1500, 1500);
     let mut sum = 0.0;
     for i in 0..rows {
-        // D(m) cos θ is uniform in 1 − w², with tan²θ = α² (1 − w²)/w², so few normals are grazing.
+        // With tan²θ = α² (1 − w²)/w², D(m) cos θ is uniform in 1 − w². Equal steps of w, with the
+        // weight 2w, sample grazing normals more finely than equal steps of 1 − w².
         let w = (f64::from(i) + 0.5) / f64::from(rows);
         let cos = 1.0 / (1.0 + alpha * alpha * (1.0 - w * w) / (w * w)).sqrt();
         let sin = (1.0 - cos * cos).sqrt();
@@ -101,7 +103,7 @@ fn reflection(fresnel: &str) -> String {
 #[test]
 fn materials_scatter_what_they_should() {
     let known = |material: &str, share: f64| Known::new(material, &room(material), 3.0 * share);
-    // The cap of the ball of blurred directions that lies below the surface is lost.
+    // The blurred directions fill a ball. Its cap below the surface is lost.
     let height = COS / 0.9;
     let cap = (1.0 - height) * (1.0 - height) * (2.0 + height) / 4.0;
     let metal =

@@ -16,12 +16,13 @@ fn floor(material: &str, lamps: &str) -> String {
 
 #[test]
 fn floors_are_lit_as_they_should() {
-    // A sphere of radius 1 at a distance of 5, 3 to the side: E = πL (r/d)² cos θ.
+    // A sphere of radius r = 1, whose centre is at a distance of d = 5 and 3 to the side. It gives
+    // the irradiance πL (r/d)² cos θ.
     let sphere = r#"sphere(center: (3, 3, 0), radius: 1, material: "lamp")"#;
     let (lambert_sphere, solid_sphere) =
         (0.6 * 8.0 / 25.0 * 0.8, 0.6 * 8.0 * (1.0 - (1.0f64 - 1.0 / 25.0).sqrt()));
-    // A parallel rectangle with one corner above the point (Howell, *A Catalog of Radiation Heat
-    // Transfer Configuration Factors*, B-3), and its solid angle.
+    // A rectangle parallel to the floor, with one corner above the middle of the floor (Howell, *A
+    // Catalog of Radiation Heat Transfer Configuration Factors*, B-3), and its solid angle.
     let (a, b, height) = (3.0f64, 2.0, 1.5);
     let (x, y) = (a / height, b / height);
     let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());

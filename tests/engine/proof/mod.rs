@@ -38,7 +38,7 @@ fn farthest(comparisons: usize, of: &impl ContinuousCDF<f64, f64>) -> f64 {
     of.inverse_cdf(1.0 - 0.5 * alarm(comparisons))
 }
 
-/// A scene whose picture has one radiance, known in closed form.
+/// A scene whose pixels all have the same expected radiance, which is known.
 struct Known {
     name: String,
     scene: Scene,
@@ -93,7 +93,8 @@ fn compare(what: &str, known: &[Known]) {
             pooled += t / n.sqrt();
         }
         println!("{:<44}{way}{:>26.2}", "all together", pooled);
-        // The mean of several t values is closer to normal, so the limit of one is conservative.
+        // The scaled sum of several t values is closer to normal, so the limit for a single one is
+        // conservative.
         if !(pooled.abs() <= limit) {
             wrong.push(format!("all together {way}: {pooled}"));
         }

@@ -104,7 +104,8 @@ impl Disagreement {
 
     /// Compares two pictures, tile by tile.
     pub(crate) fn compare(&mut self, name: &str, what: &str, a: &Tiles, b: &Tiles) {
-        // Tiles without noise are equal up to rounding of sums, and of the six digits in files.
+        // Tiles without noise are equal, except that sums are rounded, and that Mitsuba's means are
+        // read from files with six digits.
         for (a, b) in a.tiles.iter().zip(&b.tiles).filter(|(a, b)| !noisy(a) && !noisy(b)) {
             let off = (a.0 - b.0).abs();
             assert!(off <= 2e-5 * a.0, "{name} {what}: {} and {} differ without noise", a.0, b.0);
@@ -119,7 +120,7 @@ impl Disagreement {
         let uneven = unevenness(&deviations) / 3.0f64.sqrt();
         let worst = deviations.iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
         println!("{name:<26}{what:>14}{tiles:>7}{chi:>9.4}{uneven:>9.2}{worst:>9.2}");
-        // Kolmogorov's distribution: 2 e^(−2x²) beyond x.
+        // By Kolmogorov's distribution, the probability of a value above x is about 2 e^(−2x²).
         let even = 2.0 * (-2.0 * uneven * uneven).exp();
         let share = ALARM / (3 * self.comparisons) as f64;
         if chi < share

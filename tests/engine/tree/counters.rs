@@ -96,7 +96,8 @@ fn work_adds_up() {
             assert_eq!(all.lanes_active, sum(|c| c.lanes_active), "{kernel:?}");
             assert_eq!(all.scalar_rays, sum(|c| c.scalar_rays), "{kernel:?}");
             assert!(all.lanes_active > 0 && all.lanes_active <= all.lanes_issued, "{kernel:?}");
-            // Packets test primitives that span the scene, and may have lanes without a ray.
+            // Primitives that span the scene are tested against whole vectors of rays, so a batch
+            // needs fewer tests of them than its rays need one by one.
             assert!(all.leaf_tests <= sum(|c| c.leaf_tests), "{kernel:?}");
         }
     }

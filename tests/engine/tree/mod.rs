@@ -22,7 +22,7 @@ use self::rays::{Bundles, adversarial, soup, vector};
 
 #[test]
 fn random_and_adversarial_rays() {
-    // Plain, scaled and shifted scenes, with at least `RAYS` rays of each kind.
+    // Plain, scaled and shifted scenes, with at least `RAYS` rays for each kind of scene.
     for (seed, primitives, scale, shift) in [
         (1, 3, 1.0, Vec3::ZERO),
         (2, 60, 1.0, Vec3::ZERO),
@@ -90,9 +90,9 @@ fn triangles_smaller_than_rounding() {
 }
 
 /// The rounding error of a hit's coordinates on a quad grows as the quad becomes thinner, so rays
-/// can hit slightly beyond its tips, outside its box. The slack covers the worst case. This test
-/// only detects a slack below one roundoff: a slack of 32 roundoffs without the condition number
-/// passes 10^7 rays.
+/// can hit slightly beyond its tips, outside its box. The slack of the box tests
+/// (`src/accel/slab.rs`) covers the worst case. This test detects only a slack below one roundoff:
+/// even without the factor of the condition number, the slack of 32 roundoffs passes 10^7 rays.
 #[test]
 fn tips_of_thin_quads() {
     let mut random = Stream::new(21);
@@ -134,7 +134,8 @@ fn generated_scenes() {
             *vertex += shift;
         }
         if name.starts_with("mesh") {
-            // Single rays are interleaved in meshes, and must also meet blocks of the other shapes.
+            // In large meshes, the kernel `single` traces several rays in turn. These rays must
+            // also meet blocks of the other shapes.
             let others = soup(11, 300, 0.5 * scale, shift);
             geometry.spheres.extend(others.spheres);
             geometry.quads.extend(others.quads);

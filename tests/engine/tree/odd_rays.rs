@@ -49,7 +49,8 @@ fn invalid_rays_miss_quickly() {
     }
 }
 
-/// Kernels write only hits inside the range. Misses and rays outside it leave the buffer unchanged.
+/// Kernels write only the hits of rays whose index is in the range. The entries of misses, and of
+/// rays outside the range, are left unchanged.
 #[test]
 fn only_hits_in_the_range_are_written() {
     let geometry = soup(8, 100, 1.0, Vec3::ZERO);
@@ -82,7 +83,8 @@ fn only_hits_in_the_range_are_written() {
 
 /// Rays past corners of triangles, from up to 10^5 times the scene's size away. The padding of
 /// boxes that suffices for near rays is too small for these. Some packets contain only such rays;
-/// others mix them with rays that could hide what they miss.
+/// others mix them with invalid or with near rays. A near ray may enter a box that a far ray
+/// wrongly misses, and so hide the fault.
 #[test]
 fn rays_from_far_away() {
     let mut random = Stream::new(6);
@@ -145,7 +147,7 @@ fn wild_rays_find_the_right_hits() {
     ] {
         batch.push(&ray, 0.0, f32::INFINITY);
     }
-    // Primitives that span the scene count too.
+    // A huge primitive makes all rays wild, even if it spans the scene and thus is in no tree.
     let mut huge = geometry.clone();
     huge.spheres.push(Sphere::still(Vec3::X * 1e12, 1e12));
     for (geometry, wild) in [(&geometry, 4), (&huge, 5), (&soup(9, 20, 1e12, Vec3::ZERO), 5)] {

@@ -29,7 +29,8 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
             // Some are as thin as a quad may be.
             let thin = if kind < 0.5 { 0.02 } else { 1.0 };
             let mut v = u * (1.0 - thin) + vector(&mut random, 0.3 * scale) * thin;
-            // Some are perpendicular to an axis, have an edge along one, or both.
+            // Some are perpendicular to an axis, some have an edge along an axis, and some have
+            // both properties.
             let along = geometry.quads.len() % 3;
             if kind > 0.56 {
                 u[along] = 0.0;
@@ -149,7 +150,7 @@ pub(crate) fn adversarial(
         _ => {}
     }
     if i.is_multiple_of(13) && !geometry.triangles.is_empty() {
-        // In the plane of a triangle, or along one of its edges.
+        // In the plane of a triangle.
         let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
         let [a, b, c] = triangle.vertices;
         let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
@@ -204,7 +205,7 @@ impl<'a> Bundles<'a> {
         let mut ray = *base;
         let length = length(ray.direction);
         if bundle.is_multiple_of(2) {
-            // Towards a second target, often exactly a corner of something.
+            // Turn the ray a little towards a second target, often a vertex or a corner of a box.
             let near = target(random, geometry, ray.origin, *scale, *shift) - ray.origin;
             let to = near * (length / (1e-30 + near.length_squared().sqrt()));
             ray.direction += (to - ray.direction) * (wide * random.uniform());
@@ -213,7 +214,7 @@ impl<'a> Bundles<'a> {
             ray.origin += vector(random, wide * *scale);
         }
         ray.time = random.uniform();
-        // Some rays run along or across an axis, and some are invalid.
+        // Some rays are perpendicular to an axis, and some are invalid.
         match i {
             // In some bundles, zeros of the other sign give packets of mixed octants.
             i if i.is_multiple_of(19) => {

@@ -188,7 +188,8 @@ fn baselines_are_compared_with_counters() {
     }
     with(&|record| record["runs"][0]["mrays_per_s"]["hi"] = json!(0.0));
     fails(here, &compared, 65, &["changed.json:runs[0].mrays_per_s", "finite"]);
-    // A plan of another version is unknown here, so its counters cannot be compared.
+    // The run of the baseline has a plan that this version does not know, so the counters of that
+    // run cannot be compared.
     with(&|record| record["runs"][1]["plan"] = json!({ "kernels": ["quantum"] }));
     let told = stdout(&ptfast(here, &compared));
     assert!(

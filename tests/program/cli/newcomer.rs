@@ -67,7 +67,7 @@ fn unrelated_files_are_not_overwritten() {
         assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
         fs::remove_file(file).unwrap();
     }
-    // Earlier outputs of the same command are.
+    // Earlier outputs of the same command are overwritten.
     for command in [&rays[..], &dashboard] {
         succeeds(here, command);
         succeeds(here, command);
@@ -225,7 +225,7 @@ fn names_with_line_breaks_stay_on_one_line() {
     assert!(text.contains("a\\nhash"), "{text}");
 }
 
-/// A stopped render leaves a file alone that only has the name of its picture.
+/// A stopped render does not overwrite an unrelated file that has the name of its partial image.
 #[test]
 fn pictures_of_others_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -239,7 +239,7 @@ fn pictures_of_others_are_kept() {
     assert!(here.join("a.partial.film").exists());
 }
 
-/// The reader of an image can end early.
+/// If the program that reads the image from a pipe exits early, the render ends without an error.
 #[test]
 fn closed_pipes_end_a_render_quietly() {
     let folder = tempfile::tempdir().unwrap();

@@ -164,7 +164,7 @@ fn pinning_is_recorded_and_files_do_not_clash() {
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }
 
-/// A render must not overwrite plans, textures and checkpoints that it reads.
+/// A render must not overwrite the plan and the textures that it reads.
 #[test]
 fn files_that_are_read_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();

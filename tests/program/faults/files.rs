@@ -147,7 +147,7 @@ fn standard_output_that_cannot_be_written() {
     let loud = RENDER.replace(" --quiet", "");
     fails(&format!("$P {loud} -o a.png > /dev/full"), 74, says, &["a.png"]);
     let folder = tempfile::tempdir().unwrap();
-    // A reader that has seen enough is no error.
+    // It is no error if the reader exits before the program writes.
     for command in
         [format!("{loud} -o b.png"), "scenes list".to_owned(), "scenes show mesh:1000".to_owned()]
     {

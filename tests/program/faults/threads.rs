@@ -69,7 +69,7 @@ fn threads_that_cannot_be_started() {
     assert!(replaced.has("a.partial.film") && replaced.has("a.partial.png"));
 }
 
-/// Reading the clock fails in all threads except the first, which makes std panic there.
+/// Reading the clock fails in all threads except the first. When it fails, std panics.
 #[test]
 fn a_panic_in_a_worker_is_an_internal_fault() {
     let replaced = Replaced::by(

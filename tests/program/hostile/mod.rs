@@ -14,11 +14,12 @@ use std::process::Command;
 
 use crate::common::{stderr, stdout};
 
-/// Memory limit in KiB, of the program itself and of the operating system, which aborts the program beyond it.
+/// Memory limit in KiB. The program gets it as `--memory-limit`, and the operating system enforces
+/// it: beyond it, the program aborts.
 const MEMORY: u32 = 32 << 10;
 /// Limit on address space in KiB, which includes the program itself and the C library.
 const ADDRESS_SPACE: u32 = 64 << 10;
-/// CPU seconds after which the program is killed. No case takes a tenth of a second.
+/// CPU seconds after which the program is killed. Every case takes less than a tenth of a second.
 const CPU_SECONDS: u32 = 60;
 
 /// An entry of a folder.

@@ -91,7 +91,7 @@ pub(super) fn cases() -> Vec<Case> {
     for (depth, color) in [(3, 2), (8, 5), (16, 3), (255, 255)] {
         cases.push(texture("t.png", png(10, 10, depth, color, &[]), "damaged image"));
     }
-    // Chunks other than the pixels that are larger than the picture.
+    // Chunks that hold no pixels and are larger than the picture.
     for kind in [b"zTXt", b"iCCP"] {
         let bomb = [&b"a\0\0"[..], &stored(9 << 20)].concat();
         let bytes = png(10, 10, 8, 2, &[chunk(kind, &bomb)]);

@@ -43,7 +43,8 @@ impl Shading<'_> {
                 Sampling::Light => Float::ZERO,
                 Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, vertex.t) * light.chance()),
             };
-            // Emission that light samples could also find is weighted: they contribute the rest.
+            // The weight applies only to emission that light samples could also find. Light samples
+            // contribute the rest.
             let sampled: Mask = is_light & !pdf.eq(Float::splat(SPECULAR));
             let weight = sampled.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);

@@ -21,7 +21,7 @@ pub(super) struct Vertex {
 }
 
 impl Shading<'_> {
-    /// Returns the vertices of the paths of `queue` from `first` on.
+    /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on.
     #[inline(always)]
     pub(super) fn vertex(&self, queue: Queue<'_>, first: usize, paths: &Paths) -> Vertex {
         let [path, t, primitive] = queue.rows(first);
