@@ -100,7 +100,7 @@ impl Rays {
     /// Ends the search of the rays in `hit`, for which any hit suffices.
     #[inline(always)]
     pub(crate) fn end(&mut self, hit: Mask) {
-        // A branch on whether any ray hit would be unpredictable.
+        // Whether any ray has hit is unpredictable, so there is no branch on it.
         self.t = hit.select(Float::splat(f32::NEG_INFINITY), self.t);
     }
 

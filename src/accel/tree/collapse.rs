@@ -57,8 +57,8 @@ impl<'a> Collapse<'a> {
         collapse
     }
 
-    /// Finds the cheapest division of a subtree whose box has half area `area` from those of its
-    /// two children.
+    /// Finds the cheapest division of a subtree from the divisions of its two children. `area` is
+    /// half the surface area of its box.
     fn join(&self, first: u32, area: f32) -> Subtree {
         let [left, right] = self.siblings(first);
         let count = left.count + right.count;

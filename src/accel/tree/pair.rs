@@ -60,8 +60,8 @@ impl PairTree {
         if tree.nodes.is_empty() {
             return layout;
         }
-        // Each entry has the node and side that will hold the reference, the subtree, and its
-        // depth.
+        // Each entry has the node and side that will hold the reference to the subtree, the
+        // subtree, and its depth.
         let mut open = vec![(None, 0u32, 1)];
         while let Some((parent, index, depth)) = open.pop() {
             layout.stack = layout.stack.max(depth);
