@@ -79,7 +79,7 @@ fn beyond_median(count: usize) -> usize {
     }
 }
 
-/// Number of pairs left out on either side of the interval of a ratio, which is a shift of the
+/// Number of pairs left out on either side of the interval of a ratio. The ratio is a shift of the
 /// logarithms. Uses the normal approximation.
 fn beyond_shift(a: usize, b: usize) -> usize {
     let (a, b) = (a as f64, b as f64);

@@ -44,15 +44,16 @@ impl Limit {
         }
     }
 
-    /// `value` as text, bytes with a unit.
-    fn amount(self, value: u64) -> String {
+    /// `value` as text, bytes with a unit. `round` rounds numbers of tenths of a unit.
+    fn amount(self, value: u64, round: fn(f64) -> f64) -> String {
         let units = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
         match self {
             Self::Primitives | Self::Pixels => value.to_string(),
             _ if value < 1 << 10 => format!("{value} bytes"),
             _ => {
                 let unit = (value.ilog2() / 10) as usize;
-                format!("{:.1} {}", value as f64 / (1u64 << (10 * unit)) as f64, units[unit - 1])
+                let tenths = round(10.0 * value as f64 / (1u64 << (10 * unit)) as f64);
+                format!("{:.1} {}", tenths / 10.0, units[unit - 1])
             }
         }
     }
@@ -183,8 +184,10 @@ impl Limits {
             true => self.advice(Refused::Beyond(limit, value)),
             false => String::new(),
         };
-        let (name, allowed, value) = (limit.name(), limit.amount(allowed), limit.amount(value));
-        Err(format!("the limit of {name} is {allowed}, this needs {least}{value}{raise}"))
+        // Rounded apart, so that the two amounts never look equal.
+        let (allowed, needed) = (limit.amount(allowed, f64::floor), limit.amount(value, f64::ceil));
+        let name = limit.name();
+        Err(format!("the limit of {name} is {allowed}, this needs {least}{needed}{raise}"))
     }
 }
 

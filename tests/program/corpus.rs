@@ -1,6 +1,6 @@
 //! Runs the fuzz subjects on the corpora of `tests/fuzz` and on random variations of them.
 //!
-//! This looks for the same faults as cargo-fuzz, but works with any toolchain and takes no longer than a test may.
+//! This looks for the same faults as cargo-fuzz, but works with any toolchain and is short enough to run as a test.
 
 #[path = "../fuzz/subjects.rs"]
 mod subjects;

@@ -174,8 +174,8 @@ macro_rules! blocks {
                 }
             }
 
-            /// Tests the rays of `packet` against the primitives of a block in `lanes`. See
-            /// [`Leaf::test_packet`].
+            /// Tests the rays of `packet` against those primitives of a block that are in `lanes`.
+            /// See [`Leaf::test_packet`].
             #[inline(always)]
             pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
                 &self,

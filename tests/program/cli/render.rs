@@ -159,7 +159,7 @@ fn pinning_is_recorded_and_files_do_not_clash() {
     let same = ["render", "--scene", "my.ron", "--json", "./my.ron"];
     let output = ptfast(here, &same);
     assert!(stderr(&output).contains("would overwrite the scene"), "{}", stderr(&output));
-    // The name of a built-in scene is not a file, so a record may have it.
+    // A built-in scene is not a file, so a record may have the same name.
     assert!(with(&["--json", "cornell"]).status.success());
     assert_eq!(fs::read(here.join("my.ron")).unwrap(), scene);
 }

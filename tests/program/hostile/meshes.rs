@@ -72,7 +72,7 @@ pub(super) fn cases() -> Vec<Case> {
     let polygon = format!("{vertices}f{}\n", " 1 2 3".repeat(200_000));
     cases.push(mesh("m.obj", Content::Bytes(polygon.into()), "the limit of memory"));
     for (file, length, says) in [
-        ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4.0 GiB, this needs 4.0 GiB"),
+        ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4.0 GiB, this needs 4.1 GiB"),
         ("m.obj", 1 << 26, "the limit of memory"),
         ("m.ply", 1 << 40, "the limit of mesh-bytes"),
         ("m.ply", 1 << 26, "the limit of memory"),
