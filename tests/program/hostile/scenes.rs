@@ -160,7 +160,7 @@ pub(super) fn cases() -> Vec<Case> {
             case
         };
         cases.push(empty(1 << 22, "the limit of memory is 32.0 MiB"));
-        cases.push(empty((1 << 28) + 1, "the limit of scene-bytes is 256.0 MiB, this needs 256.0 MiB: --limit scene-bytes=268435457 raises it"));
+        cases.push(empty((1 << 28) + 1, "the limit of scene-bytes is 256.0 MiB, this needs 256.1 MiB: --limit scene-bytes=268435457 raises it"));
         cases.push(empty(1 << 40, "the limit of scene-bytes"));
     }
     // Very long words must still give a short one-line error quickly.
