@@ -12,6 +12,7 @@ pub(crate) mod ray_lanes;
 pub(crate) mod sphere;
 mod surfaces;
 pub(crate) mod triangle;
+mod triangles;
 mod volume;
 
 pub use bounds::Bounds;
@@ -21,6 +22,7 @@ pub(crate) use ray::shear_axes;
 pub use ray::{Hit, Ray};
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::Surfaces;
+pub use triangles::Triangles;
 pub(crate) use volume::Volume;
 
 use crate::math::Real;

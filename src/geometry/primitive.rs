@@ -2,20 +2,20 @@
 
 use glam::Vec3;
 
-use super::{Bounds, Hit, PreparedRay, Ray};
+use super::{Bounds, Hit, PreparedRay, Ray, Triangles};
 use crate::math::max;
 
 /// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
-/// name of its list in [`Geometry`].
+/// name and type of its list in [`Geometry`].
 macro_rules! primitives {
     ($list:ident) => {
         $list! {
             /// Spheres, still or moving.
-            Sphere in sphere listed in spheres,
+            Sphere in sphere listed in spheres: Vec<Sphere>,
             /// Parallelograms.
-            Quad in quad listed in quads,
+            Quad in quad listed in quads: Vec<Quad>,
             /// Triangles.
-            Triangle in triangle listed in triangles,
+            Triangle in triangle listed in triangles: Triangles,
         }
     };
 }
@@ -35,6 +35,32 @@ macro_rules! shapes {
     };
 }
 pub(crate) use shapes;
+
+/// A list of the primitives of one kind.
+trait List {
+    type Item;
+
+    /// The primitive at `index`, or `None` beyond the end.
+    fn at(&self, index: usize) -> Option<Self::Item>;
+}
+
+impl<T: Copy> List for Vec<T> {
+    type Item = T;
+
+    #[inline(always)]
+    fn at(&self, index: usize) -> Option<T> {
+        self.get(index).copied()
+    }
+}
+
+impl List for Triangles {
+    type Item = Triangle;
+
+    #[inline(always)]
+    fn at(&self, index: usize) -> Option<Triangle> {
+        self.get(index)
+    }
+}
 
 /// A kind of primitive.
 pub(crate) trait PrimitiveModel: Sized {
@@ -63,20 +89,20 @@ pub(crate) trait PrimitiveModel: Sized {
 }
 
 macro_rules! primitive {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
         $(pub use super::$module::$name;)*
 
         /// All primitives of a scene. A primitive's index is its position in the concatenation of
         /// these lists.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Geometry {
-            $($(#[doc = $doc])* pub $list: Vec<$name>,)*
+            $($(#[doc = $doc])* pub $list: $many,)*
         }
 
-        /// A reference to one primitive.
+        /// One primitive.
         #[derive(Clone, Copy, Debug)]
-        pub enum Primitive<'a> {
-            $($(#[doc = $doc])* $name(&'a $name),)*
+        pub enum Primitive {
+            $($(#[doc = $doc])* $name($name),)*
         }
 
         impl Geometry {
@@ -90,10 +116,10 @@ macro_rules! primitive {
             /// # Panics
             /// If `index` is not below [`Geometry::len`].
             #[inline(always)]
-            pub fn get(&self, index: u32) -> Primitive<'_> {
+            pub fn get(&self, index: u32) -> Primitive {
                 let mut left = index as usize;
                 $(
-                    if let Some(primitive) = self.$list.get(left) {
+                    if let Some(primitive) = List::at(&self.$list, left) {
                         return Primitive::$name(primitive);
                     }
                     left = left.wrapping_sub(self.$list.len());
@@ -102,7 +128,7 @@ macro_rules! primitive {
             }
         }
 
-        impl Primitive<'_> {
+        impl Primitive {
             /// The name of the primitive's kind in messages. It is part of the scene's hash.
             pub(crate) fn name(self) -> &'static str {
                 match self {

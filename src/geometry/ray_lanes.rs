@@ -90,7 +90,7 @@ mod tests {
 
     /// Checks that the lane tests of primitive and ray number i agree bit by bit with the scalar
     /// tests.
-    fn check<'a>(rays: &[Ray], primitives: &'a Geometry, t_min: f32) {
+    fn check(rays: &[Ray], primitives: &Geometry, t_min: f32) {
         let prepared: Vec<PreparedRay> = rays.iter().map(PreparedRay::new).collect();
         let float = |f: &dyn Fn(usize) -> f32| Float::new(std::array::from_fn(f));
         let ray = RayLanes {
@@ -102,7 +102,7 @@ mod tests {
             padded_inv_length2: padded_inv_length2(float(&|i| prepared[i].inv_length2)),
             t_min: Float::splat(t_min),
         };
-        let compare = |hits: Option<HitLanes>, primitive: &dyn Fn(usize) -> Primitive<'a>| {
+        let compare = |hits: Option<HitLanes>, primitive: &dyn Fn(usize) -> Primitive| {
             for lane in 0..LANES {
                 let scalar = primitive(lane).intersect(&prepared[lane], t_min, f32::INFINITY);
                 let vector = hits.and_then(|HitLanes { t, hit }| {
@@ -116,7 +116,7 @@ mod tests {
         let Geometry { spheres, quads, triangles } = primitives;
         let centers: Vec<Vec3> = (0..LANES).map(|i| spheres[i].center_at(rays[i].time)).collect();
         let radius = float(&|i| spheres[i].radius);
-        let one = |lane: usize| Primitive::Sphere(&spheres[lane]);
+        let one = |lane: usize| Primitive::Sphere(spheres[lane]);
         compare(hits::<false>(&ray, lanes(&centers), radius), &one);
         compare(hits::<true>(&ray, lanes(&centers), radius), &one);
         let near = !Mask::from_bits(misses(&ray, lanes(&centers), padded_radius2(radius)));
@@ -134,7 +134,7 @@ mod tests {
             let t = quad.distance(&ray);
             Some(HitLanes { t, hit: t.gt(ray.t_min) & quad.contains(&ray, t) })
         };
-        compare(crossed(&quad_lanes), &|lane| Primitive::Quad(&quads[lane]));
+        compare(crossed(&quad_lanes), &|lane| Primitive::Quad(quads[lane]));
         // Test each special quad against all rays.
         for one in quads {
             let found = match &SpecialQuad::new(one) {
@@ -143,7 +143,7 @@ mod tests {
                 Some(SpecialQuad::Upright(quad)) => crossed(quad),
                 None => continue,
             };
-            compare(found, &|_| Primitive::Quad(one));
+            compare(found, &|_| Primitive::Quad(*one));
         }
 
         // All lanes share one order of axes, so test one ray against all triangles.

@@ -39,7 +39,7 @@ struct SetEntry {
 const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
 
 macro_rules! geometry_files {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident,)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
         /// Number of primitives of each kind.
         #[derive(Debug, Serialize, Deserialize)]
         struct Counts {
@@ -62,7 +62,7 @@ macro_rules! geometry_files {
         fn write_geometry(folder: &Path, geometry: &Geometry) -> Result<()> {
             $(
                 let file = folder.join(concat!(stringify!($list), ".f32"));
-                write_floats(&file, geometry.$list.iter().flat_map(PrimitiveModel::record))?;
+                write_floats(&file, geometry.$list.iter().flat_map(|primitive| primitive.record()))?;
             )*
             Ok(())
         }

@@ -88,7 +88,7 @@ fn mesh(name: &str, bytes: &[u8]) {
             let Ok(scene) = Scene::load_within(&path.display().to_string(), &limits()) else {
                 return;
             };
-            for triangle in &scene.geometry().triangles {
+            for triangle in scene.geometry().triangles.iter() {
                 let in_range = |c: f32| c.abs() <= 1e9;
                 assert!(triangle.vertices.iter().all(|v| v.to_array().into_iter().all(in_range)));
             }

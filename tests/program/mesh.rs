@@ -101,11 +101,11 @@ fn meshes_are_scaled_turned_and_moved() {
         ),
     ]);
     // The rotation about x comes first: y becomes z, which becomes x.
-    let turned = load(folder.path(), "b.ron").geometry().triangles[0].vertices[1];
+    let turned = load(folder.path(), "b.ron").geometry().triangles.vertices(0)[1];
     assert_eq!(turned.to_array(), [1.0, 0.0, 0.0]);
     let scene = load(folder.path(), "a.ron");
     // Vertices 0, 2, 1: x becomes −z, y stays.
-    let vertices = scene.geometry().triangles[0].vertices.map(|v| v.to_array());
+    let vertices = scene.geometry().triangles.vertices(0).map(|v| v.to_array());
     assert_eq!(vertices, [[10.0, 20.0, 30.0], [10.0, 22.0, 30.0], [10.0, 20.0, 28.0]]);
 }
 

@@ -21,10 +21,8 @@ pub(super) struct Block {
 impl Leaf for Block {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.spheres.len() + geometry.quads.len();
-        let vertex = |i: usize| {
-            let of = |&p: &u32| geometry.triangles[p as usize - first].vertices[i];
-            transpose(primitives.iter().map(of))
-        };
+        let triangle = |&p: &u32| geometry.triangles.vertices(p as usize - first);
+        let vertex = |i: usize| transpose(primitives.iter().map(|p| triangle(p)[i]));
         Self { vertices: axes(vertex), primitive: numbers(primitives) }
     }
 

@@ -157,7 +157,7 @@ mod tests {
         };
         let spheres = (0..spheres).map(|i| sphere(i, point())).collect();
         let quads = (0..quads).map(|_| quad(point())).collect();
-        Geometry { spheres, quads, triangles: Vec::new() }
+        Geometry { spheres, quads, ..Geometry::default() }
     }
 
     #[test]

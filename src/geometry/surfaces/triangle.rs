@@ -1,13 +1,13 @@
-//! Points on triangles, computed lane by lane because they need f64.
+//! Points on triangles.
 
 use std::sync::Arc;
 
 use super::SurfaceTable;
-use crate::geometry::triangle::Triangle;
+use crate::geometry::triangle::surface;
 use crate::geometry::{Geometry, Ray, Surface};
-use crate::math::{Real, Vector};
+use crate::math::{Real, Word};
 
-/// A reference to the geometry, since triangles are read from it directly.
+/// A reference to the geometry, whose rows can be gathered as they are.
 #[derive(Debug)]
 pub(super) struct Table {
     /// The index of the first triangle among all primitives.
@@ -16,20 +16,15 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Calls `f` with each lane's triangle and ray, and returns the results.
+    /// The vertices of triangles.
     #[inline(always)]
-    fn each<R: Real, const N: usize>(
-        &self,
-        primitive: R::Word,
-        ray: &Ray<R>,
-        f: impl Fn(&Triangle, &Ray) -> [f32; N],
-    ) -> [R; N] {
-        let (o, d) = (ray.origin, ray.direction);
-        let numbers = [o[0], o[1], o[2], d[0], d[1], d[2], ray.time];
-        R::each_lane(primitive, numbers, |primitive, [ox, oy, oz, dx, dy, dz, time]| {
-            let triangle = &self.geometry.triangles[(primitive - self.first) as usize];
-            let (origin, direction) = ([ox, oy, oz].into(), [dx, dy, dz].into());
-            f(triangle, &Ray { origin, direction, time })
+    fn vertices<R: Real>(&self, primitive: R::Word) -> [R::Vec3; 3] {
+        let (corners, vertices) = self.geometry.triangles.rows();
+        let index = R::index(primitive.wrapping_sub(R::Word::splat(self.first)), corners.len());
+        let (corners, _) = R::gather(corners, index, |row| row);
+        [0, 1, 2].map(|corner| {
+            let index = R::index(corners[corner].to_bits(), vertices.len());
+            R::gather(vertices, index, |row| row).0
         })
     }
 }
@@ -41,22 +36,13 @@ impl SurfaceTable for Table {
     }
 
     #[inline(always)]
-    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: R) -> Surface<R> {
-        let [px, py, pz, nx, ny, nz, offset] = self.each(primitive, ray, |triangle, ray| {
-            let Surface { point, normal, offset } = triangle.surface(ray);
-            let ([px, py, pz], [nx, ny, nz]) = (point.to_array(), normal.to_array());
-            [px, py, pz, nx, ny, nz, offset]
-        });
-        Surface {
-            point: <R::Vec3 as Vector>::new(px, py, pz),
-            normal: <R::Vec3 as Vector>::new(nx, ny, nz),
-            offset,
-        }
+    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
+        surface(self.vertices::<R>(primitive), ray, t).0
     }
 
+    /// The barycentric coordinates for the second and the third vertex.
     #[inline(always)]
-    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, _: R) -> (R, R) {
-        let [u, v] = self.each(primitive, ray, |triangle, ray| triangle.uv(ray).into());
-        (u, v)
+    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
+        surface(self.vertices::<R>(primitive), ray, t).1.into()
     }
 }

@@ -1,12 +1,13 @@
 //! Triangles with a test that is watertight at shared edges and vertices.
 
 pub(crate) mod lanes;
+mod surface;
 
 use glam::{DVec3, Vec3};
 
 use super::primitive::{components, vectors};
-use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
-use crate::math::{UNIT_ROUNDOFF, length, max, max_element};
+use super::{Bounds, PreparedRay, PrimitiveModel, Shape};
+pub(super) use surface::surface;
 
 /// A two-sided triangle. Its vertices run counter-clockwise as seen from the front.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,40 +82,12 @@ impl Triangle {
         })
     }
 
-    #[inline]
-    fn barycentric(&self, ray: &Ray) -> Vec3 {
-        let [u, v, w] = weights(self.sheared(&PreparedRay::new(ray)));
-        let sum = u + v + w;
-        Vec3::new((u / sum) as f32, (v / sum) as f32, (w / sum) as f32)
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray) -> Surface {
-        let [a, b, c] = self.vertices;
-        let w = self.barycentric(ray);
-        let normal = self.scaled_normal();
-        let extent = self.vertices.iter().fold(0.0, |m, v| max(m, max_element(v.abs())));
-        Surface {
-            point: a * w.x + b * w.y + c * w.z,
-            normal: (normal / normal.dot(normal).sqrt()).as_vec3(),
-            // The sheared vertices are off by up to 8 roundings of the edges' lengths, and the
-            // point is off by 6 roundings of its coordinates.
-            offset: UNIT_ROUNDOFF * (12.0 * (length(b - a) + length(c - a)) + 8.0 * extent),
-        }
-    }
-
     /// Twice the area times the unit normal. It is in f64 because the cross product of slivers
     /// cancels.
     #[inline]
     fn scaled_normal(&self) -> DVec3 {
         let [a, b, c] = self.vertices.map(|vertex| vertex.as_dvec3());
         (b - a).cross(c - a)
-    }
-
-    #[inline]
-    pub(super) fn uv(&self, ray: &Ray) -> (f32, f32) {
-        let w = self.barycentric(ray);
-        (w.y, w.z)
     }
 
     /// Whether the vertices lie on a line, so that the triangle has no normal. Such a triangle must
@@ -158,9 +131,9 @@ impl PrimitiveModel for Triangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Ray;
     use crate::math::random::Stream;
-    use crate::math::warp::{uniform_hemisphere, uniform_sphere};
-    use crate::math::{dot, normalize};
+    use crate::math::warp::uniform_sphere;
 
     fn hit(triangle: &Triangle, ray: &Ray) -> Option<f32> {
         triangle.intersect(&PreparedRay::new(ray), 0.0, f32::INFINITY)
@@ -179,9 +152,9 @@ mod tests {
         assert_eq!(hit(&triangle, &at(0.5, 0.5)), Some(1.0), "edges belong to the triangle");
         assert_eq!(hit(&triangle, &ray(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z)), Some(2.0));
         assert_eq!(hit(&triangle, &ray(Vec3::Z, Vec3::X)), None, "within the plane");
-        let surface = triangle.surface(&at(0.25, 0.5));
+        let (surface, uv) = surface(triangle.vertices, &at(0.25, 0.5), 1.0);
         assert_eq!((surface.point, surface.normal), (Vec3::new(0.25, 0.5, 1.0), Vec3::Z));
-        assert_eq!(triangle.uv(&at(0.25, 0.5)), (0.25, 0.5));
+        assert_eq!(uv, [0.25, 0.5]);
         let line = Triangle { vertices: [Vec3::ZERO, Vec3::ONE, Vec3::ONE * 3.0] };
         assert!(line.is_degenerate() && !triangle.is_degenerate());
     }
@@ -210,32 +183,6 @@ mod tests {
             let direction = v[a] * (1.0 - along) + v[b] * along - origin;
             let ray = ray(origin, direction);
             assert!(mesh.iter().any(|triangle| hit(triangle, &ray).is_some()), "{ray:?}");
-        }
-    }
-
-    #[test]
-    fn no_ray_meets_the_triangle_that_it_leaves() {
-        let mut random = Stream::new(9);
-        for scale in [1e-3, 1.0, 1e3] {
-            for _ in 0..200_000 {
-                let mut point = || uniform_sphere(random.uniform(), random.uniform()) * scale;
-                let triangle = Triangle { vertices: [point(), point(), point()] };
-                let (origin, middle) =
-                    (point() * 5.0, triangle.vertices.iter().sum::<Vec3>() / 3.0);
-                let first = ray(origin, normalize(middle - origin));
-                if hit(&triangle, &first).is_none() {
-                    continue;
-                }
-                let surface = triangle.surface(&first);
-                let side = if dot(surface.normal, first.direction) < 0.0 {
-                    surface.normal
-                } else {
-                    -surface.normal
-                };
-                let out = uniform_hemisphere(side, random.uniform(), random.uniform()).0;
-                let leaving = ray(surface.spawn(side), out);
-                assert_eq!(hit(&triangle, &leaving), None, "{triangle:?} {leaving:?}");
-            }
         }
     }
 }

@@ -27,7 +27,7 @@ use crate::sampler::{Dimension, Randoms};
 pub(crate) trait LightModel: Copy + Debug {
     /// Returns the primitive as a light of this kind, and its area. Returns `None` if the primitive
     /// has another shape. Kinds of lights that are not primitives always return `None`.
-    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)>;
+    fn of(primitive: Primitive) -> Option<(Self, f64)>;
 
     /// Samples directions from `from` to the entries at `index`.
     fn sample<R: Real>(
@@ -75,7 +75,7 @@ macro_rules! lights {
 
         impl LightTables {
             /// Adds a primitive. Returns its kind, its index in that kind's table, and its area.
-            fn push(&mut self, primitive: Primitive<'_>) -> (LightKind, u32, f64) {
+            fn push(&mut self, primitive: Primitive) -> (LightKind, u32, f64) {
                 $(if let Some((light, area)) = LightModel::of(primitive) {
                     self.$module.push(light);
                     return (LightKind::$name, self.$module.len() as u32 - 1, area);
@@ -158,7 +158,7 @@ pub(super) struct LightsBuilder {
 
 impl LightsBuilder {
     /// Adds a primitive that emits light.
-    pub(super) fn push(&mut self, primitive: Primitive<'_>, emission: Emission) {
+    pub(super) fn push(&mut self, primitive: Primitive, emission: Emission) {
         let Emission { radiance, sides } = emission;
         let (kind, place, area) = self.lights.tables.push(primitive);
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };

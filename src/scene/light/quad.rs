@@ -31,7 +31,7 @@ fn shape<R: Real>(table: &[QuadLight], index: R::Index) -> (Rectangle<R>, Plane<
 }
 
 impl LightModel for QuadLight {
-    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<(Self, f64)> {
         let Primitive::Quad(quad) = primitive else { return None };
         let (u, v) = (quad.u.as_dvec3(), quad.v.as_dvec3());
         let (width, height) = (u.dot(u).sqrt(), v.dot(v).sqrt());

@@ -50,7 +50,7 @@ impl<R: Real> Cone<R> {
 }
 
 impl LightModel for SphereLight {
-    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<(Self, f64)> {
         let Primitive::Sphere(sphere) = primitive else { return None };
         let radius = f64::from(sphere.radius);
         let light =

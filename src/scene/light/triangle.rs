@@ -25,7 +25,7 @@ fn shape<R: Real>(table: &[TriangleLight], index: R::Index) -> ([R::Vec3; 3], Pl
 }
 
 impl LightModel for TriangleLight {
-    fn of(primitive: Primitive<'_>) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<(Self, f64)> {
         let Primitive::Triangle(triangle) = primitive else { return None };
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
         let normal: DVec3 = (b - a).cross(c - a);

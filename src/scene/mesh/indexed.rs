@@ -57,8 +57,8 @@ impl Mesh {
         12 * (self.vertices.len() + self.triangles.len()) as u64
     }
 
-    /// Returns the transformed triangles that have an area. They are computed in f64 and rounded
-    /// once.
+    /// Returns the transformed vertices, and the triangles that have an area. They are computed in
+    /// f64 and rounded once.
     ///
     /// No ray slips between triangles that share a whole edge. Rays may slip through at
     /// T-junctions, which are vertices on the edge of a neighbour. A triangle without area
@@ -70,7 +70,7 @@ impl Mesh {
         &self,
         transform: &Transform,
         budget: &Budget,
-    ) -> Result<Vec<Triangle>, String> {
+    ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), String> {
         let (vertices, triangles) = (self.vertices.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
         budget.check(36 * (vertices + triangles) + 108 * triangles)?;
@@ -88,17 +88,16 @@ impl Mesh {
             }
         };
         let vertices = self.vertices.iter().map(transformed).collect::<Result<Vec<_>, _>>()?;
-        let triangles = self
-            .triangles
-            .iter()
-            .map(|indices| Triangle { vertices: indices.map(|index| vertices[index as usize]) });
-        let placed: Vec<_> = triangles.filter(|triangle| !triangle.is_degenerate()).collect();
-        if placed.is_empty() {
+        let has_area = |face: &[u32; 3]| {
+            !Triangle { vertices: face.map(|vertex| vertices[vertex as usize]) }.is_degenerate()
+        };
+        let faces: Vec<_> = self.triangles.iter().copied().filter(has_area).collect();
+        if faces.is_empty() {
             return Err(
                 "no triangle has an area after the transform, but a mesh needs one".to_owned()
             );
         }
-        Ok(placed)
+        Ok((vertices, faces))
     }
 }
 

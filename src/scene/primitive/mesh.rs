@@ -69,9 +69,10 @@ impl Expand for MeshFile {
         };
         let room = to.budget.hold_primitives(before, mesh.triangles.len());
         room.map_err(|message| e.error(message))?;
-        let transformed = mesh.transformed(&Transform { scale, rotation, translation }, to.budget);
-        let triangles = transformed.map_err(|message| e.error(format!("{file}: {message}")))?;
-        to.geometry.triangles.extend(triangles);
+        let transform = Transform { scale, rotation, translation };
+        let placed = mesh.transformed(&transform, to.budget);
+        let (vertices, faces) = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
+        to.geometry.triangles.add(vertices, faces);
         Ok(())
     }
 }

@@ -41,6 +41,7 @@ impl Expand for TrianglesFile {
         for (i, vertex) in vertices.iter().enumerate() {
             e.point(&format!("vertices[{i}]"), *vertex)?;
         }
+        let mut faces = Vec::with_capacity(indices.len());
         for (i, corner) in indices.iter().enumerate() {
             let vertex = |k: u32| vertices.get(k as usize).map(|v| Vec3::from_array(*v));
             let [Some(a), Some(b), Some(c)] = corner.map(vertex) else {
@@ -49,12 +50,13 @@ impl Expand for TrianglesFile {
                     vertices.len()
                 )));
             };
-            let triangle = Triangle { vertices: [a, b, c] };
             // Real meshes contain degenerate triangles, which have no normal.
-            if !triangle.is_degenerate() {
-                to.geometry.triangles.push(triangle);
+            if !(Triangle { vertices: [a, b, c] }).is_degenerate() {
+                faces.push(*corner);
             }
         }
+        let positions = vertices.iter().map(|vertex| Vec3::from_array(*vertex));
+        to.geometry.triangles.add(positions, faces);
         Ok(())
     }
 }

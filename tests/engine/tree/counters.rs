@@ -4,6 +4,7 @@ use glam::Vec3;
 use ptfast::Kernel;
 use ptfast::internals::{
     Accelerator, Counters, Geometry, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
+    Triangles,
 };
 
 use super::rays::{adversarial, soup};
@@ -26,7 +27,7 @@ fn batch(geometry: &Geometry, rays: usize) -> RayBatch {
 fn flat_tests_everything() {
     let mut geometry = soup(42, 50, 1.0, Vec3::ZERO);
     // Triangles are tested separately for each axis.
-    geometry.triangles.clear();
+    geometry.triangles = Triangles::default();
     let accelerator = Accelerator::new(geometry.clone());
     for rays in [1, 7, 16, 33, 1000] {
         let batch = batch(&geometry, rays);
@@ -50,7 +51,10 @@ fn flat_tests_everything() {
 #[test]
 fn triangles_are_tested_for_each_axis() {
     let vertices = [Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::Y + Vec3::Z];
-    let geometry = Geometry { triangles: vec![Triangle { vertices }], ..Geometry::default() };
+    let geometry = Geometry {
+        triangles: Triangles::from_iter([Triangle { vertices }]),
+        ..Geometry::default()
+    };
     let accelerator = Accelerator::new(geometry.clone());
     let count = |ways: usize, rays: usize| {
         let mut batch = RayBatch::default();

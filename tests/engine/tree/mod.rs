@@ -65,7 +65,7 @@ fn triangles_smaller_than_rounding() {
         let tree = Bvh2::new(&geometry);
         let mut make = |i: usize| {
             let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
-            let [a, b, c] = geometry.triangles[i % 200].vertices;
+            let [a, b, c] = geometry.triangles.vertices(i % 200);
             let to = match i % 2 {
                 0 => vector(&mut random, 20.0 * size),
                 // The middle of an edge.
@@ -79,7 +79,7 @@ fn triangles_smaller_than_rounding() {
             assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
             // A hit must not lie far beside the triangle.
             if let Some(hit) = want {
-                let middle = geometry.triangles[hit.primitive as usize].vertices[0];
+                let middle = geometry.triangles.vertices(hit.primitive as usize)[0];
                 let miss = ray.origin + ray.direction * hit.t - middle;
                 assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
             }
@@ -130,9 +130,7 @@ fn generated_scenes() {
     ] {
         let scene = ptfast::Scene::load(name).unwrap();
         let mut geometry = Geometry::clone(scene.geometry());
-        for vertex in geometry.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices) {
-            *vertex += shift;
-        }
+        geometry.triangles.map_vertices(|vertex| vertex + shift);
         if name.starts_with("mesh") {
             // In large meshes, the kernel `single` traces several rays in turn. These rays must
             // also meet blocks of the other shapes.
@@ -165,7 +163,7 @@ fn generated_scenes() {
 fn no_ray_escapes_a_closed_mesh() {
     let scene = ptfast::Scene::load("mesh:1").unwrap();
     // All triangles except the floor: one icosphere.
-    let regular = scene.geometry().triangles[..20_480].to_vec();
+    let regular = scene.geometry().triangles.iter().take(20_480).collect::<Vec<_>>();
     let middle =
         regular.iter().fold(Vec3::ZERO, |sum, t| sum + t.vertices[0]) / regular.len() as f32;
     // Move each vertex at random, equally in all triangles that share it, and scale the axes
@@ -179,7 +177,11 @@ fn no_ray_escapes_a_closed_mesh() {
     };
     let irregular = regular.iter().map(|t| Triangle { vertices: t.vertices.map(pushed) }).collect();
     for (name, triangles) in [("regular", regular), ("irregular", irregular)] {
-        escapes(name, Geometry { triangles, ..Geometry::default() }, middle);
+        escapes(
+            name,
+            Geometry { triangles: triangles.into_iter().collect(), ..Geometry::default() },
+            middle,
+        );
     }
 }
 
@@ -194,7 +196,7 @@ fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
             let bundled = (i / Bundles::SIZE).is_multiple_of(2);
             if !bundled || i.is_multiple_of(Bundles::SIZE) {
                 origin = middle + vector(&mut random, 0.2);
-                let [a, b, c] = geometry.triangles[(random.bits() % 20_480) as usize].vertices;
+                let [a, b, c] = geometry.triangles.vertices((random.bits() % 20_480) as usize);
                 target = match i / Bundles::SIZE % 3 {
                     0 => a,
                     1 => b + (c - b) * random.uniform(),

@@ -4,6 +4,7 @@ use glam::Vec3;
 use ptfast::Kernel;
 use ptfast::internals::{
     Accelerator, Bvh2, Geometry, Hit, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
+    Triangles,
 };
 
 use super::check::{RAYS, check};
@@ -23,7 +24,7 @@ fn reference_on_odd_geometry() {
     let same = Geometry {
         spheres: vec![sphere; 100_000],
         quads: Vec::new(),
-        triangles: vec![line, point],
+        triangles: Triangles::from_iter([line, point]),
     };
     let tree = Bvh2::new(&same);
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
@@ -74,7 +75,10 @@ fn kernels_on_odd_geometry() {
         for geometry in [
             Geometry { spheres: vec![sphere; count], ..Geometry::default() },
             Geometry { quads: vec![quad; count], ..Geometry::default() },
-            Geometry { triangles: vec![Triangle { vertices }; count], ..Geometry::default() },
+            Geometry {
+                triangles: std::iter::repeat_n(Triangle { vertices }, count).collect(),
+                ..Geometry::default()
+            },
         ] {
             let accelerator = Accelerator::new(geometry.clone());
             for kernel in Kernel::ALL {
@@ -120,7 +124,7 @@ fn nested_degenerate_and_crowded_geometry() {
     let crowd = Geometry {
         spheres: vec![sphere; 200],
         quads: vec![quad; 200],
-        triangles: vec![Triangle { vertices }; 200],
+        triangles: std::iter::repeat_n(Triangle { vertices }, 200).collect(),
     };
     check("crowd", &crowd, RAYS, 1.0, Vec3::ZERO);
 }
@@ -139,7 +143,7 @@ fn one_primitive_beside_one_that_spans_the_scene() {
         },
         Geometry {
             spheres: vec![ground],
-            triangles: vec![Triangle { vertices }],
+            triangles: Triangles::from_iter([Triangle { vertices }]),
             ..Geometry::default()
         },
     ];

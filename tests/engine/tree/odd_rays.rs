@@ -99,8 +99,8 @@ fn rays_from_far_away() {
     let make = |i: usize| {
         let bundle = i / Bundles::SIZE;
         if i.is_multiple_of(Bundles::SIZE) {
-            let triangle = geometry.triangles[bundle % geometry.triangles.len()];
-            let corner = triangle.vertices[bundle / 3 % 3];
+            let vertices = geometry.triangles.vertices(bundle % geometry.triangles.len());
+            let corner = vertices[bundle / 3 % 3];
             let distance = [30.0, 1e2, 1e3, 1e5][random.bits() as usize % 4];
             let from = uniform_sphere(random.uniform(), random.uniform());
             far.origin = corner + from * (distance * random.between(0.5, 1.0));

@@ -58,7 +58,10 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
             let Geometry { spheres, quads, triangles } = &mut geometry;
             spheres.extend_from_within(spheres.len().saturating_sub(1)..);
             quads.extend_from_within(quads.len().saturating_sub(1)..);
-            triangles.extend_from_within(triangles.len().saturating_sub(3)..);
+            let last = (triangles.len().saturating_sub(3)..triangles.len())
+                .filter_map(|i| triangles.get(i));
+            let last: Vec<_> = last.collect();
+            triangles.extend(last);
         }
     }
     geometry
@@ -75,7 +78,7 @@ pub(crate) fn target(
 ) -> Vec3 {
     match pick(random, 7) {
         0 if !geometry.triangles.is_empty() => {
-            let [a, b, c] = geometry.triangles[pick(random, geometry.triangles.len())].vertices;
+            let [a, b, c] = geometry.triangles.vertices(pick(random, geometry.triangles.len()));
             let t = random.uniform();
             match pick(random, 3) {
                 0 => a,
@@ -151,8 +154,7 @@ pub(crate) fn adversarial(
     }
     if i.is_multiple_of(13) && !geometry.triangles.is_empty() {
         // In the plane of a triangle.
-        let triangle = geometry.triangles[i / 13 % geometry.triangles.len()];
-        let [a, b, c] = triangle.vertices;
+        let [a, b, c] = geometry.triangles.vertices(i / 13 % geometry.triangles.len());
         let at = |s: f32, t: f32| a + (b - a) * s + (c - a) * t;
         origin = at(random.between(-2.0, 3.0), random.between(-2.0, 3.0));
         direction = at(random.uniform(), random.uniform() * 0.5) - origin;
