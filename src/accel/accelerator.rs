@@ -17,6 +17,7 @@ use super::setup::Extent;
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
+use super::tree::partition::Partition;
 use super::tree::wide::WideTree;
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
@@ -26,6 +27,7 @@ use crate::simd::LANES;
 pub struct Accelerator {
     pub(super) geometry: Arc<Geometry>,
     base: Lazy<Base>,
+    tree: Lazy<BinaryTree>,
     scalar: Lazy<Bvh2>,
     wide: Lazy<WideTree>,
     pair: Lazy<PairTree>,
@@ -37,21 +39,21 @@ pub struct Accelerator {
 pub(super) struct Base {
     /// Bounding box of all primitives.
     all: Bounds,
-    /// The tree over all primitives except those that span the scene.
-    tree: BinaryTree,
+    /// The primitives that do not span the scene, which are in the trees, and their bounding box.
+    others: Vec<u32>,
+    bounds: Bounds,
     /// The primitives that span the scene. Nearly every ray would enter their boxes, so rays are
     /// tested against them directly.
     pub(super) spanning: (Blocks, Vec<BlockRef>),
     pub(super) extent: Extent,
 }
 
-/// Size and build time of a layout.
+/// Size and build time of the structures that a kernel needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
     /// Size in memory.
     pub bytes: usize,
-    /// Build time, without the tree that all kernels except [`Kernel::Scalar`] and [`Kernel::Flat`]
-    /// share.
+    /// Build time. Structures that several kernels need are built once, but count for each.
     pub seconds: f64,
 }
 
@@ -95,12 +97,12 @@ impl Base {
         let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
         let (spanning, others) = spanning(&boxes, all.half_area());
-        let tree = BinaryTree::new(&boxes, &others);
-        let bounds = tree.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds);
+        let union = |bounds: Bounds, &primitive: &u32| bounds.union(boxes[primitive as usize]);
+        let bounds = others.iter().fold(Bounds::EMPTY, union).without_subnormals();
         let mut blocks = Blocks::default();
         let references = blocks.push_all(geometry, &spanning);
         let extent = Extent::new(geometry, all, bounds);
-        Self { all, tree, spanning: (blocks, references), extent }
+        Self { all, others, bounds, spanning: (blocks, references), extent }
     }
 }
 
@@ -111,6 +113,7 @@ impl Accelerator {
         Self {
             geometry: geometry.into(),
             base: Lazy::default(),
+            tree: Lazy::default(),
             scalar: Lazy::default(),
             wide: Lazy::default(),
             pair: Lazy::default(),
@@ -122,28 +125,41 @@ impl Accelerator {
         self.base.get(|| Base::new(&self.geometry))
     }
 
-    /// Builds the layout that `kernel` needs, unless it exists already.
+    /// Builds the layout that `kernel` needs, unless it exists already. Large scenes are built by as
+    /// many threads as the current rayon pool has.
     pub fn prepare(&self, kernel: Kernel) -> Layout {
-        let spanning = self.base().spanning.0.bytes();
-        let (bytes, seconds) = match kernel {
-            Kernel::Packet => (self.pair().bytes() + spanning, self.pair.seconds()),
-            Kernel::Beam | Kernel::Single => (self.wide().bytes() + spanning, self.wide.seconds()),
-            Kernel::Flat => (self.flat().bytes(), self.flat.seconds()),
+        let base = self.base().spanning.0.bytes();
+        let (layout, seconds) = match kernel {
+            Kernel::Packet => (self.pair().bytes(), self.pair.seconds()),
+            Kernel::Beam | Kernel::Single => (self.wide().bytes(), self.wide.seconds()),
+            Kernel::Flat => {
+                return Layout { bytes: self.flat().bytes(), seconds: self.flat.seconds() };
+            }
             Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
         };
-        Layout { bytes, seconds }
+        let shares_tree = kernel == Kernel::Packet || kernel != Kernel::Scalar && !self.is_large();
+        let (tree, tree_seconds) =
+            if shares_tree { (self.tree().bytes(), self.tree.seconds()) } else { (0, 0.0) };
+        let seconds = self.base.seconds() + tree_seconds + seconds;
+        Layout { bytes: base + tree + layout, seconds }
+    }
+
+    /// Whether the wide tree is built from clusters instead of the binary tree.
+    fn is_large(&self) -> bool {
+        self.base().others.len() > Partition::MOST
     }
 
     /// Bounding box of the primitives that do not span the scene, or of all primitives if all of
     /// them span it.
     pub(crate) fn bounds(&self) -> Bounds {
-        let base = self.base();
-        base.tree.nodes.first().map_or(base.all, |root| root.bounds)
+        let Base { all, others, bounds, .. } = self.base();
+        if others.is_empty() { *all } else { *bounds }
     }
 
-    /// Size and build time of the tree from which layouts are built. It stays in memory.
-    pub fn tree(&self) -> Layout {
-        Layout { bytes: self.base().tree.bytes(), seconds: self.base.seconds() }
+    /// The tree over all primitives except those that span the scene.
+    fn tree(&self) -> &BinaryTree {
+        let base = self.base();
+        self.tree.get(|| BinaryTree::new(&self.geometry.boxes(), &base.others))
     }
 
     /// Whether `kernel` may be the fastest for the number of primitives in this scene.
@@ -162,8 +178,8 @@ impl Accelerator {
     }
 
     pub(super) fn pair(&self) -> &PairTree {
-        let base = self.base();
-        self.pair.get(|| PairTree::new(&self.geometry, &base.tree, &base.extent))
+        let (tree, extent) = (self.tree(), &self.base().extent);
+        self.pair.get(|| PairTree::new(&self.geometry, tree, extent))
     }
 
     fn flat(&self) -> &Flat {
@@ -172,8 +188,16 @@ impl Accelerator {
     }
 
     fn wide(&self) -> &WideTree {
-        let tree = &self.base().tree;
-        self.wide.get(|| WideTree::new(&self.geometry, tree))
+        let geometry = &self.geometry;
+        if !self.is_large() {
+            let tree = self.tree();
+            return self.wide.get(|| WideTree::new(geometry, tree));
+        }
+        let others = &self.base().others;
+        self.wide.get(|| {
+            let boxes = geometry.boxes();
+            WideTree::of_clusters(geometry, &boxes, &Partition::new(&boxes, others.clone()))
+        })
     }
 
     /// Finds the closest hit of each ray in `range`; ties go to the lowest index. Entries of `hits`

@@ -18,6 +18,22 @@ pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
     settled
 }
 
+/// Makes room for `more` values in `values`, on huge pages if there are many. Moves them to memory
+/// for twice as many if there is no room, so that few of them are moved often.
+pub(super) fn reserve<T>(values: &mut Vec<T>, more: usize) {
+    let len = values.len() + more;
+    if len <= values.capacity() {
+        return;
+    }
+    let mut moved = Vec::with_capacity(2 * len);
+    #[cfg(target_os = "linux")]
+    if 2 * size_of::<T>() * len >= 2 * HUGE {
+        request(moved.spare_capacity_mut());
+    }
+    moved.append(values);
+    *values = moved;
+}
+
 /// Asks the system to back `memory` with huge pages.
 ///
 /// Measured speedup: 1.05 on bounces of `cloud:1000000`, 1.07 on those of `mesh:1000000`.

@@ -10,9 +10,12 @@ mod probe;
 mod ray;
 mod setup;
 mod slab;
+mod threads;
 mod tree;
 
 pub use accelerator::Accelerator;
+#[cfg(feature = "cli")]
+pub(crate) use accelerator::Layout;
 pub(crate) use batch::RayVector;
 pub use batch::{HitBatch, RayBatch};
 pub use counters::Counters;

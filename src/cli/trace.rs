@@ -9,7 +9,7 @@ use serde_json::json;
 use super::console::{advise_on_build, notice, say};
 use super::files;
 use super::named::named;
-use crate::accel::{Accelerator, Kernel};
+use crate::accel::{Accelerator, Kernel, Layout};
 use crate::error::Result;
 use crate::isa::Isa;
 use crate::machine::Machine;
@@ -97,19 +97,9 @@ fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
 }
 
 fn say_build(accelerator: &Accelerator, kernel: Kernel, primitives: usize) -> Result<()> {
-    let (tree, layout, name) = (accelerator.tree(), accelerator.prepare(kernel), kernel.name());
-    let each = |bytes: usize| bytes as f64 / primitives.max(1) as f64;
-    // The reference has its own tree over all primitives, and `flat` has no tree.
-    let (tree, shared) = match kernel {
-        Kernel::Scalar | Kernel::Flat => (0.0, String::new()),
-        _ => (tree.seconds, format!(" + {:.1} of the tree", each(tree.bytes))),
-    };
-    say(format_args!(
-        "build   {name:<8}{:.3} s = tree {tree:.3} + layout {:.3}, {:.1} bytes per primitive{shared}",
-        tree + layout.seconds,
-        layout.seconds,
-        each(layout.bytes),
-    ))
+    let Layout { bytes, seconds } = accelerator.prepare(kernel);
+    let (name, each) = (kernel.name(), bytes as f64 / primitives.max(1) as f64);
+    say(format_args!("build   {name:<8}{seconds:.3} s, {each:.1} bytes per primitive"))
 }
 
 fn say_replay(set: &RaySet, replay: &Replay) -> Result<()> {

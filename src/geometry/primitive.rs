@@ -180,7 +180,7 @@ macro_rules! shape {
 
         impl Shape {
             /// All shapes, in the order of their discriminants.
-            pub(crate) const ALL: &[Self] = &[$(Self::$name,)*];
+            pub(crate) const ALL: [Self; [$(Self::$name,)*].len()] = [$(Self::$name,)*];
         }
     };
 }

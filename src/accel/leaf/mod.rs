@@ -12,7 +12,7 @@ use std::mem::take;
 use glam::Vec3;
 
 use super::counters::Count;
-use super::huge_pages::settle;
+use super::huge_pages::{reserve, settle};
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
@@ -39,6 +39,11 @@ impl BlockRef {
         assert!(index < 1 << Self::COUNT_SHIFT, "a layout holds at most 2^25 blocks of a shape");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
         Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
+    }
+
+    /// The reference to the same block in a list in which `blocks` blocks of each shape come first.
+    pub(super) fn moved(self, blocks: &[usize; Shape::ALL.len()]) -> Self {
+        Self::new(self.shape(), self.count() as usize, self.index() + blocks[self.shape() as usize])
     }
 
     pub(super) fn bits(self) -> u32 {
@@ -123,11 +128,24 @@ macro_rules! blocks {
                 BlockRef::new(shape, primitives.len(), index)
             }
 
+            /// The number of blocks of each shape.
+            pub(super) fn counts(&self) -> [usize; Shape::ALL.len()] {
+                [$(self.$module.len(),)*]
+            }
+
             /// Returns the number of blocks of `shape`.
             pub(super) fn count(&self, shape: Shape) -> usize {
                 match shape {
                     $(Shape::$name => self.$module.len(),)*
                 }
+            }
+
+            /// Appends the blocks of `other`.
+            pub(super) fn append(&mut self, other: Self) {
+                $(
+                    reserve(&mut self.$module, other.$module.len());
+                    self.$module.extend(other.$module);
+                )*
             }
 
             /// Moves the blocks to huge pages. Call this after the last block has been added.

@@ -1,5 +1,6 @@
 //! The binary tree from which every layout is built, itself built by obvhs.
 
+use std::sync::Mutex;
 use std::time::Duration;
 
 use obvhs::BvhBuildParams;
@@ -8,6 +9,8 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use super::group::Groups;
+use super::partition::Partition;
+use crate::accel::threads::for_each;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
 
@@ -41,9 +44,10 @@ const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::very_slow_build()
 };
 
-/// Above this number of boxes, the build tries to reinsert only one node in ten. Trees of a million
-/// spheres and of a million triangles were built 4 times faster and traced as fast (`profiling/`).
-const MANY: usize = 1 << 15;
+/// The share of nodes that the build of large scenes tries to reinsert, instead of all nodes. Trees
+/// of a million spheres and of a million triangles were built 4 times faster and traced as fast
+/// (`profiling/`).
+const REINSERTION: f32 = 0.1;
 
 impl BinaryTree {
     /// Size in memory.
@@ -51,8 +55,43 @@ impl BinaryTree {
         size_of_val(&*self.nodes)
     }
 
-    /// Builds the tree over `primitives`, whose boxes are `boxes[primitive]`.
+    /// Builds the tree over `primitives`, whose boxes are `boxes[primitive]`. The tree does not
+    /// depend on the number of threads that build it.
     pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
+        if primitives.len() <= Partition::MOST {
+            return Self::at_once(boxes, primitives, BUILD.reinsertion_batch_ratio);
+        }
+        let partition = Partition::new(boxes, primitives.to_vec());
+        let clusters: Vec<_> =
+            partition.clusters.iter().map(|_| Mutex::new(Self::default())).collect();
+        for_each(partition.clusters.iter().zip(&clusters).collect(), |(primitives, tree)| {
+            *tree.lock().expect("no thread panicked") = Self::of_cluster(boxes, primitives);
+        });
+        let clusters =
+            clusters.into_iter().map(|tree| tree.into_inner().expect("no thread panicked"));
+        let clusters: Vec<Self> = clusters.collect();
+        let mut tree = partition.top(|cluster| clusters[cluster].nodes[0].bounds);
+        let top = tree.nodes.len();
+        tree.nodes.reserve_exact(2 * primitives.len() - 1 - top);
+        for slot in 0..top {
+            // A cluster's root takes the place of the leaf that stands for it.
+            if let Below::Primitive(cluster) = tree.nodes[slot].below {
+                let nodes = &clusters[cluster as usize].nodes;
+                let moved = tree.nodes.len() as u32 - 1;
+                tree.nodes.extend(nodes.iter().skip(1).map(|node| node.moved(moved)));
+                tree.nodes[slot] = nodes[0].moved(moved);
+            }
+        }
+        tree
+    }
+
+    /// Builds the tree over a cluster of a large scene.
+    pub(super) fn of_cluster(boxes: &[Bounds], primitives: &[u32]) -> Self {
+        Self::at_once(boxes, primitives, REINSERTION)
+    }
+
+    /// Builds a tree without dividing the primitives into clusters first.
+    fn at_once(boxes: &[Bounds], primitives: &[u32], reinsertion_batch_ratio: f32) -> Self {
         if primitives.is_empty() {
             return Self::default();
         }
@@ -63,12 +102,11 @@ impl BinaryTree {
         let group_boxes: Vec<Aabb> = (0..groups.len())
             .map(|group| unequal(group, union_of(groups.members(group))))
             .collect();
-        let many = group_boxes.len() > MANY;
-        let reinsertion_batch_ratio = if many { 0.1 } else { BUILD.reinsertion_batch_ratio };
         let build = BvhBuildParams { reinsertion_batch_ratio, ..BUILD };
         let built = build_bvh2(&group_boxes, build, &mut Duration::default());
 
-        let mut nodes = vec![BinaryNode::UNKNOWN];
+        let mut nodes = Vec::with_capacity(2 * primitives.len() - 1);
+        nodes.push(BinaryNode::UNKNOWN);
         let mut open = vec![(0, Subtree::Built(0))];
         while let Some((slot, subtree)) = open.pop() {
             let (left, right) = match subtree.resolve(&built, &groups) {
@@ -145,7 +183,16 @@ impl BinaryTree {
 }
 
 impl BinaryNode {
-    const UNKNOWN: Self = Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
+    pub(super) const UNKNOWN: Self =
+        Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
+
+    /// The node in a list in which its children come `by` places later.
+    fn moved(self, by: u32) -> Self {
+        match self.below {
+            Below::Children(first) => Self { below: Below::Children(first + by), ..self },
+            Below::Primitive(_) => self,
+        }
+    }
 }
 
 /// A part of the tree yet to be copied: a node of the builder, or some members of a group.

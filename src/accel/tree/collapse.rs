@@ -34,18 +34,28 @@ struct Subtree {
 }
 
 impl<'a> Collapse<'a> {
+    /// Finds the division of a tree over `geometry`.
     pub(crate) fn new(geometry: &Geometry, tree: &'a BinaryTree) -> Self {
+        Self::of(tree, |primitive, costs| {
+            let kind = Some(geometry.get(primitive).shape());
+            Subtree { costs, count: 1, kind, is_leaf: true }
+        })
+    }
+
+    /// Finds the division of a tree whose leaves stand for trees that have a node of their own.
+    pub(crate) fn of_roots(tree: &'a BinaryTree) -> Self {
+        let count = LANES as u32 + 1;
+        Self::of(tree, |_, costs| Subtree { costs, count, kind: None, is_leaf: false })
+    }
+
+    /// Finds the division of a tree. `leaf` returns the subtree of a leaf with these costs.
+    fn of(tree: &'a BinaryTree, leaf: impl Fn(u32, [f32; SHARES]) -> Subtree) -> Self {
         let unknown = Subtree { costs: [0.0; SHARES], count: 0, kind: None, is_leaf: false };
         let mut collapse = Self { tree, subtrees: vec![unknown; tree.nodes.len()] };
         for (index, node) in tree.nodes.iter().enumerate().rev() {
             let area = node.bounds.half_area();
             collapse.subtrees[index] = match node.below {
-                Below::Primitive(primitive) => Subtree {
-                    costs: [area; SHARES],
-                    count: 1,
-                    kind: Some(geometry.get(primitive).shape()),
-                    is_leaf: true,
-                },
+                Below::Primitive(primitive) => leaf(primitive, [area; SHARES]),
                 Below::Children(first) => collapse.join(first, area),
             };
         }

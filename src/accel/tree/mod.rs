@@ -5,4 +5,5 @@ pub(super) mod bvh2;
 mod collapse;
 mod group;
 pub(super) mod pair;
+pub(super) mod partition;
 pub(super) mod wide;

@@ -1,10 +1,16 @@
 //! Wide trees for beams and single rays, collapsed from the binary tree: a node has up to [`LANES`]
 //! children.
 
-use super::binary::BinaryTree;
+use std::collections::BTreeMap;
+use std::mem::take;
+use std::sync::Mutex;
+
+use super::binary::{Below, BinaryTree};
 use super::collapse::Collapse;
-use crate::accel::huge_pages::settle;
+use super::partition::Partition;
+use crate::accel::huge_pages::{reserve, settle};
 use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::threads::for_each;
 use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::{LANES, Lanes, prefetch};
 
@@ -54,57 +60,146 @@ pub(crate) struct WideTree {
 /// Size in bytes above which a tree is larger than the fast caches.
 const LARGE: usize = 1 << 20;
 
-impl WideTree {
-    /// Lays out `tree`.
+/// A part of a wide tree, whose references count from its own first node and block.
+#[derive(Debug, Default)]
+struct Part {
+    nodes: Vec<WideNode>,
+    blocks: Blocks,
+    /// Number of nodes on the longest path from its root.
+    depth: usize,
+    /// For each subtree that stands for another part: the node and the lane that refer to it, and
+    /// the number of the part.
+    parts: Vec<(usize, usize, u32)>,
+}
+
+impl Part {
+    /// Lays out `tree`, which is not empty.
     ///
     /// Neighbouring leaves of one shape share a block if they fit. Each leaf has its own
     /// box, and a visit of one of them visits them all. Sharing blocks halves the memory for a
     /// million spheres (`profiling/`).
-    pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let mut layout = Self {
-            nodes: Vec::new(),
-            blocks: Blocks::default(),
-            depth: 0,
-            is_large: false,
-            in_turn: false,
-        };
-        if tree.nodes.is_empty() {
-            return layout;
-        }
-        let collapse = Collapse::new(geometry, tree);
-        layout.nodes.push(WideNode::EMPTY);
+    fn new(geometry: &Geometry, tree: &BinaryTree, collapse: &Collapse<'_>) -> Self {
+        let mut part = Self::default();
+        part.nodes.push(WideNode::EMPTY);
         let mut open = vec![(0, 0, 1)];
         let mut children = Vec::new();
         while let Some((slot, index, depth)) = open.pop() {
-            layout.depth = layout.depth.max(depth);
+            part.depth = part.depth.max(depth);
             children.clear();
             collapse.children(index, &mut children);
             let mut lane = 0;
             for run in collapse.runs(&children) {
-                let child = if collapse.is_leaf(run[0]) {
-                    let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
-                    let mut primitives: Vec<u32> = leaves.collect();
-                    layout.blocks.push(geometry, &mut primitives).bits()
-                } else {
-                    let below = layout.nodes.len();
-                    layout.nodes.push(WideNode::EMPTY);
-                    open.push((below, run[0], depth + 1));
-                    below as u32
+                let child = match tree.nodes[run[0] as usize].below {
+                    _ if collapse.is_leaf(run[0]) => {
+                        let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
+                        let mut primitives: Vec<u32> = leaves.collect();
+                        part.blocks.push(geometry, &mut primitives).bits()
+                    }
+                    Below::Primitive(number) => {
+                        part.parts.push((slot, lane, number));
+                        0
+                    }
+                    Below::Children(_) => {
+                        let below = part.nodes.len();
+                        part.nodes.push(WideNode::EMPTY);
+                        open.push((below, run[0], depth + 1));
+                        below as u32
+                    }
                 };
                 for &index in run {
                     let bounds = &tree.nodes[index as usize].bounds;
-                    layout.nodes[slot].set(lane, bounds, child);
+                    part.nodes[slot].set(lane, bounds, child);
                     lane += 1;
                 }
             }
         }
-        layout.nodes = settle(layout.nodes);
-        layout.blocks.settle();
-        layout.is_large = layout.bytes() > LARGE;
-        let blocks = &layout.blocks;
-        let triangles = blocks.count(Shape::Triangle);
-        layout.in_turn = layout.is_large && 2 * triangles > blocks.len();
-        layout
+        part
+    }
+
+    /// Appends a part. Returns the index of its root.
+    fn append(&mut self, mut part: Self) -> u32 {
+        let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
+        reserve(&mut self.nodes, part.nodes.len());
+        self.nodes.extend(part.nodes.drain(..).map(|node| {
+            let children = node.children.map(|child| match child & BlockRef::LEAF {
+                0 => child + first,
+                _ => BlockRef::from_bits(child).moved(&blocks).bits(),
+            });
+            WideNode { children, ..node }
+        }));
+        self.blocks.append(part.blocks);
+        first
+    }
+}
+
+/// The parts of a wide tree, which are appended in order, whatever the order in which they are
+/// finished.
+struct Assembly {
+    tree: Part,
+    /// Finished parts that come after unfinished ones.
+    waiting: BTreeMap<usize, Part>,
+    /// The root and the depth of each appended part.
+    roots: Vec<(u32, usize)>,
+}
+
+impl Assembly {
+    fn add(&mut self, number: usize, part: Part) {
+        self.waiting.insert(number, part);
+        while let Some(part) = self.waiting.remove(&self.roots.len()) {
+            let depth = part.depth;
+            self.roots.push((self.tree.append(part), depth));
+        }
+    }
+}
+
+impl WideTree {
+    /// Lays out `tree`.
+    pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
+        let mut all = Part::default();
+        if !tree.nodes.is_empty() {
+            all = Part::new(geometry, tree, &Collapse::new(geometry, tree));
+            all.nodes = settle(all.nodes);
+            all.blocks.settle();
+        }
+        Self::of(all)
+    }
+
+    /// Builds the tree over the clusters of a large scene. The binary tree of the scene is never in
+    /// memory as a whole. `boxes` has the box of each primitive.
+    pub(crate) fn of_clusters(
+        geometry: &Geometry,
+        boxes: &[Bounds],
+        partition: &Partition,
+    ) -> Self {
+        let clusters = &partition.clusters;
+        let top = partition.top(|cluster| {
+            let boxes = clusters[cluster].iter().map(|&primitive| boxes[primitive as usize]);
+            boxes.fold(Bounds::EMPTY, Bounds::union)
+        });
+        let mut tree = Part::new(geometry, &top, &Collapse::of_roots(&top));
+        let parts = take(&mut tree.parts);
+        let assembly = Mutex::new(Assembly { tree, waiting: BTreeMap::new(), roots: Vec::new() });
+        for_each(clusters.iter().enumerate().collect(), |(number, primitives)| {
+            let tree = BinaryTree::of_cluster(boxes, primitives);
+            let part = Part::new(geometry, &tree, &Collapse::new(geometry, &tree));
+            assembly.lock().expect("no thread panicked").add(number, part);
+        });
+        let Assembly { mut tree, roots, .. } = assembly.into_inner().expect("no thread panicked");
+        let mut below = 0;
+        for (slot, lane, number) in parts {
+            let (root, depth) = roots[number as usize];
+            tree.nodes[slot].children[lane] = root;
+            below = below.max(depth);
+        }
+        tree.depth += below;
+        Self::of(tree)
+    }
+
+    fn of(Part { nodes, blocks, depth, .. }: Part) -> Self {
+        let bytes = size_of_val(&*nodes) + blocks.bytes();
+        let is_large = bytes > LARGE;
+        let in_turn = is_large && 2 * blocks.count(Shape::Triangle) > blocks.len();
+        Self { nodes, blocks, depth, is_large, in_turn }
     }
 
     /// Prefetches a node or a block.
@@ -120,5 +215,40 @@ impl WideTree {
     /// Size in memory.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + self.blocks.bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Sphere;
+    use crate::math::random::Stream;
+    use glam::Vec3;
+
+    #[test]
+    fn any_number_of_threads_builds_the_same_tree() {
+        let mut random = Stream::new(31);
+        let mut sphere = || {
+            let center = Vec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));
+            Sphere::still(center, 1e-3)
+        };
+        let spheres = (0..3 * Partition::MOST).map(|_| sphere()).collect();
+        let geometry = Geometry { spheres, ..Geometry::default() };
+        let boxes = geometry.boxes();
+        let all: Vec<u32> = (0..geometry.len() as u32).collect();
+        let build = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let partition = Partition::new(&boxes, all.clone());
+                WideTree::of_clusters(&geometry, &boxes, &partition)
+            })
+        };
+        let (one, many) = (build(1), build(3));
+        assert!(one.depth > 2 && one.nodes.len() > 1000);
+        assert_eq!((one.depth, one.nodes.len()), (many.depth, many.nodes.len()));
+        for (a, b) in one.nodes.iter().zip(&many.nodes) {
+            assert_eq!((a.planes, a.children), (b.planes, b.children));
+        }
+        assert_eq!(format!("{:?}", one.blocks), format!("{:?}", many.blocks));
     }
 }

@@ -1,0 +1,193 @@
+//! Splits the primitives of large scenes into clusters, whose trees are built separately.
+//!
+//! The builder of the crate obvhs takes more than linear time, because its searches miss the caches
+//! in large trees. Clusters that fit into the caches take linear time, and threads can build
+//! different ones at once. The clusters do not depend on the number of threads.
+
+use std::mem::take;
+use std::sync::Mutex;
+
+use super::binary::{Below, BinaryNode, BinaryTree};
+use crate::accel::threads::for_each;
+use crate::geometry::Bounds;
+
+/// Number of bins along the longest axis in which splits are compared.
+const BINS: usize = 32;
+
+/// The upper levels of a tree, as splits of a list of primitives.
+#[derive(Debug)]
+pub(crate) struct Partition {
+    /// The primitives of each cluster, in the order of the tree.
+    pub(super) clusters: Vec<Vec<u32>>,
+    /// The parts, a part before those that it was split into. The first has all primitives.
+    pub(super) parts: Vec<Part>,
+}
+
+/// A subtree of the upper levels.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Part {
+    /// The index of a cluster.
+    Cluster(usize),
+    /// The index of the first of two parts.
+    Split(usize),
+}
+
+/// The primitives in a bin.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: usize,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: Bounds::EMPTY, count: 0 };
+
+    fn union(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+
+    /// The share of this side in the cost of a split (surface area heuristic).
+    fn cost(self) -> f32 {
+        self.bounds.half_area() * self.count as f32
+    }
+}
+
+impl Partition {
+    /// Largest number of primitives in a cluster.
+    pub(crate) const MOST: usize = 1 << 15;
+
+    /// The upper levels as a tree whose primitives are the clusters. `root` returns the box of a
+    /// cluster.
+    pub(super) fn top(&self, root: impl Fn(usize) -> Bounds) -> BinaryTree {
+        let mut nodes = vec![BinaryNode::UNKNOWN; self.parts.len()];
+        for (index, part) in self.parts.iter().enumerate().rev() {
+            nodes[index] = match *part {
+                Part::Cluster(cluster) => {
+                    let below = Below::Primitive(cluster as u32);
+                    BinaryNode { bounds: root(cluster), below }
+                }
+                Part::Split(first) => BinaryNode {
+                    bounds: nodes[first].bounds.union(nodes[first + 1].bounds),
+                    below: Below::Children(first as u32),
+                },
+            };
+        }
+        BinaryTree { nodes }
+    }
+
+    /// Splits `primitives`, whose boxes are `boxes[primitive]`, until each part has at most
+    /// [`Self::MOST`].
+    pub(crate) fn new(boxes: &[Bounds], primitives: Vec<u32>) -> Self {
+        let mut partition = Self { clusters: Vec::new(), parts: vec![Part::Cluster(0)] };
+        // The parts of one level are split at once.
+        let mut level = vec![(0, primitives)];
+        while !level.is_empty() {
+            let halves: Vec<_> = level.iter().map(|_| Mutex::new(None)).collect();
+            let large =
+                level.iter_mut().zip(&halves).filter(|((_, part), _)| part.len() > Self::MOST);
+            for_each(large.collect(), |((_, part), halves)| {
+                *halves.lock().expect("no thread panicked") = Some(split(boxes, take(part)));
+            });
+            let mut next = Vec::new();
+            for ((index, part), halves) in level.into_iter().zip(halves) {
+                partition.parts[index] = match halves.into_inner().expect("no thread panicked") {
+                    None => {
+                        partition.clusters.push(part);
+                        Part::Cluster(partition.clusters.len() - 1)
+                    }
+                    Some(halves) => {
+                        let first = partition.parts.len();
+                        partition.parts.extend([Part::Cluster(0); 2]);
+                        next.extend((first..).zip(halves));
+                        Part::Split(first)
+                    }
+                };
+            }
+            level = next;
+        }
+        partition
+    }
+}
+
+/// Splits `primitives` in two. Of the planes between bins along the longest axis, it takes the one
+/// of least cost (Wald 2007, "On Fast Construction of SAH-based Bounding Volume Hierarchies"). If all
+/// centres are equal, each side gets half of the primitives.
+fn split(boxes: &[Bounds], mut primitives: Vec<u32>) -> [Vec<u32>; 2] {
+    let center = |&p: &u32| boxes[p as usize].min + boxes[p as usize].max;
+    let centers = Bounds::of(primitives.iter().map(center));
+    let edges = centers.max - centers.min;
+    let axis = edges.max_position();
+    let (low, scale) = (centers.min[axis], BINS as f32 / edges[axis]);
+    let bin_of = |p: &u32| {
+        let Bounds { min, max } = boxes[*p as usize];
+        (((min[axis] + max[axis] - low) * scale) as usize).min(BINS - 1)
+    };
+    let mut bins = [Bin::EMPTY; BINS];
+    for p in &primitives {
+        let bin = &mut bins[bin_of(p)];
+        *bin = bin.union(Bin { bounds: boxes[*p as usize], count: 1 });
+    }
+
+    let mut right = [Bin::EMPTY; BINS];
+    for bin in (1..BINS).rev() {
+        right[bin - 1] = right[bin].union(bins[bin]);
+    }
+    let (mut left, mut best) = (Bin::EMPTY, (f32::INFINITY, None));
+    for bin in 0..BINS - 1 {
+        left = left.union(bins[bin]);
+        let cost = left.cost() + right[bin].cost();
+        if left.count > 0 && right[bin].count > 0 && cost < best.0 {
+            best = (cost, Some(bin));
+        }
+    }
+    match best.1 {
+        Some(last) => primitives.into_iter().partition(|p| bin_of(p) <= last).into(),
+        None => {
+            let second = primitives.split_off(primitives.len() / 2);
+            [primitives, second]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+    use glam::Vec3;
+
+    /// Small boxes at random places, on a line, or all at one place.
+    fn boxes(shape: usize, count: usize) -> Vec<Bounds> {
+        let mut random = Stream::new(3);
+        let place = |_| {
+            let [x, y, z] = [(); 3].map(|()| random.uniform());
+            let min = match shape {
+                0 => Vec3::new(x, y, z),
+                1 => Vec3::X * x.powi(30),
+                _ => Vec3::ONE,
+            };
+            Bounds { min, max: min + 1e-3 }
+        };
+        (0..count).map(place).collect()
+    }
+
+    #[test]
+    fn clusters_hold_all_primitives_on_any_number_of_threads() {
+        for shape in 0..3 {
+            let boxes = boxes(shape, 5 * Partition::MOST + 7);
+            let all: Vec<u32> = (0..boxes.len() as u32).collect();
+            let clusters = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| Partition::new(&boxes, all.clone()).clusters)
+            };
+            let one = clusters(1);
+            assert_eq!(one, clusters(3));
+            assert!(
+                one.len() > 5
+                    && one.iter().all(|cluster| (1..=Partition::MOST).contains(&cluster.len()))
+            );
+            let mut held = one.concat();
+            held.sort_unstable();
+            assert_eq!(held, all);
+        }
+    }
+}
