@@ -81,7 +81,7 @@ fn primitive(criterion: &mut Criterion) {
     }
     for (name, geometry) in primitives() {
         let accelerator = Accelerator::new(geometry.clone());
-        accelerator.prepare(Kernel::Flat);
+        accelerator.prepare(Kernel::Flat, 1);
         let brute_force = |rays: &RayBatch| -> HitBatch {
             let mut hits = HitBatch::default();
             for index in 0..rays.len() {
@@ -116,7 +116,7 @@ fn traversal(criterion: &mut Criterion) {
         for set in &sets {
             let may_win = |kernel: &Kernel| accelerator.may_win(*kernel);
             for kernel in Kernel::ALL.into_iter().filter(|k| may_win(k) || *k == Kernel::Scalar) {
-                accelerator.prepare(kernel);
+                accelerator.prepare(kernel, 1);
                 let all = 0..set.rays.len();
                 let mut hits = HitBatch::default();
                 group.throughput(Throughput::Elements(all.len() as u64));

@@ -160,7 +160,9 @@ pub mod internals {
     pub use crate::cli::run;
     pub use crate::engine::{BITS, Stage};
     pub use crate::film::{Film, Tile};
-    pub use crate::geometry::{Bounds, Geometry, Hit, Quad, Ray, Sphere, Triangle, Triangles};
+    pub use crate::geometry::{
+        Bounds, Geometry, Hit, Quad, Ray, Sphere, Triangle, Triangles, Vertices,
+    };
     pub use crate::isa::missing_feature;
     pub use crate::math::random::Stream;
     pub use crate::math::warp::uniform_sphere;

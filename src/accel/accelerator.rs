@@ -125,21 +125,21 @@ impl Accelerator {
         self.base.get(|| Base::new(&self.geometry))
     }
 
-    /// Builds the layout that `kernel` needs, unless it exists already. Large scenes are built by as
-    /// many threads as the current rayon pool has.
-    pub fn prepare(&self, kernel: Kernel) -> Layout {
+    /// Builds the layout that `kernel` needs, unless it exists already. For large scenes, `threads`
+    /// threads build it.
+    pub fn prepare(&self, kernel: Kernel, threads: usize) -> Layout {
         let base = self.base().spanning.0.bytes();
         let (layout, seconds) = match kernel {
-            Kernel::Packet => (self.pair().bytes(), self.pair.seconds()),
-            Kernel::Beam | Kernel::Single => (self.wide().bytes(), self.wide.seconds()),
+            Kernel::Packet => (self.pair(threads).bytes(), self.pair.seconds()),
+            Kernel::Beam | Kernel::Single => (self.wide(threads).bytes(), self.wide.seconds()),
             Kernel::Flat => {
                 return Layout { bytes: self.flat().bytes(), seconds: self.flat.seconds() };
             }
-            Kernel::Scalar => (self.scalar().bytes(), self.scalar.seconds()),
+            Kernel::Scalar => (self.scalar_by(threads).bytes(), self.scalar.seconds()),
         };
         let shares_tree = kernel == Kernel::Packet || kernel != Kernel::Scalar && !self.is_large();
         let (tree, tree_seconds) =
-            if shares_tree { (self.tree().bytes(), self.tree.seconds()) } else { (0, 0.0) };
+            if shares_tree { (self.tree(threads).bytes(), self.tree.seconds()) } else { (0, 0.0) };
         let seconds = self.base.seconds() + tree_seconds + seconds;
         Layout { bytes: base + tree + layout, seconds }
     }
@@ -157,9 +157,9 @@ impl Accelerator {
     }
 
     /// The tree over all primitives except those that span the scene.
-    fn tree(&self) -> &BinaryTree {
+    fn tree(&self, threads: usize) -> &BinaryTree {
         let base = self.base();
-        self.tree.get(|| BinaryTree::new(&self.geometry.boxes(), &base.others))
+        self.tree.get(|| BinaryTree::new(&self.geometry.boxes(), &base.others, threads))
     }
 
     /// Whether `kernel` may be the fastest for the number of primitives in this scene.
@@ -174,11 +174,16 @@ impl Accelerator {
 
     /// The tree of the scalar engine.
     pub fn scalar(&self) -> &Bvh2 {
-        self.scalar.get(|| Bvh2::new(&self.geometry))
+        self.scalar_by(1)
     }
 
-    pub(super) fn pair(&self) -> &PairTree {
-        let (tree, extent) = (self.tree(), &self.base().extent);
+    /// The tree of the scalar engine, built by `threads` threads unless it exists already.
+    fn scalar_by(&self, threads: usize) -> &Bvh2 {
+        self.scalar.get(|| Bvh2::new(&self.geometry, threads))
+    }
+
+    pub(super) fn pair(&self, threads: usize) -> &PairTree {
+        let (tree, extent) = (self.tree(threads), &self.base().extent);
         self.pair.get(|| PairTree::new(&self.geometry, tree, extent))
     }
 
@@ -187,16 +192,17 @@ impl Accelerator {
         self.flat.get(|| Flat::new(&self.geometry, all))
     }
 
-    fn wide(&self) -> &WideTree {
+    fn wide(&self, threads: usize) -> &WideTree {
         let geometry = &self.geometry;
         if !self.is_large() {
-            let tree = self.tree();
+            let tree = self.tree(threads);
             return self.wide.get(|| WideTree::new(geometry, tree));
         }
         let others = &self.base().others;
         self.wide.get(|| {
             let boxes = geometry.boxes();
-            WideTree::of_clusters(geometry, &boxes, &Partition::new(&boxes, others.clone()))
+            let partition = Partition::new(&boxes, others.clone(), threads);
+            WideTree::of_clusters(geometry, &boxes, &partition, threads)
         })
     }
 
@@ -260,9 +266,9 @@ impl Accelerator {
         let Base { spanning: (blocks, spanning), extent, .. } = self.base();
         let job = Job { rays, ends, extent, blocks, spanning };
         let wild = match kernel {
-            Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(), &job, hits, count),
-            Kernel::Beam => beam::trace::<ANY, C>(self.wide(), &job, hits, count),
-            Kernel::Single => single::trace::<ANY, C>(self.wide(), &job, hits, count),
+            Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(1), &job, hits, count),
+            Kernel::Beam => beam::trace::<ANY, C>(self.wide(1), &job, hits, count),
+            Kernel::Single => single::trace::<ANY, C>(self.wide(1), &job, hits, count),
             Kernel::Flat => self.flat().trace::<ANY, C>(&job, hits, count),
             Kernel::Scalar => range.collect(),
         };

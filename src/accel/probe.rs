@@ -12,7 +12,7 @@ impl Accelerator {
     /// Number of boxes that each ray is tested against.
     #[doc(hidden)]
     pub fn boxes(&self) -> usize {
-        2 * self.pair().nodes.len()
+        2 * self.pair(1).nodes.len()
     }
 
     /// Counts how often rays in `range` enter a box of the packets' tree, testing whole packets.
@@ -21,7 +21,7 @@ impl Accelerator {
         let (ends, base) = ((range.start, range.end), self.base());
         let (extent, blocks) = (&base.extent, &base.spanning.0);
         let job = Job { rays, ends, extent, blocks, spanning: &[] };
-        pair_traversal::enter_all(self.pair(), &job, &mut HitBatch::misses(rays.len()))
+        pair_traversal::enter_all(self.pair(1), &job, &mut HitBatch::misses(rays.len()))
     }
 
     /// Counts the same entries ray by ray, with the reference's box test.
@@ -31,7 +31,7 @@ impl Accelerator {
         let entered = |index: usize| {
             let (ray, t_min, t_max) = rays.get(index);
             let slab = SlabRay::new(&ray, &bounds, 1.0);
-            let boxes = self.pair().nodes.iter().flat_map(|node| &node.boxes);
+            let boxes = self.pair(1).nodes.iter().flat_map(|node| &node.boxes);
             boxes.filter(|planes| slab.enter(planes, t_min, t_max).is_some()).count() as u64
         };
         range.map(entered).sum()

@@ -1,16 +1,15 @@
 //! Parallel work while trees are built.
 //!
-//! It uses threads of its own, as many as the current rayon pool has. A thread of the pool that
-//! waits for its tasks may start another one, which could need the same tree and wait for it
-//! forever.
+//! It uses threads of its own. A thread of a rayon pool that waits for its tasks may start another
+//! one, which could need the same tree and wait for it forever.
 
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// Calls `work` with each of `tasks`, the first ones first. If threads cannot be started, fewer do
-/// the work.
-pub(super) fn for_each<T: Send>(tasks: Vec<T>, work: impl Fn(T) + Sync) {
-    let threads = rayon::current_num_threads().min(tasks.len());
+/// Calls `work` with each of `tasks`, the first ones first, on up to `threads` threads. If threads
+/// cannot be started, fewer do the work.
+pub(super) fn for_each<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) + Sync) {
+    let threads = threads.min(tasks.len());
     let tasks = Mutex::new(tasks.into_iter());
     let next = || tasks.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = || {

@@ -97,7 +97,7 @@ fn kernels(choice: Option<Kernel>, accelerator: &Accelerator) -> Vec<Kernel> {
 }
 
 fn say_build(accelerator: &Accelerator, kernel: Kernel, primitives: usize) -> Result<()> {
-    let Layout { bytes, seconds } = accelerator.prepare(kernel);
+    let Layout { bytes, seconds } = accelerator.prepare(kernel, 1);
     let (name, each) = (kernel.name(), bytes as f64 / primitives.max(1) as f64);
     say(format_args!("build   {name:<8}{seconds:.3} s, {each:.1} bytes per primitive"))
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::math::{Real, max_element};
 
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
-pub const BITS: u32 = 1;
+pub const BITS: u32 = 2;
 
 /// First segment that a path reaches only if it survives Russian roulette.
 pub(super) const ROULETTE_FROM: u32 = 5;

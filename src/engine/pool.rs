@@ -145,14 +145,6 @@ impl Pool {
         }
     }
 
-    /// Calls `work`, which may ask rayon for the number of these threads.
-    pub(super) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match self {
-            Self::Own(pool, _) => pool.install(work),
-            Self::Caller => work(),
-        }
-    }
-
     /// Number of threads.
     pub(super) fn threads(&self) -> usize {
         match self {

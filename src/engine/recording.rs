@@ -56,7 +56,7 @@ impl PathRecorder {
     /// If a setting is out of range, returns [`Error::Usage`](crate::Error::Usage).
     pub(crate) fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
         settings.check()?;
-        Ok(Self(ScalarEngine::new(View::new(scene.into(), settings))))
+        Ok(Self(ScalarEngine::new(View::new(scene.into(), settings), 1)))
     }
 
     /// Traces the path of sample `sample` of pixel `(x, y)`.

@@ -46,7 +46,7 @@ fn engine(
     let view = View::new(prepared.clone(), settings.clone());
     match settings.engine {
         Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool, measured)),
-        Engine::Scalar => Box::new(ScalarEngine::new(view)),
+        Engine::Scalar => Box::new(ScalarEngine::new(view, pool.threads())),
     }
 }
 
@@ -115,7 +115,7 @@ impl Renderer {
         check(&prepared, &settings)?;
         let start = Instant::now();
         let pool = pool(&settings)?;
-        let engine = pool.run(|| engine(&prepared, &settings, paths, &pool, None));
+        let engine = engine(&prepared, &settings, paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
         Ok(Self { prepared, settings, engine, pool, seconds })
     }
@@ -133,8 +133,7 @@ impl Renderer {
         check(&self.prepared, &settings)?;
         let start = Instant::now();
         let measured = self.measured_plan(&settings);
-        let Self { prepared, pool, .. } = self;
-        self.engine = pool.run(|| engine(prepared, &settings, settings.paths(), pool, measured));
+        self.engine = engine(&self.prepared, &settings, settings.paths(), &self.pool, measured);
         self.seconds = Seconds::of_build(&*self.engine, start);
         self.settings = settings;
         Ok(())

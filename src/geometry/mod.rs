@@ -22,10 +22,10 @@ pub(crate) use ray::shear_axes;
 pub use ray::{Hit, Ray};
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::Surfaces;
-pub use triangles::Triangles;
+pub use triangles::{Triangles, Vertices};
 pub(crate) use volume::Volume;
 
-use crate::math::Real;
+use crate::math::{Mask, Real};
 
 /// A point of a surface that a ray has hit, or one point per lane.
 #[derive(Clone, Copy, Debug)]
@@ -38,9 +38,36 @@ pub(crate) struct Surface<R: Real = f32> {
     pub normal: R::Vec3,
     /// Distance along the normal that is certain to move the origin of a new ray off the surface.
     pub offset: R,
+    /// The normal that materials use.
+    pub shading: Shading<R>,
+}
+
+/// The normal with which a surface is shaded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shading<R: Real = f32> {
+    /// Unit normal. Its side has no meaning.
+    pub normal: R::Vec3,
+    /// Whether it may differ from the geometric normal.
+    pub smooth: R::Mask,
+    /// Whether shadows fade out towards the terminator. Only smooth surfaces have this.
+    pub soft: R::Mask,
+}
+
+impl<R: Real> Shading<R> {
+    /// The shading of a flat surface.
+    #[inline(always)]
+    pub(crate) fn flat(normal: R::Vec3) -> Self {
+        Self { normal, smooth: R::Mask::NONE, soft: R::Mask::NONE }
+    }
 }
 
 impl<R: Real> Surface<R> {
+    /// A surface that is shaded with its geometric normal.
+    #[inline(always)]
+    pub(crate) fn flat(point: R::Vec3, normal: R::Vec3, offset: R) -> Self {
+        Self { point, normal, offset, shading: Shading::flat(normal) }
+    }
+
     /// Origin of a ray that leaves the surface toward `side`, which is `normal` or `-normal`.
     ///
     /// The offset bounds the rounding errors of the point and of the primitive's own test (Pharr et

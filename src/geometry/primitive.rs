@@ -208,6 +208,12 @@ impl Geometry {
         self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))
     }
 
+    /// [`Triangles::attributes`] of the primitive, which need not be a triangle.
+    pub(crate) fn attributes(&self, primitive: u32) -> Option<(u32, [[f32; 5]; 3])> {
+        let before = self.spheres.len() + self.quads.len();
+        self.triangles.attributes((primitive as usize).checked_sub(before)?)
+    }
+
     /// Finds the closest hit by testing every primitive. This is the definition that every
     /// acceleration structure is tested against.
     pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {

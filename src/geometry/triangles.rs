@@ -1,6 +1,6 @@
 //! Indexed triangles.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::Triangle;
 use crate::math::{Row, row};
@@ -10,10 +10,39 @@ use crate::math::{Row, row};
 /// Vertices and triangles are stored as rows of four words, which vectors gather fastest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Triangles {
-    /// The indices of each triangle's vertices, and 0.
+    /// For each triangle, the indices of its vertices, and its flags.
     corners: Vec<Row>,
-    /// The position of each vertex, and 0.
-    vertices: Vec<Row>,
+    /// For each vertex, its position, and the first texture coordinate.
+    positions: Vec<Row>,
+    /// For each vertex, its normal, and the second texture coordinate; empty if no triangle needs
+    /// them.
+    normals: Vec<Row>,
+}
+
+/// The vertices of a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Vertices {
+    /// Their positions.
+    pub positions: Vec<Vec3>,
+    /// Their unit normals, or empty if the triangles are flat.
+    pub normals: Vec<Vec3>,
+    /// Their texture coordinates, or empty if there are none.
+    pub uvs: Vec<Vec2>,
+}
+
+/// Flag of triangles that interpolate the normals of their vertices.
+pub(super) const SMOOTH: u32 = 1;
+/// Flag of triangles that interpolate the texture coordinates of their vertices.
+pub(super) const MAPPED: u32 = 2;
+/// Flag of smooth triangles whose shadows fade out towards the terminator.
+pub(super) const SOFT: u32 = 4;
+
+/// The tables of a list of triangles.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) corners: &'a [Row],
+    pub(super) positions: &'a [Row],
+    pub(super) normals: &'a [Row],
 }
 
 impl Triangles {
@@ -40,7 +69,7 @@ impl Triangles {
     #[inline(always)]
     pub fn vertices(&self, index: usize) -> [Vec3; 3] {
         let [a, b, c, _] = self.corners[index];
-        [a, b, c].map(|vertex| position(&self.vertices[vertex as usize]))
+        [a, b, c].map(|vertex| vector(&self.positions[vertex as usize]))
     }
 
     /// All triangles, in order.
@@ -48,39 +77,70 @@ impl Triangles {
         (0..self.len()).map(|index| Triangle { vertices: self.vertices(index) })
     }
 
-    /// Appends one triangle with vertices of its own.
-    pub fn push(&mut self, triangle: Triangle) {
-        self.add(triangle.vertices, [[0, 1, 2]]);
+    /// The flags of the triangle at `index`, and the normal and texture coordinates of its vertices,
+    /// for the scene's hash. `None` if it has none of them.
+    pub(crate) fn attributes(&self, index: usize) -> Option<(u32, [[f32; 5]; 3])> {
+        let [a, b, c, flags] = self.corners[index];
+        let attributes = |vertex: u32| {
+            let [.., u] = self.positions[vertex as usize];
+            let [x, y, z, v] = self.normals[vertex as usize];
+            [x, y, z, u, v].map(f32::from_bits)
+        };
+        (flags != 0).then(|| (flags, [a, b, c].map(attributes)))
     }
 
-    /// Replaces each vertex by `f` of it.
+    /// Appends one flat triangle with vertices of its own.
+    pub fn push(&mut self, triangle: Triangle) {
+        let vertices = Vertices { positions: triangle.vertices.to_vec(), ..Vertices::default() };
+        self.add(vertices, [[0, 1, 2]], true);
+    }
+
+    /// Replaces the position of each vertex by `f` of it.
     pub fn map_vertices(&mut self, f: impl Fn(Vec3) -> Vec3) {
-        for vertex in &mut self.vertices {
-            *vertex = row(f(position(vertex)), 0.0);
+        for vertex in &mut self.positions {
+            let [x, y, z] = f(vector(vertex)).to_array().map(f32::to_bits);
+            *vertex = [x, y, z, vertex[3]];
         }
     }
 
-    /// Appends a mesh: the positions of its vertices, and three indices into them for each
-    /// triangle.
+    /// Appends a mesh, with three indices into its vertices for each triangle. If it has normals,
+    /// `soft` makes shadows fade out towards the terminator.
     ///
     /// # Panics
     /// If there are 2^32 vertices or more.
     pub fn add(
         &mut self,
-        positions: impl IntoIterator<Item = Vec3>,
+        vertices: Vertices,
         faces: impl IntoIterator<Item = [u32; 3]>,
+        soft: bool,
     ) {
-        let first = self.vertices.len() as u32;
-        self.vertices.extend(positions.into_iter().map(|position| row(position, 0.0)));
-        assert!(u32::try_from(self.vertices.len()).is_ok(), "a scene has fewer than 2^32 vertices");
-        let corners = faces.into_iter().map(|[a, b, c]| [first + a, first + b, first + c, 0]);
+        let Vertices { positions, normals, uvs } = vertices;
+        let first = self.positions.len();
+        let end = first + positions.len();
+        assert!(u32::try_from(end).is_ok(), "a scene has fewer than 2^32 vertices");
+        let uv = |i: usize| uvs.get(i).copied().unwrap_or_default();
+        let rows = positions.iter().enumerate().map(|(i, &position)| row(position, uv(i).x));
+        self.positions.extend(rows);
+        let has_attributes = !normals.is_empty() || !uvs.is_empty();
+        if has_attributes || !self.normals.is_empty() {
+            self.normals.resize(first, [0; 4]);
+            let normal = |i: usize| normals.get(i).copied().unwrap_or_default();
+            self.normals.extend((0..positions.len()).map(|i| row(normal(i), uv(i).y)));
+        }
+        let flag = |flag: u32, is_set: bool| if is_set { flag } else { 0 };
+        let smooth = !normals.is_empty();
+        let flags =
+            flag(SMOOTH, smooth) | flag(MAPPED, !uvs.is_empty()) | flag(SOFT, smooth && soft);
+        let corners = faces.into_iter().map(|[a, b, c]| {
+            let [a, b, c] = [a, b, c].map(|vertex| first as u32 + vertex);
+            [a, b, c, flags]
+        });
         self.corners.extend(corners);
     }
 
-    /// The rows of the triangles and of their vertices.
     #[inline(always)]
-    pub(super) fn rows(&self) -> (&[Row], &[Row]) {
-        (&self.corners, &self.vertices)
+    pub(super) fn rows(&self) -> Rows<'_> {
+        Rows { corners: &self.corners, positions: &self.positions, normals: &self.normals }
     }
 }
 
@@ -99,6 +159,6 @@ impl FromIterator<Triangle> for Triangles {
 }
 
 #[inline(always)]
-fn position(&[x, y, z, _]: &Row) -> Vec3 {
+fn vector(&[x, y, z, _]: &Row) -> Vec3 {
     Vec3::from_array([x, y, z].map(f32::from_bits))
 }

@@ -32,7 +32,7 @@ pub(crate) fn replay(
     let mut hits = HitBatch::default();
     let mut replays: Vec<Replay> = Vec::new();
     for &kernel in kernels {
-        accelerator.prepare(kernel);
+        accelerator.prepare(kernel, 1);
         let mut counters = Counters::default();
         hits.reset(set.rays.len());
         for batch in batches(set) {

@@ -137,7 +137,7 @@ fn mesh(count: u32) -> SceneFile {
     let gray = Lambertian { albedo: [0.7; 3].into() }.into();
     let material = "gray".to_owned();
     let materials = Named(vec![(material.clone(), gray)]);
-    let primitives = vec![TrianglesFile { vertices, indices, material }.into()];
+    let primitives = vec![TrianglesFile::new(vertices, indices, material).into()];
     scene([0.0, 9.0, 22.0], 35.0, materials, primitives)
 }
 

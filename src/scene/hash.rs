@@ -19,10 +19,14 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     hasher.value(json!(scene.background()));
     let materials: Vec<_> =
         scene.materials().iter().map(|material| blake3::hash(&identity(material))).collect();
-    for primitive in 0..scene.geometry().len() as u32 {
-        let material = scene.material_map().get(primitive);
-        let primitive = scene.geometry().get(primitive);
+    for index in 0..scene.geometry().len() as u32 {
+        let material = scene.material_map().get(index);
+        let primitive = scene.geometry().get(index);
         hasher.vectors(primitive.name(), &primitive.identity());
+        if let Some((flags, corners)) = scene.geometry().attributes(index) {
+            hasher.text(&format!("vertices {flags}"));
+            hasher.numbers(corners.as_flattened());
+        }
         hasher.0.update(materials[material as usize].as_bytes());
     }
     for Medium { volume, density, albedo } in scene.media() {
@@ -59,8 +63,12 @@ impl Hasher {
 
     fn vectors(&mut self, name: &str, vectors: &[Vec3]) {
         self.text(name);
-        for value in vectors.iter().flat_map(Vec3::to_array) {
-            self.0.update(&(value + 0.0).to_le_bytes());
+        vectors.iter().for_each(|vector| self.numbers(&vector.to_array()));
+    }
+
+    fn numbers(&mut self, numbers: &[f32]) {
+        for number in numbers {
+            self.0.update(&(number + 0.0).to_le_bytes());
         }
     }
 }

@@ -21,9 +21,13 @@ pub(crate) struct Interaction<'a, R: Real> {
     /// The surface's geometric normal, turned to the side that was hit. The origins of new rays are
     /// moved along it.
     pub(crate) normal: R::Vec3,
-    /// The shading normal, which the material uses for scattering. It equals `normal`, because no
-    /// shape has a different shading normal yet.
+    /// The shading normal, which the material uses for scattering. It is on the side that was hit,
+    /// and differs from `normal` only on smooth surfaces.
     pub(crate) shading: R::Vec3,
+    /// Whether the surface is smooth.
+    pub(crate) smooth: R::Mask,
+    /// Whether its shadows fade out towards the terminator.
+    pub(crate) soft: R::Mask,
     /// Whether the front was hit.
     pub(crate) front: R::Mask,
 }

@@ -24,6 +24,7 @@ mod parse;
 mod place;
 pub mod primitive;
 mod resolve;
+mod smooth;
 mod tables;
 pub mod texture;
 mod view;

@@ -6,8 +6,9 @@ use super::light::{Lights, LightsBuilder};
 use super::looks::Looks;
 use super::material::MaterialTables;
 use super::medium::Media;
+use super::smooth::smooth_normal;
 use super::texture::TextureTables;
-use crate::geometry::{Ray, Shape, Surfaces};
+use crate::geometry::{Ray, Shading, Shape, Surfaces};
 use crate::math::{Real, face_forward};
 
 /// The surfaces, materials, textures, lights and media of a scene, in tables.
@@ -34,7 +35,8 @@ impl SceneTables {
     }
 
     /// Returns the points where `ray` hits primitives of one shape at distance `t`. `textured`
-    /// states whether the table of their materials contains any textures.
+    /// states whether the table of their materials contains any textures, and `glossy` whether they
+    /// reflect light like a mirror, sharp or blurred.
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,
@@ -43,12 +45,14 @@ impl SceneTables {
         ray: Ray<R>,
         t: R,
         textured: bool,
+        glossy: bool,
     ) -> Interaction<'_, R> {
         let surface = self.surfaces.find(shape, primitive, &ray, t);
         let (normal, front) = face_forward(surface.normal, ray.direction);
         let textures = textured.then_some(&self.textures);
         let surfaces = &self.surfaces;
-        let shading = normal;
+        let Shading { normal: shading, smooth, soft } = surface.shading;
+        let shading = smooth_normal::<R>(shading, smooth, normal, ray.direction, glossy);
         Interaction {
             surfaces,
             textures,
@@ -59,6 +63,8 @@ impl SceneTables {
             surface,
             normal,
             shading,
+            smooth,
+            soft,
             front,
         }
     }

@@ -22,7 +22,7 @@ const VFOV: f32 = 35.0;
 /// right and above (y is up).
 pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let mesh = mesh::read(path, budget)?;
-    let bounds = Bounds::of(mesh.vertices.iter().copied());
+    let bounds = Bounds::of(mesh.vertices.positions.iter().copied());
     let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
     // A sphere around the box fits into the field of view. If the mesh is a single point, a radius
     // of 1 keeps the camera away from it.

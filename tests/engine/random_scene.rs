@@ -225,7 +225,16 @@ impl Maker {
             _ => {
                 let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
                 let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
-                TrianglesFile::new(vertices, indices, material).into()
+                let mut triangles = TrianglesFile::new(vertices, indices, material);
+                if self.one_in(2) {
+                    triangles.normals = (0..6).map(|_| self.vector(-1.0, 1.0)).collect();
+                    triangles.soft_terminator = self.one_in(2);
+                }
+                if self.one_in(2) {
+                    let uv = |[u, v, _]: [f32; 3]| [u, v];
+                    triangles.uvs = (0..6).map(|_| uv(self.vector(-1.0, 2.0))).collect();
+                }
+                triangles.into()
             }
         }
     }

@@ -165,6 +165,18 @@ fn values_out_of_range() {
     let triangles =
         r#"primitives: [triangles(vertices: [(0, inf, 0)], indices: [], material: "grey"),"#;
     ron("primitives: [", triangles, first, &["vertices[0] must be finite"]);
+    for (fields, says) in [
+        (
+            "normals: [(0, 0, 1), (0, 0, 1)]",
+            "normals must be as many as vertices, which are 1, or none, are 2",
+        ),
+        ("normals: [(0, 0, inf)]", "normals[0] must be finite"),
+        ("uvs: [(0, inf)]", "uvs[0] must be finite"),
+    ] {
+        let triangles = r#"primitives: [triangles(vertices: [(0, 0, 0)], indices: [], "#;
+        let triangles = format!(r#"{triangles}{fields}, material: "grey"),"#);
+        refused("a.ron", GOOD, "primitives: [", &triangles, first, &[says]);
+    }
     let flat_box = r#"primitives: [box(min: (0, 0, 0), max: (1, 0, 1), material: "grey"),"#;
     ron("primitives: [", flat_box, first, &["box: max must be above min"]);
 }

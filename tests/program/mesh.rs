@@ -73,7 +73,8 @@ fn files_and_lists_of_equal_triangles_give_the_same_scene() {
     assert_eq!(list.geometry().triangles.len(), 4);
     for name in ["obj.ron", "ply.ron"] {
         let mesh = load(folder.path(), name);
-        assert_eq!(mesh.geometry(), list.geometry(), "{name}");
+        let triangles = |scene: &Scene| scene.geometry().triangles.iter().collect::<Vec<_>>();
+        assert_eq!(triangles(&mesh), triangles(&list), "{name}");
         assert_eq!(mesh.hash(), list.hash(), "{name}");
     }
     // Meshes are found relative to the scene file, so the current folder does not matter.
@@ -88,6 +89,43 @@ fn files_and_lists_of_equal_triangles_give_the_same_scene() {
     };
     assert_eq!(render("obj.ron"), render("list.ron"));
     assert_eq!(render("ply.ron"), render("list.ron"));
+}
+
+/// A square with normals and texture coordinates, in three forms.
+#[test]
+fn normals_and_texture_coordinates_are_read() {
+    let list = r#"triangles(
+        vertices: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
+        indices: [(0, 1, 2), (0, 2, 3)],
+        normals: [(0, 0, 1), (1, 0, 0), (0, 0, 1), (0, 1, 0)],
+        uvs: [(0, 0), (2, 0), (2, 1), (0, 1)], material: "grey")"#;
+    let folder = folder(&[
+        ("list.ron", list),
+        ("obj.ron", r#"mesh(file: "meshes/b.obj", material: "grey")"#),
+        ("ply.ron", r#"mesh(file: "meshes/b.ply", smooth: on, material: "grey")"#),
+        ("flat.ron", r#"mesh(file: "meshes/b.ply", smooth: off, material: "grey")"#),
+        ("hard.ron", r#"mesh(file: "meshes/b.ply", soft_terminator: false, material: "grey")"#),
+        ("made.ron", r#"mesh(file: "meshes/a.obj", smooth: on, material: "grey")"#),
+        ("none.ron", r#"mesh(file: "meshes/a.obj", smooth: auto, material: "grey")"#),
+        ("a.ron", r#"mesh(file: "meshes/a.obj", material: "grey")"#),
+    ]);
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\n\
+               vn 0 0 7\nvn 1 0 0\nvn 0 2 0\nf 1/1/1 2/2/2 3/3/1 4/4/3\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+               property float z\nproperty float nx\nproperty float ny\nproperty float nz\n\
+               property float s\nproperty float t\nelement face 1\n\
+               property list uchar int vertex_indices\nend_header\n0 0 0 0 0 1 0 0\n\
+               1 0 0 1 0 0 2 0\n1 1 0 0 0 1 2 1\n0 1 0 0 1 0 0 1\n4 0 1 2 3\n";
+    fs::write(folder.path().join("meshes/b.obj"), obj).unwrap();
+    fs::write(folder.path().join("meshes/b.ply"), ply).unwrap();
+    let hash = |name: &str| load(folder.path(), name).hash();
+    assert_eq!(hash("list.ron"), hash("obj.ron"));
+    assert_eq!(hash("list.ron"), hash("ply.ron"));
+    for name in ["flat.ron", "hard.ron"] {
+        assert_ne!(hash("list.ron"), hash(name), "{name}");
+    }
+    assert_eq!(hash("a.ron"), hash("none.ron"), "the file has no normals");
+    assert_ne!(hash("a.ron"), hash("made.ron"));
 }
 
 #[test]

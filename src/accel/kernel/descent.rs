@@ -116,7 +116,7 @@ mod tests {
         let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |all, bounds| all.union(*bounds));
         let primitives: Vec<u32> = (0..geometry.len() as u32).collect();
-        let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives));
+        let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives, 1));
         let extent = Extent::new(&geometry, all, all);
         let mut above = Frames::new(&tree);
         let mut reached = [0; LEVELS];

@@ -9,7 +9,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use super::group::Groups;
-use super::partition::Partition;
+use super::partition::{Part, Partition};
 use crate::accel::threads::for_each;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
@@ -56,21 +56,25 @@ impl BinaryTree {
     }
 
     /// Builds the tree over `primitives`, whose boxes are `boxes[primitive]`. The tree does not
-    /// depend on the number of threads that build it.
-    pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
+    /// depend on the number of `threads` that build it.
+    pub(crate) fn new(boxes: &[Bounds], primitives: &[u32], threads: usize) -> Self {
         if primitives.len() <= Partition::MOST {
             return Self::at_once(boxes, primitives, BUILD.reinsertion_batch_ratio);
         }
-        let partition = Partition::new(boxes, primitives.to_vec());
+        let partition = Partition::new(boxes, primitives.to_vec(), threads);
         let clusters: Vec<_> =
             partition.clusters.iter().map(|_| Mutex::new(Self::default())).collect();
-        for_each(partition.clusters.iter().zip(&clusters).collect(), |(primitives, tree)| {
-            *tree.lock().expect("no thread panicked") = Self::of_cluster(boxes, primitives);
-        });
+        for_each(
+            threads,
+            partition.clusters.iter().zip(&clusters).collect(),
+            |(primitives, tree)| {
+                *tree.lock().expect("no thread panicked") = Self::of_cluster(boxes, primitives);
+            },
+        );
         let clusters =
             clusters.into_iter().map(|tree| tree.into_inner().expect("no thread panicked"));
         let clusters: Vec<Self> = clusters.collect();
-        let mut tree = partition.top(|cluster| clusters[cluster].nodes[0].bounds);
+        let mut tree = Self::top(&partition, |cluster| clusters[cluster].nodes[0].bounds);
         let top = tree.nodes.len();
         tree.nodes.reserve_exact(2 * primitives.len() - 1 - top);
         for slot in 0..top {
@@ -83,6 +87,24 @@ impl BinaryTree {
             }
         }
         tree
+    }
+
+    /// The tree whose primitives are the clusters of `partition`. `root` returns the box of a cluster.
+    pub(super) fn top(partition: &Partition, root: impl Fn(usize) -> Bounds) -> Self {
+        let mut nodes = vec![BinaryNode::UNKNOWN; partition.parts.len()];
+        for (index, part) in partition.parts.iter().enumerate().rev() {
+            nodes[index] = match *part {
+                Part::Cluster(cluster) => {
+                    let below = Below::Primitive(cluster as u32);
+                    BinaryNode { bounds: root(cluster), below }
+                }
+                Part::Split(first) => BinaryNode {
+                    bounds: nodes[first].bounds.union(nodes[first + 1].bounds),
+                    below: Below::Children(first as u32),
+                },
+            };
+        }
+        Self { nodes }
     }
 
     /// Builds the tree over a cluster of a large scene.
@@ -183,8 +205,7 @@ impl BinaryTree {
 }
 
 impl BinaryNode {
-    pub(super) const UNKNOWN: Self =
-        Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
+    const UNKNOWN: Self = Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
 
     /// The node in a list in which its children come `by` places later.
     fn moved(self, by: u32) -> Self {

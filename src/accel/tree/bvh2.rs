@@ -57,11 +57,11 @@ fn depth(nodes: &[Node]) -> usize {
 const USUAL_DEPTH: usize = 64;
 
 impl Bvh2 {
-    /// Builds a tree whose boxes contain every primitive at all times.
-    pub fn new(geometry: &Geometry) -> Self {
+    /// Builds a tree whose boxes contain every primitive at all times, on `threads` threads.
+    pub fn new(geometry: &Geometry, threads: usize) -> Self {
         let boxes = geometry.boxes();
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
-        Self::of(geometry, &BinaryTree::new(&boxes, &each))
+        Self::of(geometry, &BinaryTree::new(&boxes, &each, threads))
     }
 
     /// Lays out `tree`, assuming that visiting a node costs as much as testing a primitive.

@@ -176,7 +176,7 @@ mod tests {
             let geometry = mixture(spheres, quads);
             let all: Vec<u32> = (0..geometry.len() as u32).collect();
             let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds()).collect();
-            let tree = BinaryTree::new(&boxes, &all);
+            let tree = BinaryTree::new(&boxes, &all, 1);
             let collapse = Collapse::new(&geometry, &tree);
             let kind_of = |leaf: u32| {
                 let mut kinds: Vec<Shape> =

@@ -170,16 +170,17 @@ impl WideTree {
         geometry: &Geometry,
         boxes: &[Bounds],
         partition: &Partition,
+        threads: usize,
     ) -> Self {
         let clusters = &partition.clusters;
-        let top = partition.top(|cluster| {
+        let top = BinaryTree::top(partition, |cluster| {
             let boxes = clusters[cluster].iter().map(|&primitive| boxes[primitive as usize]);
             boxes.fold(Bounds::EMPTY, Bounds::union)
         });
         let mut tree = Part::new(geometry, &top, &Collapse::of_roots(&top));
         let parts = take(&mut tree.parts);
         let assembly = Mutex::new(Assembly { tree, waiting: BTreeMap::new(), roots: Vec::new() });
-        for_each(clusters.iter().enumerate().collect(), |(number, primitives)| {
+        for_each(threads, clusters.iter().enumerate().collect(), |(number, primitives)| {
             let tree = BinaryTree::of_cluster(boxes, primitives);
             let part = Part::new(geometry, &tree, &Collapse::new(geometry, &tree));
             assembly.lock().expect("no thread panicked").add(number, part);
@@ -237,11 +238,8 @@ mod tests {
         let boxes = geometry.boxes();
         let all: Vec<u32> = (0..geometry.len() as u32).collect();
         let build = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                let partition = Partition::new(&boxes, all.clone());
-                WideTree::of_clusters(&geometry, &boxes, &partition)
-            })
+            let partition = Partition::new(&boxes, all.clone(), threads);
+            WideTree::of_clusters(&geometry, &boxes, &partition, threads)
         };
         let (one, many) = (build(1), build(3));
         assert!(one.depth > 2 && one.nodes.len() > 1000);

@@ -62,9 +62,11 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         t: 1.0,
         shape: Shape::Quad,
         primitive: 0,
-        surface: Surface { point: direction, normal, offset: 0.0 },
+        surface: Surface::flat(direction, normal, 0.0),
         normal,
         shading: normal,
+        smooth: false,
+        soft: false,
         front,
     };
     let mut materials = MaterialTables::default();

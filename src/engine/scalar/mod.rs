@@ -22,8 +22,9 @@ pub(super) use path::PathTracer;
 pub(super) struct ScalarEngine(View);
 
 impl ScalarEngine {
-    pub(super) fn new(view: View) -> Self {
-        view.prepared.accelerator().prepare(Kernel::Scalar);
+    /// Creates an engine. `threads` threads build the tree.
+    pub(super) fn new(view: View, threads: usize) -> Self {
+        view.prepared.accelerator().prepare(Kernel::Scalar, threads);
         view.prepared.tables();
         Self(view)
     }

@@ -95,7 +95,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 }
                 // A medium has no surface that rays could hit again, so they start at offset 0.
                 let point = ray.origin + ray.direction * t;
-                let surface = Surface { point, normal: ray.direction, offset: 0.0 };
+                let surface = Surface::flat(point, ray.direction, 0.0);
                 let (surface, normal) = (&surface, -ray.direction);
                 let vertex = Vertex { surface, normal, randoms: &randoms };
                 self.scatter(&self.tables.media.phase(primitive), &vertex, path)
@@ -227,7 +227,8 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { tracer, path, shape, primitive, t, emits, randoms } = self;
         let tables = tracer.tables;
-        let at = tables.interaction::<f32>(shape, primitive, path.ray, t, table.textured);
+        let at =
+            tables.interaction::<f32>(shape, primitive, path.ray, t, table.textured, M::GLOSSY);
         if emits {
             let (light, weight) = tracer.emitted(path, shape, primitive, t, at.front);
             path.radiance += path.beta * light * weight;
@@ -240,7 +241,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             return false;
         }
         let entry = tables.looks.entries::<f32>(shape, primitive, table.entries.len());
-        let bsdf = M::bsdf::<f32>(&table.entries, entry, &at);
+        let bsdf = at.smoothed(M::bsdf::<f32>(&table.entries, entry, &at));
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)
     }

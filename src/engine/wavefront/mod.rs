@@ -46,8 +46,8 @@ impl WavefrontEngine {
         };
         let plan_seconds = start.elapsed().as_secs_f64();
         for segment in &plan.segments {
-            view.prepared.accelerator().prepare(segment.closest);
-            view.prepared.accelerator().prepare(segment.occluded);
+            view.prepared.accelerator().prepare(segment.closest, pool.threads());
+            view.prepared.accelerator().prepare(segment.occluded, pool.threads());
         }
         Self { view, plan, planning, plan_seconds }
     }

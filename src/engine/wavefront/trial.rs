@@ -93,8 +93,8 @@ fn try_all<'a>(
         return Vec::new();
     };
     for segment in plans.iter().flat_map(|plan| &plan.segments) {
-        view.prepared.accelerator().prepare(segment.closest);
-        view.prepared.accelerator().prepare(segment.occluded);
+        view.prepared.accelerator().prepare(segment.closest, pool.threads());
+        view.prepared.accelerator().prepare(segment.occluded, pool.threads());
     }
     let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
     // A single pixel may have more paths than a wave.

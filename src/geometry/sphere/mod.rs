@@ -113,11 +113,8 @@ pub(super) fn surface<R: Real>(center: R::Vec3, radius: R, ray: &Ray<R>, t: R) -
     // and the new ray's origin is off by u|p| again. From a distance of 4u r on, the sign of
     // f·f − r² is certain.
     let extent = max(max_element(center.abs()), radius);
-    Surface {
-        point: center + normal * radius,
-        normal,
-        offset: (radius * 10.0 + extent * 6.0) * UNIT_ROUNDOFF,
-    }
+    let offset = (radius * 10.0 + extent * 6.0) * UNIT_ROUNDOFF;
+    Surface::flat(center + normal * radius, normal, offset)
 }
 
 /// Like [`Sphere::intersect`], returns the distance of the first hit above 0, for a sphere at

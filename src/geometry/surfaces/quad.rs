@@ -43,7 +43,7 @@ impl SurfaceTable for Table {
         let (dual_u, z) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
         let (a, b) = coordinates([q, dual_u, dual_v], ray, t);
-        Surface { point: q + (u * a + v * b), normal: <R::Vec3 as Vector>::new(x, y, z), offset }
+        Surface::flat(q + (u * a + v * b), <R::Vec3 as Vector>::new(x, y, z), offset)
     }
 
     /// The coordinates (a, b) along the edges.

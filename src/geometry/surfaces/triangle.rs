@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::SurfaceTable;
 use crate::geometry::triangle::surface;
-use crate::geometry::{Geometry, Ray, Surface};
-use crate::math::{Real, Word};
+use crate::geometry::triangles::{MAPPED, Rows, SMOOTH, SOFT};
+use crate::geometry::{Geometry, Ray, Shading, Surface};
+use crate::math::{Mask, Real, Word, dot, normalize};
 
 /// A reference to the geometry, whose rows can be gathered as they are.
 #[derive(Debug)]
@@ -15,17 +16,64 @@ pub(super) struct Table {
     geometry: Arc<Geometry>,
 }
 
-impl Table {
-    /// The vertices of triangles.
+/// The corners of triangles: the indices of their vertices, and the triangles' flags.
+struct Corners<R: Real> {
+    vertices: [R::Index; 3],
+    flags: R::Word,
+}
+
+impl<R: Real> Corners<R> {
+    /// The triangles with this flag.
     #[inline(always)]
-    fn vertices<R: Real>(&self, primitive: R::Word) -> [R::Vec3; 3] {
-        let (corners, vertices) = self.geometry.triangles.rows();
+    fn have(&self, flag: u32) -> R::Mask {
+        !(self.flags & R::Word::splat(flag)).eq(R::Word::splat(0))
+    }
+
+    /// The row of each vertex.
+    #[inline(always)]
+    fn gather(&self, table: &[crate::math::Row]) -> [(R::Vec3, R); 3] {
+        self.vertices.map(|vertex| R::gather(table, vertex, |row| row))
+    }
+}
+
+/// The value at the point with these barycentric coordinates for the second and the third vertex.
+#[inline(always)]
+fn interpolate<R: Real, T>(values: [T; 3], [second, third]: [R; 2]) -> T
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<R, Output = T>,
+{
+    let [a, b, c] = values;
+    a * (R::ONE - second - third) + b * second + c * third
+}
+
+impl Table {
+    #[inline(always)]
+    fn rows(&self) -> Rows<'_> {
+        self.geometry.triangles.rows()
+    }
+
+    #[inline(always)]
+    fn corners<R: Real>(&self, primitive: R::Word) -> Corners<R> {
+        let Rows { corners, positions, .. } = self.rows();
         let index = R::index(primitive.wrapping_sub(R::Word::splat(self.first)), corners.len());
-        let (corners, _) = R::gather(corners, index, |row| row);
-        [0, 1, 2].map(|corner| {
-            let index = R::index(corners[corner].to_bits(), vertices.len());
-            R::gather(vertices, index, |row| row).0
-        })
+        let (vertices, flags) = R::gather(corners, index, |row| row);
+        let vertex = |i: usize| R::index(vertices[i].to_bits(), positions.len());
+        Corners { vertices: [vertex(0), vertex(1), vertex(2)], flags: flags.to_bits() }
+    }
+
+    /// The interpolated normals of the triangles that are smooth.
+    #[inline(always)]
+    fn shading<R: Real>(&self, corners: &Corners<R>, normal: R::Vec3, at: [R; 2]) -> Shading<R> {
+        let smooth = corners.have(SMOOTH);
+        if !smooth.any() {
+            return Shading::flat(normal);
+        }
+        let vertices = corners.gather(self.rows().normals).map(|(normal, _)| normal);
+        let mean = interpolate(vertices, at);
+        // Opposite normals cancel.
+        let smooth = smooth & dot(mean, mean).gt(R::splat(1e-6));
+        let normal = smooth.select(normalize(mean), normal);
+        Shading { normal, smooth, soft: smooth & corners.have(SOFT) }
     }
 }
 
@@ -37,12 +85,25 @@ impl SurfaceTable for Table {
 
     #[inline(always)]
     fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
-        surface(self.vertices::<R>(primitive), ray, t).0
+        let corners = self.corners::<R>(primitive);
+        let positions = corners.gather(self.rows().positions).map(|(position, _)| position);
+        let (surface, at) = surface(positions, ray, t);
+        Surface { shading: self.shading(&corners, surface.normal, at), ..surface }
     }
 
-    /// The barycentric coordinates for the second and the third vertex.
+    /// The interpolated texture coordinates, or without these the barycentric coordinates for the
+    /// second and the third vertex.
     #[inline(always)]
     fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
-        surface(self.vertices::<R>(primitive), ray, t).1.into()
+        let corners = self.corners::<R>(primitive);
+        let vertices = corners.gather(self.rows().positions);
+        let (_, at) = surface(vertices.map(|(position, _)| position), ray, t);
+        let mapped = corners.have(MAPPED);
+        if !mapped.any() {
+            return at.into();
+        }
+        let u = interpolate(vertices.map(|(_, u)| u), at);
+        let v = interpolate(corners.gather(self.rows().normals).map(|(_, v)| v), at);
+        (mapped.select(u, at[0]), mapped.select(v, at[1]))
     }
 }

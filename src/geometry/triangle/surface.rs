@@ -59,13 +59,10 @@ pub(in crate::geometry) fn surface<R: Real>(
     let third = share(cross(u, p), R::ONE - second);
     let [x, y, z] = [0, 1, 2].map(|i| max(max(a[i].abs(), b[i].abs()), c[i].abs()));
     let extent = max_element(R::Vec3::new(x, y, z));
-    let surface = Surface {
-        point: a + (u * second + v * third),
-        normal,
-        // The sheared vertices of the ray test are off by up to 8 roundings of the edges' lengths,
-        // and the point is off by 6 roundings of its coordinates.
-        offset: ((length(u) + length(v)) * 12.0 + extent * 8.0) * UNIT_ROUNDOFF,
-    };
+    // The sheared vertices of the ray test are off by up to 8 roundings of the edges' lengths, and
+    // the point is off by 6 roundings of its coordinates.
+    let offset = ((length(u) + length(v)) * 12.0 + extent * 8.0) * UNIT_ROUNDOFF;
+    let surface = Surface::flat(a + (u * second + v * third), normal, offset);
     (surface, [second, third])
 }
 

@@ -34,6 +34,8 @@ impl MaterialModel for Conductor {
     type Entry = [Row; 2];
     type Bsdf<R: Real> = ConductorBsdf<R>;
 
+    const GLOSSY: bool = true;
+
     fn check(&self, e: &Element<'_>) -> Result<()> {
         let Self { eta, k, alpha } = *self;
         let smooth_or_rough = alpha == 0.0 || (0.001..=1.0).contains(&alpha);

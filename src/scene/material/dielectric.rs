@@ -41,6 +41,7 @@ impl MaterialModel for Dielectric {
     type Entry = Row;
     type Bsdf<R: Real> = DielectricBsdf<R>;
 
+    const GLOSSY: bool = true;
     const TRANSMITS: bool = true;
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -30,6 +30,7 @@ impl MaterialModel for Metal {
     type Entry = [Row; 2];
     type Bsdf<R: Real> = MetalBsdf<R>;
 
+    const GLOSSY: bool = true;
     const TEXTURED: bool = true;
 
     fn colors(&mut self) -> Vec<&mut Color> {

@@ -38,6 +38,8 @@ pub(crate) trait MaterialModel {
     const SCATTERS: bool = true;
     /// Whether light passes through its surface.
     const TRANSMITS: bool = false;
+    /// Whether it reflects light like a mirror, sharp or blurred.
+    const GLOSSY: bool = false;
     /// Whether a parameter may be a texture.
     const TEXTURED: bool = false;
 

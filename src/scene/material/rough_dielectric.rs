@@ -30,6 +30,7 @@ impl MaterialModel for RoughDielectric {
     type Entry = Row;
     type Bsdf<R: Real> = RoughDielectricBsdf<R>;
 
+    const GLOSSY: bool = true;
     const TRANSMITS: bool = true;
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
-use crate::geometry::Triangle;
+use super::normals::{add_normals, unit};
+use crate::geometry::{Triangle, Vertices};
 use crate::math::precise::rotate;
 use crate::scene::budget::Budget;
 use crate::scene::place::{MAX_COORDINATE, angles};
@@ -13,10 +15,23 @@ use crate::scene::place::{MAX_COORDINATE, angles};
 /// A mesh as read from its file. Its indices are in range and its coordinates are finite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::scene) struct Mesh {
-    pub(in crate::scene) vertices: Vec<Vec3>,
+    pub(in crate::scene) vertices: Vertices,
     pub(in crate::scene) triangles: Vec<[u32; 3]>,
     /// Names of the ignored data in the file.
     pub(super) ignored: BTreeSet<&'static str>,
+}
+
+/// Whether triangles are shaded with the interpolated normals of their vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Smooth {
+    /// If the file has normals.
+    #[default]
+    Auto,
+    /// Always. If the file has no normals, each vertex gets the mean normal of its triangles.
+    On,
+    /// Never: the triangles are flat.
+    Off,
 }
 
 /// A scale about the origin, then rotations about the axes x, y and z in this order, then a
@@ -33,17 +48,18 @@ impl Mesh {
     /// If there are more than three vertices per triangle, keeps only the corners of the triangles,
     /// because each vertex takes time to transform.
     pub(super) fn without_stray_vertices(self) -> Self {
-        if self.vertices.len() <= 3 * self.triangles.len() {
+        if self.vertices.positions.len() <= 3 * self.triangles.len() {
             return self;
         }
-        let corners = self.triangles.iter().flatten();
-        Self {
-            vertices: corners.map(|&corner| self.vertices[corner as usize]).collect(),
-            ignored: self.ignored,
-            triangles: (0..self.triangles.len() as u32)
-                .map(|t| [0, 1, 2].map(|c| 3 * t + c))
-                .collect(),
-        }
+        let Vertices { positions, normals, uvs } = self.vertices;
+        let corners = || self.triangles.iter().flatten().map(|&corner| corner as usize);
+        let vertices = Vertices {
+            positions: corners().map(|corner| positions[corner]).collect(),
+            normals: corners().filter_map(|corner| normals.get(corner).copied()).collect(),
+            uvs: corners().filter_map(|corner| uvs.get(corner).copied()).collect(),
+        };
+        let triangles = (0..self.triangles.len() as u32).map(|t| [0, 1, 2].map(|c| 3 * t + c));
+        Self { vertices, triangles: triangles.collect(), ignored: self.ignored }
     }
 
     /// Returns a message that names the ignored data in `file`, if any.
@@ -54,11 +70,13 @@ impl Mesh {
 
     /// Returns the bytes of memory that the mesh takes.
     pub(in crate::scene) fn memory(&self) -> u64 {
-        12 * (self.vertices.len() + self.triangles.len()) as u64
+        let Vertices { positions, normals, uvs } = &self.vertices;
+        let vertices = size_of_val(&**positions) + size_of_val(&**normals) + size_of_val(&**uvs);
+        (vertices + size_of_val(&*self.triangles)) as u64
     }
 
     /// Returns the transformed vertices, and the triangles that have an area. They are computed in
-    /// f64 and rounded once.
+    /// f64 and rounded once. `smooth` decides whether the vertices have normals.
     ///
     /// No ray slips between triangles that share a whole edge. Rays may slip through at
     /// T-junctions, which are vertices on the edge of a neighbour. A triangle without area
@@ -69,11 +87,13 @@ impl Mesh {
     pub(in crate::scene) fn transformed(
         &self,
         transform: &Transform,
+        smooth: Smooth,
         budget: &Budget,
-    ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), String> {
-        let (vertices, triangles) = (self.vertices.len() as u64, self.triangles.len() as u64);
+    ) -> Result<(Vertices, Vec<[u32; 3]>), String> {
+        let Vertices { positions, normals, uvs } = &self.vertices;
+        let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
-        budget.check(36 * (vertices + triangles) + 108 * triangles)?;
+        budget.check(68 * vertices + 144 * triangles)?;
         let turns = angles(transform.rotation);
         let transformed = |vertex: &Vec3| {
             let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(transform.scale));
@@ -87,15 +107,24 @@ impl Mesh {
                 Err(format!("a vertex is placed at {moved:?}, coordinates must be within ±1e9"))
             }
         };
-        let vertices = self.vertices.iter().map(transformed).collect::<Result<Vec<_>, _>>()?;
+        let positions = positions.iter().map(transformed).collect::<Result<Vec<_>, _>>()?;
         let has_area = |face: &[u32; 3]| {
-            !Triangle { vertices: face.map(|vertex| vertices[vertex as usize]) }.is_degenerate()
+            !Triangle { vertices: face.map(|vertex| positions[vertex as usize]) }.is_degenerate()
         };
         let faces: Vec<_> = self.triangles.iter().copied().filter(has_area).collect();
         if faces.is_empty() {
             return Err(
                 "no triangle has an area after the transform, but a mesh needs one".to_owned()
             );
+        }
+        let turned = |normal: &Vec3| {
+            unit(DVec3::from_array(rotate(normal.to_array().map(f64::from), turns)))
+        };
+        let mut vertices = Vertices { positions, normals: Vec::new(), uvs: uvs.clone() };
+        match smooth {
+            Smooth::Off => {}
+            Smooth::On if normals.is_empty() => add_normals(&mut vertices, &faces),
+            Smooth::Auto | Smooth::On => vertices.normals = normals.iter().map(turned).collect(),
         }
         Ok((vertices, faces))
     }

@@ -1,6 +1,7 @@
 //! Readers of the triangle meshes that scene files name. Each format has its own module.
 
 mod indexed;
+mod normals;
 mod obj;
 mod ply;
 
@@ -10,10 +11,12 @@ use super::budget::Budget;
 use crate::error::{Error, Result};
 use crate::input::read_bytes;
 use crate::limits::Limit;
+pub use indexed::Smooth;
 pub(super) use indexed::{Mesh, Transform};
+pub(super) use normals::unit;
 
-/// Reads the positions and faces of a `.obj` or `.ply` file and ignores the rest. Polygons become
-/// fans of triangles.
+/// Reads the positions, normals, texture coordinates and faces of a `.obj` or `.ply` file, and
+/// ignores the rest. Polygons become fans of triangles.
 ///
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the

@@ -1,234 +1,311 @@
-//! Reader of Wavefront OBJ files, on top of tobj.
+//! Reader of Wavefront OBJ files.
 
 use std::collections::BTreeSet;
+use std::str;
 
-use glam::Vec3;
-use tobj::LoadError;
+use glam::{Vec2, Vec3};
 
 use super::indexed::{Mesh, in_range};
 use crate::error::{Error, Result};
+use crate::geometry::Vertices;
 use crate::scene::budget::Budget;
 
 const VERTEX: &str = "a vertex is `v` and three numbers";
+const RANGE: &str = "coordinates must be finite and within ±1e9";
+const NORMAL: &str = "a normal is `vn` and three finite numbers";
+const UV: &str = "texture coordinates are `vt` and one to three finite numbers";
 const FACE: &str = "a face is `f` and three or more vertex numbers";
+const CONTINUED: &str = "continued lines are not supported, join this line with the next";
 
 /// Keywords of ignored data, each with the name of that data in messages.
-const IGNORED: [(&str, &str); 3] =
-    [("vn", "normals"), ("vt", "texture coordinates"), ("usemtl", "materials")];
+const IGNORED: [(&[u8], &str); 1] = [(b"usemtl", "materials")];
 
-/// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
-pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
-    let check = |more| budget.check(more).map_err(|message| Error::input(name, "", message));
-    check(text_memory(bytes))?;
-    let text = String::from_utf8_lossy(bytes);
-    let error = |(line, message): (usize, String)| Error::input(name, line.to_string(), message);
-    let positions = Positions::new(text.trim_start_matches('\u{feff}')).map_err(error)?;
-    check(positions.memory())?;
-    let mut rest = positions.text.as_bytes();
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..tobj::LoadOptions::default()
-    };
-    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| Ok(Default::default()));
-    let (models, _) = loaded.map_err(|what| {
-        // tobj stops at the line that it cannot parse.
-        let read = &positions.text[..positions.text.len() - rest.len()];
-        error(positions.explain(&what, read.lines().count()))
-    })?;
-    let mut mesh = Mesh { ignored: positions.ignored.clone(), ..Mesh::default() };
-    for model in &models {
-        let first = mesh.vertices.len() as u32;
-        mesh.vertices.extend(model.mesh.positions.chunks_exact(3).map(Vec3::from_slice));
-        let indices = model.mesh.indices.chunks_exact(3);
-        mesh.triangles.extend(indices.map(|i| [first + i[0], first + i[1], first + i[2]]));
-    }
-    Ok(mesh)
+/// A corner without a normal, or without texture coordinates.
+const NONE: u32 = u32::MAX;
+
+/// A position with a normal and texture coordinates, which corners of faces share. Holds their
+/// indices in the file.
+struct Vertex {
+    position: u32,
+    uv: u32,
+    normal: u32,
+    /// The next vertex with the same position, or [`NONE`].
+    next: u32,
 }
 
-/// An OBJ file reduced to its `v` and `f` lines. Faces keep only the indices of positions.
-///
-/// The other lines are blank, so that line numbers stay the same and errors in data that a mesh
-/// does not need are ignored.
-struct Positions {
-    text: String,
-    vertices: i64,
-    faces: u64,
-    corners: u64,
-    /// Names of the ignored data.
+/// The content of a file, as far as it has been read.
+#[derive(Default)]
+struct Reader {
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    /// For each position, the first vertex that has it, or [`NONE`].
+    first: Vec<u32>,
+    vertices: Vec<Vertex>,
+    triangles: Vec<[u32; 3]>,
     ignored: BTreeSet<&'static str>,
 }
 
-/// Bytes of memory for two copies of the text and for the words of its longest line.
-fn text_memory(bytes: &[u8]) -> u64 {
-    // Each byte of invalid UTF-8 becomes three bytes, in a string that is reallocated as it
-    // grows.
-    let texts = if std::str::from_utf8(bytes).is_ok() { 2 } else { 12 };
-    let longest = bytes.split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
-    (texts * bytes.len() + 32 * longest) as u64
+/// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
+pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
+    let mut reader = Reader::default();
+    let mut checked = 0;
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    for (line, number) in bytes.split(|byte| *byte == b'\n').zip(1..) {
+        let error = |message: String| Error::input(name, format!("{number}"), message);
+        reader.line(line).map_err(error)?;
+        let memory = reader.memory();
+        if memory > checked {
+            budget.check(memory).map_err(|message| Error::input(name, "", message))?;
+            checked = memory + memory / 4;
+        }
+    }
+    Ok(reader.mesh())
 }
 
-impl Positions {
-    /// Reduces the text of a file. `Err` holds the line number and the message.
-    fn new(file: &str) -> Result<Self, (usize, String)> {
-        let (mut text, mut vertices) = (String::with_capacity(file.len()), 0);
-        let (mut faces, mut corners_of_all, mut ignored) = (0, 0, BTreeSet::new());
-        for (line, number) in file.lines().zip(1..) {
-            let line = line.split('#').next().unwrap_or_default();
-            let mut words: Vec<&str> = line.split_whitespace().collect();
-            let wrong = |message: &str| Err((number, message.to_owned()));
-            match words.first() {
-                Some(&"v" | &"f") if words.last() == Some(&"\\") => {
-                    return wrong(
-                        "continued lines are not supported, join this line with the next",
-                    );
+impl Reader {
+    /// Reads a line.
+    fn line(&mut self, line: &[u8]) -> Result<(), String> {
+        let line = line.split(|byte| *byte == b'#').next().unwrap_or_default();
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let Some(keyword) = words.next() else { return Ok(()) };
+        let is_data = matches!(keyword, b"v" | b"vt" | b"vn" | b"f");
+        if is_data && line.trim_ascii_end().ends_with(b"\\") {
+            return Err(CONTINUED.to_owned());
+        }
+        match keyword {
+            b"v" => {
+                let (numbers, count) = numbers::<7>(words).ok_or(VERTEX)?;
+                let [x, y, z, w, ..] = numbers;
+                // After three coordinates, there may be w or a colour.
+                let position = match count {
+                    3 | 6.. => Vec3::new(x, y, z),
+                    4 | 5 if w != 0.0 => Vec3::new(x, y, z) / w,
+                    _ => return Err(VERTEX.to_owned()),
+                };
+                if count >= 6 {
+                    self.ignored.insert("colours");
                 }
-                Some(&"v") => {
-                    // Three coordinates and w, or three coordinates and a colour.
-                    if words.len() > 5 {
-                        ignored.insert("colours");
-                    }
-                    words.truncate(if words.len() > 5 { 4 } else { 5 });
-                    if !is_in_range(&words[1..]) {
-                        return wrong("coordinates must be finite and within ±1e9");
-                    }
-                    text.push_str(&words.join(" "));
-                    vertices += 1;
+                if !(in_range(position) && w.is_finite()) {
+                    return Err(RANGE.to_owned());
                 }
-                Some(&"f") => {
-                    let corners = words[1..].iter().map(|word| word.split('/').next());
-                    let corners: Vec<&str> = corners.flatten().collect();
-                    if corners.len() < 3 || corners.contains(&"") {
-                        return wrong(FACE);
-                    }
-                    faces += 1;
-                    corners_of_all += corners.len() as u64;
-                    text.push_str("f ");
-                    text.push_str(&corners.join(" "));
-                }
-                Some(word) => {
-                    ignored.extend(
-                        IGNORED.iter().filter(|(key, _)| key == word).map(|(_, name)| *name),
-                    );
-                }
-                None => {}
+                self.positions.push(position);
+                self.first.push(NONE);
             }
-            text.push('\n');
+            b"vn" => {
+                let normal = numbers::<3>(words).filter(|(_, count)| *count == 3);
+                let normal = normal.map(|(numbers, _)| Vec3::from_array(numbers));
+                self.normals.push(normal.filter(|normal| normal.is_finite()).ok_or(NORMAL)?);
+            }
+            b"vt" => {
+                let uv = numbers::<3>(words).filter(|(_, count)| *count >= 1);
+                let uv = uv.map(|([u, v, _], _)| Vec2::new(u, v));
+                self.uvs.push(uv.filter(|uv| uv.is_finite()).ok_or(UV)?);
+            }
+            b"f" => self.face(words)?,
+            keyword => {
+                let ignored = IGNORED.iter().filter(|(key, _)| *key == keyword);
+                self.ignored.extend(ignored.map(|(_, name)| *name));
+            }
         }
-        Ok(Self { text, vertices, faces, corners: corners_of_all, ignored })
+        Ok(())
     }
 
-    /// Bytes of memory for tobj's data and for the mesh. The factors were measured on vertices,
-    /// triangles and polygons, and include the growth of the lists.
+    /// Adds a polygon as a fan of triangles about its first corner.
+    fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), String> {
+        let (mut corners, mut count) = ([0; 2], 0);
+        for word in words {
+            let vertex = self.vertex(word)?;
+            if count < 2 {
+                corners[count] = vertex;
+            } else {
+                self.triangles.push([corners[0], corners[1], vertex]);
+                corners[1] = vertex;
+            }
+            count += 1;
+        }
+        if count < 3 { Err(FACE.to_owned()) } else { Ok(()) }
+    }
+
+    /// The index of the vertex for a corner such as `1`, `1/2`, `1/2/3` or `1//3`.
+    fn vertex(&mut self, word: &[u8]) -> Result<u32, String> {
+        let mut parts = word.split(|byte| *byte == b'/');
+        let mut index = |count: usize, what: &str| match parts.next() {
+            None | Some(b"") => Ok(NONE),
+            Some(part) => {
+                let number: i64 =
+                    str::from_utf8(part).ok().and_then(|part| part.parse().ok()).ok_or(FACE)?;
+                // Negative numbers count from the end.
+                let index = if number < 0 { count as i64 + number } else { number - 1 };
+                let found = u32::try_from(index).ok().filter(|index| (*index as usize) < count);
+                found.ok_or_else(|| {
+                    format!(
+                        "the face refers to a missing {what}, the file has {count} before this line"
+                    )
+                })
+            }
+        };
+        let position = index(self.positions.len(), "vertex")?;
+        if position == NONE {
+            return Err(FACE.to_owned());
+        }
+        let uv = index(self.uvs.len(), "texture coordinate")?;
+        let normal = index(self.normals.len(), "normal")?;
+        if parts.next().is_some() {
+            return Err(FACE.to_owned());
+        }
+        let mut known = self.first[position as usize];
+        while known != NONE {
+            let vertex = &self.vertices[known as usize];
+            if (vertex.uv, vertex.normal) == (uv, normal) {
+                return Ok(known);
+            }
+            known = vertex.next;
+        }
+        let new = self.vertices.len() as u32;
+        let next = std::mem::replace(&mut self.first[position as usize], new);
+        self.vertices.push(Vertex { position, uv, normal, next });
+        Ok(new)
+    }
+
+    /// Bytes of memory that the lists take while they grow, together with the mesh.
     fn memory(&self) -> u64 {
-        2 * self.text.len() as u64
-            + 120 * self.vertices as u64
-            + 320 * self.faces
-            + 120 * self.corners
+        let lists = 16 * self.positions.len()
+            + 8 * self.uvs.len()
+            + 12 * self.normals.len()
+            + 16 * self.vertices.len()
+            + 12 * self.triangles.len();
+        (3 * lists + 32 * self.vertices.len()) as u64
     }
 
-    /// Returns the line and message of an error that occurred after `read` lines.
-    fn explain(&self, error: &LoadError, read: usize) -> (usize, String) {
-        match error {
-            LoadError::PositionParseError => (read, VERTEX.to_owned()),
-            LoadError::FaceParseError => (read, FACE.to_owned()),
-            // tobj finds this error only after reading the whole file.
-            LoadError::FaceVertexOutOfBounds => (
-                self.first_face_beyond().unwrap_or(read),
-                format!(
-                    "the face refers to a missing vertex, the file has {} vertices",
-                    self.vertices
-                ),
-            ),
-            other => (read, other.to_string()),
-        }
-    }
-
-    /// Returns the line of the first face that refers to a missing vertex.
-    fn first_face_beyond(&self) -> Option<usize> {
-        let mut before = 0;
-        let line = self.text.lines().position(|line| {
-            before += i64::from(line.starts_with('v'));
-            let is_wrong = |word: &str| {
-                let number = word.parse().unwrap_or(0);
-                number == 0 || number > self.vertices || number < -before
-            };
-            line.starts_with('f') && line.split_whitespace().skip(1).any(is_wrong)
-        })?;
-        Some(line + 1)
+    /// The vertices that faces refer to, and the faces.
+    fn mesh(self) -> Mesh {
+        let Self { positions, uvs, normals, vertices, triangles, ignored, .. } = self;
+        let of = |list: &[Vec3], index: u32| list.get(index as usize).copied().unwrap_or_default();
+        let has_normals = vertices.iter().any(|vertex| vertex.normal != NONE);
+        let has_uvs = vertices.iter().any(|vertex| vertex.uv != NONE);
+        let with = |is_needed: bool| vertices.iter().filter(move |_| is_needed);
+        let uv = |vertex: &Vertex| uvs.get(vertex.uv as usize).copied().unwrap_or_default();
+        let vertices = Vertices {
+            positions: vertices.iter().map(|vertex| of(&positions, vertex.position)).collect(),
+            normals: with(has_normals).map(|vertex| of(&normals, vertex.normal)).collect(),
+            uvs: with(has_uvs).map(uv).collect(),
+        };
+        Mesh { vertices, triangles, ignored }
     }
 }
 
-/// Whether the coordinates, divided by w if it is given, are within the range of a scene. Words
-/// that are not numbers are ignored here, because tobj reports them.
-fn is_in_range(words: &[&str]) -> bool {
-    let numbers: Vec<f32> = words.iter().filter_map(|word| word.parse().ok()).collect();
-    let w = if let [_, _, _, w] = numbers[..] { w } else { 1.0 };
-    w == 0.0 || numbers.iter().take(3).all(|c| in_range(Vec3::splat(c / w)))
+/// Up to N numbers, and how many there are. Missing ones are 0; further words are not read. `None`
+/// if a word is not a number.
+fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a [u8]>) -> Option<([f32; N], usize)> {
+    let (mut numbers, mut count) = ([0.0; N], 0);
+    for word in words.take(N) {
+        numbers[count] = str::from_utf8(word).ok()?.parse().ok()?;
+        count += 1;
+    }
+    Some((numbers, count))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limits::Limits;
+    use crate::limits::{Limit, Limits};
+
+    fn read(text: &[u8]) -> Result<Mesh> {
+        parse("a.obj", text, &Budget::new(&Limits::default(), 0))
+    }
 
     fn message(text: &str) -> String {
-        parse("a.obj", text.as_bytes(), &Budget::new(&Limits::default(), 0))
-            .unwrap_err()
-            .to_string()
+        read(text.as_bytes()).unwrap_err().to_string()
     }
 
     #[test]
     fn groups_polygons_and_relative_indices() {
-        let text = "\u{feff}v 0 0 0 # first\n# caf\u{e9}\nmtllib none.mtl\no one\nv 1 0 0 1\nv 1 1 0 0.1 0.2 0.3\n\
-                    vt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/9/1 3//7 # top\ng two\nv 0 1 0\n\
+        let text = "\u{feff}v 0 0 0 # first\n# caf\u{e9}\nmtllib none.mtl\no one\r\nv 1 0 0 1\nv 1 1 0 0.1 0.2 0.3\n\
+                    usemtl red\nf 1 2 3 # top\ng two\nv 0 2 0 2\n\
                     f -4 -3 -2 -1\nl 1 2\np 1\n";
-        let mesh = parse("a.obj", text.as_bytes(), &Budget::new(&Limits::default(), 0)).unwrap();
-        let at = |t: [u32; 3]| t.map(|i| mesh.vertices[i as usize].to_array());
+        let mesh = read(text.as_bytes()).unwrap();
+        let at = |t: [u32; 3]| t.map(|i| mesh.vertices.positions[i as usize].to_array());
         let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]);
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| at(*t)).collect();
         assert_eq!(triangles, [[a, b, c], [a, b, c], [a, c, d]]);
+        assert!(mesh.vertices.normals.is_empty() && mesh.vertices.uvs.is_empty());
+        assert_eq!(mesh.ignored, BTreeSet::from(["materials", "colours"]));
+    }
+
+    #[test]
+    fn corners_with_equal_data_share_a_vertex() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nvt 0.5\nvt 0 1 0\nvn 0 0 2\nvn 1 0 0\n\
+                    f 1/1/1 2/2/1 3//2\nf 1/1/-2 3//2 2/1/1\n";
+        let Mesh { vertices, triangles, .. } = read(text.as_bytes()).unwrap();
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+        let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+        assert_eq!(vertices.positions, [Vec3::ZERO, x, y, x]);
+        assert_eq!(vertices.normals, [z * 2.0, z * 2.0, x, z * 2.0]);
+        assert_eq!(vertices.uvs, [Vec2::X * 0.5, Vec2::Y, Vec2::ZERO, Vec2::X * 0.5]);
     }
 
     #[test]
     fn errors_name_the_line() {
         let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-        let wrong = "a.obj:3: a vertex is `v` and three numbers";
+        let wrong = format!("a.obj:3: {VERTEX}");
         assert_eq!(message("v 0 0 0\nv 1 0 0\nv 0 x 0\nf 1 2 3"), wrong);
         assert_eq!(message("v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n"), wrong);
-        for bad in ["1 2 x", "", "1 2", "1 2 3 /4", "1 2 /3"] {
-            let text = format!("{vertices}\nf {bad}\nf 1 2 3");
-            assert_eq!(message(&text), format!("a.obj:5: {FACE}"));
+        for bad in ["1 2 x", "", "1 2", "1 2 3 /4", "1 2 /3", "1 2 3/1/1/1"] {
+            let text = format!("{vertices}vt 0 0\nvn 1 0 0\nf {bad}\nf 1 2 3");
+            assert_eq!(message(&text), format!("a.obj:6: {FACE}"));
+        }
+        for (line, says) in [("vn 1 0", NORMAL), ("vn 1 0 inf", NORMAL), ("vt", UV), ("vt x", UV)] {
+            assert_eq!(message(&format!("{vertices}{line}\n")), format!("a.obj:4: {says}"));
         }
         let text = format!("{vertices}f 1 2 \\\n3\n");
-        assert!(message(&text).starts_with("a.obj:4: continued lines are not supported"));
-        let beyond = "the face refers to a missing vertex, the file has 3 vertices";
+        assert_eq!(message(&text), format!("a.obj:4: {CONTINUED}"));
+        let beyond = "the face refers to a missing vertex, the file has 3 before this line";
         for face in ["1 2 4", "0 1 2", "1 2 -4", "1 2 99999999999"] {
             let text = format!("{vertices}\no a\nf 1 2 3\nf {face}\no b\nf 1 2 3\n");
             assert_eq!(message(&text), format!("a.obj:7: {beyond}"));
         }
+        for (face, what) in [("1/1 2 3", "texture coordinate"), ("1//2 2 3", "normal")] {
+            let message = message(&format!("{vertices}f {face}\n"));
+            assert!(message.contains(&format!("a missing {what}, the file has 0")), "{message}");
+        }
         for bad in ["nan 0", "inf 0", "1e39 0", "2e9 0", "5e8 0 0.25", "0 0 nan", "0 1 1e-45"] {
             let text = format!("{vertices}v 0 {bad}\nf 1 2 4\n");
-            let range = "a.obj:4: coordinates must be finite and within ±1e9";
-            assert_eq!(message(&text), range);
+            assert_eq!(message(&text), format!("a.obj:4: {RANGE}"));
         }
     }
 
     #[test]
+    fn memory_is_limited() {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(1000));
+        let within = |bytes| {
+            let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
+            parse("a.obj", text.as_bytes(), &budget)
+        };
+        assert!(within(50_000).is_ok());
+        let error = within(20_000).unwrap_err().to_string();
+        assert!(error.starts_with("a.obj: the limit of memory is"), "{error}");
+    }
+
+    #[test]
     fn damaged_files_are_errors_not_panics() {
-        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/2 3/3/3\nf -4 -3 -2 -1\n";
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2//1 3/1\nf -4 -3 -2 -1\n";
         let mut random = crate::math::random::Stream::new(6);
+        let mut read_well = 0;
         for _ in 0..20_000 {
             let mut bytes = text.as_bytes().to_vec();
             for _ in 0..1 + random.bits() % 4 {
                 let place = (random.bits() % bytes.len() as u64) as usize;
                 bytes[place] = b"0123456789 -/.\nvfe\xff"[(random.bits() % 19) as usize];
             }
-            if let Ok(mesh) = parse("a.obj", &bytes, &Budget::new(&Limits::default(), 0)) {
-                let count = mesh.vertices.len() as u32;
-                assert!(mesh.triangles.iter().flatten().all(|i| *i < count));
+            if let Ok(Mesh { vertices, triangles, .. }) = read(&bytes) {
+                let count = vertices.positions.len();
+                assert!(triangles.iter().flatten().all(|i| (*i as usize) < count));
+                assert!([0, count].contains(&vertices.normals.len()));
+                assert!([0, count].contains(&vertices.uvs.len()));
+                read_well += 1;
             }
         }
+        assert!(read_well > 1000);
     }
 }

@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use super::{Builder, Expand};
 use crate::error::Result;
 use crate::scene::files;
-use crate::scene::mesh::{self, Transform};
+use crate::scene::mesh::{self, Smooth, Transform};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// The triangles of an OBJ or PLY file.
 ///
-/// Only positions and faces are read. Polygons become fans of triangles, and triangles without area
-/// are left out.
+/// Positions, normals, texture coordinates and faces are read. Polygons become fans of triangles,
+/// and triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -29,6 +29,13 @@ pub struct MeshFile {
     /// Translation, applied last.
     #[serde(default)]
     pub translation: [f32; 3],
+    /// Whether the triangles are shaded with the interpolated normals of their vertices.
+    #[serde(default, skip_serializing_if = "is_auto")]
+    pub smooth: Smooth,
+    /// Whether shadows on smooth triangles fade out towards the terminator, which hides the edges of
+    /// the triangles (Chiang, Li, Burley 2019, "Taming the Shadow Terminator").
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub soft_terminator: bool,
     /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
 }
@@ -41,6 +48,8 @@ impl MeshFile {
             scale: unit(),
             rotation: [0.0; 3],
             translation: [0.0; 3],
+            smooth: Smooth::Auto,
+            soft_terminator: true,
             material: material.into(),
         }
     }
@@ -50,9 +59,21 @@ fn unit() -> f32 {
     1.0
 }
 
+pub(super) fn yes() -> bool {
+    true
+}
+
+pub(super) fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+fn is_auto(smooth: &Smooth) -> bool {
+    *smooth == Smooth::Auto
+}
+
 impl Expand for MeshFile {
     fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
-        let &Self { ref file, scale, rotation, translation, .. } = self;
+        let &Self { ref file, scale, rotation, translation, smooth, soft_terminator, .. } = self;
         let ok = scale > 0.0 && scale <= MAX_COORDINATE;
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
         e.rotation(rotation)?;
@@ -70,9 +91,9 @@ impl Expand for MeshFile {
         let room = to.budget.hold_primitives(before, mesh.triangles.len());
         room.map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
-        let placed = mesh.transformed(&transform, to.budget);
+        let placed = mesh.transformed(&transform, smooth, to.budget);
         let (vertices, faces) = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
-        to.geometry.triangles.add(vertices, faces);
+        to.geometry.triangles.add(vertices, faces, soft_terminator);
         Ok(())
     }
 }

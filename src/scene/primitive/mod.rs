@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::budget::Budget;
 use super::mesh::Mesh;
+pub use super::mesh::Smooth;
 use super::place::{Element, MAX_COORDINATE};
 use crate::error::Result;
 use crate::geometry::{Geometry, Quad};

@@ -12,6 +12,7 @@ mod furnace;
 mod lamps;
 mod media;
 mod mitsuba;
+mod smooth;
 mod tiles;
 
 use ptfast::{Engine, RenderSettings, Renderer, Sampler, Scene};

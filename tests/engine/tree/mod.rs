@@ -62,7 +62,7 @@ fn triangles_smaller_than_rounding() {
             Triangle { vertices: [(); 3].map(|()| middle + vector(&mut random, size)) }
         });
         let geometry = Geometry { triangles: triangles.collect(), ..Geometry::default() };
-        let tree = Bvh2::new(&geometry);
+        let tree = Bvh2::new(&geometry, 1);
         let mut make = |i: usize| {
             let origin = uniform_sphere(random.uniform(), random.uniform()) * distance;
             let [a, b, c] = geometry.triangles.vertices(i % 200);
@@ -140,9 +140,9 @@ fn generated_scenes() {
         }
         let geometry = &geometry;
         // Trees of more than 2^20 bytes are traced in other ways, so require 1.5 times as much.
-        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single);
+        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single, 2);
         assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
-        let tree = Bvh2::new(geometry);
+        let tree = Bvh2::new(geometry, 2);
         let mut random = Stream::new(17);
         for i in 0..RAYS / 100 {
             let (ray, t_max) = adversarial(&mut random, i, geometry, scale, shift);

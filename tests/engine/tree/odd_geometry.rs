@@ -14,7 +14,7 @@ use super::rays::vector;
 fn reference_on_odd_geometry() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: 0.0 };
     let empty = Geometry::default();
-    let tree = Bvh2::new(&empty);
+    let tree = Bvh2::new(&empty, 1);
     assert_eq!(tree.closest(&empty, &ray, 0.0, f32::INFINITY), None);
     assert!(!tree.occluded(&empty, &ray, 0.0, f32::INFINITY));
 
@@ -26,7 +26,7 @@ fn reference_on_odd_geometry() {
         quads: Vec::new(),
         triangles: Triangles::from_iter([line, point]),
     };
-    let tree = Bvh2::new(&same);
+    let tree = Bvh2::new(&same, 1);
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
     assert_eq!((hit.primitive, hit.t), (0, 4.0), "of 100 000 equal spheres, the first must win");
 }

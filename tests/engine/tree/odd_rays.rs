@@ -13,7 +13,7 @@ use super::rays::{Bundles, adversarial, soup, vector};
 #[test]
 fn invalid_rays_miss_quickly() {
     let geometry = soup(7, 300, 1.0, Vec3::ZERO);
-    let tree = Bvh2::new(&geometry);
+    let tree = Bvh2::new(&geometry, 1);
     let mut batch = RayBatch::default();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         batch.push(&Ray { origin: Vec3::ONE, direction: Vec3::NEG_ONE, time: bad }, 0.0, 9.0);

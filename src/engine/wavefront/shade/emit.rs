@@ -35,7 +35,7 @@ impl Shading<'_> {
             let vertex = self.vertex(queue, first, shaded.paths);
             let Segment { ray, pdf } = vertex.segment;
             let (primitive, t) = (vertex.primitive, vertex.t);
-            let at = self.tables.interaction(shape, primitive, ray, t, false);
+            let at = self.tables.interaction(shape, primitive, ray, t, false, false);
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, vertex.primitive);
             let light = self.tables.lights.get::<Float>(light);
             let weight = match self.settings.sampling {

@@ -28,9 +28,9 @@ impl Shading<'_> {
             let vertex = self.vertex(queue, first, shaded.paths);
             let ray = vertex.segment.ray;
             let (primitive, t) = (vertex.primitive, vertex.t);
-            let at = self.tables.interaction(shape, primitive, ray, t, TEXTURED);
+            let at = self.tables.interaction(shape, primitive, ray, t, TEXTURED, M::GLOSSY);
             let entries = self.tables.looks.entries::<Float>(shape, vertex.primitive, table.len());
-            let bsdf = M::bsdf::<Float>(table, entries, &at);
+            let bsdf = at.smoothed(M::bsdf::<Float>(table, entries, &at));
             self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
         }
     }
@@ -43,7 +43,7 @@ impl Shading<'_> {
             let Ray { origin, direction, .. } = vertex.segment.ray;
             // A medium has no surface that rays could hit again, so they start at offset 0.
             let point = origin + direction * vertex.t;
-            let surface = Surface { point, normal: direction, offset: Float::ZERO };
+            let surface = Surface::flat(point, direction, Float::ZERO);
             let phase = self.tables.media.phase(vertex.primitive);
             self.go_on(&vertex, &surface, -direction, &phase, shaded);
         }

@@ -2,16 +2,16 @@
 
 mod most;
 
-use std::collections::BTreeSet;
 use std::io::ErrorKind;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult};
 
 use self::most::Most;
 use super::indexed::{Mesh, fan, in_range};
 use crate::error::{Error, Result};
+use crate::geometry::Vertices;
 use crate::scene::budget::Budget;
 
 /// Largest size of a header in bytes.
@@ -21,23 +21,37 @@ const END: &[u8] = b"end_header";
 /// Number of rows that are in memory at once.
 const ROWS: usize = 1024;
 
-/// A row of any element, with the position of a vertex and the corners of a face. Properties that
-/// the element does not have keep their initial values.
+/// A row of any element, with the data of a vertex and the corners of a face. Properties that the
+/// element does not have keep their initial values.
 #[derive(Debug)]
 struct Row {
     position: Vec3,
+    normal: Vec3,
+    uv: Vec2,
     corners: Vec<i64>,
 }
 
+/// The names of the components of normals.
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// The names that programs use for texture coordinates.
+const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
+
 impl PropertyAccess for Row {
     fn new() -> Self {
-        Self { position: Vec3::NAN, corners: Vec::new() }
+        Self { position: Vec3::NAN, normal: Vec3::ZERO, uv: Vec2::ZERO, corners: Vec::new() }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name);
+        let is_name = |one: &&str| *one == name;
+        let axis = ["x", "y", "z"].iter().position(is_name);
+        let normal = NORMAL.iter().position(is_name);
+        let uv = UVS.iter().find_map(|names| names.iter().position(is_name));
         if let (Some(axis), Some(number)) = (axis, value.to_f32_lossy()) {
             self.position[axis] = number;
+        } else if let (Some(axis), Some(number)) = (normal, value.to_f32_lossy()) {
+            self.normal[axis] = number;
+        } else if let (Some(axis), Some(number)) = (uv, value.to_f32_lossy()) {
+            self.uv[axis] = number;
         } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
             self.corners = corners;
         } else {
@@ -73,10 +87,18 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let most = Most::new(&header, reader.get_ref().len())
         .map_err(|(place, message)| Error::input(name, place, message))?;
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
+    let attributes = Attributes {
+        normals: has(&header, &NORMAL),
+        uvs: UVS.iter().any(|names| has(&header, names)),
+    };
+    let bytes = 12 + if attributes.normals { 12 } else { 0 } + if attributes.uvs { 8 } else { 0 };
     budget
-        .check(most.memory(count, is_text.then_some(*reader.get_ref())))
+        .check(most.memory(count * bytes, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
-    let mut mesh = Mesh { ignored: ignored(&header), ..Mesh::default() };
+    let mut mesh = Mesh::default();
+    if has(&header, &["red"]) {
+        mesh.ignored.insert("colours");
+    }
     for (element, all) in &header.elements {
         let mut some = all.clone();
         for first in (0..all.count).step_by(ROWS) {
@@ -91,7 +113,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
                 _ => explain(name, &error, (!is_text).then_some(element)),
             })?;
             let added = match element.as_str() {
-                "vertex" => add_vertices(&mut mesh, &rows),
+                "vertex" => add_vertices(&mut mesh, &rows, attributes),
                 "face" => add_faces(&mut mesh, &rows, count),
                 _ => Ok(()),
             };
@@ -108,27 +130,42 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Properties of vertices that are ignored, and their name in messages.
-const IGNORED: [(&str, &str); 5] = [
-    ("nx", "normals"),
-    ("u", "texture coordinates"),
-    ("s", "texture coordinates"),
-    ("texture_u", "texture coordinates"),
-    ("red", "colours"),
-];
+/// Whether all of these properties are in the header of the vertices.
+fn has(header: &Header, names: &[&str]) -> bool {
+    let vertex = header.elements.get("vertex");
+    vertex.is_some_and(|vertex| names.iter().all(|name| vertex.properties.contains_key(*name)))
+}
 
-fn ignored(header: &Header) -> BTreeSet<&'static str> {
-    let Some(vertex) = header.elements.get("vertex") else { return BTreeSet::new() };
-    let has = |(key, _): &&(&str, &str)| vertex.properties.contains_key(*key);
-    IGNORED.iter().filter(has).map(|(_, name)| *name).collect()
+/// The data that vertices have besides their positions.
+#[derive(Clone, Copy)]
+struct Attributes {
+    normals: bool,
+    uvs: bool,
 }
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
-fn add_vertices(mesh: &mut Mesh, rows: &[Row]) -> Result<(), (usize, String)> {
+fn add_vertices(
+    mesh: &mut Mesh,
+    rows: &[Row],
+    attributes: Attributes,
+) -> Result<(), (usize, String)> {
     if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
         return Err((row, "a vertex needs x, y and z, finite and within ±1e9".to_owned()));
     }
-    mesh.vertices.extend(rows.iter().map(|row| row.position));
+    let Vertices { positions, normals, uvs } = &mut mesh.vertices;
+    positions.extend(rows.iter().map(|row| row.position));
+    if attributes.normals {
+        if let Some(row) = rows.iter().position(|row| !row.normal.is_finite()) {
+            return Err((row, "nx, ny and nz must be finite".to_owned()));
+        }
+        normals.extend(rows.iter().map(|row| row.normal));
+    }
+    if attributes.uvs {
+        if let Some(row) = rows.iter().position(|row| !row.uv.is_finite()) {
+            return Err((row, "texture coordinates must be finite".to_owned()));
+        }
+        uvs.extend(rows.iter().map(|row| row.uv));
+    }
     Ok(())
 }
 
@@ -194,8 +231,8 @@ mod tests {
     fn text_of_any_types_with_polygons() {
         let text = format!("{HEADER}{VERTICES}3 0 1 2\n4 0 1 2 3\n");
         let mesh = parse("a.ply", text.as_bytes(), &budget()).unwrap();
-        assert_eq!(mesh.vertices[1], Vec3::new(1.0, 0.5, 0.0));
-        assert_eq!(mesh.vertices[3], Vec3::new(0.0, 1.0, 2.0));
+        assert_eq!(mesh.vertices.positions[1], Vec3::new(1.0, 0.5, 0.0));
+        assert_eq!(mesh.vertices.positions[3], Vec3::new(0.0, 1.0, 2.0));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3]]);
     }
 
@@ -216,7 +253,7 @@ mod tests {
                 bytes.extend(if little { i.to_le_bytes() } else { i.to_be_bytes() });
             }
             let mesh = parse("a.ply", &bytes, &budget()).unwrap();
-            assert_eq!(mesh.vertices[2], Vec3::new(0.0, 1.0, 0.5));
+            assert_eq!(mesh.vertices.positions[2], Vec3::new(0.0, 1.0, 0.5));
             assert_eq!(mesh.triangles, [[2, 0, 1]]);
             let cut = parse("a.ply", &bytes[..bytes.len() - 2], &budget()).unwrap_err().to_string();
             assert!(
@@ -305,7 +342,7 @@ mod tests {
                 bytes[place] = random.bits() as u8;
             }
             if let Ok(mesh) = parse("a.ply", &bytes, &budget()) {
-                let count = mesh.vertices.len() as u32;
+                let count = mesh.vertices.positions.len() as u32;
                 assert!(mesh.triangles.iter().flatten().all(|i| *i < count));
             }
         }

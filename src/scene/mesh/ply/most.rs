@@ -71,7 +71,7 @@ impl Most {
         })
     }
 
-    /// Returns the bytes of memory for reading a mesh of `vertices` vertices. `text` is the content
+    /// Returns the bytes of memory for reading a mesh whose vertices take `vertices` bytes. `text` is the content
     /// of a text file, or `None` for a binary one.
     pub(super) fn memory(&self, vertices: usize, text: Option<&[u8]>) -> u64 {
         let longest = |text: &[u8]| text.split(|byte| *byte == b'\n').map(<[u8]>::len).max();
@@ -83,6 +83,6 @@ impl Most {
         let entries = 32 * self.entries.min(rows);
         let line = 32 * text.and_then(longest).unwrap_or(0);
         // While the list of triangles grows, it is in memory twice.
-        (12 * vertices + 36 * self.triangles + entries + line) as u64
+        (vertices + 36 * self.triangles + entries + line) as u64
     }
 }
