@@ -44,10 +44,9 @@ const BUILD: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::very_slow_build()
 };
 
-/// The share of nodes that the build of large scenes tries to reinsert, instead of all nodes. Trees
-/// of a million spheres and of a million triangles were built 4 times faster and traced as fast
-/// (`profiling/`).
-const REINSERTION: f32 = 0.1;
+/// Above this number of boxes, the build tries to reinsert only one node in ten. Trees of a million
+/// spheres and of a million triangles were built 4 times faster and traced as fast (`profiling/`).
+const MANY: usize = 1 << 15;
 
 impl BinaryTree {
     /// Size in memory.
@@ -59,7 +58,7 @@ impl BinaryTree {
     /// depend on the number of `threads` that build it.
     pub(crate) fn new(boxes: &[Bounds], primitives: &[u32], threads: usize) -> Self {
         if primitives.len() <= Partition::MOST {
-            return Self::at_once(boxes, primitives, BUILD.reinsertion_batch_ratio);
+            return Self::of_cluster(boxes, primitives);
         }
         let partition = Partition::new(boxes, primitives.to_vec(), threads);
         let clusters: Vec<_> =
@@ -107,13 +106,8 @@ impl BinaryTree {
         Self { nodes }
     }
 
-    /// Builds the tree over a cluster of a large scene.
-    pub(super) fn of_cluster(boxes: &[Bounds], primitives: &[u32]) -> Self {
-        Self::at_once(boxes, primitives, REINSERTION)
-    }
-
     /// Builds a tree without dividing the primitives into clusters first.
-    fn at_once(boxes: &[Bounds], primitives: &[u32], reinsertion_batch_ratio: f32) -> Self {
+    pub(super) fn of_cluster(boxes: &[Bounds], primitives: &[u32]) -> Self {
         if primitives.is_empty() {
             return Self::default();
         }
@@ -124,6 +118,8 @@ impl BinaryTree {
         let group_boxes: Vec<Aabb> = (0..groups.len())
             .map(|group| unequal(group, union_of(groups.members(group))))
             .collect();
+        let many = group_boxes.len() > MANY;
+        let reinsertion_batch_ratio = if many { 0.1 } else { BUILD.reinsertion_batch_ratio };
         let build = BvhBuildParams { reinsertion_batch_ratio, ..BUILD };
         let built = build_bvh2(&group_boxes, build, &mut Duration::default());
 

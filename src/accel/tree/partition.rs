@@ -52,8 +52,9 @@ impl Bin {
 }
 
 impl Partition {
-    /// Largest number of primitives in a cluster.
-    pub(crate) const MOST: usize = 1 << 15;
+    /// Largest number of primitives in a cluster. With a quarter of it, large scenes were built as fast,
+    /// but rays took 4% longer in a mesh of 124 000 triangles (`profiling/`).
+    pub(crate) const MOST: usize = 1 << 17;
 
     /// Splits `primitives`, whose boxes are `boxes[primitive]`, until each part has at most
     /// [`Self::MOST`]. The result does not depend on the number of threads.

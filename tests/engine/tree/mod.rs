@@ -124,9 +124,10 @@ fn tips_of_thin_quads() {
 #[test]
 fn generated_scenes() {
     for (name, scale, shift) in [
-        ("cloud:60000", 30.0, Vec3::ZERO),
+        // The trees of scenes above 131072 primitives are built from clusters.
+        ("cloud:140000", 40.0, Vec3::ZERO),
         ("mesh:61440", 4.0, Vec3::ZERO),
-        ("mesh:61440", 4.0, Vec3::new(700.0, -30.0, 9000.0)),
+        ("mesh:143360", 5.0, Vec3::new(700.0, -30.0, 9000.0)),
     ] {
         let scene = ptfast::Scene::load(name).unwrap();
         let mut geometry = Geometry::clone(scene.geometry());
