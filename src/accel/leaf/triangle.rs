@@ -1,5 +1,7 @@
 //! Blocks of triangles.
 
+use glam::Vec3;
+
 use super::{Leaf, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
@@ -21,8 +23,11 @@ pub(super) struct Block {
 impl Leaf for Block {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.spheres.len() + geometry.quads.len();
-        let triangle = |&p: &u32| geometry.triangles.vertices(p as usize - first);
-        let vertex = |i: usize| transpose(primitives.iter().map(|p| triangle(p)[i]));
+        let mut triangles = [[Vec3::NAN; 3]; LANES];
+        for (triangle, &primitive) in triangles.iter_mut().zip(primitives) {
+            *triangle = geometry.triangles.vertices(primitive as usize - first);
+        }
+        let vertex = |i: usize| transpose(triangles.iter().map(|triangle| triangle[i]));
         Self { vertices: axes(vertex), primitive: numbers(primitives) }
     }
 
