@@ -57,6 +57,9 @@ pub(crate) struct Looks {
     lights: Vec<u32>,
     /// The appearance of triangles, media and the background, sorted by primitive.
     ranges: Vec<Range>,
+    /// The last primitive and the key of each run of primitives with the same key, if there are at
+    /// most [`MOST_RUNS`] runs.
+    runs: Option<Vec<(u32, u8)>>,
     first_medium: u32,
 }
 
@@ -76,6 +79,9 @@ struct Range {
 /// A value in [`Looks::key_of`] that is not a key: the key is found in [`Looks::ranges`].
 const SEARCH: u8 = u8::MAX;
 const NO_LIGHT: u32 = u32::MAX;
+/// Up to this number of runs, comparing primitives with all of them is faster than looking up keys
+/// one by one.
+const MOST_RUNS: usize = 8;
 
 impl Looks {
     /// Finds the appearance of all primitives and media of `scene`, and adds its materials and
@@ -130,6 +136,14 @@ impl Looks {
             ranges.push(rest(medium, medium, number(Key::Medium)));
         }
         ranges.push(rest(first_medium + scene.media().len() as u32, Hit::MISS, 0));
+        let keys_of_all = solids.iter().chain(&ranges).map(|range| (range.last, range.key));
+        let mut runs: Vec<(u32, u8)> = Vec::new();
+        for (last, key) in keys_of_all {
+            match runs.last_mut() {
+                Some(run) if run.1 == key => run.0 = last,
+                _ => runs.push((last, key)),
+            }
+        }
         let mut key_of: Vec<u8> = solids.iter().map(|solid| solid.key).collect();
         if triangles.is_empty() {
             key_of.extend(ranges.iter().map(|range| range.key));
@@ -142,6 +156,7 @@ impl Looks {
             entries: solids.iter().map(|solid| solid.entry).collect(),
             lights: solids.iter().map(|solid| solid.light).collect(),
             ranges,
+            runs: Some(runs).filter(|runs| runs.len() <= MOST_RUNS),
             first_medium,
         }
     }
@@ -158,6 +173,21 @@ impl Looks {
             SEARCH => self.range(primitive).key,
             key => key,
         }
+    }
+
+    /// The indices of the keys of primitives, or `None` if there are too many to compare with; then
+    /// use [`Looks::key`].
+    #[inline(always)]
+    pub(crate) fn key_words<R: Real>(&self) -> Option<impl Fn(R::Word) -> R::Word> {
+        let runs = self.runs.as_deref()?;
+        Some(|primitive: R::Word| {
+            let mut key = R::Word::splat(u32::from(runs[0].1));
+            for (&(last, _), &(_, next)) in runs.iter().zip(&runs[1..]) {
+                let before = primitive.le(R::Word::splat(last));
+                key = before.select(key, R::Word::splat(u32::from(next)));
+            }
+            key
+        })
     }
 
     #[inline(always)]

