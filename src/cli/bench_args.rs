@@ -12,7 +12,8 @@ use crate::statistics::Estimate;
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// Built-in scene, cloud:N, mesh:N or path; may be repeated [default: the built-in scenes]
+    /// Built-in scene, cloud:N, mesh:N or path; may be repeated [default: the built-in scenes and
+    /// mesh:100000]
     #[arg(long = "scene", value_name = "SCENE")]
     pub(super) scenes: Vec<String>,
     /// Engine; may be repeated [default: all]
