@@ -17,7 +17,7 @@ use super::setup::Extent;
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
-use super::tree::partition::Partition;
+use super::tree::partition::{MAX_CLUSTER, Partition};
 use super::tree::wide::WideTree;
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
@@ -146,7 +146,7 @@ impl Accelerator {
 
     /// Whether the wide tree is built from clusters instead of the binary tree.
     fn is_large(&self) -> bool {
-        self.base().others.len() > Partition::MOST
+        self.base().others.len() > MAX_CLUSTER
     }
 
     /// Bounding box of the primitives that do not span the scene, or of all primitives if all of

@@ -21,3 +21,4 @@ pub use batch::{HitBatch, RayBatch};
 pub use counters::Counters;
 pub use kernel::Kernel;
 pub use tree::bvh2::Bvh2;
+pub(crate) use tree::partition::MAX_CLUSTER;

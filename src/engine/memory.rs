@@ -4,14 +4,17 @@ use super::pool;
 use super::rendering::MOST_EVENTS;
 use super::settings::RenderSettings;
 use super::timeline::Event;
+use crate::accel::MAX_CLUSTER;
 use crate::error::{Error, Result};
 use crate::limits::Limit;
 use crate::scene::{LIGHT_BYTES, Scene};
 
 /// Bytes of the program itself.
 const PROGRAM: u64 = 16 << 20;
-/// Bytes per primitive, including trees and temporary memory to build them: 350 were measured.
-const PRIMITIVE: u64 = 400;
+/// Bytes per primitive, including its share of the trees: up to 200 were measured.
+const PRIMITIVE: u64 = 220;
+/// Bytes per primitive of a cluster while a thread builds its tree: up to 120 were measured.
+const BUILD: u64 = 180;
 /// Number of paths of the largest waves in trials.
 const PATHS: u64 = 1 << 15;
 /// Bytes per path of a wave, in scenes with many kinds of materials.
@@ -25,10 +28,13 @@ impl RenderSettings {
     /// If the estimate exceeds the limit, returns [`Error::Usage`], which names the limit.
     pub(crate) fn check_memory(&self, scene: &Scene, film: u64) -> Result<()> {
         let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
-        let paths = PATHS.max(given.into()) * pool::threads(self.threads) as u64;
+        let threads = pool::threads(self.threads) as u64;
+        let paths = PATHS.max(given.into()) * threads;
+        let primitives = scene.geometry().len() as u64;
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
-            + PRIMITIVE * scene.geometry().len() as u64
+            + PRIMITIVE * primitives
+            + BUILD * primitives.min(MAX_CLUSTER as u64) * threads
             + LIGHT_BYTES * u64::from(scene.lights())
             + 12 * scene.texels()
             + PATH * paths

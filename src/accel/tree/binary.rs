@@ -9,7 +9,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use super::group::Groups;
-use super::partition::{Part, Partition};
+use super::partition::{MAX_CLUSTER, Part, Partition};
 use crate::accel::threads::for_each;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
@@ -57,7 +57,7 @@ impl BinaryTree {
     /// Builds the tree over `primitives`, whose boxes are `boxes[primitive]`. The tree does not
     /// depend on the number of `threads` that build it.
     pub(crate) fn new(boxes: &[Bounds], primitives: &[u32], threads: usize) -> Self {
-        if primitives.len() <= Partition::MOST {
+        if primitives.len() <= MAX_CLUSTER {
             return Self::of_cluster(boxes, primitives);
         }
         let partition = Partition::new(boxes, primitives.to_vec(), threads);

@@ -222,6 +222,7 @@ impl WideTree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::tree::partition::MAX_CLUSTER;
     use crate::geometry::Sphere;
     use crate::math::random::Stream;
     use glam::Vec3;
@@ -233,7 +234,7 @@ mod tests {
             let center = Vec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));
             Sphere::still(center, 1e-3)
         };
-        let spheres = (0..3 * Partition::MOST).map(|_| sphere()).collect();
+        let spheres = (0..3 * MAX_CLUSTER).map(|_| sphere()).collect();
         let geometry = Geometry { spheres, ..Geometry::default() };
         let boxes = geometry.boxes();
         let all: Vec<u32> = (0..geometry.len() as u32).collect();
