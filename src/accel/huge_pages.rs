@@ -18,16 +18,17 @@ pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
     settled
 }
 
-/// Makes room for `more` values in `values`, on huge pages if there are many. Moves them to memory
-/// for twice as many if there is no room, so that few of them are moved often.
+/// Makes room for `more` values in `values`, on huge pages if there are many. If there is no room,
+/// moves them to memory for half as many again, so that they are not moved often.
 pub(super) fn reserve<T>(values: &mut Vec<T>, more: usize) {
     let len = values.len() + more;
     if len <= values.capacity() {
         return;
     }
-    let mut moved = Vec::with_capacity(2 * len);
+    let capacity = len + len / 2;
+    let mut moved = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]
-    if 2 * size_of::<T>() * len >= 2 * HUGE {
+    if size_of::<T>() * capacity >= 2 * HUGE {
         request(moved.spare_capacity_mut());
     }
     moved.append(values);

@@ -11,8 +11,8 @@ use crate::scene::{LIGHT_BYTES, Scene};
 
 /// Bytes of the program itself.
 const PROGRAM: u64 = 16 << 20;
-/// Bytes per primitive, including its share of the trees: up to 200 were measured.
-const PRIMITIVE: u64 = 220;
+/// Bytes of trees per primitive: up to 180 were measured.
+const PRIMITIVE: u64 = 200;
 /// Bytes per primitive of a cluster while a thread builds its tree: up to 120 were measured.
 const BUILD: u64 = 180;
 /// Number of paths of the largest waves in trials.
@@ -33,8 +33,9 @@ impl RenderSettings {
         let primitives = scene.geometry().len() as u64;
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
+            + scene.geometry().bytes()
             + PRIMITIVE * primitives
-            + BUILD * primitives.min(MAX_CLUSTER as u64) * threads
+            + BUILD * primitives.min(MAX_CLUSTER as u64 * threads)
             + LIGHT_BYTES * u64::from(scene.lights())
             + 12 * scene.texels()
             + PATH * paths

@@ -188,6 +188,12 @@ macro_rules! shape {
 shapes!(shape);
 
 impl Geometry {
+    /// Size of the lists in memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        let Self { spheres, quads, triangles } = self;
+        (size_of_val(&**spheres) + size_of_val(&**quads)) as u64 + triangles.bytes()
+    }
+
     /// Whether there are no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -51,6 +51,12 @@ impl Triangles {
         self.corners.len()
     }
 
+    /// Size of the tables in memory, with their spare capacity.
+    pub(super) fn bytes(&self) -> u64 {
+        let rows = self.corners.capacity() + self.positions.capacity() + self.normals.capacity();
+        (rows * size_of::<Row>()) as u64
+    }
+
     /// Whether there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.corners.is_empty()
@@ -107,7 +113,8 @@ impl Triangles {
     /// `soft` makes shadows fade out towards the terminator.
     ///
     /// # Panics
-    /// If there are 2^32 vertices or more.
+    /// If there are 2^32 vertices or more, if an index is out of range, or if the lists of vertices
+    /// differ in length and are not empty.
     pub fn add(
         &mut self,
         vertices: Vertices,
@@ -116,8 +123,12 @@ impl Triangles {
     ) {
         let Vertices { positions, normals, uvs } = vertices;
         let first = self.positions.len();
-        let end = first + positions.len();
+        let count = positions.len();
+        let end = first + count;
         assert!(u32::try_from(end).is_ok(), "a scene has fewer than 2^32 vertices");
+        for len in [normals.len(), uvs.len()] {
+            assert!(len == 0 || len == positions.len(), "each vertex needs the same data");
+        }
         let uv = |i: usize| uvs.get(i).copied().unwrap_or_default();
         let rows = positions.iter().enumerate().map(|(i, &position)| row(position, uv(i).x));
         self.positions.extend(rows);
@@ -132,7 +143,10 @@ impl Triangles {
         let flags =
             flag(SMOOTH, smooth) | flag(MAPPED, !uvs.is_empty()) | flag(SOFT, smooth && soft);
         let corners = faces.into_iter().map(|[a, b, c]| {
-            let [a, b, c] = [a, b, c].map(|vertex| first as u32 + vertex);
+            let [a, b, c] = [a, b, c].map(|vertex| {
+                assert!((vertex as usize) < count, "a corner must be the index of a vertex");
+                first as u32 + vertex
+            });
             [a, b, c, flags]
         });
         self.corners.extend(corners);

@@ -7,8 +7,13 @@ use crate::limits::{Limit, Limits};
 /// Bytes of memory for each byte of a scene file, for its text and its parsed form together. Up to
 /// 10 were measured.
 const TEXT: u64 = 12;
-/// Bytes of memory for each primitive of a scene while the lists of primitives grow. A quad has 52.
+/// Bytes of memory for each primitive of a scene while the lists of primitives grow. A quad has 80,
+/// a triangle 16 besides its vertices.
 const PRIMITIVE: u64 = 160;
+
+/// Bytes of memory for each vertex of triangles while the lists grow: a position and a normal of 16
+/// bytes each, in up to three copies.
+const VERTEX: u64 = 96;
 
 /// The estimated memory held so far, and its limit.
 #[derive(Clone, Debug)]
@@ -42,6 +47,11 @@ impl Budget {
         self.check(bytes)?;
         self.held.set(self.held.get() + bytes);
         Ok(())
+    }
+
+    /// As [`hold`](Self::hold), for this many vertices of triangles.
+    pub(super) fn hold_vertices(&self, more: usize) -> Result<(), String> {
+        self.hold(VERTEX * more as u64)
     }
 
     /// As [`hold`](Self::hold), for `more` primitives in addition to the `before` already in the

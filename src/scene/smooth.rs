@@ -77,9 +77,11 @@ impl<B, R: Real> Smoothed<B, R> {
     #[inline(always)]
     fn factor(&self, direction: R::Vec3, transmitted: R::Mask, soft: R::Mask) -> R {
         let cos = dot(direction, self.normal);
-        let consistent = transmitted ^ cos.gt(R::ZERO);
-        let turned = dot(direction, self.shading) * dot(self.normal, self.shading);
-        let g = min(cos / turned, R::ONE);
+        let shaded = dot(direction, self.shading);
+        let above = cos.gt(R::ZERO);
+        // Rounding can turn the sign of a grazing direction, so the material's word is not enough.
+        let consistent = transmitted.select(!above, above & shaded.gt(R::ZERO));
+        let g = min(cos / (shaded * dot(self.normal, self.shading)), R::ONE);
         let fade = ((R::ONE - g) * g + 1.0) * g;
         let factor = (soft & !transmitted).select(fade, R::ONE);
         consistent.select(factor, R::ZERO)
@@ -117,5 +119,42 @@ impl<B: Bsdf<R>, R: Real> Bsdf<R> for Smoothed<B, R> {
         let transmitted = dot(direction, self.shading).lt(R::ZERO);
         let factor = self.factor(direction, transmitted, self.soft);
         (f_cos * self.smooth.select(factor, R::ONE), pdf)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::random::Stream;
+    use crate::math::warp::uniform_sphere;
+
+    #[test]
+    fn factors_are_in_range_even_for_grazing_directions() {
+        let mut random = Stream::new(12);
+        for i in 0..400_000 {
+            let mut direction = || uniform_sphere(random.uniform(), random.uniform());
+            let (normal, toward) = (direction(), direction());
+            let shading = normalize(normal + toward * 0.3);
+            // Nearly perpendicular to the shading normal, or to the geometric one.
+            let about = [shading, normal][i % 2];
+            let across = normalize(toward - about * dot(toward, about));
+            let rise = [-1e-7, 0.0, 1e-7, 1e-30, 0.3][i % 5];
+            let (smooth, soft) = (true, i % 3 > 0);
+            let smoothed: Smoothed<_, f32> = Smoothed { bsdf: (), normal, shading, smooth, soft };
+            let direction = normalize(across + about * rise);
+            for transmitted in [false, true] {
+                let factor = smoothed.factor(direction, transmitted, soft);
+                assert!((0.0..=1.0).contains(&factor), "{factor} {direction} {normal} {shading}");
+            }
+        }
+        let flat = Vec3::Z;
+        let (normal, shading) = (flat, flat);
+        let smoothed: Smoothed<_, f32> =
+            Smoothed { bsdf: (), normal, shading, smooth: true, soft: true };
+        assert_eq!(smoothed.factor(Vec3::Z, false, true), 1.0);
+        assert_eq!(smoothed.factor(-Vec3::Z, false, true), 0.0);
+        assert_eq!(smoothed.factor(-Vec3::Z, true, true), 1.0);
     }
 }

@@ -1,5 +1,6 @@
 //! The binary tree from which every layout is built, itself built by obvhs.
 
+use std::mem::take;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -72,14 +73,14 @@ impl BinaryTree {
         );
         let clusters =
             clusters.into_iter().map(|tree| tree.into_inner().expect("no thread panicked"));
-        let clusters: Vec<Self> = clusters.collect();
+        let mut clusters: Vec<Self> = clusters.collect();
         let mut tree = Self::top(&partition, |cluster| clusters[cluster].nodes[0].bounds);
         let top = tree.nodes.len();
         tree.nodes.reserve_exact(2 * primitives.len() - 1 - top);
         for slot in 0..top {
             // A cluster's root takes the place of the leaf that stands for it.
             if let Below::Primitive(cluster) = tree.nodes[slot].below {
-                let nodes = &clusters[cluster as usize].nodes;
+                let Self { nodes } = take(&mut clusters[cluster as usize]);
                 let moved = tree.nodes.len() as u32 - 1;
                 tree.nodes.extend(nodes.iter().skip(1).map(|node| node.moved(moved)));
                 tree.nodes[slot] = nodes[0].moved(moved);

@@ -48,7 +48,7 @@ pub(crate) struct WideTree {
     /// The root is first. Empty if the tree has no primitives.
     pub(crate) nodes: Vec<WideNode>,
     pub(crate) blocks: Blocks,
-    /// Number of nodes on the longest path from the root.
+    /// Upper bound of the number of nodes on a path from the root.
     pub(crate) depth: usize,
     /// Whether the tree is larger than the fast caches.
     pub(crate) is_large: bool,
@@ -175,7 +175,7 @@ impl WideTree {
         let clusters = &partition.clusters;
         let top = BinaryTree::top(partition, |cluster| {
             let boxes = clusters[cluster].iter().map(|&primitive| boxes[primitive as usize]);
-            boxes.fold(Bounds::EMPTY, Bounds::union)
+            boxes.fold(Bounds::EMPTY, Bounds::union).without_subnormals()
         });
         let mut tree = Part::new(geometry, &top, &Collapse::of_roots(&top));
         let parts = take(&mut tree.parts);

@@ -19,7 +19,7 @@ trait SurfaceTable {
     /// The point that `ray` hits at distance `t`.
     fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R>;
 
-    /// The texture coordinates of that point, both in [0, 1] up to rounding.
+    /// The texture coordinates of that point, both in [0, 1] up to rounding unless a mesh has its own.
     fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, surface: &Surface<R>, t: R) -> (R, R);
 }
 
@@ -51,7 +51,7 @@ macro_rules! surfaces {
                 }
             }
 
-            /// The texture coordinates of that point, both in [0, 1] up to rounding.
+            /// The texture coordinates of that point, both in [0, 1] up to rounding unless a mesh has its own.
             pub(crate) fn uv<R: Real>(
                 &self,
                 shape: Shape,

@@ -11,31 +11,40 @@ const LEAST_SINE2: f32 = 1.0 / (1 << 20) as f32;
 /// Below this square of twice the area, products of the cross product lose bits to underflow.
 const LEAST_AREA2: f32 = 1e-24;
 
-/// The unit normals of triangles, and the inverses of twice their areas.
+/// The unit normals of triangles, and the barycentric coordinates of points on them for the second
+/// and the third vertex, not yet limited to their range. `u` and `v` are the edges from the first
+/// vertex, and `p` leads from there to the points.
 ///
-/// The normals are off by at most 2^-12 radians, the inverses by 2^-12 of their value. Nearly all
-/// triangles need f32 only; thin and tiny ones are computed in f64.
+/// The normals are off by at most 2^-12 radians. Nearly all triangles need f32 only; thin and tiny
+/// ones are computed in f64.
 #[inline(always)]
-fn normal<R: Real>([a, b, c]: [R::Vec3; 3]) -> (R::Vec3, R) {
-    let (u, v) = (b - a, c - a);
+fn locate<R: Real>(vertices: [R::Vec3; 3], [u, v]: [R::Vec3; 2], p: R::Vec3) -> (R::Vec3, [R; 2]) {
     let across = cross(u, v);
     let area2 = dot(across, across);
     let inverse = R::ONE / area2.sqrt();
     let fine = area2.gt(dot(u, u) * dot(v, v) * LEAST_SINE2) & area2.gt(R::splat(LEAST_AREA2));
     let normal = across * inverse;
+    let share = |across: R::Vec3| dot(across, normal) * inverse;
+    let shares = [share(cross(p, v)), share(cross(u, p))];
     if !(!fine).any() {
-        return (normal, inverse);
+        return (normal, shares);
     }
-    let vertices = [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]];
-    let [x, y, z, exact] = R::each_lane(R::ZERO.to_bits(), vertices, |_, vertices| {
-        let [a, b, c] =
-            [0, 3, 6].map(|i| DVec3::from_array([0, 1, 2].map(|k| f64::from(vertices[i + k]))));
-        let across = (b - a).cross(c - a);
+    let [a, b, c] = vertices.map(|vertex| [vertex[0], vertex[1], vertex[2]]);
+    let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [px, py, pz]] = [a, b, c, [p[0], p[1], p[2]]];
+    let numbers = [ax, ay, az, bx, by, bz, cx, cy, cz, px, py, pz];
+    let [x, y, z, second, third] = R::each_lane(R::ZERO.to_bits(), numbers, |_, numbers| {
+        let vector = |i: usize| [0, 1, 2].map(|axis| f64::from(numbers[3 * i + axis]));
+        let [a, b, c, p] = [0, 1, 2, 3].map(|i| DVec3::from_array(vector(i)));
+        let (u, v) = (b - a, c - a);
+        let across = u.cross(v);
         let inverse = 1.0 / across.dot(across).sqrt();
-        let [x, y, z] = (across * inverse).as_vec3().to_array();
-        [x, y, z, inverse as f32]
+        let normal = across * inverse;
+        let share = |across: DVec3| (across.dot(normal) * inverse) as f32;
+        let [x, y, z] = normal.as_vec3().to_array();
+        [x, y, z, share(p.cross(v)), share(u.cross(p))]
     });
-    (fine.select(normal, R::Vec3::new(x, y, z)), fine.select(inverse, exact))
+    let [s, t] = shares;
+    (fine.select(normal, R::Vec3::new(x, y, z)), [fine.select(s, second), fine.select(t, third)])
 }
 
 /// The point at distance `t` along `ray` on the triangle with these vertices, and its barycentric
@@ -51,12 +60,11 @@ pub(in crate::geometry) fn surface<R: Real>(
     t: R,
 ) -> (Surface<R>, [R; 2]) {
     let [a, b, c] = vertices;
-    let (normal, inverse) = normal::<R>(vertices);
     let (u, v) = (b - a, c - a);
     let p = (ray.origin - a) + ray.direction * t;
-    let share = |across: R::Vec3, most: R| min(max(dot(across, normal) * inverse, R::ZERO), most);
-    let second = share(cross(p, v), R::ONE);
-    let third = share(cross(u, p), R::ONE - second);
+    let (normal, [second, third]) = locate::<R>(vertices, [u, v], p);
+    let second = min(max(second, R::ZERO), R::ONE);
+    let third = min(max(third, R::ZERO), R::ONE - second);
     let [x, y, z] = [0, 1, 2].map(|i| max(max(a[i].abs(), b[i].abs()), c[i].abs()));
     let extent = max_element(R::Vec3::new(x, y, z));
     // The sheared vertices of the ray test are off by up to 8 roundings of the edges' lengths, and
@@ -112,6 +120,19 @@ mod tests {
             }
         }
         assert!(hits > 300_000, "{hits}");
+    }
+
+    #[test]
+    fn tiny_triangles_have_exact_points() {
+        for scale in [1e-10, 1e-18, 1e-20, 1e-30, 1e-36] {
+            let vertices = [Vec3::ZERO, Vec3::X * scale, Vec3::Y * scale];
+            let origin = Vec3::new(0.25, 0.5, 1.0) * scale;
+            let ray = Ray { origin, direction: Vec3::NEG_Z, time: 0.0 };
+            let (surface, shares) = surface(vertices, &ray, scale);
+            assert_eq!(surface.normal, Vec3::Z, "{scale}");
+            let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
+            assert!(near(shares[0], 0.25) && near(shares[1], 0.5), "{scale}: {shares:?}");
+        }
     }
 
     #[test]

@@ -45,21 +45,29 @@ pub(in crate::scene) struct Transform {
 }
 
 impl Mesh {
-    /// If there are more than three vertices per triangle, keeps only the corners of the triangles,
+    /// If there are more than three vertices per triangle, keeps only those that triangles refer to,
     /// because each vertex takes time to transform.
-    pub(super) fn without_stray_vertices(self) -> Self {
-        if self.vertices.positions.len() <= 3 * self.triangles.len() {
+    pub(super) fn without_stray_vertices(mut self) -> Self {
+        let Vertices { positions, normals, uvs } = &self.vertices;
+        if positions.len() <= 3 * self.triangles.len() {
             return self;
         }
-        let Vertices { positions, normals, uvs } = self.vertices;
-        let corners = || self.triangles.iter().flatten().map(|&corner| corner as usize);
-        let vertices = Vertices {
-            positions: corners().map(|corner| positions[corner]).collect(),
-            normals: corners().filter_map(|corner| normals.get(corner).copied()).collect(),
-            uvs: corners().filter_map(|corner| uvs.get(corner).copied()).collect(),
+        const UNUSED: u32 = u32::MAX;
+        let (mut moved, mut kept) = (vec![UNUSED; positions.len()], Vec::new());
+        for corner in self.triangles.as_flattened_mut() {
+            let new = &mut moved[*corner as usize];
+            if *new == UNUSED {
+                *new = kept.len() as u32;
+                kept.push(*corner as usize);
+            }
+            *corner = *new;
+        }
+        self.vertices = Vertices {
+            positions: kept.iter().map(|&vertex| positions[vertex]).collect(),
+            normals: kept.iter().filter_map(|&vertex| normals.get(vertex).copied()).collect(),
+            uvs: kept.iter().filter_map(|&vertex| uvs.get(vertex).copied()).collect(),
         };
-        let triangles = (0..self.triangles.len() as u32).map(|t| [0, 1, 2].map(|c| 3 * t + c));
-        Self { vertices, triangles: triangles.collect(), ignored: self.ignored }
+        self
     }
 
     /// Returns a message that names the ignored data in `file`, if any.
@@ -121,10 +129,13 @@ impl Mesh {
             unit(DVec3::from_array(rotate(normal.to_array().map(f64::from), turns)))
         };
         let mut vertices = Vertices { positions, normals: Vec::new(), uvs: uvs.clone() };
-        match smooth {
-            Smooth::Off => {}
-            Smooth::On if normals.is_empty() => add_normals(&mut vertices, &faces),
-            Smooth::Auto | Smooth::On => vertices.normals = normals.iter().map(turned).collect(),
+        if smooth == Smooth::On || smooth == Smooth::Auto && !normals.is_empty() {
+            vertices.normals = normals.iter().map(turned).collect();
+            // Even in a file with normals, some corners may lack them.
+            let lacks = vertices.normals.is_empty() || vertices.normals.contains(&Vec3::ZERO);
+            if lacks {
+                add_normals(&mut vertices, &faces);
+            }
         }
         Ok((vertices, faces))
     }

@@ -20,6 +20,12 @@ const CONTINUED: &str = "continued lines are not supported, join this line with 
 /// Keywords of ignored data, each with the name of that data in messages.
 const IGNORED: [(&[u8], &str); 1] = [(b"usemtl", "materials")];
 
+/// Number of vertices of one position that a corner is compared with. If none of them fits, it gets a
+/// vertex of its own.
+const MOST_COMPARED: usize = 32;
+/// Number of corners of a face after which the memory is checked.
+const CORNERS: usize = 4096;
+
 /// A corner without a normal, or without texture coordinates.
 const NONE: u32 = u32::MAX;
 
@@ -35,7 +41,7 @@ struct Vertex {
 
 /// The content of a file, as far as it has been read.
 #[derive(Default)]
-struct Reader {
+struct Reader<'a> {
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
@@ -44,26 +50,23 @@ struct Reader {
     vertices: Vec<Vertex>,
     triangles: Vec<[u32; 3]>,
     ignored: BTreeSet<&'static str>,
+    budget: Option<&'a Budget>,
+    /// Bytes of memory up to which the budget has been checked.
+    checked: u64,
 }
 
 /// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
 pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
-    let mut reader = Reader::default();
-    let mut checked = 0;
+    let mut reader = Reader { budget: Some(budget), ..Reader::default() };
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     for (line, number) in bytes.split(|byte| *byte == b'\n').zip(1..) {
         let error = |message: String| Error::input(name, format!("{number}"), message);
-        reader.line(line).map_err(error)?;
-        let memory = reader.memory();
-        if memory > checked {
-            budget.check(memory).map_err(|message| Error::input(name, "", message))?;
-            checked = memory + memory / 4;
-        }
+        reader.line(line).and_then(|()| reader.check()).map_err(error)?;
     }
     Ok(reader.mesh())
 }
 
-impl Reader {
+impl Reader<'_> {
     /// Reads a line.
     fn line(&mut self, line: &[u8]) -> Result<(), String> {
         let line = line.split(|byte| *byte == b'#').next().unwrap_or_default();
@@ -112,7 +115,7 @@ impl Reader {
     }
 
     /// Adds a polygon as a fan of triangles about its first corner.
-    fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), String> {
+    fn face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), String> {
         let (mut corners, mut count) = ([0; 2], 0);
         for word in words {
             let vertex = self.vertex(word)?;
@@ -123,6 +126,9 @@ impl Reader {
                 corners[1] = vertex;
             }
             count += 1;
+            if count.is_multiple_of(CORNERS) {
+                self.check()?;
+            }
         }
         if count < 3 { Err(FACE.to_owned()) } else { Ok(()) }
     }
@@ -155,8 +161,8 @@ impl Reader {
             return Err(FACE.to_owned());
         }
         let mut known = self.first[position as usize];
-        while known != NONE {
-            let vertex = &self.vertices[known as usize];
+        for _ in 0..MOST_COMPARED {
+            let Some(vertex) = self.vertices.get(known as usize) else { break };
             if (vertex.uv, vertex.normal) == (uv, normal) {
                 return Ok(known);
             }
@@ -166,6 +172,16 @@ impl Reader {
         let next = std::mem::replace(&mut self.first[position as usize], new);
         self.vertices.push(Vertex { position, uv, normal, next });
         Ok(new)
+    }
+
+    /// Checks the memory of the lists, at steps of a mebibyte.
+    fn check(&mut self) -> Result<(), String> {
+        let memory = self.memory();
+        if memory > self.checked {
+            self.budget.map_or(Ok(()), |budget| budget.check(memory))?;
+            self.checked = memory + (1 << 20);
+        }
+        Ok(())
     }
 
     /// Bytes of memory that the lists take while they grow, together with the mesh.
@@ -275,16 +291,33 @@ mod tests {
         }
     }
 
+    /// Many vertices at one position must not take quadratic time.
+    #[test]
+    fn many_vertices_at_one_position_are_read() {
+        let count = 200_000;
+        let faces: String = (0..count / 3)
+            .map(|i| format!("f 1/{} 1/{} 1/{}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3))
+            .collect();
+        let text = format!("v 0 0 0\n{}{faces}", "vt 0\n".repeat(count));
+        assert_eq!(read(text.as_bytes()).unwrap().triangles.len(), count / 3);
+    }
+
     #[test]
     fn memory_is_limited() {
-        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(1000));
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(100_000));
         let within = |bytes| {
             let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
             parse("a.obj", text.as_bytes(), &budget)
         };
-        assert!(within(50_000).is_ok());
-        let error = within(20_000).unwrap_err().to_string();
-        assert!(error.starts_with("a.obj: the limit of memory is"), "{error}");
+        assert!(within(8 << 20).is_ok());
+        let error = within(1 << 20).unwrap_err().to_string();
+        assert!(error.contains("the limit of memory is"), "{error}");
+        // Within a line, too.
+        let polygon = format!("v 0 0 0\nf{}\n", " 1".repeat(200_000));
+        let budget = Budget::new(&Limits::default().with(Limit::Memory, 3 << 20), 0);
+        let mut reader = Reader { budget: Some(&budget), ..Reader::default() };
+        assert!(polygon.lines().any(|line| reader.line(line.as_bytes()).is_err()));
+        assert!(reader.triangles.len() < 130_000, "{}", reader.triangles.len());
     }
 
     #[test]

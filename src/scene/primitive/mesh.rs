@@ -88,8 +88,10 @@ impl Expand for MeshFile {
                 new.insert(mesh)
             }
         };
-        let room = to.budget.hold_primitives(before, mesh.triangles.len());
-        room.map_err(|message| e.error(message))?;
+        to.budget
+            .hold_primitives(before, mesh.triangles.len())
+            .and_then(|()| to.budget.hold_vertices(mesh.vertices.positions.len()))
+            .map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
         let placed = mesh.transformed(&transform, smooth, to.budget);
         let (vertices, faces) = placed.map_err(|message| e.error(format!("{file}: {message}")))?;

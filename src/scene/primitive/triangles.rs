@@ -52,6 +52,7 @@ impl Expand for TrianglesFile {
     fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
         let &Self { ref vertices, ref indices, ref normals, ref uvs, soft_terminator, .. } = self;
         to.room(e, indices.len())?;
+        to.budget.hold_vertices(vertices.len()).map_err(|message| e.error(message))?;
         for (i, vertex) in vertices.iter().enumerate() {
             e.point(&format!("vertices[{i}]"), *vertex)?;
         }

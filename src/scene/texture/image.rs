@@ -68,6 +68,8 @@ impl TextureModel for Image {
 
 fn bilinear(image: &Pixels, u: f32, v: f32) -> Vec3 {
     let (width, height) = (image.width(), image.height());
+    // 1 stays 1, the right edge.
+    let u = if (0.0..=1.0).contains(&u) { u } else { u - u.floor() };
     let x = clamp(u, 0.0, 1.0) * width as f32 - 0.5;
     let y = (1.0 - clamp(v, 0.0, 1.0)) * height as f32 - 0.5;
     let (x0, y0) = (x.floor(), y.floor());
@@ -95,6 +97,8 @@ mod tests {
         assert_eq!(at(0.5, 0.5), 6.0);
         assert_eq!(at(0.0, 1.0), 2.0, "u wraps, v is clamped");
         assert_eq!(at(1.0, 0.0), 10.0);
+        assert_eq!((at(1.25, 0.75), at(-0.25, 0.25)), (0.0, 12.0), "u repeats");
+        assert_eq!(at(1e30, 0.75), at(0.0, 0.75));
         assert_eq!(at(f32::NAN, f32::NAN), at(0.0, 0.0));
     }
 }

@@ -27,7 +27,8 @@ const ROWS: usize = 1024;
 struct Row {
     position: Vec3,
     normal: Vec3,
-    uv: Vec2,
+    /// The texture coordinates by each of [`UVS`].
+    uvs: [Vec2; UVS.len()],
     corners: Vec<i64>,
 }
 
@@ -38,20 +39,25 @@ const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]]
 
 impl PropertyAccess for Row {
     fn new() -> Self {
-        Self { position: Vec3::NAN, normal: Vec3::ZERO, uv: Vec2::ZERO, corners: Vec::new() }
+        Self {
+            position: Vec3::NAN,
+            normal: Vec3::ZERO,
+            uvs: [Vec2::ZERO; UVS.len()],
+            corners: Vec::new(),
+        }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
         let is_name = |one: &&str| *one == name;
         let axis = ["x", "y", "z"].iter().position(is_name);
         let normal = NORMAL.iter().position(is_name);
-        let uv = UVS.iter().find_map(|names| names.iter().position(is_name));
+        let uv = (0..UVS.len()).find_map(|i| Some((i, UVS[i].iter().position(is_name)?)));
         if let (Some(axis), Some(number)) = (axis, value.to_f32_lossy()) {
             self.position[axis] = number;
         } else if let (Some(axis), Some(number)) = (normal, value.to_f32_lossy()) {
             self.normal[axis] = number;
-        } else if let (Some(axis), Some(number)) = (uv, value.to_f32_lossy()) {
-            self.uv[axis] = number;
+        } else if let (Some((names, axis)), Some(number)) = (uv, value.to_f32_lossy()) {
+            self.uvs[names][axis] = number;
         } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
             self.corners = corners;
         } else {
@@ -89,9 +95,10 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
     let attributes = Attributes {
         normals: has(&header, &NORMAL),
-        uvs: UVS.iter().any(|names| has(&header, names)),
+        uvs: UVS.iter().position(|names| has(&header, names)),
     };
-    let bytes = 12 + if attributes.normals { 12 } else { 0 } + if attributes.uvs { 8 } else { 0 };
+    let bytes =
+        12 + if attributes.normals { 12 } else { 0 } + if attributes.uvs.is_some() { 8 } else { 0 };
     budget
         .check(most.memory(count * bytes, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
@@ -140,7 +147,8 @@ fn has(header: &Header, names: &[&str]) -> bool {
 #[derive(Clone, Copy)]
 struct Attributes {
     normals: bool,
-    uvs: bool,
+    /// The index in [`UVS`] of the names of the texture coordinates.
+    uvs: Option<usize>,
 }
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
@@ -160,11 +168,11 @@ fn add_vertices(
         }
         normals.extend(rows.iter().map(|row| row.normal));
     }
-    if attributes.uvs {
-        if let Some(row) = rows.iter().position(|row| !row.uv.is_finite()) {
+    if let Some(names) = attributes.uvs {
+        if let Some(row) = rows.iter().position(|row| !row.uvs[names].is_finite()) {
             return Err((row, "texture coordinates must be finite".to_owned()));
         }
-        uvs.extend(rows.iter().map(|row| row.uv));
+        uvs.extend(rows.iter().map(|row| row.uvs[names]));
     }
     Ok(())
 }
