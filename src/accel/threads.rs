@@ -23,3 +23,17 @@ pub(super) fn for_each<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) 
         work();
     });
 }
+
+/// Does the same as [`for_each`], and returns the results in the order of the tasks.
+pub(super) fn map<T: Send, R: Send>(
+    threads: usize,
+    tasks: Vec<T>,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    let results: Vec<_> = tasks.iter().map(|_| Mutex::new(None)).collect();
+    for_each(threads, tasks.into_iter().zip(&results).collect(), |(task, result)| {
+        *result.lock().expect("no thread panicked") = Some(work(task));
+    });
+    let result = |slot: Mutex<Option<R>>| slot.into_inner().expect("no thread panicked");
+    results.into_iter().map(|slot| result(slot).expect("every task is done")).collect()
+}

@@ -188,6 +188,11 @@ macro_rules! shape {
 shapes!(shape);
 
 impl Geometry {
+    /// The index of the first triangle among all primitives.
+    pub(crate) fn first_triangle(&self) -> usize {
+        self.spheres.len() + self.quads.len()
+    }
+
     /// Size of the lists in memory.
     pub(crate) fn bytes(&self) -> u64 {
         let Self { spheres, quads, triangles } = self;
@@ -216,8 +221,7 @@ impl Geometry {
 
     /// [`Triangles::attributes`] of the primitive, which need not be a triangle.
     pub(crate) fn attributes(&self, primitive: u32) -> Option<(u32, [[f32; 5]; 3])> {
-        let before = self.spheres.len() + self.quads.len();
-        self.triangles.attributes((primitive as usize).checked_sub(before)?)
+        self.triangles.attributes((primitive as usize).checked_sub(self.first_triangle())?)
     }
 
     /// Finds the closest hit by testing every primitive. This is the definition that every

@@ -26,7 +26,7 @@ pub struct Vertices {
     pub positions: Vec<Vec3>,
     /// Their unit normals, or empty if the triangles are flat.
     pub normals: Vec<Vec3>,
-    /// Their texture coordinates, or empty if there are none.
+    /// Their texture coordinates, or empty if the mesh has no texture coordinates.
     pub uvs: Vec<Vec2>,
 }
 

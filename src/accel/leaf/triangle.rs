@@ -22,7 +22,7 @@ pub(super) struct Block {
 
 impl Leaf for Block {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
-        let first = geometry.spheres.len() + geometry.quads.len();
+        let first = geometry.first_triangle();
         let mut triangles = [[Vec3::NAN; 3]; LANES];
         for (triangle, &primitive) in triangles.iter_mut().zip(primitives) {
             *triangle = geometry.triangles.vertices(primitive as usize - first);

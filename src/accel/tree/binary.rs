@@ -1,7 +1,6 @@
 //! The binary tree from which every layout is built, itself built by obvhs.
 
 use std::mem::take;
-use std::sync::Mutex;
 use std::time::Duration;
 
 use obvhs::BvhBuildParams;
@@ -11,7 +10,7 @@ use obvhs::bvh2::builder::build_bvh2;
 
 use super::group::Groups;
 use super::partition::{MAX_CLUSTER, Part, Partition};
-use crate::accel::threads::for_each;
+use crate::accel::threads::map;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
 
@@ -62,18 +61,9 @@ impl BinaryTree {
             return Self::of_cluster(boxes, primitives);
         }
         let partition = Partition::new(boxes, primitives.to_vec(), threads);
-        let clusters: Vec<_> =
-            partition.clusters.iter().map(|_| Mutex::new(Self::default())).collect();
-        for_each(
-            threads,
-            partition.clusters.iter().zip(&clusters).collect(),
-            |(primitives, tree)| {
-                *tree.lock().expect("no thread panicked") = Self::of_cluster(boxes, primitives);
-            },
-        );
-        let clusters =
-            clusters.into_iter().map(|tree| tree.into_inner().expect("no thread panicked"));
-        let mut clusters: Vec<Self> = clusters.collect();
+        let tasks = partition.clusters.iter().collect();
+        let mut clusters =
+            map(threads, tasks, |primitives: &Vec<u32>| Self::of_cluster(boxes, primitives));
         let mut tree = Self::top(&partition, |cluster| clusters[cluster].nodes[0].bounds);
         let top = tree.nodes.len();
         tree.nodes.reserve_exact(2 * primitives.len() - 1 - top);

@@ -4,10 +4,7 @@
 //! in large trees. Clusters that fit into the caches take linear time, and threads can build
 //! different ones at once. The clusters do not depend on the number of threads.
 
-use std::mem::take;
-use std::sync::Mutex;
-
-use crate::accel::threads::for_each;
+use crate::accel::threads::map;
 use crate::geometry::Bounds;
 
 /// Largest number of primitives in a cluster. With a quarter of it, large scenes were built as fast,
@@ -62,20 +59,18 @@ impl Partition {
         // The parts of one level are split at once.
         let mut level = vec![(0, primitives)];
         while !level.is_empty() {
-            let halves: Vec<_> = level.iter().map(|_| Mutex::new(None)).collect();
-            let large =
-                level.iter_mut().zip(&halves).filter(|((_, part), _)| part.len() > MAX_CLUSTER);
-            for_each(threads, large.collect(), |((_, part), halves)| {
-                *halves.lock().expect("no thread panicked") = Some(split(boxes, take(part)));
+            let done = map(threads, level, |(index, part): (usize, Vec<u32>)| match part.len() {
+                0..=MAX_CLUSTER => (index, Err(part)),
+                _ => (index, Ok(split(boxes, part))),
             });
             let mut next = Vec::new();
-            for ((index, part), halves) in level.into_iter().zip(halves) {
-                partition.parts[index] = match halves.into_inner().expect("no thread panicked") {
-                    None => {
-                        partition.clusters.push(part);
+            for (index, done) in done {
+                partition.parts[index] = match done {
+                    Err(cluster) => {
+                        partition.clusters.push(cluster);
                         Part::Cluster(partition.clusters.len() - 1)
                     }
-                    Some(halves) => {
+                    Ok(halves) => {
                         let first = partition.parts.len();
                         partition.parts.extend([Part::Cluster(0); 2]);
                         next.extend((first..).zip(halves));

@@ -79,7 +79,7 @@ impl Table {
 
 impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
-        let first = (geometry.spheres.len() + geometry.quads.len()) as u32;
+        let first = geometry.first_triangle() as u32;
         Self { first, geometry: Arc::clone(geometry) }
     }
 
