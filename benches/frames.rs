@@ -1,4 +1,4 @@
-//! Benchmarks whole frames of the built-in scenes and of a mesh, with the throughput in rays.
+//! Benchmarks whole frames of the built-in scenes, of a mesh and of instances, with the throughput in rays.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use ptfast::{Engine, RenderSettings, Renderer, Scene};
 fn frames(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("frames");
     group.sample_size(10);
-    for name in ptfast::BUILTIN_NAMES.into_iter().chain(["mesh:100000"]) {
+    for name in ptfast::BUILTIN_NAMES.into_iter().chain(["mesh:100000", "forest:10000"]) {
         let scene = Scene::load(name).expect("these scenes are valid");
         for engine in Engine::ALL {
             let settings = RenderSettings {

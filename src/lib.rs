@@ -145,7 +145,7 @@ pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, PrimitiveFile,
+    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile,
     RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
 };
 
@@ -161,7 +161,8 @@ pub mod internals {
     pub use crate::engine::{BITS, Stage};
     pub use crate::film::{Film, Tile};
     pub use crate::geometry::{
-        Bounds, Geometry, Hit, Quad, Ray, Sphere, Triangle, Triangles, Vertices,
+        Bounds, Geometry, Hit, Instance, Instances, Quad, Ray, Sphere, Triangle, Triangles,
+        Vertices,
     };
     pub use crate::isa::missing_feature;
     pub use crate::math::random::Stream;

@@ -19,7 +19,7 @@ use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
 use super::tree::partition::{MAX_CLUSTER, Partition};
 use super::tree::wide::WideTree;
-use crate::geometry::{Bounds, Geometry};
+use crate::geometry::{Bounds, Geometry, Hit};
 use crate::simd::LANES;
 
 /// The acceleration structures of a scene's geometry, each built when it is first needed.
@@ -96,7 +96,7 @@ impl Base {
     fn new(geometry: &Geometry) -> Self {
         let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
-        let (spanning, others) = spanning(&boxes, all.half_area());
+        let (spanning, others) = spanning(&boxes, geometry.len() as u32, all.half_area());
         let union = |bounds: Bounds, &primitive: &u32| bounds.union(boxes[primitive as usize]);
         let bounds = others.iter().fold(Bounds::EMPTY, union).without_subnormals();
         let mut blocks = Blocks::default();
@@ -129,7 +129,7 @@ impl Accelerator {
     /// threads build it.
     pub fn prepare(&self, kernel: Kernel, threads: usize) -> Layout {
         let base = self.base().spanning.0.bytes();
-        let (layout, seconds) = match kernel {
+        let (layout, seconds) = match self.chosen(kernel) {
             Kernel::Packet => (self.pair(threads).bytes(), self.pair.seconds()),
             Kernel::Beam | Kernel::Single => (self.wide(threads).bytes(), self.wide.seconds()),
             Kernel::Flat => {
@@ -137,6 +137,7 @@ impl Accelerator {
             }
             Kernel::Scalar => (self.scalar_by(threads).bytes(), self.scalar.seconds()),
         };
+        let kernel = self.chosen(kernel);
         let shares_tree = kernel == Kernel::Packet || kernel != Kernel::Scalar && !self.is_large();
         let (tree, tree_seconds) =
             if shares_tree { (self.tree(threads).bytes(), self.tree.seconds()) } else { (0, 0.0) };
@@ -144,9 +145,22 @@ impl Accelerator {
         Layout { bytes: base + tree + layout, seconds }
     }
 
+    /// `kernel`, or what stands in for it in scenes with instances.
+    fn chosen(&self, kernel: Kernel) -> Kernel {
+        match kernel {
+            Kernel::Packet | Kernel::Flat if self.has_instances() => Kernel::Single,
+            other => other,
+        }
+    }
+
     /// Whether the wide tree is built from clusters instead of the binary tree.
     fn is_large(&self) -> bool {
         self.base().others.len() > MAX_CLUSTER
+    }
+
+    /// Whether hits name instances.
+    pub(crate) fn has_instances(&self) -> bool {
+        !self.geometry.instances.is_empty()
     }
 
     /// Bounding box of the primitives that do not span the scene, or of all primitives if all of
@@ -165,6 +179,7 @@ impl Accelerator {
     /// Whether `kernel` may be the fastest for the number of primitives in this scene.
     pub fn may_win(&self, kernel: Kernel) -> bool {
         match kernel {
+            _ if self.chosen(kernel) != kernel => false,
             Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
             Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
             Kernel::Beam | Kernel::Single => true,
@@ -196,13 +211,14 @@ impl Accelerator {
         let geometry = &self.geometry;
         if !self.is_large() {
             let tree = self.tree(threads);
-            return self.wide.get(|| WideTree::new(geometry, tree));
+            return self.wide.get(|| WideTree::new(geometry, tree).with_meshes(geometry, threads));
         }
         let others = &self.base().others;
         self.wide.get(|| {
             let boxes = geometry.boxes();
             let partition = Partition::new(&boxes, others.clone(), threads);
-            WideTree::of_clusters(geometry, &boxes, &partition, threads)
+            let tree = WideTree::of_clusters(geometry, &boxes, &partition, threads);
+            tree.with_meshes(geometry, threads)
         })
     }
 
@@ -264,8 +280,9 @@ impl Accelerator {
         );
         let ends = (range.start, range.end);
         let Base { spanning: (blocks, spanning), extent, .. } = self.base();
-        let job = Job { rays, ends, extent, blocks, spanning };
-        let wild = match kernel {
+        let meshes = self.geometry.len() as u32;
+        let job = Job { rays, ends, extent, blocks, spanning, meshes };
+        let wild = match self.chosen(kernel) {
             Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(1), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(1), &job, hits, count),
             Kernel::Single => single::trace::<ANY, C>(self.wide(1), &job, hits, count),
@@ -289,21 +306,21 @@ impl Accelerator {
         let (ray, t_min, t_max) = rays.get(index);
         if ANY {
             if tree.count_occluded(geometry, &ray, t_min, t_max, count) {
-                (hits.t[index], hits.primitive[index]) = (0.0, 0);
+                hits.set(index, Hit::of(0, 0.0));
             }
         } else if let Some(hit) = tree.count_closest(geometry, &ray, t_min, t_max, count) {
-            (hits.t[index], hits.primitive[index]) = (hit.t, hit.primitive);
+            hits.set(index, hit);
         }
     }
 }
 
-/// Splits the primitives into those that span the scene and the others. If more primitives span it
-/// than fit into a block, they all count as others. `scene` is half the surface area of the scene's
-/// box.
-fn spanning(boxes: &[Bounds], scene: f32) -> (Vec<u32>, Vec<u32>) {
+/// Splits the elements into primitives that span the scene and the others. If more primitives span
+/// it than fit into a block, they all count as others. Elements from `end` on are instances. `scene`
+/// is half the surface area of the scene's box.
+fn spanning(boxes: &[Bounds], end: u32, scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =
-        (0..boxes.len() as u32).partition(|p| share(p) >= SPANNING_SHARE);
+        (0..boxes.len() as u32).partition(|p| *p < end && share(p) >= SPANNING_SHARE);
     if spanning.len() > LANES {
         others.append(&mut spanning);
         others.sort_unstable();

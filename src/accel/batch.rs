@@ -159,26 +159,33 @@ impl RayVector {
     }
 }
 
-/// The hits of rays: a distance and a primitive for each.
+/// The hits of rays: a distance, a primitive and an instance for each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HitBatch {
     /// Distances; +∞ for a miss.
     pub t: Vec<f32>,
-    /// Indices of primitives; [`HitBatch::MISS`] for a miss.
+    /// Numbers of primitives; [`HitBatch::MISS`] for a miss.
     pub primitive: Vec<u32>,
+    /// Indices of instances, see [`Hit::instance`]; empty for scenes without instances.
+    pub instance: Vec<u32>,
 }
 
 impl HitBatch {
     /// The primitive index that marks a miss.
     pub const MISS: u32 = Hit::MISS;
 
-    /// Creates a batch of `count` misses.
+    /// Creates a batch of `count` misses, for scenes with or without instances.
     pub fn misses(count: usize) -> Self {
-        Self { t: vec![f32::INFINITY; count], primitive: vec![Self::MISS; count] }
+        let mut batch = Self::default();
+        batch.reset(count, true);
+        batch
     }
 
-    /// Replaces the contents with `count` misses.
-    pub fn reset(&mut self, count: usize) {
+    /// Replaces the contents with `count` misses, for scenes without instances unless `instanced`
+    /// is set.
+    pub fn reset(&mut self, count: usize, instanced: bool) {
+        self.instance.clear();
+        self.instance.resize(if instanced { count } else { 0 }, 0);
         self.t.clear();
         self.t.resize(count, f32::INFINITY);
         self.primitive.clear();
@@ -199,11 +206,21 @@ impl HitBatch {
     pub fn push(&mut self, hit: Option<Hit>) {
         self.t.push(hit.map_or(f32::INFINITY, |hit| hit.t));
         self.primitive.push(hit.map_or(Self::MISS, |hit| hit.primitive));
+        self.instance.push(hit.map_or(0, |hit| hit.instance));
     }
 
     /// Returns the hit of ray `index`, or `None` if it misses.
     pub fn get(&self, index: usize) -> Option<Hit> {
         let (t, primitive) = (self.t[index], self.primitive[index]);
-        (primitive != Self::MISS).then_some(Hit { t, primitive })
+        let instance = self.instance.get(index).copied().unwrap_or(0);
+        (primitive != Self::MISS).then_some(Hit { t, primitive, instance })
+    }
+
+    /// Sets the hit of ray `index`.
+    pub(super) fn set(&mut self, index: usize, hit: Hit) {
+        (self.t[index], self.primitive[index]) = (hit.t, hit.primitive);
+        if let Some(instance) = self.instance.get_mut(index) {
+            *instance = hit.instance;
+        }
     }
 }

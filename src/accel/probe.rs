@@ -20,7 +20,7 @@ impl Accelerator {
     pub fn boxes_entered(&self, rays: &RayBatch, range: Range<usize>) -> u64 {
         let (ends, base) = ((range.start, range.end), self.base());
         let (extent, blocks) = (&base.extent, &base.spanning.0);
-        let job = Job { rays, ends, extent, blocks, spanning: &[] };
+        let job = Job { rays, ends, extent, blocks, spanning: &[], meshes: u32::MAX };
         pair_traversal::enter_all(self.pair(1), &job, &mut HitBatch::misses(rays.len()))
     }
 

@@ -1,26 +1,31 @@
 //! Per-ray setup: values that the kernels compute once for each ray, a vector at a time.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::batch::RayVector;
 use super::slab::SLACK;
 use crate::geometry::ray_lanes::RayLanes;
-use crate::geometry::{Bounds, Geometry};
-use crate::math::{UNIT_ROUNDOFF, max_element};
+use crate::geometry::{Bounds, Geometry, Instance, Ray};
+use crate::math::{UNIT_ROUNDOFF, max, max_element, min};
 use crate::simd::{Float, Mask, Vec3x, axes};
 
 /// Scene bounds and error constants that the ray setup needs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Extent {
     /// Centre of the bounding box of all primitives that are in a tree.
     middle: Vec3,
     /// Half the sum of the three edges of the bounding box around `middle`.
     half_edges: f32,
-    /// Largest [`condition`](crate::geometry::Quad::condition) of the scene's quads, at least 1.
+    /// The largest [`Geometry::condition`].
     condition: f32,
     /// Limit on |x| + |y| + |z| of a ray's origin, up to which no product in a box or primitive
     /// test can overflow; negative if no ray is safe.
     tame_reach: f32,
+    /// Range of the sum of the magnitudes of a direction's components in which no product can
+    /// overflow.
+    tame_speed: Range<f32>,
     /// Whether the scene has boxes to test.
     boxes: bool,
     /// Whether the scene has triangles to test.
@@ -35,6 +40,8 @@ impl Extent {
         let boxes = bounds != Bounds::EMPTY;
         // Without boxes, no box test can overflow.
         let bounds = if boxes { bounds } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
+        // Rounding errors of rays in object space grow with their distance from its origin.
+        let bounds = bounds.union(geometry.instances.centers());
         let middle = 0.5 * (bounds.min + bounds.max);
         let half_edges = (bounds.max - middle).max(middle - bounds.min).element_sum();
         let is_tame = all == Bounds::EMPTY
@@ -42,7 +49,34 @@ impl Extent {
                 && max_element(all.max.abs()) <= TAME_COORDINATE
                 && (!boxes || half_edges >= TAME_EDGES);
         let tame_reach = if is_tame { TAME_COORDINATE } else { -1.0 };
-        Self { middle, half_edges, condition, tame_reach, boxes, triangles }
+        let tame_speed = TAME_DIRECTION;
+        let mut extent =
+            Self { middle, half_edges, condition, tame_reach, tame_speed, boxes, triangles };
+        geometry.instances.list().iter().for_each(|instance| extent.include(geometry, instance));
+        extent
+    }
+
+    /// Narrows the limits so that rays within them also stay within the usual limits in the object
+    /// space of `instance`.
+    fn include(&mut self, geometry: &Geometry, instance: &Instance) {
+        let [to_object, to_world] = instance.scales();
+        let center = instance.world_to_object().center.abs().element_sum();
+        let mesh = geometry.instances.mesh_bounds(instance.mesh());
+        let is_tame = (mesh.max - mesh.min).element_sum() >= 2.0 * TAME_EDGES;
+        let reach = if is_tame { TAME_COORDINATE / to_object - center } else { -1.0 };
+        self.tame_reach = min(self.tame_reach, reach);
+        let Range { start, end } = self.tame_speed;
+        self.tame_speed =
+            max(start, TAME_DIRECTION.start * to_world)..min(end, TAME_DIRECTION.end / to_object);
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> ExtentLanes {
+        ExtentLanes {
+            middle: Vec3x(axes(|axis| Float::splat(self.middle[axis]))),
+            half_edges: Float::splat(self.half_edges),
+            condition: Float::splat(self.condition),
+        }
     }
 
     /// Returns a slack that suffices for all rays whose distance from the boxes' bounding box is at
@@ -53,6 +87,13 @@ impl Extent {
         (1.0 + 3.0 * reach) * edges * (SLACK * self.condition)
             + (coordinates + 3.0 * reach * edges) * (4.0 * UNIT_ROUNDOFF)
     }
+}
+
+/// The values of an [`Extent`] that set the slack, one per lane.
+pub(super) struct ExtentLanes {
+    pub(super) middle: Vec3x,
+    pub(super) half_edges: Float,
+    pub(super) condition: Float,
 }
 
 /// A vector of rays, with the values that several tests share.
@@ -107,7 +148,7 @@ const TAME_COORDINATE: f32 = 1e10;
 /// Lower limit on half the sum of the edges of the boxes' bounding box.
 const TAME_EDGES: f32 = 1e-20;
 /// Range of the sum of the magnitudes of a direction's components.
-const TAME_DIRECTION: std::ops::Range<f32> = 1e-15..1e15;
+const TAME_DIRECTION: Range<f32> = 1e-15..1e15;
 
 impl Setup {
     pub(super) const NONE: Self =
@@ -128,8 +169,8 @@ impl Setup {
         let speed = ax + ay + az;
         let far = origin[0].abs() + origin[1].abs() + origin[2].abs();
         let tame = (far + time.abs()).le(Float::splat(extent.tame_reach))
-            & speed.ge(Float::splat(TAME_DIRECTION.start))
-            & speed.le(Float::splat(TAME_DIRECTION.end));
+            & speed.ge(Float::splat(extent.tame_speed.start))
+            & speed.le(Float::splat(extent.tame_speed.end));
         // An interval that is empty or has a NaN contains no hit.
         let open = t_min.lt(t_max).bits() & present;
         self.active = open & tame.bits();
@@ -144,12 +185,23 @@ impl Setup {
 
         self.ray = RayLanes::new(origin, direction, time, t_min);
         if extent.boxes {
-            self.slab = SlabLanes::new(&self.ray, speed, far, extent);
+            self.slab = SlabLanes::new(&self.ray, speed, far, &extent.lanes());
         }
         if extent.triangles {
             self.shear = Shear::new(direction, [ax, ay, az]);
         }
         wild
+    }
+
+    /// Prepares rays in the object spaces of instances, where no product overflows.
+    #[inline(always)]
+    pub(super) fn in_object_space(ray: Ray<Float>, t_min: Float, extent: &ExtentLanes) -> Self {
+        let Ray { origin, direction, time } = ray;
+        let [ax, ay, az] = axes(|axis| direction[axis].abs());
+        let far = origin[0].abs() + origin[1].abs() + origin[2].abs();
+        let ray = RayLanes::new(origin, direction, time, t_min);
+        let slab = SlabLanes::new(&ray, ax + ay + az, far, extent);
+        Self { ray, slab, shear: Shear::new(direction, [ax, ay, az]), active: 0 }
     }
 
     /// Returns the offset of each of a box's [`Planes`](super::slab::Planes), slack included: low
@@ -174,13 +226,11 @@ impl SlabLanes {
     /// `speed` and `far` are the sums of the magnitudes of the components of the rays' directions
     /// and origins.
     #[inline(always)]
-    fn new(ray: &RayLanes, speed: Float, far: Float, extent: &Extent) -> Self {
+    fn new(ray: &RayLanes, speed: Float, far: Float, extent: &ExtentLanes) -> Self {
         let (Vec3x(origin), Vec3x(direction)) = (ray.origin, ray.direction);
-        let from_middle = |axis: usize| (origin[axis] - Float::splat(extent.middle[axis])).abs();
-        let farthest =
-            from_middle(0) + from_middle(1) + from_middle(2) + Float::splat(extent.half_edges);
-        let slack = farthest * Float::splat(SLACK * extent.condition)
-            + far * Float::splat(4.0 * UNIT_ROUNDOFF);
+        let from_middle = |axis: usize| (origin[axis] - extent.middle[axis]).abs();
+        let farthest = from_middle(0) + from_middle(1) + from_middle(2) + extent.half_edges;
+        let slack = farthest * (extent.condition * SLACK) + far * Float::splat(4.0 * UNIT_ROUNDOFF);
         let least = speed * Float::splat(1e-10);
         let steepness = axes(|axis| Float::splat(1.0) / direction[axis].abs().max(least));
         let inverse = axes(|axis| steepness[axis].copysign(direction[axis]));
@@ -214,7 +264,6 @@ impl Shear {
 mod tests {
     use super::*;
     use crate::geometry::Quad;
-    use crate::math::max;
     use crate::math::random::Stream;
 
     /// Except for rounding, the slack is at least that of [`SlabRay`](super::super::slab::SlabRay),
@@ -243,7 +292,7 @@ mod tests {
             let ray =
                 RayLanes { origin: lanes(origin), direction: lanes(Vec3::ONE), ..RayLanes::NONE };
             let far = Float::splat(origin.abs().element_sum());
-            let slack = SlabLanes::new(&ray, Float::splat(3.0), far, &extent).slack.first();
+            let slack = SlabLanes::new(&ray, Float::splat(3.0), far, &extent.lanes()).slack.first();
             assert!(slack >= want * (1.0 - 1e-5) && slack <= 3.0 * want, "{slack} {want}");
             let edges = (bounds.max - bounds.min).element_sum();
             let away = (bounds.min - origin).max(origin - bounds.max);

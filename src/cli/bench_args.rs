@@ -12,8 +12,8 @@ use crate::statistics::Estimate;
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// Built-in scene, cloud:N, mesh:N or path; may be repeated [default: the built-in scenes and
-    /// mesh:100000]
+    /// Built-in scene, cloud:N, mesh:N, forest:N or path; may be repeated [default: the built-in
+    /// scenes, mesh:100000 and forest:10000]
     #[arg(long = "scene", value_name = "SCENE")]
     pub(super) scenes: Vec<String>,
     /// Engine; may be repeated [default: all]

@@ -28,8 +28,9 @@ fn usual(args: &BenchArgs) -> Usual {
     if args.quick { QUICK } else { USUAL }
 }
 
-/// The mesh that is measured by default, because real scenes consist of triangles.
-const MESH: &str = "mesh:100000";
+/// The generated scenes that are measured by default, because real scenes consist of triangles and
+/// instances.
+const GENERATED: [&str; 2] = ["mesh:100000", "forest:10000"];
 
 /// The options of the bench, and the files that its scenes were read from.
 ///
@@ -46,7 +47,7 @@ pub(super) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
         return Err(Error::Usage(message));
     }
     let scenes: Vec<String> = match &args.scenes[..] {
-        [] => BUILTIN_NAMES.into_iter().chain([MESH]).map(str::to_owned).collect(),
+        [] => BUILTIN_NAMES.into_iter().chain(GENERATED).map(str::to_owned).collect(),
         some => without_repeats(some),
     };
     let mut read = Vec::new();
@@ -143,7 +144,10 @@ mod tests {
         let args = parse(&[]);
         let (options, _) = options(&args).unwrap();
         let names: Vec<&str> = options.scenes.iter().map(|(name, _)| &**name).collect();
-        assert_eq!(names, ["spheres", "spacetime", "checker", "cornell", "mesh:100000"]);
+        assert_eq!(
+            names,
+            ["spheres", "spacetime", "checker", "cornell", "mesh:100000", "forest:10000"]
+        );
         // The scenes have the proportions of 1280 x 720 and of 1 x 1.
         assert_eq!(options.scenes[0].1, (640, 360));
         assert_eq!(options.scenes[3].1, (480, 480));

@@ -86,7 +86,7 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         }
         (_, _, None) => "leaves the scene".to_owned(),
         (_, _, Some(hit)) => {
-            let primitive = scene.geometry().get(hit.primitive).name();
+            let primitive = scene.geometry().name(hit);
             let material = scene.material(hit.primitive).name();
             format!("hits primitive {}, a {primitive} of {material}, at {}", hit.primitive, hit.t)
         }

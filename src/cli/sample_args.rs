@@ -14,7 +14,7 @@ pub(super) const IMAGE: &str = "Image";
 /// A scene, with or without `--scene` before it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArg {
-    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N), a scene file (.ron, .json, .txt), a
+    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N, forest:N), a scene file (.ron, .json, .txt), a
     /// mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
     #[arg(value_name = "SCENE", required_unless_present = "scene", conflicts_with = "scene")]
     positional: Option<String>,

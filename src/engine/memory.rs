@@ -30,10 +30,11 @@ impl RenderSettings {
         let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
         let threads = pool::threads(self.threads) as u64;
         let paths = PATHS.max(given.into()) * threads;
-        let primitives = scene.geometry().len() as u64;
+        let geometry = scene.geometry();
+        let primitives = (geometry.elements() + geometry.instances.triangle_count()) as u64;
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let memory = PROGRAM
-            + scene.geometry().bytes()
+            + geometry.bytes()
             + PRIMITIVE * primitives
             + BUILD * primitives.min(MAX_CLUSTER as u64 * threads)
             + LIGHT_BYTES * u64::from(scene.lights())

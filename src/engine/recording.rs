@@ -95,7 +95,7 @@ impl Intersect for Recording<'_> {
 
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
         let occluded = self.tree.occluded(ray, t_max, segment);
-        let hit = occluded.then_some(Hit { t: 0.0, primitive: 0 });
+        let hit = occluded.then_some(Hit::of(0, 0.0));
         self.rays.push(TracedRay {
             kind: RayKind::Shadow,
             segment,

@@ -2,9 +2,12 @@
 //!
 //! The primitives' `intersect` methods define the closest hit of a ray: the one with the least
 //! distance in the open interval `(t_min, t_max)` over all primitives. Ties go to the lowest index.
-//! The definition does not depend on any acceleration structure.
+//! The triangles of instances come last: for them, the ray is transformed to object space, and ties
+//! go to the lowest instance, then to the lowest triangle. The definition does not depend on any
+//! acceleration structure.
 
 mod bounds;
+mod instance;
 mod primitive;
 pub(crate) mod quad;
 mod ray;
@@ -16,6 +19,8 @@ mod triangles;
 mod volume;
 
 pub use bounds::Bounds;
+pub(crate) use instance::ToObject;
+pub use instance::{Instance, Instances};
 pub use primitive::*;
 pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Bounds, Hit, PreparedRay, Ray, Triangles};
+use super::{Bounds, Hit, Instance, Instances, PreparedRay, Ray, Triangles};
 use crate::math::max;
 
 /// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
@@ -31,6 +31,7 @@ macro_rules! shapes {
             MovingSphere in moving_sphere,
             Quad in quad,
             Triangle in triangle,
+            Instance in instance,
         }
     };
 }
@@ -92,11 +93,13 @@ macro_rules! primitive {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
         $(pub use super::$module::$name;)*
 
-        /// All primitives of a scene. A primitive's index is its position in the concatenation of
-        /// these lists.
+        /// All primitives of a scene. A primitive's number is its position in the concatenation of
+        /// these lists. The triangles of meshes that instances place have the numbers that follow.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Geometry {
             $($(#[doc = $doc])* pub $list: $many,)*
+            /// Meshes placed any number of times.
+            pub instances: Instances,
         }
 
         /// One primitive.
@@ -106,7 +109,7 @@ macro_rules! primitive {
         }
 
         impl Geometry {
-            /// Number of primitives.
+            /// Number of primitives, without instances.
             pub fn len(&self) -> usize {
                 0 $(+ self.$list.len())*
             }
@@ -172,7 +175,8 @@ primitives!(primitive);
 
 macro_rules! shape {
     ($($name:ident in $module:ident,)*) => {
-        /// The shape of a primitive. Still and moving spheres are different shapes.
+        /// The shape of a primitive. Still and moving spheres are different shapes, and so are
+        /// triangles and instances of triangles.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Shape {
             $($name,)*
@@ -181,6 +185,15 @@ macro_rules! shape {
         impl Shape {
             /// All shapes, in the order of their discriminants.
             pub(crate) const ALL: [Self; [$(Self::$name,)*].len()] = [$(Self::$name,)*];
+
+            /// The shape with this discriminant, or the last one if there is none.
+            #[inline(always)]
+            pub(crate) fn of_bits(bits: u32) -> Self {
+                $(if bits == Self::$name as u32 {
+                    return Self::$name;
+                })*
+                Self::ALL[Self::ALL.len() - 1]
+            }
         }
     };
 }
@@ -195,18 +208,40 @@ impl Geometry {
 
     /// Size of the lists in memory.
     pub(crate) fn bytes(&self) -> u64 {
-        let Self { spheres, quads, triangles } = self;
-        (size_of_val(&**spheres) + size_of_val(&**quads)) as u64 + triangles.bytes()
+        let Self { spheres, quads, triangles, instances } = self;
+        let solids = size_of_val(&**spheres) + size_of_val(&**quads);
+        solids as u64 + triangles.bytes() + instances.bytes()
     }
 
-    /// Whether there are no primitives.
+    /// Whether there are no primitives and no instances.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.elements() == 0
     }
 
-    /// The bounding box of each primitive over all times.
+    /// Number of elements, over which trees are built: the primitives, then the instances.
+    pub fn elements(&self) -> usize {
+        self.len() + self.instances.len()
+    }
+
+    /// The shape of an element, or of a primitive including the triangles of meshes.
+    #[inline(always)]
+    pub(crate) fn shape(&self, number: u32) -> Shape {
+        if (number as usize) < self.len() { self.get(number).shape() } else { Shape::Instance }
+    }
+
+    /// The name of the kind of primitive that was hit.
+    pub(crate) fn name(&self, hit: &Hit) -> &'static str {
+        if (hit.primitive as usize) < self.len() {
+            self.get(hit.primitive).name()
+        } else {
+            "triangle of a mesh"
+        }
+    }
+
+    /// The bounding box of each element over all times.
     pub fn boxes(&self) -> Vec<Bounds> {
-        (0..self.len() as u32).map(|primitive| self.get(primitive).bounds()).collect()
+        let primitives = (0..self.len() as u32).map(|primitive| self.get(primitive).bounds());
+        primitives.chain(self.instances.boxes()).collect()
     }
 
     /// Whether any primitive moves, so that hits depend on the time of a ray.
@@ -214,9 +249,11 @@ impl Geometry {
         self.spheres.iter().any(|sphere| sphere.motion() != Vec3::ZERO)
     }
 
-    /// The largest [`Quad::condition`], at least 1.
+    /// The largest [`Quad::condition`] or condition of an instance, at least 1.
     pub fn condition(&self) -> f32 {
-        self.quads.iter().fold(1.0, |most, quad| max(most, quad.condition()))
+        let quads = self.quads.iter().map(Quad::condition);
+        let instances = self.instances.list().iter().map(Instance::condition);
+        quads.chain(instances).fold(1.0, max)
     }
 
     /// [`Triangles::attributes`] of the primitive, which need not be a triangle.
@@ -235,10 +272,10 @@ impl Geometry {
         for primitive in 0..self.len() as u32 {
             let limit = best.map_or(t_max, |hit| hit.t);
             if let Some(t) = self.get(primitive).intersect(&ray, t_min, limit) {
-                best = Some(Hit { t, primitive });
+                best = Some(Hit::of(primitive, t));
             }
         }
-        best
+        self.instances.closest_by_brute_force(&ray.ray, (t_min, t_max), self.len() as u32, best)
     }
 }
 

@@ -23,18 +23,26 @@ impl Ray {
     }
 }
 
-/// The closest hit of a ray.
+/// The closest hit of a ray, or one hit per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct Hit<R: Real = f32> {
     /// Distance along the ray in units of the direction's length.
-    pub t: f32,
-    /// Index of the primitive. Spheres come first, then quads, then triangles.
-    pub primitive: u32,
+    pub t: R,
+    /// Number of the primitive. Spheres come first, then quads, then triangles, then the triangles
+    /// of the meshes that instances place.
+    pub primitive: R::Word,
+    /// Index of the instance to which the triangle of a mesh belongs; 0 for other primitives.
+    pub instance: R::Word,
 }
 
 impl Hit {
-    /// The index that marks a miss.
+    /// The number that marks a miss.
     pub const MISS: u32 = u32::MAX;
+
+    /// The hit of a primitive that is not part of an instance.
+    pub fn of(primitive: u32, t: f32) -> Self {
+        Self { t, primitive, instance: 0 }
+    }
 }
 
 /// A ray with precomputed values that the primitive tests share.

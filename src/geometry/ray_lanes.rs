@@ -113,7 +113,7 @@ mod tests {
                 assert_eq!(bits(vector), bits(scalar), "{:?} {:?}", primitive(lane), rays[lane]);
             }
         };
-        let Geometry { spheres, quads, triangles } = primitives;
+        let Geometry { spheres, quads, triangles, .. } = primitives;
         let centers: Vec<Vec3> = (0..LANES).map(|i| spheres[i].center_at(rays[i].time)).collect();
         let radius = float(&|i| spheres[i].radius);
         let one = |lane: usize| Primitive::Sphere(spheres[lane]);

@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::Triangle;
+use super::{Instance, Triangle};
 use crate::math::{Row, row};
+use crate::simd::axes;
 
 /// A list of triangles, which share their vertices where the meshes that they come from do.
 ///
@@ -36,6 +37,13 @@ pub(super) const SMOOTH: u32 = 1;
 pub(super) const MAPPED: u32 = 2;
 /// Flag of smooth triangles whose shadows fade out towards the terminator.
 pub(super) const SOFT: u32 = 4;
+
+/// An end of a list of triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mark {
+    triangles: usize,
+    vertices: usize,
+}
 
 /// The tables of a list of triangles.
 #[derive(Clone, Copy)]
@@ -74,8 +82,9 @@ impl Triangles {
     /// If `index` is not below [`Triangles::len`].
     #[inline(always)]
     pub fn vertices(&self, index: usize) -> [Vec3; 3] {
-        let [a, b, c, _] = self.corners[index];
-        [a, b, c].map(|vertex| vector(&self.positions[vertex as usize]))
+        let corners = self.corners[index];
+        // `map` would call a function for each vertex.
+        axes(|i| vector(&self.positions[corners[i] as usize]))
     }
 
     /// All triangles, in order.
@@ -99,6 +108,68 @@ impl Triangles {
     pub fn push(&mut self, triangle: Triangle) {
         let vertices = Vertices { positions: triangle.vertices.to_vec(), ..Vertices::default() };
         self.add(vertices, [[0, 1, 2]], true);
+    }
+
+    /// Number of vertices.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The current end of the list, for [`Triangles::split_off`].
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { triangles: self.corners.len(), vertices: self.positions.len() }
+    }
+
+    /// Removes the triangles added since `mark`, with their vertices, and returns them.
+    pub(crate) fn split_off(&mut self, mark: Mark) -> Self {
+        let Mark { triangles, vertices } = mark;
+        let moved = |[a, b, c, flags]: Row| {
+            let [a, b, c] = [a, b, c].map(|vertex| vertex - vertices as u32);
+            [a, b, c, flags]
+        };
+        let normals = vertices.min(self.normals.len());
+        Self {
+            corners: self.corners.split_off(triangles).into_iter().map(moved).collect(),
+            positions: self.positions.split_off(vertices),
+            normals: self.normals.split_off(normals),
+        }
+    }
+
+    /// Appends the triangles of another list.
+    ///
+    /// # Panics
+    /// If there are 2^32 vertices or more.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.positions.len();
+        let end = u32::try_from(first + other.positions.len());
+        assert!(end.is_ok(), "a scene has fewer than 2^32 vertices");
+        let moved = |vertex: u32| first as u32 + vertex;
+        let corners = other.corners.iter();
+        self.corners.extend(corners.map(|&[a, b, c, flags]| [moved(a), moved(b), moved(c), flags]));
+        self.positions.extend_from_slice(&other.positions);
+        if !(self.normals.is_empty() && other.normals.is_empty()) {
+            self.normals.resize(first, [0; 4]);
+            self.normals.extend_from_slice(&other.normals);
+            self.normals.resize(self.positions.len(), [0; 4]);
+        }
+    }
+
+    /// The triangles that have an area where `instance` places them.
+    pub(crate) fn placed(&self, instance: &Instance) -> Self {
+        let mut list = self.clone();
+        list.map_vertices(|vertex| instance.point(vertex));
+        for row in &mut list.normals {
+            let [x, y, z] = instance.normal(vector(row)).to_array().map(f32::to_bits);
+            *row = [x, y, z, row[3]];
+        }
+        if instance.mirrors() {
+            // The front is the side from which the vertices are in counter-clockwise order.
+            list.corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let has_area: Vec<bool> = list.iter().map(|triangle| !triangle.is_degenerate()).collect();
+        let mut kept = has_area.iter();
+        list.corners.retain(|_| *kept.next().expect("one flag for each triangle"));
+        list
     }
 
     /// Replaces the position of each vertex by `f` of it.

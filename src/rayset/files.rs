@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::arrays::{read_records, write_floats, write_words};
+use super::instances;
 use super::record::KINDS;
 use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, PrimitiveModel, Ray, primitives};
-use crate::input::{self, read_json};
+use crate::input::read_json;
 use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
 
@@ -36,7 +38,7 @@ struct SetEntry {
 }
 
 /// Extensions of the files of each set.
-const EXTENSIONS: [&str; 4] = ["rays", "range", "time", "hits"];
+const EXTENSIONS: [&str; 5] = ["rays", "range", "time", "hits", "instances"];
 
 macro_rules! geometry_files {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
@@ -44,27 +46,40 @@ macro_rules! geometry_files {
         #[derive(Debug, Serialize, Deserialize)]
         struct Counts {
             $($list: usize,)*
+            /// Number of triangles of each mesh that instances place.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            meshes: Vec<usize>,
+            #[serde(default, skip_serializing_if = "is_zero")]
+            instances: usize,
         }
 
         impl Counts {
             fn of(geometry: &Geometry) -> Self {
-                Self { $($list: geometry.$list.len(),)* }
+                let instances = &geometry.instances;
+                let meshes = (0..instances.meshes()).map(|mesh| instances.range(mesh).len());
+                Self {
+                    $($list: geometry.$list.len(),)*
+                    meshes: meshes.collect(),
+                    instances: instances.len(),
+                }
             }
 
             fn all(&self) -> usize {
-                [$(self.$list,)*].into_iter().fold(0, usize::saturating_add)
+                let counts = [$(self.$list,)* self.instances].into_iter();
+                counts.chain(self.meshes.iter().copied()).fold(0, usize::saturating_add)
             }
         }
 
         /// The files of the primitives.
-        const PRIMITIVES: &[&str] = &[$(concat!(stringify!($list), ".f32"),)*];
+        const PRIMITIVES: &[&str] =
+            &[$(concat!(stringify!($list), ".f32"),)* instances::MESHES, instances::INSTANCES];
 
         fn write_geometry(folder: &Path, geometry: &Geometry) -> Result<()> {
             $(
                 let file = folder.join(concat!(stringify!($list), ".f32"));
                 write_floats(&file, geometry.$list.iter().flat_map(|primitive| primitive.record()))?;
             )*
-            Ok(())
+            instances::write(folder, &geometry.instances)
         }
 
         fn read_geometry(folder: &Path, counts: &Counts) -> Result<Geometry> {
@@ -82,12 +97,17 @@ macro_rules! geometry_files {
                     })?);
                 }
             )*
+            geometry.instances = instances::read(folder, &counts.meshes, counts.instances)?;
             Ok(geometry)
         }
     };
 }
 
 primitives!(geometry_files);
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
 
 /// All files that ray sets in `folder` may consist of.
 pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
@@ -116,6 +136,7 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
     let manifest = folder.join(MANIFEST);
     remove(&manifest)?;
     files_of_sets(folder).try_for_each(|file| remove(&file))?;
+    PRIMITIVES.iter().try_for_each(|name| remove(&folder.join(name)))?;
     write_geometry(folder, &sets.geometry)?;
     let moving = sets.geometry.moves();
     for set in &sets.sets {
@@ -139,8 +160,11 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
         }
         write_words(
             &file("hits"),
-            each.flat_map(|i| [set.hits.t[i].to_bits(), set.hits.primitive[i]]),
+            each.clone().flat_map(|i| [set.hits.t[i].to_bits(), set.hits.primitive[i]]),
         )?;
+        if !sets.geometry.instances.is_empty() {
+            write_words(&file("instances"), each.map(|i| set.hits.instance[i]))?;
+        }
     }
     let entry =
         |set: &RaySet| SetEntry { name: set.name.clone(), kind: set.query, rays: set.rays.len() };
@@ -165,14 +189,6 @@ fn remove(path: &Path) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-fn write_floats(path: &Path, values: impl Iterator<Item = f32>) -> Result<()> {
-    write_words(path, values.map(f32::to_bits))
-}
-
-fn write_words(path: &Path, mut words: impl Iterator<Item = u32>) -> Result<()> {
-    write_atomically(path, |file| words.try_for_each(|word| file.write_all(&word.to_le_bytes())))
 }
 
 /// Reads the ray sets in `folder`.
@@ -228,7 +244,7 @@ fn check_entries(sets: &[SetEntry]) -> Result<(), (String, String)> {
 }
 
 fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RaySet> {
-    let primitives = geometry.len();
+    let primitives = geometry.len() + geometry.instances.triangle_count();
     let name = |extension: &str| format!("{}.{extension}", entry.name);
     let rays = read_records::<6>(folder, &name("rays"), entry.rays)?;
     let range = read_records::<2>(folder, &name("range"), entry.rays)?;
@@ -239,6 +255,11 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
         vec![[0.0]; entry.rays]
     };
     let hits = read_records::<2>(folder, &name("hits"), entry.rays)?;
+    let instances = if geometry.instances.is_empty() {
+        vec![[0.0]; entry.rays]
+    } else {
+        read_records::<1>(folder, &name("instances"), entry.rays)?
+    };
     let mut set = RaySet {
         name: entry.name.clone(),
         query: entry.kind,
@@ -267,25 +288,17 @@ fn read_set(folder: &Path, entry: &SetEntry, geometry: &Geometry) -> Result<RayS
                 &format!("primitive {primitive} does not exist, there are {primitives}"),
             ));
         }
+        let instance = instances[index][0].to_bits();
+        let count = geometry.instances.len();
+        if instance as usize >= count.max(1) {
+            return Err(bad(
+                "instances",
+                &format!("instance {instance} does not exist, there are {count}"),
+            ));
+        }
         set.hits.t.push(t);
         set.hits.primitive.push(primitive);
+        set.hits.instance.push(instance);
     }
     Ok(set)
-}
-
-/// Reads `count` records of `N` little-endian f32.
-fn read_records<const N: usize>(folder: &Path, file: &str, count: usize) -> Result<Vec<[f32; N]>> {
-    let path = folder.join(file);
-    // The length is checked first, so that a file of the wrong length is not read at all.
-    let found = input::length(&path)?;
-    if Some(found) != (count as u64).checked_mul(4 * N as u64) {
-        let record = 4 * N;
-        let message =
-            format!("has {found} bytes, but {MANIFEST} lists {count} records of {record} bytes");
-        return Err(Error::input(path.display().to_string(), "", message));
-    }
-    let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;
-    let (words, _) = bytes.as_chunks::<4>();
-    let (records, _) = words.as_chunks::<N>();
-    Ok(records.iter().map(|record| record.map(f32::from_le_bytes)).collect())
 }

@@ -9,13 +9,16 @@
 //! | `spheres.f32` | 8 f32 per sphere: centre at time 0, radius, centre at time 1, 0 |
 //! | `quads.f32` | 9 f32 per quad: corner, edge, edge |
 //! | `triangles.f32` | 9 f32 per triangle: its vertices |
+//! | `meshes.f32` | 9 f32 per triangle of a mesh, in object space; absent without instances |
+//! | `instances.f32` | 12 f32 and 1 u32 per instance: the rows of its matrix, its mesh; absent without instances |
 //! | `<set>.rays` | 6 f32 per ray: origin, direction |
 //! | `<set>.range` | 2 f32 per ray: t_min, t_max |
 //! | `<set>.time` | 1 f32 per ray; absent when nothing moves |
 //! | `<set>.hits` | 8 bytes per ray: t as f32, primitive as u32; +∞ and all ones for a miss |
+//! | `<set>.instances` | 1 u32 per ray: the instance that was hit, else 0; absent without instances |
 //!
-//! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles. An occluded shadow ray has
-//! primitive 0, and its t has no meaning.
+//! Primitives are numbered as in [`Geometry`]: spheres, quads, triangles, triangles of meshes. An
+//! occluded shadow ray has primitive 0, and its t has no meaning.
 //!
 //! Paths are ordered by tile of 8 × 8 pixels (row by row), within a tile by sample, and within a
 //! sample by pixel (row by row). Bounce and shadow rays are ordered by wave of 4096 paths, within a
@@ -29,9 +32,12 @@
 //!  "sets": [{"name": "primary", "kind": "closest", "rays": 2097152}]}
 //! ```
 //!
+//! With instances, `counts` also has `meshes`, the number of triangles of each mesh, and `instances`.
 //! `kind` is `occluded` for shadow rays and `closest` for all others.
 
+mod arrays;
 mod files;
+mod instances;
 mod record;
 mod replay;
 mod select;

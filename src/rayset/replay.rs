@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::{Query, RaySet};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel};
+use crate::geometry::Hit;
 use crate::statistics::{middle, sorted};
 
 /// Result of a kernel on a ray set.
@@ -29,12 +30,12 @@ pub(crate) fn replay(
     kernels: &[Kernel],
     repetitions: u32,
 ) -> Vec<Replay> {
-    let mut hits = HitBatch::default();
+    let (mut hits, instanced) = (HitBatch::default(), accelerator.has_instances());
     let mut replays: Vec<Replay> = Vec::new();
     for &kernel in kernels {
         accelerator.prepare(kernel, 1);
         let mut counters = Counters::default();
-        hits.reset(set.rays.len());
+        hits.reset(set.rays.len(), instanced);
         for batch in batches(set) {
             let any = set.query == Query::Occluded;
             counters += accelerator.count(kernel, any, &set.rays, batch, &mut hits);
@@ -48,7 +49,7 @@ pub(crate) fn replay(
             // Kernels write nothing for rays that miss, so resetting all rays to misses is part of
             // the timed work.
             let start = Instant::now();
-            hits.reset(set.rays.len());
+            hits.reset(set.rays.len(), instanced);
             for batch in batches(set) {
                 match set.query {
                     Query::Closest => {
@@ -75,9 +76,10 @@ fn batches(set: &RaySet) -> impl Iterator<Item = std::ops::Range<usize>> {
 }
 
 fn differences(set: &RaySet, hits: &HitBatch) -> usize {
+    let at = |hit: Hit| (hit.primitive, hit.instance);
     let same = |i: usize| {
         let same_t = set.query == Query::Occluded || hits.t[i].to_bits() == set.hits.t[i].to_bits();
-        same_t && hits.primitive[i] == set.hits.primitive[i]
+        same_t && hits.get(i).map(at) == set.hits.get(i).map(at)
     };
     (0..hits.len()).filter(|&i| !same(i)).count()
 }

@@ -15,6 +15,9 @@ const PRIMITIVE: u64 = 160;
 /// bytes each, in up to three copies.
 const VERTEX: u64 = 96;
 
+/// Bytes of memory for each instance while the list grows. An instance has 96.
+const INSTANCE: u64 = 200;
+
 /// The estimated memory held so far, and its limit.
 #[derive(Clone, Debug)]
 pub(super) struct Budget {
@@ -52,6 +55,24 @@ impl Budget {
     /// As [`hold`](Self::hold), for this many vertices of triangles.
     pub(super) fn hold_vertices(&self, more: usize) -> Result<(), String> {
         self.hold(VERTEX * more as u64)
+    }
+
+    /// As [`hold`](Self::hold), for `more` instances in addition to the `before` primitives and
+    /// instances already in the scene.
+    pub(super) fn hold_instances(&self, before: u64, more: u64) -> Result<(), String> {
+        self.limits.check(Limit::Primitives, before.saturating_add(more))?;
+        self.hold(INSTANCE.saturating_mul(more))
+    }
+
+    /// As [`hold`](Self::hold), for `more` triangles with this many vertices.
+    pub(super) fn hold_triangles(
+        &self,
+        before: u64,
+        more: u64,
+        vertices: u64,
+    ) -> Result<(), String> {
+        self.limits.check(Limit::Primitives, before.saturating_add(more))?;
+        self.hold(PRIMITIVE.saturating_mul(more).saturating_add(VERTEX.saturating_mul(vertices)))
     }
 
     /// As [`hold`](Self::hold), for `more` primitives in addition to the `before` already in the

@@ -23,11 +23,24 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         let material = scene.material_map().get(index);
         let primitive = scene.geometry().get(index);
         hasher.vectors(primitive.name(), &primitive.identity());
-        if let Some((flags, corners)) = scene.geometry().attributes(index) {
-            hasher.text(&format!("vertices {flags}"));
-            hasher.numbers(corners.as_flattened());
-        }
+        hasher.attributes(scene.geometry().attributes(index));
         hasher.0.update(materials[material as usize].as_bytes());
+    }
+    let instances = &scene.geometry().instances;
+    let first = scene.geometry().len() as u32;
+    for mesh in 0..instances.meshes() {
+        hasher.text("mesh");
+        for triangle in instances.range(mesh) {
+            let vertices = instances.triangles().triangles.vertices(triangle as usize);
+            hasher.vectors("triangle", &vertices);
+            hasher.attributes(instances.triangles().attributes(triangle));
+            let material = scene.material_map().get(first + triangle);
+            hasher.0.update(materials[material as usize].as_bytes());
+        }
+    }
+    for instance in instances.list() {
+        hasher.text(&format!("instance {}", instance.mesh()));
+        hasher.numbers(&instance.identity());
     }
     for Medium { volume, density, albedo } in scene.media() {
         let (name, vectors) = volume.identity();
@@ -64,6 +77,14 @@ impl Hasher {
     fn vectors(&mut self, name: &str, vectors: &[Vec3]) {
         self.text(name);
         vectors.iter().for_each(|vector| self.numbers(&vector.to_array()));
+    }
+
+    /// The flags of a triangle, and the normals and texture coordinates of its vertices.
+    fn attributes(&mut self, attributes: Option<(u32, [[f32; 5]; 3])>) {
+        if let Some((flags, corners)) = attributes {
+            self.text(&format!("vertices {flags}"));
+            self.numbers(corners.as_flattened());
+        }
     }
 
     fn numbers(&mut self, numbers: &[f32]) {

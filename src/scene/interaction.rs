@@ -1,7 +1,7 @@
 //! The point where a path meets a surface.
 
 use super::texture::{TexturePoint, TextureTables};
-use crate::geometry::{Ray, Shape, Surface, Surfaces};
+use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::Real;
 
 /// A point of a surface where a path arrives, or one point per lane. All lanes have the same shape.
@@ -13,10 +13,8 @@ pub(crate) struct Interaction<'a, R: Real> {
     pub(crate) textures: Option<&'a TextureTables>,
     /// The arriving ray, with a direction of unit length.
     pub(crate) ray: Ray<R>,
-    /// Distance along the ray.
-    pub(crate) t: R,
     pub(crate) shape: Shape,
-    pub(crate) primitive: R::Word,
+    pub(crate) hit: Hit<R>,
     pub(crate) surface: Surface<R>,
     /// The surface's geometric normal, turned to the side that was hit. The origins of new rays are
     /// moved along it.
@@ -48,6 +46,6 @@ impl<R: Real> TexturePoint<R> for Interaction<'_, R> {
     }
 
     fn uv(&self) -> (R, R) {
-        self.surfaces.uv(self.shape, self.primitive, &self.ray, &self.surface, self.t)
+        self.surfaces.uv(self.shape, &self.ray, self.hit, &self.surface)
     }
 }

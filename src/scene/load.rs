@@ -22,7 +22,7 @@ const GENERATED: u64 = 160;
 pub enum Source {
     /// A scene compiled into the program, by name.
     Builtin(&'static str),
-    /// A generated scene, with its name `cloud:N` or `mesh:N`.
+    /// A generated scene, with its name such as `cloud:N`.
     Generated(String, Generated),
     /// A file and its form.
     File(PathBuf, Form),
@@ -72,7 +72,7 @@ impl Source {
             _ => {
                 let near = suggestion(name_or_path, BUILTIN_NAMES);
                 return Err(Error::Usage(format!(
-                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, a .ron, .json or .txt file, or an .obj or .ply mesh{near}"
+                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, forest:N, a .ron, .json or .txt file, or an .obj or .ply mesh{near}"
                 )));
             }
         };

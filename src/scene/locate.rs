@@ -9,15 +9,12 @@ use serde::{Deserialize, Deserializer};
 use super::parse::{self, Form};
 
 /// Returns `line:column` of the element at `path`, such as `camera`, `primitives[3]` or
-/// `materials.grey`. Returns `None` if the text has no such element or is in the flat form.
+/// `materials.grey` or `meshes.tree[1]`. Returns `None` if the text has no such element or is in the flat form.
 ///
 /// The text is parsed again, and parsing deliberately fails at the element, so that the parser
 /// reports the position of the element.
 pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
-    let keys = match path.split_once(['.', '[']) {
-        Some((section, key)) => vec![section, key.trim_end_matches(']')],
-        None => vec![path],
-    };
+    let keys = keys(path);
     let find = Find(&keys);
     match form {
         Form::Ron => {
@@ -34,6 +31,14 @@ pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
         }
         Form::Flat => None,
     }
+}
+
+/// The names and indices in `path`. An index in brackets may follow at the end.
+fn keys(path: &str) -> Vec<&str> {
+    let indexed = path.strip_suffix(']').and_then(|path| path.rsplit_once('['));
+    let (names, index) = indexed.map_or((path, None), |(names, index)| (names, Some(index)));
+    let names = names.splitn(2, '.');
+    names.chain(index).collect()
 }
 
 /// Message of the deliberate error at the element.

@@ -107,14 +107,14 @@ impl Looks {
         // `range` handles the primitives `begin..=last`, which have one shape and one material.
         let mut light = 0;
         let mut range = |begin: u32, last: u32, material: u32| {
-            let shape = geometry.get(begin).shape();
+            let shape = geometry.shape(begin);
             let entry = entries[material as usize];
             let material = &scene.materials()[material as usize];
-            let emission = material.emission();
+            let emission = material.emission().filter(Emission::shines);
             let emits = emission.is_some();
             let key = number(Key::Surface { shape, kind: material.kind(), emits });
             let first = light;
-            if let Some(emission) = emission.filter(Emission::shines) {
+            if let Some(emission) = emission {
                 (begin..=last).for_each(|primitive| shine(primitive, emission));
                 light += last - begin + 1;
             }
@@ -206,7 +206,9 @@ impl Looks {
     ) -> R::Index {
         let entries = match shape {
             _ if len == 1 => R::Word::splat(0),
-            Shape::Triangle => R::each_word(primitive, |primitive| self.range(primitive).entry),
+            Shape::Triangle | Shape::Instance => {
+                R::each_word(primitive, |primitive| self.range(primitive).entry)
+            }
             _ => R::pick(&self.entries, R::index(primitive, self.entries.len())),
         };
         R::index_of_few(entries, len)
@@ -217,7 +219,9 @@ impl Looks {
     #[inline(always)]
     pub(crate) fn lights<R: Real>(&self, shape: Shape, primitive: R::Word) -> (R::Word, R::Mask) {
         let light = match shape {
-            Shape::Triangle => R::each_word(primitive, |primitive| self.light_of(primitive)),
+            Shape::Triangle | Shape::Instance => {
+                R::each_word(primitive, |primitive| self.light_of(primitive))
+            }
             _ => R::pick(&self.lights, R::index(primitive, self.lights.len())),
         };
         let none = light.eq(R::Word::splat(NO_LIGHT));

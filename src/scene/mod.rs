@@ -48,7 +48,7 @@ pub(crate) use medium::Isotropic;
 pub(crate) use medium::Medium;
 pub use medium::MediumFile;
 pub use named::Named;
-pub use primitive::PrimitiveFile;
+pub use primitive::{NamedMesh, PrimitiveFile};
 pub(crate) use resolve::LIGHT_BYTES;
 pub(crate) use tables::SceneTables;
 
@@ -94,7 +94,7 @@ struct SceneData {
 }
 
 impl Scene {
-    /// Loads the built-in scene with this name, generates `cloud:N` or `mesh:N`, or reads the file
+    /// Loads the built-in scene with this name, generates `cloud:N`, `mesh:N` or `forest:N`, or reads the file
     /// at this path: a scene (`.ron`, `.json`, or `.txt` in the flat form) or a mesh (`.obj` or
     /// `.ply`).
     ///

@@ -8,7 +8,7 @@ use super::material::MaterialTables;
 use super::medium::Media;
 use super::smooth::smooth_normal;
 use super::texture::TextureTables;
-use crate::geometry::{Ray, Shading, Shape, Surfaces};
+use crate::geometry::{Hit, Ray, Shading, Shape, Surfaces};
 use crate::math::{Real, face_forward};
 
 /// The surfaces, materials, textures, lights and media of a scene, in tables.
@@ -34,20 +34,20 @@ impl SceneTables {
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 
-    /// Returns the points where `ray` hits primitives of one shape at distance `t`. `textured`
-    /// states whether the table of their materials contains any textures, and `glossy` whether they
-    /// reflect light like a mirror, sharp or blurred.
+    /// Returns the points where `ray` has these hits of primitives of one shape. `textured` states whether the table of their materials contains any textures, and `glossy` whether they
+    /// reflect light like a mirror, sharp or blurred. `instanced` tells whether the shape is
+    /// [`Shape::Instance`].
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,
         shape: Shape,
-        primitive: R::Word,
         ray: Ray<R>,
-        t: R,
+        hit: Hit<R>,
         textured: bool,
         glossy: bool,
+        instanced: bool,
     ) -> Interaction<'_, R> {
-        let surface = self.surfaces.find(shape, primitive, &ray, t);
+        let surface = self.surfaces.find(shape, &ray, hit, instanced);
         let (normal, front) = face_forward(surface.normal, ray.direction);
         let textures = textured.then_some(&self.textures);
         let surfaces = &self.surfaces;
@@ -57,9 +57,8 @@ impl SceneTables {
             surfaces,
             textures,
             ray,
-            t,
             shape,
-            primitive,
+            hit,
             surface,
             normal,
             shading,

@@ -111,10 +111,11 @@ fn renderings_belong_to_a_view() {
 #[test]
 fn every_build_gives_the_pinned_hashes() {
     let mut hashes = String::new();
-    for name in ptfast::BUILTIN_NAMES
-        .into_iter()
-        .chain(["tests/data/everything.ron", "tests/data/smooth.ron"])
-    {
+    for name in ptfast::BUILTIN_NAMES.into_iter().chain([
+        "tests/data/everything.ron",
+        "tests/data/smooth.ron",
+        "tests/data/instances.ron",
+    ]) {
         let scene = Scene::load(name).unwrap();
         // Without lights, all three modes are the same.
         let modes = if scene.lights() == 0 { &SAMPLINGS[..1] } else { &SAMPLINGS };

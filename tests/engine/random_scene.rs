@@ -5,9 +5,13 @@ use ptfast::material::{
     Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
     Sides,
 };
-use ptfast::primitive::{BoxFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile};
+use ptfast::primitive::{
+    BoxFile, InstanceFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile,
+};
 use ptfast::texture::{Checker, Color, Image, Solid, Texture};
-use ptfast::{Background, CameraFile, MediumFile, Named, PrimitiveFile, Sampling, SceneFile};
+use ptfast::{
+    Background, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling, SceneFile,
+};
 
 /// Returns the random scene for `seed`. Some scenes are tiny, others huge.
 pub(crate) fn random_scene(seed: u64) -> SceneFile {
@@ -25,7 +29,11 @@ fn scale(scene: &mut SceneFile, by: f32) {
     let camera = &mut scene.camera;
     camera.focus_distance *= by;
     let mut points = vec![&mut camera.look_from, &mut camera.look_at];
-    for primitive in &mut scene.primitives {
+    let parts = scene.meshes.0.iter_mut().flat_map(|(_, mesh)| match mesh {
+        NamedMesh::Parts(parts) => parts,
+        _ => unreachable!("`Maker` names no file"),
+    });
+    for primitive in parts.chain(&mut scene.primitives) {
         match primitive {
             PrimitiveFile::Sphere(SphereFile { center, radius, .. }) => {
                 *radius *= by;
@@ -38,6 +46,10 @@ fn scale(scene: &mut SceneFile, by: f32) {
             PrimitiveFile::Quad(QuadFile { q, u, v, .. }) => points.extend([q, u, v]),
             PrimitiveFile::Box(BoxFile { min, max, .. }) => points.extend([min, max]),
             PrimitiveFile::Triangles(TrianglesFile { vertices, .. }) => points.extend(vertices),
+            // The mesh is scaled, so only the translation changes.
+            PrimitiveFile::Instance(InstanceFile { matrix, .. }) => {
+                matrix.iter_mut().for_each(|row| row[3] *= by);
+            }
             _ => unreachable!("`Maker` generates no other kind"),
         }
     }
@@ -84,7 +96,14 @@ impl Maker {
             1 => 30 + self.below(100),
             _ => 3 + self.below(20),
         };
-        let primitives = (0..count).map(|_| self.primitive(materials.len() as u64)).collect();
+        let mut primitives: Vec<_> =
+            (0..count).map(|_| self.primitive(materials.len() as u64)).collect();
+        let meshes = if self.one_in(2) { self.below(4) } else { 0 };
+        let named = (0..meshes).map(|i| (format!("g{i}"), self.mesh(i, materials.len() as u64)));
+        let named: Vec<_> = named.collect();
+        let instances = if meshes > 0 { self.below(12) } else { 0 };
+        primitives
+            .extend((0..instances).map(|_| self.instance(meshes, materials.len() as u64).into()));
         let mut scene = SceneFile::new(self.camera());
         scene.background = self.background();
         scene.render.width = 1 + self.below(20) as u32;
@@ -94,6 +113,7 @@ impl Maker {
         scene.render.sampling = Some(Sampling::ALL[self.below(3) as usize]);
         scene.textures = textures;
         scene.materials = Named(materials);
+        scene.meshes = Named(named);
         scene.primitives = primitives;
         scene.media = (0..self.below(3)).map(|i| self.medium(i as f32)).collect();
         scene
@@ -222,20 +242,51 @@ impl Maker {
                 let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
                 BoxFile { min, max, rotation, material }.into()
             }
-            _ => {
-                let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
-                let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
-                let mut triangles = TrianglesFile::new(vertices, indices, material);
-                if self.one_in(2) {
-                    triangles.normals = (0..6).map(|_| self.vector(-1.0, 1.0)).collect();
-                    triangles.soft_terminator = self.one_in(2);
-                }
-                if self.one_in(2) {
-                    let uv = |[u, v, _]: [f32; 3]| [u, v];
-                    triangles.uvs = (0..6).map(|_| uv(self.vector(-1.0, 2.0))).collect();
-                }
-                triangles.into()
-            }
+            _ => self.triangles(material).into(),
         }
+    }
+
+    fn triangles(&mut self, material: String) -> TrianglesFile {
+        let vertices: Vec<_> = (0..6).map(|_| self.vector(-3.0, 3.0)).collect();
+        let indices = vec![[0, 1, 2], [1, 2, 3], [3, 4, 5]];
+        let mut triangles = TrianglesFile::new(vertices, indices, material);
+        if self.one_in(2) {
+            triangles.normals = (0..6).map(|_| self.vector(-1.0, 1.0)).collect();
+            triangles.soft_terminator = self.one_in(2);
+        }
+        if self.one_in(2) {
+            let uv = |[u, v, _]: [f32; 3]| [u, v];
+            triangles.uvs = (0..6).map(|_| uv(self.vector(-1.0, 2.0))).collect();
+        }
+        triangles
+    }
+
+    /// Mesh number `number`, which may contain instances of meshes before it.
+    fn mesh(&mut self, number: u64, materials: u64) -> NamedMesh {
+        let parts = (0..1 + self.below(3)).map(|_| match number {
+            1.. if self.one_in(3) => self.instance(number, materials).into(),
+            _ => {
+                let material = format!("m{}", self.below(materials));
+                self.triangles(material).into()
+            }
+        });
+        parts.collect::<Vec<PrimitiveFile>>().into()
+    }
+
+    /// An instance of one of the first `meshes` meshes.
+    fn instance(&mut self, meshes: u64, materials: u64) -> InstanceFile {
+        let factors = [(); 3].map(|()| self.vector(-0.5, 0.5));
+        let move_by = self.vector(-2.0, 2.0);
+        let mut matrix = [0, 1, 2].map(|i| {
+            let [x, y, z] = factors[i];
+            [x, y, z, move_by[i]]
+        });
+        // Far from singular, also in products of such matrices.
+        (0..3).for_each(|i| matrix[i][i] = if self.one_in(3) { -1.2 } else { 1.2 });
+        let mut instance = InstanceFile::new(format!("g{}", self.below(meshes)), matrix);
+        if self.one_in(4) {
+            instance.material = Some(format!("m{}", self.below(materials)));
+        }
+        instance
     }
 }

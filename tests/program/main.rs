@@ -10,6 +10,7 @@ mod corpus;
 mod dashboard;
 mod faults;
 mod hostile;
+mod instances;
 mod keep;
 mod layering;
 mod mesh;

@@ -12,13 +12,14 @@
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
 
-use super::frames::{Frame, Frames};
+use super::frames::Frame;
 use super::job::Job;
+use super::meshes::MeshTrees;
 use super::octants::Octants;
 use super::single::{Above, trace_each};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::leaf::{BlockRef, Blocks, Meshes, NoMeshes};
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::rays::Rays;
 use crate::accel::slab::near_and_far;
@@ -161,21 +162,24 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    if tree.is_large {
-        trace_beams::<ANY, FEW, C>(tree, job, hits, count)
-    } else {
-        trace_beams::<ANY, MANY, C>(tree, job, hits, count)
+    match (tree.is_large, tree.meshes.is_empty()) {
+        (true, true) => trace_beams::<ANY, false, FEW, C>(tree, NoMeshes, job, hits, count),
+        (false, true) => trace_beams::<ANY, false, MANY, C>(tree, NoMeshes, job, hits, count),
+        (_, false) => {
+            trace_beams::<ANY, true, FEW, C>(tree, MeshTrees::new(tree), job, hits, count)
+        }
     }
 }
 
-fn trace_beams<const ANY: bool, const V: usize, C: Count>(
+fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>(
     tree: &WideTree,
+    meshes: impl Meshes,
     job: &Job<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut above = Above::new(tree);
-    job.trace::<ANY, V, C>(hits, count, |packet, count| {
+    let mut above = Above::new(tree, meshes);
+    job.trace::<ANY, INSTANCES, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
         }
@@ -186,7 +190,7 @@ fn trace_beams<const ANY: bool, const V: usize, C: Count>(
             if tree.is_large && beam.is_wide() {
                 trace_each::<ANY, V>(tree, packet, &mut above, count);
             } else {
-                traverse::<ANY, V>(tree, packet, &beam, above.first(), count);
+                traverse::<ANY, V>(tree, packet, &beam, &mut above, count);
             }
         }
     })
@@ -198,9 +202,10 @@ fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
     beam: &Beam<V>,
-    above: &mut Frames,
+    above: &mut Above<impl Meshes>,
     count: &mut impl Count,
 ) {
+    let (above, meshes) = above.first();
     let mut limit = packet.farthest(&beam.scales);
     let mut frame = beam.visit(tree, 0, limit, count);
     above.clear();
@@ -209,7 +214,8 @@ fn traverse<const ANY: bool, const V: usize>(
             let block = BlockRef::from_bits(child);
             let candidates = beam.candidates(&tree.blocks, block, limit, count);
             if candidates != 0 {
-                tree.blocks.test_packet::<V, ANY, true, false>(block, candidates, packet, count);
+                tree.blocks
+                    .test_packet::<V, ANY, true, false>(block, candidates, packet, meshes, count);
                 limit = packet.farthest(&beam.scales);
             }
         } else {

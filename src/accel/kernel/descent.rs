@@ -118,7 +118,7 @@ mod tests {
         let primitives: Vec<u32> = (0..geometry.len() as u32).collect();
         let mut tree = WideTree::new(&geometry, &BinaryTree::new(&boxes, &primitives, 1));
         let extent = Extent::new(&geometry, all, all);
-        let mut above = Frames::new(&tree);
+        let mut above = Frames::with_depth(tree.depth);
         let mut reached = [0; LEVELS];
         for round in 0..200 {
             tree.is_large = round % 4 > 0;

@@ -41,6 +41,6 @@ impl Flat {
     ) -> Vec<usize> {
         let Self { blocks, all, extent } = self;
         let job = Job { blocks, spanning: all, extent, ..*job };
-        job.trace::<ANY, VECTORS, C>(hits, count, |_, _| {})
+        job.trace::<ANY, false, VECTORS, C>(hits, count, |_, _| {})
     }
 }

@@ -82,9 +82,9 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// Creates an empty stack with room for any path through `tree`.
-    pub(crate) fn new(tree: &WideTree) -> Self {
-        Self { keys: vec![Int::ZERO; tree.depth], rest: vec![(0, 0); tree.depth], top: 0 }
+    /// Creates an empty stack with room for a path of `depth` nodes.
+    pub(crate) fn with_depth(depth: usize) -> Self {
+        Self { keys: vec![Int::ZERO; depth], rest: vec![(0, 0); depth], top: 0 }
     }
 
     #[inline(always)]
@@ -138,14 +138,14 @@ mod tests {
         let children = |node: u32| std::array::from_fn(|lane| 100 * node + lane as u32);
         let node = |node| WideNode { planes: [[0.0; LANES]; 6], children: children(node) };
         let (nodes, blocks) = ((1..=nodes).map(node).collect(), Blocks::default());
-        WideTree { nodes, blocks, depth: 3, is_large: false, in_turn: false }
+        WideTree { nodes, blocks, depth: 3, ..WideTree::default() }
     }
 
     /// Takes all children of one node, and returns their lanes in order.
     fn order(entry: Lanes, entered: u32, limit: f32) -> Vec<usize> {
         let tree = tree(1);
         let mut frame = Frame::new(0, Float::new(entry), Mask::from_bits(entered));
-        let mut frames = Frames::new(&tree);
+        let mut frames = Frames::with_depth(tree.depth);
         std::iter::from_fn(|| frames.next(&mut frame, &tree, limit))
             .map(|child| child as usize - 100)
             .collect()
@@ -193,7 +193,7 @@ mod tests {
             Frame::new(node, entry, Mask::from_bits(entered))
         };
         let (up, down) = (|lane: f32| lane, |lane: f32| 9.0 - lane);
-        let mut frames = Frames::new(&tree);
+        let mut frames = Frames::with_depth(tree.depth);
         let mut here = frame(0, up, 0b101);
         assert_eq!(frames.next(&mut here, &tree, 9.0), Some(100));
         frames.push(&here, &tree, false);
@@ -221,7 +221,7 @@ mod tests {
         tree.nodes[0].children[5] = 100;
         let entry = Float::new(std::array::from_fn(|lane| lane as f32));
         let mut frame = Frame::new(0, entry, Mask::from_bits(0b11_1110));
-        let mut frames = Frames::new(&tree);
+        let mut frames = Frames::with_depth(tree.depth);
         let visits: Vec<u32> = std::iter::from_fn(|| frames.next(&mut frame, &tree, 9.0)).collect();
         assert_eq!(visits, [101, 100, 103, 104]);
     }

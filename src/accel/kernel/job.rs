@@ -2,7 +2,7 @@
 
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::leaf::{BlockRef, Blocks, NoMeshes};
 use crate::accel::ray::packet::Packet;
 use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
@@ -17,6 +17,8 @@ pub(crate) struct Job<'a> {
     pub(crate) blocks: &'a Blocks,
     /// Blocks that every ray is tested against before the tree.
     pub(crate) spanning: &'a [BlockRef],
+    /// The number of the first triangle of a mesh.
+    pub(crate) meshes: u32,
 }
 
 impl Job<'_> {
@@ -24,7 +26,7 @@ impl Job<'_> {
     /// the indices of the wild rays (see [`Rays::load`](crate::accel::ray::rays::Rays::load)),
     /// which are left to the scalar reference.
     #[inline(always)]
-    pub(crate) fn trace<const ANY: bool, const V: usize, C: Count>(
+    pub(crate) fn trace<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>(
         &self,
         hits: &mut HitBatch,
         count: &mut C,
@@ -43,6 +45,10 @@ impl Job<'_> {
             }
             self.search_all::<ANY, V, C>(&mut packet, count, &mut search);
             packet.store::<ANY>(first, end, hits);
+            if INSTANCES && !ANY {
+                let end = end.min(first + V * LANES);
+                packet.store_instances(first, end, self.meshes, hits);
+            }
         }
         wild
     }
@@ -61,7 +67,13 @@ impl Job<'_> {
         for &block in self.spanning {
             // Spanning primitives are mostly huge. They are near most rays, so the filter before
             // the sphere test would reject few of them.
-            self.blocks.test_packet::<V, ANY, ANY, true>(block, block.valid(), packet, count);
+            self.blocks.test_packet::<V, ANY, ANY, true>(
+                block,
+                block.valid(),
+                packet,
+                &mut NoMeshes,
+                count,
+            );
         }
         search(packet, count);
     }

@@ -6,11 +6,15 @@ mod enter;
 pub(super) mod flat;
 mod frames;
 pub(super) mod job;
+mod meshes;
 mod octants;
 pub(super) mod pair_traversal;
 pub(super) mod single;
 
 /// An algorithm that finds the hits of rays.
+///
+/// In scenes with instances, [`Kernel::Packet`] and [`Kernel::Flat`] do the same as
+/// [`Kernel::Single`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

@@ -6,6 +6,7 @@ use super::job::Job;
 use super::octants::Octants;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
+use crate::accel::leaf::NoMeshes;
 use crate::accel::ray::packet::{Packet, VECTORS};
 use crate::accel::ray::rays::Rays;
 use crate::accel::setup::SlabLanes;
@@ -111,6 +112,7 @@ impl<const V: usize> Packet<V> {
                         block,
                         block.valid(),
                         self,
+                        &mut NoMeshes,
                         count,
                     );
                 } else {
@@ -118,6 +120,7 @@ impl<const V: usize> Packet<V> {
                         block,
                         block.valid(),
                         self,
+                        &mut NoMeshes,
                         count,
                     );
                 }
@@ -214,7 +217,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
             packet.traverse::<ANY, ALIKE>(tree, root, &octants, none, &mut stack, count);
         }
     };
-    let left = job.trace::<ANY, VECTORS, C>(hits, count, search);
+    let left = job.trace::<ANY, false, VECTORS, C>(hits, count, search);
     STACK.set(stack);
     left
 }
@@ -223,7 +226,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
 pub(crate) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
     let mut entered = 0;
     let none = const { &[[Float::ZERO; 6]; VECTORS] };
-    job.trace::<false, VECTORS, ()>(hits, &mut (), |packet, ()| {
+    job.trace::<false, false, VECTORS, ()>(hits, &mut (), |packet, ()| {
         for sides in tree.middles.iter().flat_map(|node| &node.boxes) {
             let (entries, _) = packet.enter::<MIXED>(sides, &([0; 3], [0; 3]), none);
             for (entry, rays) in entries.iter().zip(&packet.vectors) {

@@ -5,14 +5,15 @@
 use super::descent::Descent;
 use super::frames::{Frame, Frames};
 use super::job::Job;
+use super::meshes::MeshTrees;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
-use crate::accel::leaf::BlockRef;
+use crate::accel::leaf::{BlockRef, Meshes, NoMeshes};
 use crate::accel::ray::best::BestLanes;
 use crate::accel::ray::one_ray::{OneRay, Table};
 use crate::accel::ray::packet::Packet;
 use crate::accel::tree::wide::WideTree;
-use crate::simd::{Bits, Float, Int, LANES};
+use crate::simd::{Bits, LANES};
 
 /// Traces rays through the tree, one by one or taking turns. Returns the indices of the wild rays
 /// (see [`Rays::load`](crate::accel::ray::rays::Rays::load)), which are left to the scalar
@@ -24,23 +25,42 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut above = Above::new(tree);
-    job.trace::<ANY, 1, C>(hits, count, |packet, count| {
+    if tree.meshes.is_empty() {
+        trace_with::<ANY, false, C>(tree, NoMeshes, job, hits, count)
+    } else {
+        trace_with::<ANY, true, C>(tree, MeshTrees::new(tree), job, hits, count)
+    }
+}
+
+fn trace_with<const ANY: bool, const INSTANCES: bool, C: Count>(
+    tree: &WideTree,
+    meshes: impl Meshes,
+    job: &Job<'_>,
+    hits: &mut HitBatch,
+    count: &mut C,
+) -> Vec<usize> {
+    let mut above = Above::new(tree, meshes);
+    job.trace::<ANY, INSTANCES, 1, C>(hits, count, |packet, count| {
         trace_each::<ANY, 1>(tree, packet, &mut above, count);
     })
 }
 
-/// Stacks of frames: one for each ray of a vector if rays take turns, else a single one.
-pub(crate) struct Above(Vec<Frames>);
+/// The state of the traversal of single rays.
+pub(crate) struct Above<M> {
+    /// Stacks of frames: one for each ray of a vector if rays take turns, else a single one.
+    stacks: Vec<Frames>,
+    meshes: M,
+}
 
-impl Above {
-    pub(crate) fn new(tree: &WideTree) -> Self {
-        Self(vec![Frames::new(tree); if tree.in_turn { LANES } else { 1 }])
+impl<M> Above<M> {
+    pub(crate) fn new(tree: &WideTree, meshes: M) -> Self {
+        let stacks = vec![Frames::with_depth(tree.depth); if tree.in_turn { LANES } else { 1 }];
+        Self { stacks, meshes }
     }
 
-    /// Returns the stack for a ray or a beam that is traced alone.
-    pub(crate) fn first(&mut self) -> &mut Frames {
-        &mut self.0[0]
+    /// Returns the stack for a ray or a beam that is traced alone, and the meshes.
+    pub(crate) fn first(&mut self) -> (&mut Frames, &mut M) {
+        (&mut self.stacks[0], &mut self.meshes)
     }
 }
 
@@ -49,27 +69,24 @@ impl Above {
 pub(crate) fn trace_each<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
-    above: &mut Above,
+    above: &mut Above<impl Meshes>,
     count: &mut impl Count,
 ) {
     if tree.nodes.is_empty() {
         return;
     }
     for rays in &mut packet.vectors {
-        let mut best = BestLanes { t: rays.t.to_array(), primitive: rays.primitive.to_array() };
+        let mut best = rays.best();
+        above.meshes.load(rays);
         let table = Table::new(&rays.setup);
         let lanes = Bits(rays.looking());
         if tree.in_turn {
             trace_in_turn::<ANY>(tree, &table, lanes, &mut best, above, count);
         } else {
-            trace_one_by_one::<ANY>(tree, &table, lanes, &mut best, above.first(), count);
+            trace_one_by_one::<ANY>(tree, &table, lanes, &mut best, above, count);
         }
-        let primitive = Int::new(best.primitive);
-        if ANY {
-            rays.end(!primitive.eq(Int::splat(HitBatch::MISS)));
-        } else {
-            (rays.t, rays.primitive) = (Float::new(best.t), primitive);
-        }
+        rays.set_best::<ANY>(&best);
+        above.meshes.store(rays);
     }
 }
 
@@ -79,9 +96,10 @@ fn trace_one_by_one<const ANY: bool>(
     table: &Table,
     lanes: Bits,
     best: &mut BestLanes,
-    above: &mut Frames,
+    above: &mut Above<impl Meshes>,
     count: &mut impl Count,
 ) {
+    let (above, meshes) = above.first();
     let mut descent = Descent::NONE;
     descent.descend(tree, table, lanes, &best.t, count);
     for lane in lanes {
@@ -91,7 +109,7 @@ fn trace_one_by_one<const ANY: bool>(
         while let Some(block) =
             next_block(&mut frame, tree, &one, closest.t, above, tree.is_large, count)
         {
-            tree.blocks.test_one(block, &one, &mut closest, count);
+            tree.blocks.test_one::<ANY>(block, &one, &mut closest, meshes, count);
             if ANY && closest.found() {
                 break;
             }
@@ -111,14 +129,15 @@ fn trace_in_turn<const ANY: bool>(
     table: &Table,
     lanes: Bits,
     best: &mut BestLanes,
-    above: &mut Above,
+    above: &mut Above<impl Meshes>,
     count: &mut impl Count,
 ) {
+    let Above { stacks, meshes } = above;
     let mut waiting = [Waiting::NONE; LANES];
     let mut rays = 0;
     for lane in lanes {
         let one = OneRay::new(table, lane);
-        let (t, above) = (best.t[lane], &mut above.0[lane]);
+        let (t, above) = (best.t[lane], &mut stacks[lane]);
         above.clear();
         let mut frame = one.enter(tree, 0, t, count);
         if let Some(block) = next_block(&mut frame, tree, &one, t, above, false, count) {
@@ -132,8 +151,8 @@ fn trace_in_turn<const ANY: bool>(
         for i in 0..rays {
             let Waiting { lane, mut frame, block } = waiting[i];
             let one = OneRay::new(table, lane);
-            let (mut closest, above) = (best.lane(lane), &mut above.0[lane]);
-            tree.blocks.test_one(block, &one, &mut closest, count);
+            let (mut closest, above) = (best.lane(lane), &mut stacks[lane]);
+            tree.blocks.test_one::<ANY>(block, &one, &mut closest, meshes, count);
             best.set(lane, closest);
             if ANY && closest.found() {
                 continue;
@@ -165,7 +184,7 @@ impl Waiting {
 /// Returns the next block with a box that the ray enters at a distance of at most `limit`. Nearer
 /// boxes come first. `frame` has the remaining children of the ray's current node.
 #[inline(always)]
-fn next_block(
+pub(super) fn next_block(
     frame: &mut Frame,
     tree: &WideTree,
     one: &OneRay<'_>,

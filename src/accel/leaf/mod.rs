@@ -2,6 +2,7 @@
 //!
 //! Each shape has a file of its own.
 
+mod instance;
 mod moving_sphere;
 mod quad;
 mod sphere;
@@ -16,6 +17,7 @@ use super::huge_pages::{reserve, settle};
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
+use super::ray::rays::Rays;
 use crate::geometry::{Geometry, Shape, shapes};
 use crate::simd::{Float, LANES, Lanes, prefetch};
 
@@ -29,14 +31,14 @@ impl BlockRef {
     pub(super) const LEAF: u32 = 1 << 31;
     /// A placeholder that refers to no block.
     pub(super) const NONE: Self = Self(Self::LEAF);
-    const SHAPE_SHIFT: u32 = 29;
-    const COUNT_SHIFT: u32 = 25;
-    /// The shape has 2 bits and the count 4.
-    const FITS: () = assert!(Shape::ALL.len() <= 4 && LANES <= 16);
+    const SHAPE_SHIFT: u32 = 28;
+    const COUNT_SHIFT: u32 = 24;
+    /// The shape has 3 bits and the count 4.
+    const FITS: () = assert!(Shape::ALL.len() <= 8 && LANES <= 16);
 
     fn new(shape: Shape, count: usize, index: usize) -> Self {
         let () = Self::FITS;
-        assert!(index < 1 << Self::COUNT_SHIFT, "a layout holds at most 2^25 blocks of a shape");
+        assert!(index < 1 << Self::COUNT_SHIFT, "a layout holds at most 2^24 blocks of a shape");
         let count = (count as u32 - 1) << Self::COUNT_SHIFT;
         Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
     }
@@ -58,7 +60,15 @@ impl BlockRef {
 
     #[inline(always)]
     pub(super) fn shape(self) -> Shape {
-        Shape::ALL[(self.0 >> Self::SHAPE_SHIFT & 3) as usize]
+        self.shape_of(true)
+    }
+
+    /// The shape; if `instances` is false, there must be no instances. The compiler then omits
+    /// their code.
+    #[inline(always)]
+    fn shape_of(self, instances: bool) -> Shape {
+        const { assert!(Shape::Instance as u32 == 4) };
+        Shape::of_bits(self.0 >> Self::SHAPE_SHIFT & if instances { 7 } else { 3 })
     }
 
     #[inline(always)]
@@ -90,8 +100,16 @@ trait Leaf: Sized {
         None
     }
 
-    /// Tests one ray against all primitives. `valid` has the bits of their lanes.
-    fn test_one(&self, valid: u32, one: &OneRay<'_>, best: &mut Best);
+    /// Tests one ray against all primitives. `valid` has the bits of their lanes. If `ANY` is set,
+    /// any hit suffices.
+    fn test_one<const ANY: bool>(
+        &self,
+        valid: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        meshes: &mut impl Meshes,
+        count: &mut impl Count,
+    );
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
@@ -101,8 +119,64 @@ trait Leaf: Sized {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
+        meshes: &mut impl Meshes,
         count: &mut impl Count,
     );
+}
+
+/// The meshes that instances place.
+pub(super) trait Meshes {
+    /// Whether there can be instances. Kernels are compiled for both cases, because a call that
+    /// gets a reference to a packet keeps all of it in memory.
+    fn some(&self) -> bool;
+
+    /// The number of the first triangle of a mesh among all primitives.
+    fn first(&self) -> u32;
+
+    /// The instance of the closest hit of the ray in lane `lane`. It has no meaning unless the hit is
+    /// on a triangle of a mesh.
+    fn instance(&mut self, lane: usize) -> &mut u32;
+
+    /// Takes over the instances of the closest hits of `rays`.
+    fn load(&mut self, rays: &Rays);
+
+    /// Sets the instances of the closest hits of `rays`.
+    fn store(&self, rays: &mut Rays);
+
+    /// Traces a ray in the object space of an instance through mesh `mesh`. Primitives are counted
+    /// from the first triangle of all meshes.
+    fn trace<const ANY: bool>(
+        &mut self,
+        mesh: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        count: &mut impl Count,
+    );
+}
+
+/// The meshes of a layout without instances.
+pub(super) struct NoMeshes;
+
+impl Meshes for NoMeshes {
+    fn some(&self) -> bool {
+        false
+    }
+
+    fn first(&self) -> u32 {
+        unreachable!("this layout has no instances")
+    }
+
+    fn instance(&mut self, _: usize) -> &mut u32 {
+        unreachable!("this layout has no instances")
+    }
+
+    fn load(&mut self, _: &Rays) {}
+
+    fn store(&self, _: &mut Rays) {}
+
+    fn trace<const ANY: bool>(&mut self, _: u32, _: &OneRay<'_>, _: &mut Best, _: &mut impl Count) {
+        unreachable!("this layout has no instances")
+    }
 }
 
 macro_rules! blocks {
@@ -118,7 +192,7 @@ macro_rules! blocks {
             pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
                 // Ties go to the lowest index. Sorting puts it into the lowest lane.
                 primitives.sort_unstable();
-                let shape = geometry.get(primitives[0]).shape();
+                let shape = geometry.shape(primitives[0]);
                 let index = match shape {
                     $(Shape::$name => {
                         self.$module.push(Leaf::new(geometry, primitives));
@@ -177,17 +251,19 @@ macro_rules! blocks {
 
             /// Tests one ray against all primitives of a block.
             #[inline(always)]
-            pub(super) fn test_one(
+            pub(super) fn test_one<const ANY: bool>(
                 &self,
                 block: BlockRef,
                 one: &OneRay<'_>,
                 best: &mut Best,
+                meshes: &mut impl Meshes,
                 count: &mut impl Count,
             ) {
                 count.leaf(LANES as u32, block.count());
-                match block.shape() {
+                match block.shape_of(meshes.some()) {
                     $(Shape::$name => {
-                        self.$module[block.index()].test_one(block.valid(), one, best);
+                        let block_of_shape = &self.$module[block.index()];
+                        block_of_shape.test_one::<ANY>(block.valid(), one, best, meshes, count);
                     })*
                 }
             }
@@ -200,12 +276,13 @@ macro_rules! blocks {
                 block: BlockRef,
                 lanes: u32,
                 packet: &mut Packet<V>,
+                meshes: &mut impl Meshes,
                 count: &mut impl Count,
             ) {
-                match block.shape() {
+                match block.shape_of(meshes.some()) {
                     $(Shape::$name => {
                         let block = &self.$module[block.index()];
-                        block.test_packet::<V, ANY, NEAR, LEAVE>(lanes, packet, count);
+                        block.test_packet::<V, ANY, NEAR, LEAVE>(lanes, packet, meshes, count);
                     })*
                 }
             }
@@ -224,9 +301,9 @@ impl Blocks {
     /// Adds blocks for any number of `primitives`, whose shapes may be mixed.
     pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
         let mut primitives = primitives.to_vec();
-        primitives.sort_by_key(|&p| (geometry.get(p).shape() as u32, p));
+        primitives.sort_by_key(|&p| (geometry.shape(p) as u32, p));
         primitives
-            .chunk_by_mut(|&a, &b| geometry.get(a).shape() == geometry.get(b).shape())
+            .chunk_by_mut(|&a, &b| geometry.shape(a) == geometry.shape(b))
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()

@@ -1,6 +1,6 @@
 //! Blocks of spheres that move.
 
-use super::{Leaf, count_tests, sphere, transpose};
+use super::{Leaf, Meshes, count_tests, sphere, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
@@ -25,7 +25,14 @@ impl Leaf for Block {
     }
 
     #[inline(always)]
-    fn test_one(&self, _: u32, one: &OneRay<'_>, best: &mut Best) {
+    fn test_one<const ANY: bool>(
+        &self,
+        _: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        _: &mut impl Meshes,
+        _: &mut impl Count,
+    ) {
         let Self { still, motion } = self;
         let (ray, radius) = (one.ray(), Float::new(still.radius));
         let center = Vec3x::of_lanes(&still.center) + Vec3x::of_lanes(motion) * ray.time;
@@ -37,6 +44,7 @@ impl Leaf for Block {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
+        _: &mut impl Meshes,
         count: &mut impl Count,
     ) {
         count_tests(packet, lanes, count);

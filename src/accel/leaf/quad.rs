@@ -1,6 +1,6 @@
 //! Blocks of quads.
 
-use super::{Leaf, count_tests, numbers, transpose};
+use super::{Leaf, Meshes, count_tests, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
@@ -64,7 +64,14 @@ impl Leaf for Block {
     }
 
     #[inline(always)]
-    fn test_one(&self, _: u32, one: &OneRay<'_>, best: &mut Best) {
+    fn test_one<const ANY: bool>(
+        &self,
+        _: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        _: &mut impl Meshes,
+        _: &mut impl Count,
+    ) {
         let (ray, quads) = (one.ray(), self.lanes());
         let t = quads.distance(&ray);
         let near = t.gt(ray.t_min) & t.le(Float::splat(best.t));
@@ -79,6 +86,7 @@ impl Leaf for Block {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
+        _: &mut impl Meshes,
         count: &mut impl Count,
     ) {
         count_tests(packet, lanes, count);

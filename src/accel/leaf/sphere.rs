@@ -1,6 +1,6 @@
 //! Blocks of spheres that do not move.
 
-use super::{Leaf, count_tests, gather, numbers, transpose};
+use super::{Leaf, Meshes, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
@@ -37,7 +37,14 @@ impl Leaf for Block {
     }
 
     #[inline(always)]
-    fn test_one(&self, _: u32, one: &OneRay<'_>, best: &mut Best) {
+    fn test_one<const ANY: bool>(
+        &self,
+        _: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        _: &mut impl Meshes,
+        _: &mut impl Count,
+    ) {
         let (center, radius) = (Vec3x::of_lanes(&self.center), Float::new(self.radius));
         best.offer_lanes(hits::<true>(&one.ray(), center, radius), &self.primitive);
     }
@@ -47,6 +54,7 @@ impl Leaf for Block {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
+        _: &mut impl Meshes,
         count: &mut impl Count,
     ) {
         count_tests(packet, lanes, count);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Leaf, numbers, transpose};
+use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
@@ -41,7 +41,14 @@ impl Leaf for Block {
     }
 
     #[inline(always)]
-    fn test_one(&self, valid: u32, one: &OneRay<'_>, best: &mut Best) {
+    fn test_one<const ANY: bool>(
+        &self,
+        valid: u32,
+        one: &OneRay<'_>,
+        best: &mut Best,
+        _: &mut impl Meshes,
+        _: &mut impl Count,
+    ) {
         let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));
         let vertices = axes(|i| axes(|axis| Float::new(self.vertices[i][one.axes[axis]])));
         let sheared = shear(origin, one.vector(&one.table.shear), vertices);
@@ -62,6 +69,7 @@ impl Leaf for Block {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
+        _: &mut impl Meshes,
         count: &mut impl Count,
     ) {
         for lane in Bits(lanes) {

@@ -26,6 +26,13 @@ impl Best {
         }
     }
 
+    /// An empty search for closer hits, or for equally close ones if `ties` is set.
+    #[inline(always)]
+    pub(crate) fn before(&self, ties: bool) -> Self {
+        let t = if ties { self.t.next_up() } else { self.t };
+        Self { t, primitive: HitBatch::MISS }
+    }
+
     #[inline(always)]
     pub(crate) fn offer_lanes(&mut self, hits: Option<HitLanes>, primitive: &Lanes<u32>) {
         let Some(HitLanes { t, hit }) = hits else { return };

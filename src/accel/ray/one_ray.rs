@@ -2,6 +2,7 @@
 
 use crate::accel::setup::Setup;
 use crate::accel::slab::near_and_far;
+use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
 use crate::simd::{Float, Lanes, Vec3x, axes};
@@ -84,6 +85,12 @@ impl<'a> OneRay<'a> {
     #[inline(always)]
     pub(crate) fn vector(&self, lanes: &[Lanes; 3]) -> Vec3x {
         Vec3x::splat_lane(lanes, self.lane)
+    }
+
+    #[inline(always)]
+    pub(crate) fn full_ray(&self) -> Ray<Float> {
+        let RayLanes { origin, direction, time, .. } = self.ray();
+        Ray { origin, direction, time }
     }
 
     #[inline(always)]

@@ -38,6 +38,26 @@ impl<const V: usize> Packet<V> {
         }
     }
 
+    /// Writes the instances of the hits to `hits`. Triangles of meshes have the numbers from `meshes`
+    /// on.
+    #[inline(always)]
+    pub(crate) fn store_instances(
+        &self,
+        first: usize,
+        end: usize,
+        meshes: u32,
+        hits: &mut HitBatch,
+    ) {
+        let lanes = hits.instance[first..end].chunks_mut(LANES);
+        for (lanes, rays) in lanes.zip(&self.vectors) {
+            let (primitive, instance) = (rays.primitive.to_array(), rays.instance.to_array());
+            let found = rays.found::<false>().bits() & first_bits(lanes.len());
+            for lane in Bits(found) {
+                lanes[lane] = if primitive[lane] >= meshes { instance[lane] } else { 0 };
+            }
+        }
+    }
+
     /// For each ray, multiplies its current maximum distance by its scale. Returns the
     /// largest product, in every lane.
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! A vector of rays and their closest hits so far.
 
+use super::best::BestLanes;
 use crate::accel::batch::{HitBatch, RayVector};
 use crate::accel::setup::{Extent, Setup};
 use crate::geometry::ray_lanes::HitLanes;
@@ -17,6 +18,8 @@ pub(crate) struct Rays {
     /// Primitive of the closest hit; [`HitBatch::MISS`] before the first hit, and whenever any hit
     /// suffices.
     pub(crate) primitive: Int,
+    /// The instances to which triangles of meshes belong. They have no meaning for other primitives.
+    pub(crate) instance: Int,
 }
 
 /// Rays with the same longest axis and the same sign on it, which share the order of axes in
@@ -56,8 +59,13 @@ impl Views {
 }
 
 impl Rays {
-    pub(crate) const NONE: Self =
-        Self { setup: Setup::NONE, views: Views::NONE, t: Float::ZERO, primitive: Int::ZERO };
+    pub(crate) const NONE: Self = Self {
+        setup: Setup::NONE,
+        views: Views::NONE,
+        t: Float::ZERO,
+        primitive: Int::ZERO,
+        instance: Int::ZERO,
+    };
 
     /// Loads the rays whose bits are set in `present`. Returns the bits of those that are left to
     /// the scalar reference, as [`Setup::load`] does.
@@ -94,6 +102,23 @@ impl Rays {
             self.t.eq(Float::splat(f32::NEG_INFINITY)) & Mask::from_bits(self.setup.active)
         } else {
             !self.primitive.eq(Int::splat(HitBatch::MISS))
+        }
+    }
+
+    /// The closest hits so far, in memory.
+    #[inline(always)]
+    pub(crate) fn best(&self) -> BestLanes {
+        BestLanes { t: self.t.to_array(), primitive: self.primitive.to_array() }
+    }
+
+    /// Sets the closest hits. If any hit suffices, ends the search of the rays that have one.
+    #[inline(always)]
+    pub(crate) fn set_best<const ANY: bool>(&mut self, best: &BestLanes) {
+        let primitive = Int::new(best.primitive);
+        if ANY {
+            self.end(!primitive.eq(Int::splat(HitBatch::MISS)));
+        } else {
+            (self.t, self.primitive) = (Float::new(best.t), primitive);
         }
     }
 

@@ -1,6 +1,8 @@
 //! The binary bounding volume hierarchy of the scalar engine, which tests one ray against two boxes
 //! at each step.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::binary::{Below, BinaryTree};
@@ -8,27 +10,49 @@ use crate::accel::counters::Count;
 use crate::accel::slab::{Planes, SlabRay, planes};
 use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, Ray};
 
-/// A binary tree of boxes over the primitives of a scene, built by obvhs.
+/// A binary tree of boxes over the elements of a scene, built by obvhs.
 #[derive(Clone, Debug)]
 pub struct Bvh2 {
     /// The root is first, and the two children of an inner node are adjacent.
     nodes: Vec<Node>,
-    /// Primitives in the order of the leaves.
-    primitives: Vec<u32>,
+    /// Elements in the order of the leaves.
+    elements: Vec<u32>,
+    /// A box around all elements and the origins of the object spaces of instances.
     bounds: Bounds,
     /// Number of inner nodes on the longest path from the root, which is the stack size required.
     depth: usize,
-    /// Largest [`Quad::condition`](crate::geometry::Quad::condition), at least 1.
+    /// The largest [`Geometry::condition`].
     condition: f32,
+    /// The trees of the meshes that instances place.
+    meshes: Vec<Self>,
+}
+
+/// A ray in the object space of an instance, and the tree of its mesh.
+struct Within<'a> {
+    tree: &'a Bvh2,
+    triangles: &'a Geometry,
+    ray: Ray,
+}
+
+impl Within<'_> {
+    #[inline(never)] // traversal within traversal
+    fn closest(&self, range: (f32, f32), count: &mut impl Count) -> Option<Hit> {
+        self.tree.closest_primitive(self.triangles, &self.ray, range, count)
+    }
+
+    #[inline(never)]
+    fn occluded(&self, (t_min, t_max): (f32, f32), count: &mut impl Count) -> bool {
+        self.tree.count_occluded(self.triangles, &self.ray, t_min, t_max, count)
+    }
 }
 
 /// 32 bytes, so that two children share a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     planes: Planes,
-    /// Index of the first child, or of the first primitive in `Bvh2::primitives`.
+    /// Index of the first child, or of the first element in `Bvh2::elements`.
     first: u32,
-    /// Number of primitives; 0 for an inner node.
+    /// Number of elements; 0 for an inner node.
     count: u32,
 }
 
@@ -36,7 +60,7 @@ impl Node {
     const UNKNOWN: Self = Self { planes: [0.0; 6], first: 0, count: 0 };
 }
 
-/// Largest number of primitives in a leaf.
+/// Largest number of elements in a leaf.
 const LEAF: u32 = 4;
 
 /// Returns the number of inner nodes on the longest path from the root.
@@ -57,11 +81,21 @@ fn depth(nodes: &[Node]) -> usize {
 const USUAL_DEPTH: usize = 64;
 
 impl Bvh2 {
-    /// Builds a tree whose boxes contain every primitive at all times, on `threads` threads.
+    /// Builds a tree whose boxes contain every element at all times, on `threads` threads.
     pub fn new(geometry: &Geometry, threads: usize) -> Self {
         let boxes = geometry.boxes();
-        let each: Vec<u32> = (0..boxes.len() as u32).collect();
-        Self::of(geometry, &BinaryTree::new(&boxes, &each, threads))
+        let over = |geometry: &Geometry, boxes: &[Bounds], elements: Range<u32>| {
+            let elements: Vec<u32> = elements.collect();
+            Self::of(geometry, &BinaryTree::new(boxes, &elements, threads))
+        };
+        let mut tree = over(geometry, &boxes, 0..boxes.len() as u32);
+        let instances = &geometry.instances;
+        let triangles = instances.triangles();
+        let boxes = triangles.boxes();
+        let mesh = |mesh: usize| over(triangles, &boxes, instances.range(mesh));
+        tree.meshes = (0..instances.meshes()).map(mesh).collect();
+        tree.bounds = tree.bounds.union(instances.centers());
+        tree
     }
 
     /// Lays out `tree`, assuming that visiting a node costs as much as testing a primitive.
@@ -70,10 +104,11 @@ impl Bvh2 {
         let leaf = tree.leaves(1.0, LEAF, |_| ());
         let mut layout = Self {
             nodes: Vec::new(),
-            primitives: Vec::new(),
+            elements: Vec::new(),
             bounds,
             depth: 0,
             condition: geometry.condition(),
+            meshes: Vec::new(),
         };
         if tree.nodes.is_empty() {
             return layout;
@@ -91,8 +126,8 @@ impl Bvh2 {
                 }
                 _ => {
                     let members = tree.primitives(index);
-                    let first = layout.primitives.len() as u32;
-                    layout.primitives.extend_from_slice(&members);
+                    let first = layout.elements.len() as u32;
+                    layout.elements.extend_from_slice(&members);
                     (first, members.len() as u32)
                 }
             };
@@ -122,18 +157,30 @@ impl Bvh2 {
         t_max: f32,
         count: &mut impl Count,
     ) -> Option<Hit> {
-        let prepared = PreparedRay::new(ray);
-        let mut best = None;
-        self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
+        if self.meshes.is_empty() {
+            return self.closest_primitive(geometry, ray, (t_min, t_max), count);
+        }
+        let (prepared, first) = (PreparedRay::new(ray), geometry.len() as u32);
+        let mut best: Option<Hit> = None;
+        self.traverse(ray, (t_min, t_max), count, |element, limit, count| {
             // A hit exactly at the limit still counts if its index is lower.
-            let (limit_or_tie, best_primitive) = match best {
-                Some(Hit { t, primitive }) => (f32::next_up(t), primitive),
-                None => (limit, u32::MAX),
+            let limit_or_tie = best.map_or(limit, |best| best.t.next_up());
+            let hit = match element.checked_sub(first) {
+                None => {
+                    let t = geometry.get(element).intersect(&prepared, t_min, limit_or_tie);
+                    t.map(|t| Hit::of(element, t))
+                }
+                Some(instance) => self
+                    .enter(geometry, instance, ray)
+                    .closest((t_min, limit_or_tie), count)
+                    .map(|hit| Hit { primitive: first + hit.primitive, instance, ..hit }),
             };
-            match geometry.get(primitive).intersect(&prepared, t_min, limit_or_tie) {
-                Some(t) if t < limit || primitive < best_primitive => {
-                    best = Some(Hit { t, primitive });
-                    t
+            // Triangles of meshes come after all other primitives, whose instance is 0.
+            let rank = |hit: &Hit| (hit.instance, hit.primitive);
+            match hit {
+                Some(hit) if hit.t < limit || best.is_none_or(|best| rank(&hit) < rank(&best)) => {
+                    best = Some(hit);
+                    hit.t
                 }
                 _ => limit,
             }
@@ -141,9 +188,46 @@ impl Bvh2 {
         best
     }
 
+    /// Finds the closest hit in a tree without instances.
+    #[inline]
+    fn closest_primitive(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        (t_min, t_max): (f32, f32),
+        count: &mut impl Count,
+    ) -> Option<Hit> {
+        let prepared = PreparedRay::new(ray);
+        let mut best: Option<(f32, u32)> = None;
+        self.traverse(ray, (t_min, t_max), count, |primitive, limit, _| {
+            // A hit exactly at the limit still counts if its index is lower.
+            let (limit_or_tie, best_primitive) = match best {
+                Some((t, primitive)) => (t.next_up(), primitive),
+                None => (limit, u32::MAX),
+            };
+            match geometry.get(primitive).intersect(&prepared, t_min, limit_or_tie) {
+                Some(t) if t < limit || primitive < best_primitive => {
+                    best = Some((t, primitive));
+                    t
+                }
+                _ => limit,
+            }
+        });
+        best.map(|(t, primitive)| Hit::of(primitive, t))
+    }
+
+    /// The ray in the object space of an instance.
+    fn enter<'a>(&'a self, geometry: &'a Geometry, instance: u32, ray: &Ray) -> Within<'a> {
+        let instances = &geometry.instances;
+        let instance = &instances.list()[instance as usize];
+        let tree = &self.meshes[instance.mesh()];
+        Within { tree, triangles: instances.triangles(), ray: instance.world_to_object().ray(ray) }
+    }
+
     /// Size in memory.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.primitives)
+        let meshes: usize = self.meshes.iter().map(Self::bytes).sum();
+        size_of_val(&*self.nodes) + size_of_val(&*self.elements) + meshes
     }
 
     /// Does the same as [`Self::occluded`], and records the work in `count`.
@@ -156,25 +240,29 @@ impl Bvh2 {
         t_max: f32,
         count: &mut impl Count,
     ) -> bool {
-        let prepared = PreparedRay::new(ray);
+        let (prepared, first) = (PreparedRay::new(ray), geometry.len() as u32);
         let mut occluded = false;
-        self.traverse(ray, (t_min, t_max), count, |primitive, limit| {
-            occluded |= geometry.get(primitive).intersect(&prepared, t_min, t_max).is_some();
+        self.traverse(ray, (t_min, t_max), count, |element, limit, count| {
+            occluded |= if self.meshes.is_empty() || element < first {
+                geometry.get(element).intersect(&prepared, t_min, t_max).is_some()
+            } else {
+                self.enter(geometry, element - first, ray).occluded((t_min, t_max), count)
+            };
             // With the limit −∞ no box is entered, which ends the traversal.
             if occluded { f32::NEG_INFINITY } else { limit }
         });
         occluded
     }
 
-    /// Calls `visit` for each primitive in the boxes that the ray enters up to the limit, nearer
-    /// boxes first. `visit` returns the new limit.
+    /// Calls `visit` for each element in the boxes that the ray enters up to the limit, nearer boxes
+    /// first. `visit` returns the new limit.
     #[inline]
-    fn traverse(
+    fn traverse<C: Count>(
         &self,
         ray: &Ray,
         (t_min, t_max): (f32, f32),
-        count: &mut impl Count,
-        mut visit: impl FnMut(u32, f32) -> f32,
+        count: &mut C,
+        mut visit: impl FnMut(u32, f32, &mut C) -> f32,
     ) {
         // Non-finite rays hit nothing. Without this check they might visit every leaf.
         if self.nodes.is_empty() || !ray.is_finite() || ray.direction == Vec3::ZERO {
@@ -197,9 +285,9 @@ impl Bvh2 {
             next = None;
             if node.count > 0 {
                 let first = node.first as usize;
-                for &primitive in &self.primitives[first..first + node.count as usize] {
+                for &element in &self.elements[first..first + node.count as usize] {
                     count.leaf(1, 1);
-                    limit = visit(primitive, limit);
+                    limit = visit(element, limit, count);
                 }
             } else {
                 let children = (node.first, node.first + 1);

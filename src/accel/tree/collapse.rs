@@ -37,7 +37,7 @@ impl<'a> Collapse<'a> {
     /// Finds the division of a tree over `geometry`.
     pub(crate) fn new(geometry: &Geometry, tree: &'a BinaryTree) -> Self {
         Self::of(tree, |primitive, costs| {
-            let kind = Some(geometry.get(primitive).shape());
+            let kind = Some(geometry.shape(primitive));
             Subtree { costs, count: 1, kind, is_leaf: true }
         })
     }

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use super::binary::{Below, BinaryTree};
 use super::collapse::Collapse;
-use super::partition::Partition;
+use super::partition::{MAX_CLUSTER, Partition};
 use crate::accel::huge_pages::{reserve, settle};
 use crate::accel::leaf::{BlockRef, Blocks};
 use crate::accel::threads::for_each;
@@ -43,7 +43,7 @@ impl WideNode {
 }
 
 /// A tree of wide nodes over blocks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct WideTree {
     /// The root is first. Empty if the tree has no primitives.
     pub(crate) nodes: Vec<WideNode>,
@@ -55,6 +55,11 @@ pub(crate) struct WideTree {
     /// Whether single rays take turns while they wait for their blocks. This pays for triangles,
     /// whose blocks are long and of which a ray meets only few, but not for spheres (`profiling/`).
     pub(crate) in_turn: bool,
+    /// The trees of the meshes that instances place. Their blocks count primitives from the first
+    /// triangle of all meshes.
+    pub(crate) meshes: Vec<WideTree>,
+    /// The number of that triangle among all primitives.
+    pub(crate) first: u32,
 }
 
 /// Size in bytes above which a tree is larger than the fast caches.
@@ -153,6 +158,32 @@ impl Assembly {
 }
 
 impl WideTree {
+    /// Builds the tree over `elements`, whose boxes are `boxes[element]`.
+    pub(crate) fn over(
+        geometry: &Geometry,
+        boxes: &[Bounds],
+        elements: Vec<u32>,
+        threads: usize,
+    ) -> Self {
+        if elements.len() <= MAX_CLUSTER {
+            return Self::new(geometry, &BinaryTree::new(boxes, &elements, threads));
+        }
+        let partition = Partition::new(boxes, elements, threads);
+        Self::of_clusters(geometry, boxes, &partition, threads)
+    }
+
+    /// Builds the trees of the meshes that instances of `geometry` place.
+    pub(crate) fn with_meshes(mut self, geometry: &Geometry, threads: usize) -> Self {
+        let instances = &geometry.instances;
+        let triangles = instances.triangles();
+        let boxes = triangles.boxes();
+        let build =
+            |mesh: usize| Self::over(triangles, &boxes, instances.range(mesh).collect(), threads);
+        self.first = geometry.len() as u32;
+        self.meshes = (0..instances.meshes()).map(build).collect();
+        self
+    }
+
     /// Lays out `tree`.
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut all = Part::default();
@@ -200,7 +231,7 @@ impl WideTree {
         let bytes = size_of_val(&*nodes) + blocks.bytes();
         let is_large = bytes > LARGE;
         let in_turn = is_large && 2 * blocks.count(Shape::Triangle) > blocks.len();
-        Self { nodes, blocks, depth, is_large, in_turn }
+        Self { nodes, blocks, depth, is_large, in_turn, meshes: Vec::new(), first: 0 }
     }
 
     /// Prefetches a node or a block.
@@ -215,14 +246,14 @@ impl WideTree {
 
     /// Size in memory.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + self.blocks.bytes()
+        let meshes: usize = self.meshes.iter().map(Self::bytes).sum();
+        size_of_val(&*self.nodes) + self.blocks.bytes() + meshes
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tree::partition::MAX_CLUSTER;
     use crate::geometry::Sphere;
     use crate::math::random::Stream;
     use glam::Vec3;

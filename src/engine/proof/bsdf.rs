@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
-use crate::geometry::{Ray, Shape, Surface, Surfaces};
+use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
@@ -59,9 +59,8 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         surfaces: &Surfaces::new(&Arc::default()),
         textures: None,
         ray: Ray { origin: Vec3::ZERO, direction, time: 0.0 },
-        t: 1.0,
         shape: Shape::Quad,
-        primitive: 0,
+        hit: Hit::of(0, 1.0),
         surface: Surface::flat(direction, normal, 0.0),
         normal,
         shading: normal,

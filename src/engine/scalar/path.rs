@@ -78,31 +78,31 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 
         // Extend: find the closest surface, or a collision in a medium before it.
         let hit = self.intersect.closest(&ray, path.segment);
-        let hit = hit.map_or((f32::INFINITY, Hit::MISS), |hit| (hit.t, hit.primitive));
-        let (t, primitive) = self.tables.media.collide(&ray, hit, &randoms);
+        let mut hit = hit.unwrap_or(Hit::of(Hit::MISS, f32::INFINITY));
+        (hit.t, hit.primitive) = self.tables.media.collide(&ray, (hit.t, hit.primitive), &randoms);
 
         // Shade: add emitted light, or sample the next direction.
-        match self.tables.looks.keys()[usize::from(self.tables.looks.key(primitive))] {
+        match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
                 path.radiance += path.beta * self.scene.background().radiance(|| ray.direction);
                 self.endings.background += 1;
                 false
             }
             Key::Medium => {
-                self.intersect.collided(t);
+                self.intersect.collided(hit.t);
                 if self.ends_by_depth(path) {
                     return false;
                 }
                 // A medium has no surface that rays could hit again, so they start at offset 0.
-                let point = ray.origin + ray.direction * t;
+                let point = ray.origin + ray.direction * hit.t;
                 let surface = Surface::flat(point, ray.direction, 0.0);
                 let (surface, normal) = (&surface, -ray.direction);
                 let vertex = Vertex { surface, normal, randoms: &randoms };
-                self.scatter(&self.tables.media.phase(primitive), &vertex, path)
+                self.scatter(&self.tables.media.phase(hit.primitive), &vertex, path)
             }
             Key::Surface { shape, kind, emits } => {
                 let tracer = self;
-                let shade = Shade { tracer, path, shape, primitive, t, emits, randoms: &randoms };
+                let shade = Shade { tracer, path, shape, hit, emits, randoms: &randoms };
                 shade.tracer.tables.materials.visit(kind, shade)
             }
         }
@@ -186,15 +186,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 
     /// Returns the radiance that the surface at the end of the segment emits towards `path`, and
     /// its weight. [`Self::direct`] contributes the rest.
-    fn emitted(
-        &self,
-        path: &Path,
-        shape: Shape,
-        primitive: u32,
-        t: f32,
-        front: bool,
-    ) -> (Vec3, f32) {
-        let (light, is_light) = self.tables.looks.lights::<f32>(shape, primitive);
+    fn emitted(&self, path: &Path, shape: Shape, hit: Hit, front: bool) -> (Vec3, f32) {
+        let (light, is_light) = self.tables.looks.lights::<f32>(shape, hit.primitive);
         if !is_light {
             return (Vec3::ZERO, 1.0);
         }
@@ -203,7 +196,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             _ if path.pdf == SPECULAR => 1.0,
             Sampling::Bsdf => 1.0,
             Sampling::Light => 0.0,
-            Sampling::Mis => power_heuristic(path.pdf, light.pdf(&path.ray, t) * light.chance()),
+            Sampling::Mis => {
+                power_heuristic(path.pdf, light.pdf(&path.ray, hit.t) * light.chance())
+            }
         };
         (light.radiance(front), weight)
     }
@@ -214,8 +209,7 @@ struct Shade<'s, 'a, I> {
     tracer: &'s mut PathTracer<'a, I>,
     path: &'s mut Path,
     shape: Shape,
-    primitive: u32,
-    t: f32,
+    hit: Hit,
     emits: bool,
     randoms: &'s Randoms,
 }
@@ -225,12 +219,18 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     type Output = bool;
 
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
-        let Self { tracer, path, shape, primitive, t, emits, randoms } = self;
+        let Self { tracer, path, shape, hit, emits, randoms } = self;
         let tables = tracer.tables;
-        let at =
-            tables.interaction::<f32>(shape, primitive, path.ray, t, table.textured, M::GLOSSY);
+        let at = tables.interaction::<f32>(
+            shape,
+            path.ray,
+            hit,
+            table.textured,
+            M::GLOSSY,
+            shape == Shape::Instance,
+        );
         if emits {
-            let (light, weight) = tracer.emitted(path, shape, primitive, t, at.front);
+            let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;
         }
         if !M::SCATTERS {
@@ -240,7 +240,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         if tracer.ends_by_depth(path) {
             return false;
         }
-        let entry = tables.looks.entries::<f32>(shape, primitive, table.entries.len());
+        let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         let bsdf = at.smoothed(M::bsdf::<f32>(&table.entries, entry, &at));
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)

@@ -26,7 +26,7 @@ pub(super) fn trace(
     hits: &mut HitBatch,
     count: bool,
 ) -> Counters {
-    hits.reset(rays.len().next_multiple_of(LANES));
+    hits.reset(rays.len().next_multiple_of(LANES), accelerator.has_instances());
     let all = 0..rays.len();
     match (count, any) {
         (true, _) => return accelerator.count(kernel, any, rays, all, hits),

@@ -11,6 +11,8 @@ use crate::simd::{Float, Int, LANES, first_bits};
 pub(super) struct Queues {
     /// Columns: path, distance, primitive.
     rows: Columns<3>,
+    /// The instances, in scenes that have any.
+    instances: Option<Columns<1>>,
     /// The key of each ray, in the order of the rays.
     keys: Vec<u8>,
     /// For each key, the index of its first row, a multiple of [`LANES`], and its number of rows.
@@ -21,15 +23,19 @@ pub(super) struct Queues {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Queue<'a> {
     rows: &'a Columns<3>,
+    instances: Option<&'a Columns<1>>,
     first: usize,
     len: usize,
 }
 
 impl Queues {
-    /// Creates queues for `capacity` paths with `keys` different keys.
-    pub(super) fn new(keys: usize, capacity: usize) -> Self {
+    /// Creates queues for `capacity` paths with `keys` different keys. `instanced` tells whether the
+    /// scene has instances.
+    pub(super) fn new(keys: usize, capacity: usize, instanced: bool) -> Self {
+        let rows = capacity + keys * 2 * LANES;
         Self {
-            rows: Columns::with_capacity(capacity + keys * 2 * LANES),
+            rows: Columns::with_capacity(rows),
+            instances: instanced.then(|| Columns::with_capacity(rows)),
             keys: vec![0; capacity.next_multiple_of(LANES)],
             spans: vec![(0, 0); keys],
         }
@@ -38,6 +44,7 @@ impl Queues {
     pub(super) fn iter(&self) -> impl Iterator<Item = Queue<'_>> {
         let queue = |&(first, len): &(u32, u32)| Queue {
             rows: &self.rows,
+            instances: self.instances.as_ref(),
             first: first as usize,
             len: len as usize,
         };
@@ -55,25 +62,52 @@ impl Queue<'_> {
     pub(super) fn rows(&self, first: usize) -> [Int; 3] {
         self.rows.rows(self.first + first)
     }
+
+    /// The instances of these rows.
+    #[inline(always)]
+    pub(super) fn instances(&self, first: usize) -> Int {
+        let instances = self.instances.expect("a scene with instances has this column");
+        instances.rows(self.first + first)[0]
+    }
 }
 
 /// Puts the paths of `rays`, whose hits are `hits`, into the queues of their keys.
 #[inline(never)]
 pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
-    let Queues { rows, keys, spans } = queues;
+    let Queues { rows, instances, keys, spans } = queues;
     match looks.key_words::<Float>() {
         Some(key_of) => count_vectors(&hits.primitive, rays.len(), key_of, keys, spans),
         None => count(&hits.primitive[..rays.len()], looks, keys, spans),
     }
-    begin(spans);
-    for first in (0..rays.len()).step_by(LANES) {
+    distribute(rays.len(), keys, spans, rows, |first| {
         let t = Float::load(&hits.t[first..]).to_bits();
-        let row = [rays.paths(first), t, Int::load(&hits.primitive[first..])];
+        [rays.paths(first), t, Int::load(&hits.primitive[first..])]
+    });
+    if let Some(instances) = instances {
+        distribute(rays.len(), keys, spans, instances, |first| {
+            [Int::load(&hits.instance[first..])]
+        });
+    }
+}
+
+/// Puts the rows of `len` rays into the columns of their queues. `row_of` returns the rows of a
+/// vector of rays.
+#[inline(always)]
+fn distribute<const N: usize>(
+    len: usize,
+    keys: &[u8],
+    spans: &mut [(u32, u32)],
+    rows: &mut Columns<N>,
+    row_of: impl Fn(usize) -> [Int; N],
+) {
+    begin(spans);
+    for first in (0..len).step_by(LANES) {
+        let row = row_of(first);
         let these: &[u8; LANES] =
             keys[first..].first_chunk().expect("`keys` is padded to whole vectors");
         let lanes = Int::new(these.map(u32::from));
         // Neighbouring rays mostly share a few keys.
-        let mut rest = first_bits(LANES.min(rays.len() - first));
+        let mut rest = first_bits(LANES.min(len - first));
         while rest != 0 {
             let key = these[rest.trailing_zeros() as usize % LANES];
             let bits = lanes.eq(Int::splat(key.into())).bits() & rest;

@@ -41,7 +41,7 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     // Counting would slow down the trials.
     let settings = RenderSettings { count: false, ..view.settings.clone() };
     let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
-    let primitives = view.scene().geometry().len();
+    let primitives = view.scene().geometry().elements();
     let usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
 
     let ways = each_way(view, &usual);

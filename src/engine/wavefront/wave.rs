@@ -45,7 +45,7 @@ impl Wave {
             paths: Paths::new(capacity),
             rays: Rays::with_capacity(capacity),
             hits: HitBatch::default(),
-            queues: Queues::new(keys, capacity),
+            queues: Queues::new(keys, capacity, view.prepared.accelerator().has_instances()),
             shadows: Shadows::with_capacity(shadows),
             next: Next::with_capacity(capacity),
             cells: Cells::new(&view.prepared.accelerator().bounds()),

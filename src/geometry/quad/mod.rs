@@ -144,7 +144,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::geometry::{Geometry, Surfaces};
+    use crate::geometry::{Geometry, Hit, Surfaces};
     use crate::math::normalize;
     use crate::math::random::Stream;
     use crate::math::warp::uniform_hemisphere;
@@ -204,7 +204,7 @@ mod tests {
                 let start = target + out * 1000.0 * random.uniform();
                 let first = ray(start, normalize(target - start));
                 let Some(t) = hit(&quad, &first) else { continue };
-                let surface = surfaces.find::<f32>(Shape::Quad, 0, &first, t);
+                let surface = surfaces.find::<f32>(Shape::Quad, &first, Hit::of(0, t), false);
                 let u = random.uniform();
                 for side in [surface.normal, -surface.normal] {
                     let out = uniform_hemisphere(side, 1.0 - u * u * u, random.uniform()).0;

@@ -2,6 +2,7 @@
 //!
 //! Each shape has a table of its primitives, which many lanes can read at once.
 
+mod instance;
 mod moving_sphere;
 mod quad;
 mod sphere;
@@ -9,18 +10,18 @@ mod triangle;
 
 use std::sync::Arc;
 
-use super::{Geometry, Ray, Shape, Surface, shapes};
+use super::{Geometry, Hit, Ray, Shape, Surface, shapes};
 use crate::math::Real;
 
 /// The table of the primitives of one shape.
 trait SurfaceTable {
     fn new(geometry: &Arc<Geometry>) -> Self;
 
-    /// The point that `ray` hits at distance `t`.
-    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R>;
+    /// The point where `ray` has this hit.
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R>;
 
     /// The texture coordinates of that point, both in [0, 1] up to rounding unless a mesh has its own.
-    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, surface: &Surface<R>, t: R) -> (R, R);
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R);
 }
 
 macro_rules! surfaces {
@@ -36,18 +37,20 @@ macro_rules! surfaces {
                 Self { $($module: SurfaceTable::new(geometry),)* }
             }
 
-            /// The point that `ray` hits at distance `t`. In lanes, all primitives have the same
-            /// shape.
+            /// The point where `ray` has this hit. In lanes, all hits have the same shape. `instanced`
+            /// tells whether it is [`Shape::Instance`].
             #[inline(always)]
             pub(crate) fn find<R: Real>(
                 &self,
                 shape: Shape,
-                primitive: R::Word,
                 ray: &Ray<R>,
-                t: R,
+                hit: Hit<R>,
+                instanced: bool,
             ) -> Surface<R> {
+                // Without instances, the compiler can keep more of the other shapes in registers.
+                assert!(instanced == (shape == Shape::Instance));
                 match shape {
-                    $(Shape::$name => self.$module.find(primitive, ray, t),)*
+                    $(Shape::$name => self.$module.find(ray, hit),)*
                 }
             }
 
@@ -55,13 +58,12 @@ macro_rules! surfaces {
             pub(crate) fn uv<R: Real>(
                 &self,
                 shape: Shape,
-                primitive: R::Word,
                 ray: &Ray<R>,
+                hit: Hit<R>,
                 surface: &Surface<R>,
-                t: R,
             ) -> (R, R) {
                 match shape {
-                    $(Shape::$name => self.$module.uv(primitive, ray, surface, t),)*
+                    $(Shape::$name => self.$module.uv(ray, hit, surface),)*
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::SurfaceTable;
 use crate::geometry::quad::rows;
-use crate::geometry::{Geometry, Ray, Surface};
+use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::{Real, Row, Vector, Word, dot};
 
 /// The [`rows`] of every quad.
@@ -35,25 +35,25 @@ impl SurfaceTable for Table {
     }
 
     #[inline(always)]
-    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
-        let index = self.index::<R>(primitive);
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        let index = self.index::<R>(hit.primitive);
         let (q, offset) = self.row::<R>(index, 0);
         let (u, x) = self.row::<R>(index, 1);
         let (v, y) = self.row::<R>(index, 2);
         let (dual_u, z) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
-        let (a, b) = coordinates([q, dual_u, dual_v], ray, t);
+        let (a, b) = coordinates([q, dual_u, dual_v], ray, hit.t);
         Surface::flat(q + (u * a + v * b), <R::Vec3 as Vector>::new(x, y, z), offset)
     }
 
     /// The coordinates (a, b) along the edges.
     #[inline(always)]
-    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
-        let index = self.index::<R>(primitive);
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
+        let index = self.index::<R>(hit.primitive);
         let (q, _) = self.row::<R>(index, 0);
         let (dual_u, _) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
-        coordinates([q, dual_u, dual_v], ray, t)
+        coordinates([q, dual_u, dual_v], ray, hit.t)
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::SurfaceTable;
 use crate::geometry::sphere::{row_at_start, surface, uv};
-use crate::geometry::{Geometry, Ray, Surface};
+use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::{Real, Row};
 
 /// [`row_at_start`] of every sphere. Moving spheres are included, so that rows are found by
@@ -18,14 +18,14 @@ impl SurfaceTable for Table {
     }
 
     #[inline(always)]
-    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
-        let index = R::index(primitive, self.0.len());
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        let index = R::index(hit.primitive, self.0.len());
         let (center, radius) = R::gather(&self.0, index, |row| row);
-        surface(center, radius, ray, t)
+        surface(center, radius, ray, hit.t)
     }
 
     #[inline(always)]
-    fn uv<R: Real>(&self, _: R::Word, _: &Ray<R>, surface: &Surface<R>, _: R) -> (R, R) {
+    fn uv<R: Real>(&self, _: &Ray<R>, _: Hit<R>, surface: &Surface<R>) -> (R, R) {
         uv(surface.normal)
     }
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use super::SurfaceTable;
 use crate::geometry::triangle::surface;
 use crate::geometry::triangles::{MAPPED, Rows, SMOOTH, SOFT};
-use crate::geometry::{Geometry, Ray, Shading, Surface};
+use crate::geometry::{Geometry, Hit, Ray, Shading, Surface};
 use crate::math::{Mask, Real, Word, dot, normalize};
+use crate::simd::axes;
 
 /// A reference to the geometry, whose rows can be gathered as they are.
 #[derive(Debug)]
 pub(super) struct Table {
-    /// The index of the first triangle among all primitives.
+    /// The number of the first triangle among all primitives.
     first: u32,
     geometry: Arc<Geometry>,
 }
@@ -32,7 +33,8 @@ impl<R: Real> Corners<R> {
     /// The row of each vertex.
     #[inline(always)]
     fn gather(&self, table: &[crate::math::Row]) -> [(R::Vec3, R); 3] {
-        self.vertices.map(|vertex| R::gather(table, vertex, |row| row))
+        // `map` would call a function for each vertex.
+        axes(|i| R::gather(table, self.vertices[i], |row| row))
     }
 }
 
@@ -47,6 +49,11 @@ where
 }
 
 impl Table {
+    /// The table of the triangles of `geometry`, of which the first has the number `first`.
+    pub(super) fn with_first(first: u32, geometry: Arc<Geometry>) -> Self {
+        Self { first, geometry }
+    }
+
     #[inline(always)]
     fn rows(&self) -> Rows<'_> {
         self.geometry.triangles.rows()
@@ -79,25 +86,24 @@ impl Table {
 
 impl SurfaceTable for Table {
     fn new(geometry: &Arc<Geometry>) -> Self {
-        let first = geometry.first_triangle() as u32;
-        Self { first, geometry: Arc::clone(geometry) }
+        Self::with_first(geometry.first_triangle() as u32, Arc::clone(geometry))
     }
 
     #[inline(always)]
-    fn find<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, t: R) -> Surface<R> {
-        let corners = self.corners::<R>(primitive);
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        let corners = self.corners::<R>(hit.primitive);
         let positions = corners.gather(self.rows().positions).map(|(position, _)| position);
-        let (surface, at) = surface(positions, ray, t);
+        let (surface, at) = surface(positions, ray, hit.t);
         Surface { shading: self.shading(&corners, surface.normal, at), ..surface }
     }
 
     /// The interpolated texture coordinates, or without these the barycentric coordinates for the
     /// second and the third vertex.
     #[inline(always)]
-    fn uv<R: Real>(&self, primitive: R::Word, ray: &Ray<R>, _: &Surface<R>, t: R) -> (R, R) {
-        let corners = self.corners::<R>(primitive);
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
+        let corners = self.corners::<R>(hit.primitive);
         let vertices = corners.gather(self.rows().positions);
-        let (_, at) = surface(vertices.map(|(position, _)| position), ray, t);
+        let (_, at) = surface(vertices.map(|(position, _)| position), ray, hit.t);
         let mapped = corners.have(MAPPED);
         if !mapped.any() {
             return at.into();

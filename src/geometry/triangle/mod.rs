@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::primitive::{components, vectors};
 use super::{Bounds, PreparedRay, PrimitiveModel, Shape};
+use crate::simd::axes;
 pub(super) use surface::surface;
 
 /// A two-sided triangle. Its vertices run counter-clockwise as seen from the front.
@@ -76,8 +77,8 @@ impl Triangle {
     fn sheared(&self, prepared: &PreparedRay) -> Sheared {
         let [x, y, z] = prepared.axes;
         let s = prepared.shear;
-        self.vertices.map(|vertex| {
-            let p = vertex - prepared.ray.origin;
+        axes(|i| {
+            let p = self.vertices[i] - prepared.ray.origin;
             [p[x] - s.x * p[z], p[y] - s.y * p[z], s.z * p[z]]
         })
     }

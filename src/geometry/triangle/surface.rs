@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::{Ray, Surface};
 use crate::math::{Mask, Real, UNIT_ROUNDOFF, Vector, cross, dot, length, max, max_element, min};
+use crate::simd::axes;
 
 /// Where the sine of the angle between two edges is below 2^-10, their cross product cancels too
 /// much in f32.
@@ -65,7 +66,7 @@ pub(in crate::geometry) fn surface<R: Real>(
     let (normal, [second, third]) = locate::<R>(vertices, [u, v], p);
     let second = min(max(second, R::ZERO), R::ONE);
     let third = min(max(third, R::ZERO), R::ONE - second);
-    let [x, y, z] = [0, 1, 2].map(|i| max(max(a[i].abs(), b[i].abs()), c[i].abs()));
+    let [x, y, z] = axes(|i| max(max(a[i].abs(), b[i].abs()), c[i].abs()));
     let extent = max_element(R::Vec3::new(x, y, z));
     // The sheared vertices of the ray test are off by up to 8 roundings of the edges' lengths, and
     // the point is off by 6 roundings of its coordinates.

@@ -9,7 +9,7 @@ use super::background::Background;
 use super::material::Material;
 use super::medium::MediumFile;
 use super::named::Named;
-use super::primitive::{PrimitiveFile, SphereFile, TrianglesFile};
+use super::primitive::{NamedMesh, PrimitiveFile, SphereFile, TrianglesFile};
 use super::texture::Texture;
 
 /// A whole scene file.
@@ -31,6 +31,9 @@ pub struct SceneFile {
     /// Materials by name.
     #[serde(default)]
     pub materials: Named<Material>,
+    /// Meshes by name, which instances place.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub meshes: Named<NamedMesh>,
     /// The primitives, and groups of primitives.
     #[serde(default)]
     pub primitives: Vec<PrimitiveFile>,
@@ -48,6 +51,7 @@ impl SceneFile {
             render: RenderDefaults::default(),
             textures: Named::default(),
             materials: Named::default(),
+            meshes: Named::default(),
             primitives: Vec::new(),
             media: Vec::new(),
         }
@@ -61,6 +65,11 @@ impl SceneFile {
     /// Adds a material. Primitives refer to it by its name, which no other material may have.
     pub fn add_material(&mut self, name: impl Into<String>, material: impl Into<Material>) {
         self.materials.0.push((name.into(), material.into()));
+    }
+
+    /// Adds a mesh that instances place. They refer to it by its name, which no other mesh may have.
+    pub fn add_named_mesh(&mut self, name: impl Into<String>, mesh: impl Into<NamedMesh>) {
+        self.meshes.0.push((name.into(), mesh.into()));
     }
 
     /// Adds a sphere.

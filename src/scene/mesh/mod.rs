@@ -13,7 +13,7 @@ use crate::input::read_bytes;
 use crate::limits::Limit;
 pub use indexed::Smooth;
 pub(super) use indexed::{Mesh, Transform};
-pub(super) use normals::unit;
+pub(super) use normals::{add_normals, unit};
 
 /// Reads the positions, normals, texture coordinates and faces of a `.obj` or `.ply` file, and
 /// ignores the rest. Polygons become fans of triangles.

@@ -11,7 +11,7 @@ use crate::math::trig::atan2;
 /// position, weighted by their angles there (Thürmer and Wüthrich 1998, "Computing Vertex Normals
 /// from Polygonal Facets"). Vertices at one position get the same normal even if their texture
 /// coordinates differ; without a triangle they get the normal 0.
-pub(super) fn add_normals(vertices: &mut Vertices, triangles: &[[u32; 3]]) {
+pub(in crate::scene) fn add_normals(vertices: &mut Vertices, triangles: &[[u32; 3]]) {
     let positions = &vertices.positions;
     let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
     // Adding 0 turns −0 into 0.

@@ -79,7 +79,7 @@ impl Expand for MeshFile {
         e.rotation(rotation)?;
         e.point("translation", translation)?;
         let path = files::path(e, to.folder, file, &to.budget.limits)?;
-        let before = to.geometry.len();
+        let before = to.count();
         let mesh = match to.meshes.entry(path) {
             hash_map::Entry::Occupied(there) => there.into_mut(),
             hash_map::Entry::Vacant(new) => {

@@ -3,8 +3,11 @@
 //! The list in `primitive_files!` generates the enum of scene files and the dispatch.
 
 mod boxes;
+mod groups;
+mod instance;
 mod mesh;
 mod moving_sphere;
+mod named_mesh;
 mod quad;
 mod sphere;
 mod triangles;
@@ -14,11 +17,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use self::groups::Groups;
+pub use self::named_mesh::NamedMesh;
 use super::budget::Budget;
+use super::description::SceneFile;
 use super::mesh::Mesh;
 pub use super::mesh::Smooth;
 use super::place::{Element, MAX_COORDINATE};
-use crate::error::Result;
+use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad};
 
 /// An entry in the list of primitives of a scene file.
@@ -27,24 +33,105 @@ trait Expand {
     fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()>;
 }
 
+/// The name of a material, which may be left out.
+trait MaterialName {
+    fn name(&self) -> Option<&str>;
+}
+
+impl MaterialName for String {
+    fn name(&self) -> Option<&str> {
+        Some(self)
+    }
+}
+
+impl MaterialName for Option<String> {
+    fn name(&self) -> Option<&str> {
+        self.as_deref()
+    }
+}
+
 /// Collects the geometry of a scene while its primitives are expanded.
 pub(super) struct Builder<'a> {
     pub(super) geometry: Geometry,
+    /// The materials of the triangles in `geometry`.
+    pub(super) ranges: Ranges,
+    /// The materials of the triangles of meshes that instances place.
+    pub(super) mesh_ranges: Ranges,
     /// The meshes read so far, by file.
     pub(super) meshes: HashMap<PathBuf, Mesh>,
+    groups: Groups<'a>,
+    materials: &'a Materials<'a>,
     /// Folder of the scene file.
     folder: &'a Path,
     budget: &'a Budget,
 }
 
+/// The materials of a scene, by name.
+pub(super) struct Materials<'a> {
+    names: HashMap<&'a str, u32>,
+    /// Whether each of them is a light.
+    shine: Vec<bool>,
+}
+
+impl<'a> Materials<'a> {
+    /// `shine` tells whether each material is a light.
+    pub(super) fn new(names: impl Iterator<Item = &'a str>, shine: Vec<bool>) -> Self {
+        Self { names: names.zip(0..).collect(), shine }
+    }
+
+    /// Returns the index of the material called `name`.
+    pub(super) fn find(&self, e: &Element<'_>, name: &str) -> Result<u32> {
+        self.names.get(name).copied().ok_or_else(|| {
+            let known = suggestion(name, self.names.keys().copied());
+            e.error(format!("unknown material `{name}`{known}"))
+        })
+    }
+}
+
+/// Ranges of triangles with the same material: one past the last triangle, and the material.
+#[derive(Debug, Default)]
+pub(super) struct Ranges(pub(super) Vec<(u32, u32)>);
+
+impl Ranges {
+    /// Sets the material of the triangles from the end of the last range up to `end`.
+    pub(super) fn cover(&mut self, end: usize, material: u32) {
+        let (end, begin) = (end as u32, self.0.last().map_or(0, |&(end, _)| end));
+        match self.0.last_mut() {
+            Some((last, same)) if *same == material => *last = end,
+            _ if end > begin => self.0.push((end, material)),
+            _ => {}
+        }
+    }
+}
+
 impl<'a> Builder<'a> {
-    pub(super) fn new(folder: &'a Path, budget: &'a Budget) -> Self {
-        Self { geometry: Geometry::default(), meshes: HashMap::new(), folder, budget }
+    /// Creates a builder for the primitives of `file`.
+    pub(super) fn new(
+        file: &'a SceneFile,
+        materials: &'a Materials<'a>,
+        folder: &'a Path,
+        budget: &'a Budget,
+    ) -> Self {
+        Self {
+            geometry: Geometry::default(),
+            ranges: Ranges::default(),
+            mesh_ranges: Ranges::default(),
+            meshes: HashMap::new(),
+            groups: Groups::new(&file.meshes),
+            materials,
+            folder,
+            budget,
+        }
+    }
+
+    /// Number of primitives, triangles of meshes and instances so far.
+    fn count(&self) -> usize {
+        self.geometry.elements() + self.geometry.instances.triangle_count()
     }
 
     /// Checks that the limits allow `more` primitives, and counts their memory.
     fn room(&self, e: &Element<'_>, more: usize) -> Result<()> {
-        let held = self.budget.hold_primitives(self.geometry.len(), more);
+        let held = self.budget.hold_primitives(self.count(), more);
         held.map_err(|message| e.error(message))
     }
 
@@ -90,10 +177,11 @@ macro_rules! primitive_files {
                 }
             }
 
-            /// Returns the name of the primitive's material.
-            pub(super) fn material(&self) -> &str {
+            /// Returns the name of the primitive's material; `None` for an instance whose mesh has
+            /// its own materials.
+            pub(super) fn material(&self) -> Option<&str> {
                 match self {
-                    $(Self::$name(primitive) => &primitive.material,)*
+                    $(Self::$name(primitive) => primitive.material.name(),)*
                 }
             }
 
@@ -120,4 +208,6 @@ primitive_files! {
     Triangles(TrianglesFile) in triangles called "triangles",
     /// A triangle mesh from a file.
     Mesh(MeshFile) in mesh called "mesh",
+    /// A named mesh, placed by a matrix.
+    Instance(InstanceFile) in instance called "instance",
 }

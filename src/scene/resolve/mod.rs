@@ -35,12 +35,13 @@ pub(super) fn resolve(
     let entries = file.textures.0.len() + file.materials.0.len();
     resolver.check_names("texture", file.textures.names())?;
     resolver.check_names("material", file.materials.names())?;
+    resolver.check_names("mesh", file.meshes.names())?;
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
     let mut images = Images::new(folder, &resolver.budget);
     let materials = resolver.materials(&mut images)?;
     let images = images.files();
-    let (geometry, material_map, meshes) = resolver.primitives(folder)?;
+    let (geometry, material_map, meshes) = resolver.primitives(&materials, folder)?;
     let media = resolver.media()?;
     let shines = |primitive: &u32| {
         let material = &materials[material_map.get(*primitive) as usize];
@@ -88,7 +89,8 @@ impl<'a> Resolver<'a> {
         let mut seen = HashSet::new();
         for name in names {
             if !seen.insert(name) {
-                let e = self.element(format!("{kind}s"), kind);
+                let section = if kind == "mesh" { "meshes".to_owned() } else { format!("{kind}s") };
+                let e = self.element(section, kind);
                 return Err(e.error(format!("the name `{name}` is used twice")));
             }
         }

@@ -9,6 +9,7 @@
 
 mod exact;
 mod furnace;
+mod instances;
 mod lamps;
 mod media;
 mod mitsuba;

@@ -4,7 +4,7 @@ use ptfast::glam::Vec3;
 use ptfast::{Engine, RenderSettings, Renderer, Scene};
 
 /// An octahedron inscribed in the unit sphere, with each face split into four `levels` times.
-fn sphere(levels: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub(super) fn sphere(levels: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
     let octants =
         [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];

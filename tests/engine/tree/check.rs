@@ -12,8 +12,8 @@ pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } el
 /// Number of rays in a round, which are traced as one batch: a whole number of bundles.
 pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
 
-pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32)> {
-    hit.map(|hit| (hit.primitive, hit.t.to_bits()))
+pub(crate) fn bits(hit: Option<Hit>) -> Option<(u32, u32, u32)> {
+    hit.map(|hit| (hit.instance, hit.primitive, hit.t.to_bits()))
 }
 
 /// The interval of ray number `i`, which was generated for distances up to `t_max` and hits `hit`.
@@ -72,7 +72,7 @@ pub(crate) fn check_kernels(
             for i in each.clone() {
                 let told = || format!("{name}, {kernel:?}: {:?}", batch.get(i));
                 assert_eq!(bits(closest.get(i)), bits(want.get(i)), "{}", told());
-                let occluded = want.get(i).map(|_| Hit { t: 0.0, primitive: 0 });
+                let occluded = want.get(i).map(|_| Hit::of(0, 0.0));
                 assert_eq!(any.get(i), occluded, "{}", told());
             }
         }

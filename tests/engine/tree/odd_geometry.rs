@@ -25,6 +25,7 @@ fn reference_on_odd_geometry() {
         spheres: vec![sphere; 100_000],
         quads: Vec::new(),
         triangles: Triangles::from_iter([line, point]),
+        ..Geometry::default()
     };
     let tree = Bvh2::new(&same, 1);
     let hit = tree.closest(&same, &ray, 0.0, f32::INFINITY).unwrap();
@@ -86,7 +87,7 @@ fn kernels_on_odd_geometry() {
                 accelerator.closest(kernel, &batch, 0..3, &mut closest);
                 accelerator.occluded(kernel, &batch, 0..3, &mut any);
                 for (hits, t) in [(closest, 4.0), (any, 0.0)] {
-                    let first = (count > 0).then_some(Hit { t, primitive: 0 });
+                    let first = (count > 0).then_some(Hit::of(0, t));
                     assert_eq!([0, 1, 2].map(|i| hits.get(i)), [first, None, None], "{kernel:?}");
                 }
             }
@@ -125,6 +126,7 @@ fn nested_degenerate_and_crowded_geometry() {
         spheres: vec![sphere; 200],
         quads: vec![quad; 200],
         triangles: std::iter::repeat_n(Triangle { vertices }, 200).collect(),
+        ..Geometry::default()
     };
     check("crowd", &crowd, RAYS, 1.0, Vec3::ZERO);
 }

@@ -61,7 +61,8 @@ fn only_hits_in_the_range_are_written() {
         let (ray, t_max) = adversarial(&mut random, i, &geometry, 1.0, Vec3::ZERO);
         batch.push(&ray, 0.0, t_max);
     }
-    let sentinel = HitBatch { t: vec![-7.0; 100], primitive: vec![12_345; 100] };
+    let sentinel =
+        HitBatch { t: vec![-7.0; 100], primitive: vec![12_345; 100], instance: vec![0; 100] };
     for range in [0..0, 0..1, 3..4, 5..40, 31..64, 99..100, 0..100] {
         for kernel in Kernel::ALL {
             let mut hits = sentinel.clone();
@@ -74,7 +75,7 @@ fn only_hits_in_the_range_are_written() {
                 let want = hit.filter(|_| range.contains(&i));
                 let closest = want.or(sentinel.get(i));
                 assert_eq!(bits(hits.get(i)), bits(closest), "{kernel:?}, {range:?}, ray {i}");
-                let any = want.map(|_| Hit { t: 0.0, primitive: 0 }).or(sentinel.get(i));
+                let any = want.map(|_| Hit::of(0, 0.0)).or(sentinel.get(i));
                 assert_eq!(bits(occluded.get(i)), bits(any), "{kernel:?}, {range:?}, ray {i}");
             }
         }

@@ -55,7 +55,7 @@ pub(crate) fn soup(seed: u64, primitives: usize, scale: f32, shift: Vec3) -> Geo
         }
         if again {
             // Bitwise equal duplicates, so that ties must go to the lower index.
-            let Geometry { spheres, quads, triangles } = &mut geometry;
+            let Geometry { spheres, quads, triangles, .. } = &mut geometry;
             spheres.extend_from_within(spheres.len().saturating_sub(1)..);
             quads.extend_from_within(quads.len().saturating_sub(1)..);
             let last = (triangles.len().saturating_sub(3)..triangles.len())

@@ -4,7 +4,7 @@ use super::{Shaded, Shading};
 use crate::engine::contract::power_heuristic;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
-use crate::geometry::Shape;
+use crate::geometry::{Hit, Shape};
 use crate::math::Real;
 use crate::scene::Sampling;
 use crate::scene::material::SPECULAR;
@@ -32,16 +32,16 @@ impl Shading<'_> {
             return;
         }
         for first in (0..queue.len()).step_by(LANES) {
-            let vertex = self.vertex(queue, first, shaded.paths);
+            let vertex = self.vertex(queue, first, shaded.paths, false);
             let Segment { ray, pdf } = vertex.segment;
-            let (primitive, t) = (vertex.primitive, vertex.t);
-            let at = self.tables.interaction(shape, primitive, ray, t, false, false);
-            let (light, is_light) = self.tables.looks.lights::<Float>(shape, vertex.primitive);
+            let Hit { t, primitive, .. } = vertex.hit;
+            let at = self.tables.interaction(shape, ray, vertex.hit, false, false, false);
+            let (light, is_light) = self.tables.looks.lights::<Float>(shape, primitive);
             let light = self.tables.lights.get::<Float>(light);
             let weight = match self.settings.sampling {
                 Sampling::Bsdf => Float::ONE,
                 Sampling::Light => Float::ZERO,
-                Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, vertex.t) * light.chance()),
+                Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, t) * light.chance()),
             };
             // The weight applies only to emission that light samples could also find. Light samples
             // contribute the rest.

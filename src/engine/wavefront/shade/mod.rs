@@ -106,10 +106,18 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
             shaded.endings.light += queue.len() as u64;
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
-        } else if M::TEXTURED && table.textured {
-            shading.scatter::<M, true>(&table.entries, shape, queue, shaded);
         } else {
-            shading.scatter::<M, false>(&table.entries, shape, queue, shaded);
+            let (table, textured) = (&table.entries[..], M::TEXTURED && table.textured);
+            match (textured, shape) {
+                (true, Shape::Instance) => {
+                    shading.scatter::<M, true, true>(table, shape, queue, shaded)
+                }
+                (true, _) => shading.scatter::<M, true, false>(table, shape, queue, shaded),
+                (false, Shape::Instance) => {
+                    shading.scatter::<M, false, true>(table, shape, queue, shaded)
+                }
+                (false, _) => shading.scatter::<M, false, false>(table, shape, queue, shaded),
+            }
         }
         true
     }

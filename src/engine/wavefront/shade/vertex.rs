@@ -3,6 +3,7 @@
 use super::Shading;
 use crate::engine::wavefront::paths::{History, Paths, Segment};
 use crate::engine::wavefront::sort::Queue;
+use crate::geometry::Hit;
 use crate::sampler::Randoms;
 use crate::simd::{Float, Indices, Int, LANES, first_bits};
 
@@ -13,26 +14,32 @@ pub(super) struct Vertex {
     pub(super) present: u32,
     /// The segment that ends here.
     pub(super) segment: Segment,
-    pub(super) t: Float,
-    /// The number of the primitive or the medium that the path has hit.
-    pub(super) primitive: Int,
+    /// The hit of the segment. For a collision in a medium, the primitive is the medium's number.
+    pub(super) hit: Hit<Float>,
     pub(super) history: History,
     pub(super) randoms: Randoms<Float>,
 }
 
 impl Shading<'_> {
-    /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on.
+    /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on. `instanced`
+    /// tells whether they are on instances.
     #[inline(always)]
-    pub(super) fn vertex(&self, queue: Queue<'_>, first: usize, paths: &Paths) -> Vertex {
+    pub(super) fn vertex(
+        &self,
+        queue: Queue<'_>,
+        first: usize,
+        paths: &Paths,
+        instanced: bool,
+    ) -> Vertex {
         let [path, t, primitive] = queue.rows(first);
+        let instance = if instanced { queue.instances(first) } else { Int::ZERO };
         let path = paths.indices(path);
         let history = paths.histories(&path);
         Vertex {
             path,
             present: first_bits((queue.len() - first).min(LANES)),
             segment: paths.segments(&path),
-            t: Float::from_bits(t),
-            primitive,
+            hit: Hit { t: Float::from_bits(t), primitive, instance },
             history,
             randoms: Randoms::new(self.settings.sampler, history.keys, self.segment),
         }

@@ -1,0 +1,44 @@
+//! Points on the triangles of instances.
+
+use std::sync::Arc;
+
+use super::{SurfaceTable, triangle};
+use crate::geometry::{Geometry, Hit, Ray, Surface};
+use crate::math::Real;
+
+/// The triangles of the meshes, and the geometry with the instances.
+#[derive(Debug)]
+pub(super) struct Table {
+    triangles: triangle::Table,
+    geometry: Arc<Geometry>,
+}
+
+impl SurfaceTable for Table {
+    fn new(geometry: &Arc<Geometry>) -> Self {
+        let first = geometry.len() as u32;
+        let triangles =
+            triangle::Table::with_first(first, Arc::clone(geometry.instances.triangles()));
+        Self { triangles, geometry: Arc::clone(geometry) }
+    }
+
+    #[inline(always)]
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        // A copy, so that the ray of other shapes can stay in registers.
+        let ray = *ray;
+        self.find_apart(&ray, hit)
+    }
+
+    #[inline(always)]
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R) {
+        let placement = self.geometry.instances.placement::<R>(hit.instance);
+        self.triangles.uv(&placement.ray(ray), hit, surface)
+    }
+}
+
+impl Table {
+    #[inline(never)]
+    fn find_apart<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        let placement = self.geometry.instances.placement::<R>(hit.instance);
+        placement.surface(self.triangles.find(&placement.ray(ray), hit))
+    }
+}

@@ -1,0 +1,208 @@
+//! Named meshes, and how instances place them.
+//!
+//! Meshes may contain instances of others. A scene has only two levels, so an instance of such a
+//! group becomes one instance for each mesh in it. Triangles that emit light become ordinary
+//! triangles wherever they are placed, because each of them is a light of its own.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::{Builder, InstanceFile, MeshFile, NamedMesh, PrimitiveFile};
+use crate::error::{Result, suggestion};
+use crate::geometry::{Instance, Triangles};
+use crate::scene::named::Named;
+use crate::scene::place::{Element, MAX_COORDINATE};
+
+/// Largest number of instances around a mesh.
+const MAX_NESTING: usize = 64;
+
+/// The named meshes of a scene. Those that no instance places are not read.
+pub(super) struct Groups<'a> {
+    meshes: &'a Named<NamedMesh>,
+    numbers: HashMap<&'a str, usize>,
+    /// The groups read so far, by mesh and by the material that replaces those of the parts.
+    known: HashMap<(usize, Option<u32>), Rc<Group>>,
+    /// The meshes that are being read, each a part of the one before.
+    open: Vec<usize>,
+}
+
+/// A named mesh whose parts have been read.
+#[derive(Default)]
+struct Group {
+    /// The triangles that do not emit light, as a mesh of the geometry.
+    mesh: Option<u32>,
+    /// The triangles that emit light, with their material.
+    lights: Vec<(Triangles, u32)>,
+    /// Instances of other groups.
+    children: Vec<(DAffine3, Rc<Group>)>,
+    /// Number of instances, of triangles and of their vertices that one placement adds.
+    adds: [u64; 3],
+}
+
+impl<'a> Groups<'a> {
+    pub(super) fn new(meshes: &'a Named<NamedMesh>) -> Self {
+        let (known, open) = Default::default();
+        Self { meshes, numbers: meshes.names().zip(0..).collect(), known, open }
+    }
+}
+
+/// The map with the rows of `matrix`.
+fn affine(matrix: &[[f32; 4]; 3]) -> DAffine3 {
+    let column = |i: usize| DVec3::from_array(matrix.map(|row| f64::from(row[i])));
+    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+    DAffine3 { matrix3, translation: column(3) }
+}
+
+/// The rows of a map, rounded.
+fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
+    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
+    [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
+}
+
+impl<'a> Builder<'a> {
+    /// Adds an instance and all that it contains.
+    pub(super) fn place(&mut self, e: &Element<'_>, file: &InstanceFile) -> Result<()> {
+        let map = affine(&file.matrix);
+        let matrix = |message: String| e.error(format!("matrix {message}"));
+        Instance::new(0, &file.matrix).map_err(matrix)?;
+        let group = self.group(e, file, None)?;
+        let [instances, triangles, vertices] = group.adds;
+        self.budget
+            .hold_instances(self.count() as u64, instances)
+            .and_then(|()| self.budget.hold_triangles(self.count() as u64, triangles, vertices))
+            .map_err(|message| e.error(message))?;
+        self.put(e, &group, &map)
+    }
+
+    fn put(&mut self, e: &Element<'_>, group: &Group, map: &DAffine3) -> Result<()> {
+        let product = |message| e.error(format!("the product of nested matrices {message}"));
+        let instance = Instance::new(group.mesh.unwrap_or(0), &rows(map)).map_err(product)?;
+        if let Some(mesh) = group.mesh {
+            let placed = instance.bounds(self.geometry.instances.mesh_bounds(mesh as usize));
+            let farthest = placed.min.abs().max(placed.max.abs());
+            if !(farthest.max_element() <= MAX_COORDINATE) {
+                return Err(e.error(format!(
+                    "the mesh is placed at {:?} to {:?}, coordinates must be within ±1e9",
+                    placed.min.to_array(),
+                    placed.max.to_array()
+                )));
+            }
+            self.geometry.instances.push(instance);
+        }
+        for (triangles, material) in &group.lights {
+            self.geometry.triangles.append(&triangles.placed(&instance));
+            self.ranges.cover(self.geometry.triangles.len(), *material);
+        }
+        for (child, group) in &group.children {
+            self.put(e, group, &(*map * *child))?;
+        }
+        Ok(())
+    }
+
+    /// Returns the group that `file` places. `material` replaces the materials of all parts, as
+    /// that of `file` does otherwise.
+    fn group(
+        &mut self,
+        e: &Element<'_>,
+        file: &InstanceFile,
+        material: Option<u32>,
+    ) -> Result<Rc<Group>> {
+        let InstanceFile { mesh: name, material: own, .. } = file;
+        let own = own.as_ref().map(|own| self.materials.find(e, own)).transpose()?;
+        let material = material.or(own);
+        let Groups { meshes, ref numbers, ref known, ref open } = self.groups;
+        let Some(&number) = numbers.get(name.as_str()) else {
+            let known = suggestion(name, meshes.names());
+            return Err(e.error(format!("unknown mesh `{name}`{known}")));
+        };
+        if let Some(group) = known.get(&(number, material)) {
+            return Ok(Rc::clone(group));
+        }
+        if open.contains(&number) {
+            return Err(e.error(format!("the mesh `{name}` contains itself")));
+        }
+        if open.len() == MAX_NESTING {
+            return Err(e.error(format!("meshes may be nested at most {MAX_NESTING} times")));
+        }
+        self.groups.open.push(number);
+        let group = match &meshes.0[number].1 {
+            NamedMesh::File(path) => {
+                let part = [MeshFile::new(path, "").into()];
+                let place = |_| format!("meshes.{name}");
+                if material.is_none() {
+                    let message = format!("the mesh `{name}` has no material, so add `material`");
+                    return Err(e.error(message));
+                }
+                self.read(e, &part, place, material)?
+            }
+            NamedMesh::Parts(parts) => {
+                self.read(e, parts, |i| format!("meshes.{name}[{i}]"), material)?
+            }
+        };
+        self.groups.open.pop();
+        let group = Rc::new(group);
+        self.groups.known.insert((number, material), Rc::clone(&group));
+        Ok(group)
+    }
+
+    /// Reads the parts of a mesh, whose places in the file are `place`.
+    fn read(
+        &mut self,
+        e: &Element<'_>,
+        parts: &[PrimitiveFile],
+        place: impl Fn(usize) -> String,
+        material: Option<u32>,
+    ) -> Result<Group> {
+        let mut group = Group::default();
+        let mut still = Triangles::default();
+        let mut ranges = Vec::new();
+        let [mut instances, mut triangles, mut vertices] = [0u64; 3];
+        for (i, part) in parts.iter().enumerate() {
+            let e = Element { file: e.file, place: place(i), kind: part.name() };
+            match part {
+                PrimitiveFile::Instance(file) => {
+                    Instance::new(0, &file.matrix)
+                        .map_err(|message| e.error(format!("matrix {message}")))?;
+                    let child = self.group(&e, file, material)?;
+                    instances = instances.saturating_add(child.adds[0]);
+                    triangles = triangles.saturating_add(child.adds[1]);
+                    vertices = vertices.saturating_add(child.adds[2]);
+                    group.children.push((affine(&file.matrix), child));
+                }
+                PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {
+                    let material = match material {
+                        Some(material) => material,
+                        None => self.materials.find(&e, part.material().unwrap_or_default())?,
+                    };
+                    let before = self.geometry.triangles.mark();
+                    part.expand(&e, self)?;
+                    let list = self.geometry.triangles.split_off(before);
+                    if self.materials.shine[material as usize] {
+                        triangles = triangles.saturating_add(list.len() as u64);
+                        vertices = vertices.saturating_add(list.vertex_count() as u64);
+                        group.lights.push((list, material));
+                    } else {
+                        still.append(&list);
+                        ranges.push((still.len(), material));
+                    }
+                }
+                _ => {
+                    let message = "a mesh consists of `triangles`, `mesh` and `instance` only";
+                    return Err(e.error(message));
+                }
+            }
+        }
+        if !still.is_empty() {
+            instances = instances.saturating_add(1);
+            let before = self.geometry.instances.triangle_count();
+            group.mesh = Some(self.geometry.instances.add_mesh(still));
+            for (end, material) in ranges {
+                self.mesh_ranges.cover(before + end, material);
+            }
+        }
+        group.adds = [instances, triangles, vertices];
+        Ok(group)
+    }
+}

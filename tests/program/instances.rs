@@ -1,0 +1,161 @@
+//! Tests of scene files with instances.
+
+use std::fs;
+
+use crate::common::{ptfast, stderr, stdout};
+use ptfast::Scene;
+
+const IDENTITY: &str = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))";
+const TRIANGLE: &str = r#"triangles(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], indices: [(0, 1, 2)], material: "grey")"#;
+const LIGHT: &str = r#"triangles(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], indices: [(0, 1, 2)], material: "lamp")"#;
+
+fn scene(meshes: &str, primitives: &str) -> String {
+    format!(
+        r#"(
+    camera: (look_from: (3, 2, 4), look_at: (0, 0, 0), vfov: 40),
+    background: constant(radiance: (1, 1, 1)),
+    render: (width: 40, height: 30, spp: 2),
+    materials: {{
+        "grey": lambertian(albedo: (0.5, 0.5, 0.5)),
+        "lamp": light(radiance: (1, 1, 1)),
+    }},
+    meshes: {{{meshes}}},
+    primitives: [{primitives}],
+)"#
+    )
+}
+
+fn instance(mesh: &str, matrix: &str) -> String {
+    format!(r#"instance(mesh: "{mesh}", matrix: {matrix})"#)
+}
+
+/// The number of primitives outside instances, of instances, and of triangles of meshes.
+fn counts(scene: &Scene) -> [usize; 3] {
+    let geometry = scene.geometry();
+    let instances = &geometry.instances;
+    [geometry.len(), instances.len(), instances.triangle_count()]
+}
+
+#[test]
+fn groups_are_flattened() {
+    let a = instance("a", IDENTITY);
+    let meshes = format!(
+        r#""a": [{TRIANGLE}, {TRIANGLE}], "b": [{a}, {a}, {LIGHT}], "c": [{TRIANGLE}, {0}, {0}], "unused": "no.obj""#,
+        instance("b", IDENTITY)
+    );
+    let with = |primitives: &str| Scene::from_ron(&scene(&meshes, primitives)).unwrap();
+    assert_eq!(counts(&with(&a)), [0, 1, 2]);
+    assert_eq!(counts(&with(&instance("b", IDENTITY))), [1, 2, 2]);
+    let all = with(&format!("{}, {a}", instance("c", IDENTITY)));
+    assert_eq!(counts(&all), [2, 6, 3]);
+    assert_eq!(all.lights(), 2);
+    // A material that replaces those of the parts makes another mesh, which here also has no light.
+    let grey = format!(r#"instance(mesh: "b", matrix: {IDENTITY}, material: "grey")"#);
+    assert_eq!(counts(&with(&grey)), [0, 3, 3]);
+    let lamps = format!(r#"instance(mesh: "c", matrix: {IDENTITY}, material: "lamp")"#);
+    assert_eq!(counts(&with(&lamps)), [11, 0, 0]);
+}
+
+#[test]
+fn files_are_shared_and_scenes_are_written_as_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let place = format!(r#"instance(mesh: "a", matrix: {IDENTITY}, material: "grey")"#);
+    file("a.ron", &scene(r#""a": "a.obj""#, &format!("{place}, {place}")));
+    let part = r#""a": [mesh(file: "a.obj", material: "grey")]"#;
+    let own = instance("a", IDENTITY);
+    file("b.ron", &scene(part, &format!("{own}, {own}")));
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let [a, b] = ["a.ron", "b.ron"].map(|name| Scene::load(&path(name)).unwrap());
+    assert_eq!(counts(&a), [0, 2, 1]);
+    assert_eq!(a.hash(), b.hash());
+    for (form, flags) in [("ron", &[][..]), ("json", &["--json"])] {
+        let shown = ptfast(folder.path(), &[&["scenes", "show", "a.ron"], flags].concat());
+        let again = path(&format!("again.{form}"));
+        fs::write(&again, stdout(&shown)).unwrap();
+        assert_eq!(Scene::load(&again).unwrap().hash(), a.hash(), "{form}");
+    }
+}
+
+#[test]
+fn equal_content_has_equal_hashes() {
+    let hash = |meshes: &str, primitives: &str| {
+        Scene::from_ron(&scene(meshes, primitives)).unwrap().hash()
+    };
+    let mesh = |name: &str| format!(r#""{name}": [{TRIANGLE}]"#);
+    let one = hash(&mesh("a"), &instance("a", IDENTITY));
+    assert_eq!(one, hash(&format!("{}, {}", mesh("x"), mesh("b")), &instance("b", IDENTITY)));
+    let moved = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 1))";
+    assert_ne!(one, hash(&mesh("a"), &instance("a", moved)));
+    assert_ne!(one, hash(&mesh("a"), TRIANGLE));
+}
+
+#[test]
+fn bad_instances_are_errors() {
+    let mesh = format!(r#""a": [{TRIANGLE}]"#);
+    let a = instance("a", IDENTITY);
+    let with = |row: &str| format!("({row}, (0, 1, 0, 0), (0, 0, 1, 0))");
+    let nested = |count: usize, times: usize| {
+        let inner = |i: usize| vec![instance(&format!("m{i}"), IDENTITY); times].join(", ");
+        let meshes = (1..count).map(|i| format!(r#", "m{i}": [{}]"#, inner(i - 1)));
+        format!(r#""m0": [{TRIANGLE}]{}"#, meshes.collect::<String>())
+    };
+    let shrunk = "((1e-6, 0, 0, 0), (0, 1e-6, 0, 0), (0, 0, 1e-6, 0))";
+    let shrink = format!(r#"{mesh}, "b": [{}]"#, instance("a", shrunk));
+    for (meshes, primitive, want) in [
+        (&*mesh, &*instance("b", IDENTITY), "instance: unknown mesh `b`"),
+        (&mesh, &instance("a", &with("(0, 0, 0, 0)")), "matrix must not be singular"),
+        (&mesh, &instance("a", &with("(1e-30, 0, 0, 0)")), "matrix must scale lengths by 1e-9"),
+        (&mesh, &instance("a", &with("(1, 1e6, 0, 0)")), "matrix must have a condition number of"),
+        (&mesh, &instance("a", &with("(inf, 0, 0, 0)")), "matrix must be finite"),
+        (&mesh, &instance("a", &with("(NaN, 0, 0, 0)")), "matrix must be finite"),
+        (
+            &mesh,
+            &instance("a", &with("(1, 0, 0, 1e10)")),
+            "matrix must be finite, with a translation",
+        ),
+        (&mesh, &instance("a", "((1, 0, 0, 0), (0, 1, 0, 0))"), "Expected an array of length 3"),
+        (&mesh, &instance("a", &with("(1e9, 0, 0, 9e8)")), "coordinates must be within ±1e9"),
+        (
+            &mesh,
+            &format!(r#"instance(mesh: "a", matrix: {IDENTITY}, material: "gray")"#),
+            "unknown material `gray`, did you mean `grey`?",
+        ),
+        (r#""a": "a.obj""#, &a, "the mesh `a` has no material, so add `material`"),
+        (r#""a": [sphere(center: (0, 0, 0), radius: 1, material: "grey")]"#, &a, "consists of"),
+        (r#""a": 3"#, &a, "the path of a mesh file, or a list of parts"),
+        (&format!(r#""a": [{a}]"#), &a, "the mesh `a` contains itself"),
+        (
+            &format!(r#""a": [{}], "b": [{a}]"#, instance("b", IDENTITY)),
+            &a,
+            "the mesh `a` contains itself",
+        ),
+        (&format!("{mesh}, {mesh}"), &a, "the name `a` is used twice"),
+        (&nested(70, 1), &instance("m69", IDENTITY), "nested at most 64 times"),
+        // 10^9 instances, and a number beyond 64 bits.
+        (&nested(10, 10), &instance("m9", IDENTITY), "limit of primitives"),
+        (&nested(50, 10), &instance("m49", IDENTITY), "limit of primitives"),
+        (&shrink, &instance("b", shrunk), "the product of nested matrices must scale lengths"),
+    ] {
+        let error = Scene::from_ron(&scene(meshes, primitive)).unwrap_err().to_string();
+        assert!(error.contains(want), "{error}");
+        assert!(!error.contains('\n'), "{error}");
+    }
+}
+
+#[test]
+fn errors_in_parts_are_located() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ron");
+    let bad = r#"triangles(vertices: [(0, 0, 0)], indices: [(0, 1, 2)], material: "grey")"#;
+    let meshes = format!("\n\"a\": [{TRIANGLE},\n{bad}]");
+    fs::write(&path, scene(&meshes, &instance("a", IDENTITY))).unwrap();
+    let output = ptfast(folder.path(), &["scenes", "check", "a.ron"]);
+    let error = stderr(&output);
+    assert!(
+        !output.status.success() && error.contains("meshes.a[1]: triangles: indices[0]"),
+        "{error}"
+    );
+    assert!(error.contains("a.ron:11:"), "{error}");
+}
