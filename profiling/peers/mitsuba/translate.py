@@ -76,17 +76,22 @@ def shape(description):
         to_world = mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], turn[1]).scale(half)
         return {"type": "cube", "to_world": to_world}, values["material"]
     if kind == "triangles":
-        return triangles(values["vertices"], values["indices"]), values["material"]
+        return triangles(values), values["material"]
     raise SystemExit(f"the primitive {kind} cannot be translated to Mitsuba")
 
 
-def triangles(vertices, indices):
+def triangles(values):
+    normals = values.get("normals", [])
+    if normals and values.get("soft_terminator", True):
+        raise SystemExit("Mitsuba does not soften the terminator, so smooth triangles need soft_terminator: false")
     with tempfile.NamedTemporaryFile("w", suffix=".obj", delete=False) as file:
-        for vertex in vertices:
+        for vertex in values["vertices"]:
             print("v", *vertex, file=file)
-        for face in indices:
-            print("f", *(i + 1 for i in face), file=file)
-    return {"type": "obj", "filename": file.name, "face_normals": True}
+        for normal in normals:
+            print("vn", *normal, file=file)
+        for face in values["indices"]:
+            print("f", *(f"{i + 1}//{i + 1}" if normals else i + 1 for i in face), file=file)
+    return {"type": "obj", "filename": file.name, "face_normals": not normals}
 
 
 def medium(description):
@@ -120,7 +125,19 @@ def translate(scene, width, height, exact, sampler="independent"):
     if max(background["radiance"]) > 0:
         world["background"] = {"type": "constant", "radiance": {"type": "rgb", "value": background["radiance"]}}
     made = {name: material(description, textures, exact) for name, description in scene["materials"].items()}
+    for name, parts in scene.get("meshes", {}).items():
+        group = {"type": "shapegroup"}
+        for number, description in enumerate(parts):
+            translated, material_name = shape(description)
+            group[f"part{number}"] = {**translated, "bsdf": made[material_name]}
+        world[f"group_{name}"] = group
     for number, description in enumerate(scene["primitives"]):
+        kind, values = only(description)
+        if kind == "instance":
+            to_world = mi.ScalarTransform4f(values["matrix"] + [[0, 0, 0, 1]])
+            group = {"type": "ref", "id": f"group_{values['mesh']}"}
+            world[f"shape{number}"] = {"type": "instance", "to_world": to_world, "group": group}
+            continue
         translated, name = shape(description)
         if made[name] is None:
             radiance, sides = (only(scene["materials"][name])[1].get(key) for key in ("radiance", "sides"))

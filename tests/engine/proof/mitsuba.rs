@@ -24,7 +24,7 @@ fn read(name: &str) -> Tiles {
 
 #[test]
 fn pictures_are_those_of_mitsuba() {
-    let names = ["cornell", "checker", "spheres", "materials", "media"];
+    let names = ["cornell", "checker", "spheres", "materials", "media", "instances"];
     let mut disagreement = Disagreement::new("beside Mitsuba 3", names.len());
     for name in names {
         let scene = Scene::load(&format!("tests/data/mitsuba/{name}.ron")).unwrap();
