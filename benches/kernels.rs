@@ -95,7 +95,7 @@ fn primitive(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(rays.len() as u64));
         group.bench_function(BenchmarkId::new(name, "lanes"), |bencher| {
             bencher.iter(|| {
-                hits.reset(rays.len(), false);
+                hits.reset(rays.len(), true);
                 accelerator.closest(Kernel::Flat, &rays, 0..rays.len(), &mut hits);
             });
         });
@@ -123,7 +123,7 @@ fn traversal(criterion: &mut Criterion) {
                 let id = format!("{scene}/{}/{}", set.name, kernel.name());
                 group.bench_function(id, |bencher| {
                     bencher.iter(|| {
-                        hits.reset(all.len(), false);
+                        hits.reset(all.len(), true);
                         match set.query {
                             Query::Closest => {
                                 accelerator.closest(kernel, &set.rays, all.clone(), &mut hits);

@@ -19,8 +19,8 @@ mod triangles;
 mod volume;
 
 pub use bounds::Bounds;
+pub use instance::Instance;
 pub(crate) use instance::ToObject;
-pub use instance::{Instance, Instances};
 pub use primitive::*;
 pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;

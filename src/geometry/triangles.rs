@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Instance, Triangle};
+use super::Triangle;
 use crate::math::{Row, row};
 use crate::simd::axes;
 
@@ -154,22 +154,24 @@ impl Triangles {
         }
     }
 
-    /// The triangles that have an area where `instance` places them.
-    pub(crate) fn placed(&self, instance: &Instance) -> Self {
-        let mut list = self.clone();
-        list.map_vertices(|vertex| instance.point(vertex));
-        for row in &mut list.normals {
-            let [x, y, z] = instance.normal(vector(row)).to_array().map(f32::to_bits);
+    /// Replaces the normal of each vertex by `f` of it.
+    pub(super) fn map_normals(&mut self, f: impl Fn(Vec3) -> Vec3) {
+        for row in &mut self.normals {
+            let [x, y, z] = f(vector(row)).to_array().map(f32::to_bits);
             *row = [x, y, z, row[3]];
         }
-        if instance.mirrors() {
-            // The front is the side from which the vertices are in counter-clockwise order.
-            list.corners.iter_mut().for_each(|corners| corners.swap(1, 2));
-        }
-        let has_area: Vec<bool> = list.iter().map(|triangle| !triangle.is_degenerate()).collect();
-        let mut kept = has_area.iter();
-        list.corners.retain(|_| *kept.next().expect("one flag for each triangle"));
-        list
+    }
+
+    /// Exchanges two vertices of each triangle, so that the front becomes the back.
+    pub(super) fn turn_over(&mut self) {
+        self.corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+
+    /// Removes the triangles without area.
+    pub(super) fn remove_degenerate(&mut self) {
+        let kept: Vec<bool> = self.iter().map(|triangle| !triangle.is_degenerate()).collect();
+        let mut kept = kept.iter();
+        self.corners.retain(|_| *kept.next().expect("one flag for each triangle"));
     }
 
     /// Replaces the position of each vertex by `f` of it.

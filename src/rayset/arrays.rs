@@ -8,6 +8,9 @@ use crate::error::{Error, Result};
 use crate::input;
 use crate::output::write_atomically;
 
+/// The file that lists all arrays. It is written last, so a folder that has one is complete.
+pub(super) const MANIFEST: &str = "manifest.json";
+
 pub(super) fn write_floats(path: &Path, values: impl Iterator<Item = f32>) -> Result<()> {
     write_words(path, values.map(f32::to_bits))
 }
@@ -28,7 +31,7 @@ pub(super) fn read_records<const N: usize>(
     if Some(found) != (count as u64).checked_mul(4 * N as u64) {
         let record = 4 * N;
         let message =
-            format!("has {found} bytes, but the manifest lists {count} records of {record} bytes");
+            format!("has {found} bytes, but {MANIFEST} lists {count} records of {record} bytes");
         return Err(Error::input(path.display().to_string(), "", message));
     }
     let bytes = fs::read(&path).map_err(Error::io(&path, "read"))?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::arrays::{read_records, write_floats, write_words};
+use super::arrays::{MANIFEST, read_records, write_floats, write_words};
 use super::instances;
 use super::record::KINDS;
 use super::{Query, RaySet, RaySets};
@@ -17,9 +17,6 @@ use crate::geometry::{Geometry, PrimitiveModel, Ray, primitives};
 use crate::input::read_json;
 use crate::limits::{MAX_JSON, MAX_PRIMITIVES};
 use crate::output::write_atomically;
-
-/// The manifest. It is written last, so a folder that has one is complete.
-const MANIFEST: &str = "manifest.json";
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Manifest {

@@ -49,6 +49,13 @@ fn groups_are_flattened() {
     let all = with(&format!("{}, {a}", instance("c", IDENTITY)));
     assert_eq!(counts(&all), [2, 6, 3]);
     assert_eq!(all.lights(), 2);
+    // Groups of nothing do not multiply.
+    let empty = TRIANGLE.replace("(0, 1, 0)", "(2, 0, 0)");
+    let nested = |i: usize| vec![instance(&format!("e{i}"), IDENTITY); 10].join(", ");
+    let groups = (1..40).map(|i| format!(r#", "e{i}": [{}]"#, nested(i - 1)));
+    let meshes = format!(r#""e0": [{empty}]{}"#, groups.collect::<String>());
+    let nothing = Scene::from_ron(&scene(&meshes, &instance("e39", IDENTITY))).unwrap();
+    assert_eq!(counts(&nothing), [0, 0, 0]);
     // A material that replaces those of the parts makes another mesh, which here also has no light.
     let grey = format!(r#"instance(mesh: "b", matrix: {IDENTITY}, material: "grey")"#);
     assert_eq!(counts(&with(&grey)), [0, 3, 3]);

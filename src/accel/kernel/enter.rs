@@ -1,7 +1,8 @@
-//! The test of one ray against all boxes of a wide node.
+//! The descent of one ray: tests against all boxes of a wide node, up to the next block.
 
-use super::frames::Frame;
+use super::frames::{Frame, Frames};
 use crate::accel::counters::Count;
+use crate::accel::leaf::BlockRef;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, LANES, Lanes, axes};
@@ -30,5 +31,27 @@ impl OneRay<'_> {
         let entered = entry.le(exit);
         count.node(LANES as u32, entered.bits().count_ones());
         Frame::new(index, entry, entered)
+    }
+}
+
+/// Returns the next block with a box that the ray enters at a distance of at most `limit`. Nearer
+/// boxes come first. `frame` has the remaining children of the ray's current node.
+#[inline(always)]
+pub(super) fn next_block(
+    frame: &mut Frame,
+    tree: &WideTree,
+    one: &OneRay<'_>,
+    limit: f32,
+    above: &mut Frames,
+    prefetch: bool,
+    count: &mut impl Count,
+) -> Option<BlockRef> {
+    loop {
+        let child = above.next(frame, tree, limit)?;
+        if child & BlockRef::LEAF != 0 {
+            return Some(BlockRef::from_bits(child));
+        }
+        above.push(frame, tree, prefetch);
+        *frame = one.enter(tree, child, limit, count);
     }
 }

@@ -1,7 +1,7 @@
 //! Rays in the object space of an instance, which continue in the tree of its mesh.
 
+use super::enter::next_block;
 use super::frames::Frames;
-use super::single::next_block;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
 use crate::accel::ray::best::Best;

@@ -3,6 +3,7 @@
 //! on.
 
 use super::descent::Descent;
+use super::enter::next_block;
 use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::meshes::MeshTrees;
@@ -179,26 +180,4 @@ struct Waiting {
 
 impl Waiting {
     const NONE: Self = Self { lane: 0, frame: Frame::NONE, block: BlockRef::NONE };
-}
-
-/// Returns the next block with a box that the ray enters at a distance of at most `limit`. Nearer
-/// boxes come first. `frame` has the remaining children of the ray's current node.
-#[inline(always)]
-pub(super) fn next_block(
-    frame: &mut Frame,
-    tree: &WideTree,
-    one: &OneRay<'_>,
-    limit: f32,
-    above: &mut Frames,
-    prefetch: bool,
-    count: &mut impl Count,
-) -> Option<BlockRef> {
-    loop {
-        let child = above.next(frame, tree, limit)?;
-        if child & BlockRef::LEAF != 0 {
-            return Some(BlockRef::from_bits(child));
-        }
-        above.push(frame, tree, prefetch);
-        *frame = one.enter(tree, child, limit, count);
-    }
 }

@@ -1,13 +1,12 @@
 //! Instances: meshes that are placed any number of times.
 
-mod list;
 mod placement;
 
 use glam::{DMat3, DVec3, Vec3};
 
-pub use self::list::Instances;
+pub(super) use self::placement::Placement;
 pub(crate) use self::placement::ToObject;
-use super::Bounds;
+use super::{Bounds, Triangles};
 use crate::math::{Row, UNIT_ROUNDOFF, row};
 
 /// Largest condition number of the matrix of an instance.
@@ -103,6 +102,19 @@ impl Instance {
         ToObject { rows, center: Vec3::new(x[3], y[3], z[3]) }
     }
 
+    /// The triangles that have an area where the instance places them.
+    pub(crate) fn placed(&self, triangles: &Triangles) -> Triangles {
+        let mut placed = triangles.clone();
+        placed.map_vertices(|vertex| self.point(vertex));
+        placed.map_normals(|normal| self.normal(normal));
+        if self.mirrors() {
+            // The front is the side from which the vertices are in counter-clockwise order.
+            placed.turn_over();
+        }
+        placed.remove_degenerate();
+        placed
+    }
+
     /// The point in world space of a point in object space, rounded once.
     pub(in crate::geometry) fn point(&self, point: Vec3) -> Vec3 {
         let center = self.world_to_object().center.as_dvec3();
@@ -110,14 +122,14 @@ impl Instance {
     }
 
     /// The unit normal in world space of a normal in object space; 0 stays 0.
-    pub(in crate::geometry) fn normal(&self, normal: Vec3) -> Vec3 {
+    fn normal(&self, normal: Vec3) -> Vec3 {
         let normal = self.linear().transpose() * normal.as_dvec3();
         let length = normal.dot(normal).sqrt();
         if length > 0.0 { (normal / length).as_vec3() } else { Vec3::ZERO }
     }
 
     /// Whether the map turns left hands into right hands.
-    pub(in crate::geometry) fn mirrors(&self) -> bool {
+    fn mirrors(&self) -> bool {
         let DMat3 { x_axis, y_axis, z_axis } = self.linear();
         x_axis.dot(y_axis.cross(z_axis)) < 0.0
     }

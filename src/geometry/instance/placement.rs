@@ -49,7 +49,7 @@ impl<R: Real> ToObject<R> {
 impl<R: Real> Placement<R> {
     /// The maps of the instances at `index`.
     #[inline(always)]
-    pub(super) fn gather(list: &[Instance], index: R::Index) -> Self {
+    pub(in crate::geometry) fn gather(list: &[Instance], index: R::Index) -> Self {
         let to_object = |i: usize| R::gather(list, index, |instance| &instance.to_object[i]);
         let to_world = |i: usize| R::gather(list, index, |instance| &instance.to_world[i]);
         let [(lx, cx), (ly, cy), (lz, cz)] = [to_object(0), to_object(1), to_object(2)];

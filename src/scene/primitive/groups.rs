@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
             self.geometry.instances.push(instance);
         }
         for (triangles, material) in &group.lights {
-            self.geometry.triangles.append(&triangles.placed(&instance));
+            self.geometry.triangles.append(&instance.placed(triangles));
             self.ranges.cover(self.geometry.triangles.len(), *material);
         }
         for (child, group) in &group.children {
@@ -169,7 +169,10 @@ impl<'a> Builder<'a> {
                     instances = instances.saturating_add(child.adds[0]);
                     triangles = triangles.saturating_add(child.adds[1]);
                     vertices = vertices.saturating_add(child.adds[2]);
-                    group.children.push((affine(&file.matrix), child));
+                    // Placing what adds nothing could take forever: 10 in 10 in 10, 64 times.
+                    if child.adds != [0; 3] {
+                        group.children.push((affine(&file.matrix), child));
+                    }
                 }
                 PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {
                     let material = match material {
@@ -182,7 +185,9 @@ impl<'a> Builder<'a> {
                     if self.materials.shine[material as usize] {
                         triangles = triangles.saturating_add(list.len() as u64);
                         vertices = vertices.saturating_add(list.vertex_count() as u64);
-                        group.lights.push((list, material));
+                        if !list.is_empty() {
+                            group.lights.push((list, material));
+                        }
                     } else {
                         still.append(&list);
                         ranges.push((still.len(), material));

@@ -1,8 +1,11 @@
 //! The lists of all primitives and shapes, and the trait that each primitive implements.
 
+mod instances;
+
 use glam::Vec3;
 
-use super::{Bounds, Hit, Instance, Instances, PreparedRay, Ray, Triangles};
+pub use self::instances::Instances;
+use super::{Bounds, Hit, Instance, PreparedRay, Ray, Triangles};
 use crate::math::max;
 
 /// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
-use super::Instance;
-use super::placement::Placement;
-use crate::geometry::{Bounds, Geometry, Hit, PreparedRay, PrimitiveModel, Ray, Triangles};
+use super::{Geometry, PrimitiveModel};
+use crate::geometry::instance::Placement;
+use crate::geometry::{Bounds, Hit, Instance, PreparedRay, Ray, Triangles};
 use crate::math::Real;
 
 /// Meshes in spaces of their own, and their instances.
