@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 use self::groups::Groups;
 pub use self::named_mesh::NamedMesh;
 use super::budget::Budget;
-use super::description::SceneFile;
 use super::mesh::Mesh;
 pub use super::mesh::Smooth;
+use super::named::Named;
 use super::place::{Element, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad};
@@ -105,9 +105,9 @@ impl Ranges {
 }
 
 impl<'a> Builder<'a> {
-    /// Creates a builder for the primitives of `file`.
+    /// Creates a builder for primitives that may place `meshes`.
     pub(super) fn new(
-        file: &'a SceneFile,
+        meshes: &'a Named<NamedMesh>,
         materials: &'a Materials<'a>,
         folder: &'a Path,
         budget: &'a Budget,
@@ -117,7 +117,7 @@ impl<'a> Builder<'a> {
             ranges: Ranges::default(),
             mesh_ranges: Ranges::default(),
             meshes: HashMap::new(),
-            groups: Groups::new(&file.meshes),
+            groups: Groups::new(meshes),
             materials,
             folder,
             budget,

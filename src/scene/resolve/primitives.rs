@@ -21,7 +21,7 @@ impl Resolver<'_> {
         let shines = |material: &Material| material.emission().is_some_and(|e| e.shines());
         let shine = materials.iter().map(shines).collect();
         let materials = Materials::new(self.file.materials.names(), shine);
-        let mut builder = Builder::new(self.file, &materials, folder, &self.budget);
+        let mut builder = Builder::new(&self.file.meshes, &materials, folder, &self.budget);
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {
             let e = self.element(self.places.primitive(index), primitive.name());
