@@ -40,7 +40,7 @@ impl Extent {
         let boxes = bounds != Bounds::EMPTY;
         // Without boxes, no box test can overflow.
         let bounds = if boxes { bounds } else { Bounds { min: Vec3::ZERO, max: Vec3::ZERO } };
-        // Rounding errors of rays in object space grow with their distance from its origin.
+        // See `SLACK`.
         let bounds = bounds.union(geometry.instances.centers());
         let middle = 0.5 * (bounds.min + bounds.max);
         let half_edges = (bounds.max - middle).max(middle - bounds.min).element_sum();
@@ -62,7 +62,9 @@ impl Extent {
         let [to_object, to_world] = instance.scales();
         let center = instance.world_to_object().center.abs().element_sum();
         let mesh = geometry.instances.mesh_bounds(instance.mesh());
-        let is_tame = (mesh.max - mesh.min).element_sum() >= 2.0 * TAME_EDGES;
+        let is_tame = (mesh.max - mesh.min).element_sum() >= 2.0 * TAME_EDGES
+            && max_element(mesh.min.abs()) <= TAME_COORDINATE
+            && max_element(mesh.max.abs()) <= TAME_COORDINATE;
         let reach = if is_tame { TAME_COORDINATE / to_object - center } else { -1.0 };
         self.tame_reach = min(self.tame_reach, reach);
         let Range { start, end } = self.tame_speed;

@@ -50,11 +50,15 @@ pub(super) fn near_and_far(negative: [bool; 3]) -> ([usize; 3], [usize; 3]) {
 /// contributes at most 24 (sphere: origin to centre 2, projection 9, root 11; triangle: shear 5,
 /// height 3; quad: 8, magnified by [`Quad::condition`](crate::geometry::Quad::condition)), and the
 /// slab test 6.
+///
+/// An instance contributes 15, magnified by its condition number |L⁻¹| |L|: 4 by mapping the origin o
+/// to L (o − c), 3 by mapping the direction, and 8 by the test of its triangles. Since o − c counts,
+/// the box from which distances are measured must contain c.
 pub(super) const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 
 impl SlabRay {
-    /// `scene` is a bounding box of all primitives, and `condition` ≥ 1 the largest
-    /// [`Quad::condition`](crate::geometry::Quad::condition) among them.
+    /// `scene` is a bounding box of all elements and of the origins of object spaces. `condition` is
+    /// that of the geometry ([`Geometry::condition`](crate::geometry::Geometry::condition)).
     #[inline]
     pub(super) fn new(ray: &Ray, scene: &Bounds, condition: f32) -> Self {
         let (o, d) = (ray.origin, ray.direction);

@@ -7,6 +7,7 @@ use super::limits::SceneLimitArgs;
 use super::sample_args::SampleArgs;
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
+use crate::geometry::Hit;
 use crate::limits::MAX_SPP;
 use crate::scene::Scene;
 
@@ -88,7 +89,11 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         (_, _, Some(hit)) => {
             let primitive = scene.geometry().name(hit);
             let material = scene.material(hit.primitive).name();
-            format!("hits primitive {}, a {primitive} of {material}, at {}", hit.primitive, hit.t)
+            let is_instanced = hit.primitive as usize >= scene.geometry().len();
+            let instance =
+                if is_instanced { format!(" in instance {}", hit.instance) } else { String::new() };
+            let Hit { primitive: number, t, .. } = hit;
+            format!("hits primitive {number}, a {primitive} of {material}{instance}, at {t}")
         }
     };
     let kind = match kind {

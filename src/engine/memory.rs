@@ -13,6 +13,8 @@ use crate::scene::{LIGHT_BYTES, Scene};
 const PROGRAM: u64 = 16 << 20;
 /// Bytes of trees per primitive: up to 180 were measured.
 const PRIMITIVE: u64 = 200;
+/// Bytes of the tree of a mesh that instances place, besides those of its triangles.
+const MESH: u64 = 1400;
 /// Bytes per primitive of a cluster while a thread builds its tree: up to 120 were measured.
 const BUILD: u64 = 180;
 /// Number of paths of the largest waves in trials.
@@ -36,6 +38,7 @@ impl RenderSettings {
         let memory = PROGRAM
             + geometry.bytes()
             + PRIMITIVE * primitives
+            + MESH * geometry.instances.meshes() as u64
             + BUILD * primitives.min(MAX_CLUSTER as u64 * threads)
             + LIGHT_BYTES * u64::from(scene.lights())
             + 12 * scene.texels()

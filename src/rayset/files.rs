@@ -210,6 +210,9 @@ pub(crate) fn read(folder: &Path) -> Result<RaySets> {
 /// message that says what would be right.
 fn check_counts(counts: &Counts) -> Result<(), (String, String)> {
     let all = counts.all();
+    if counts.meshes.contains(&0) {
+        return Err(("counts".to_owned(), "each mesh must have a triangle".to_owned()));
+    }
     match all <= MAX_PRIMITIVES {
         true => Ok(()),
         false => Err((

@@ -51,8 +51,8 @@ pub(super) fn read(folder: &Path, meshes: &[usize], count: usize) -> Result<Inst
     for (index, record) in read_records::<13>(folder, INSTANCES, count)?.iter().enumerate() {
         let &[a, b, c, x, d, e, f, y, g, h, i, z, mesh] = record;
         let mesh = mesh.to_bits();
-        if mesh as usize >= meshes.len() || meshes[mesh as usize] == 0 {
-            return Err(bad(INSTANCES, index, &format!("mesh {mesh} does not exist or is empty")));
+        if mesh as usize >= meshes.len() {
+            return Err(bad(INSTANCES, index, &format!("mesh {mesh} does not exist")));
         }
         let instance = Instance::new(mesh, &[[a, b, c, x], [d, e, f, y], [g, h, i, z]]);
         let instance =

@@ -57,22 +57,20 @@ impl Budget {
         self.hold(VERTEX * more as u64)
     }
 
-    /// As [`hold`](Self::hold), for `more` instances in addition to the `before` primitives and
-    /// instances already in the scene.
-    pub(super) fn hold_instances(&self, before: u64, more: u64) -> Result<(), String> {
-        self.limits.check(Limit::Primitives, before.saturating_add(more))?;
-        self.hold(INSTANCE.saturating_mul(more))
-    }
-
-    /// As [`hold`](Self::hold), for `more` triangles with this many vertices.
-    pub(super) fn hold_triangles(
+    /// As [`hold`](Self::hold), for instances and triangles with this many vertices, in addition to
+    /// the `before` primitives and instances already in the scene.
+    pub(super) fn hold_placement(
         &self,
         before: u64,
-        more: u64,
+        instances: u64,
+        triangles: u64,
         vertices: u64,
     ) -> Result<(), String> {
-        self.limits.check(Limit::Primitives, before.saturating_add(more))?;
-        self.hold(PRIMITIVE.saturating_mul(more).saturating_add(VERTEX.saturating_mul(vertices)))
+        let all = before.saturating_add(instances).saturating_add(triangles);
+        self.limits.check(Limit::Primitives, all)?;
+        let bytes = [(INSTANCE, instances), (PRIMITIVE, triangles), (VERTEX, vertices)];
+        let bytes = bytes.map(|(each, count)| each.saturating_mul(count));
+        self.hold(bytes.into_iter().fold(0, u64::saturating_add))
     }
 
     /// As [`hold`](Self::hold), for `more` primitives in addition to the `before` already in the

@@ -15,7 +15,7 @@ use crate::input::read_text;
 use crate::limits::{Limit, Limits};
 
 /// Bytes of memory that a generated [`SceneFile`] needs for each primitive.
-const GENERATED: u64 = 160;
+const GENERATED: u64 = 300;
 
 /// The source of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -54,8 +54,10 @@ fn groups_are_flattened() {
     let nested = |i: usize| vec![instance(&format!("e{i}"), IDENTITY); 10].join(", ");
     let groups = (1..40).map(|i| format!(r#", "e{i}": [{}]"#, nested(i - 1)));
     let meshes = format!(r#""e0": [{empty}]{}"#, groups.collect::<String>());
-    let nothing = Scene::from_ron(&scene(&meshes, &instance("e39", IDENTITY))).unwrap();
-    assert_eq!(counts(&nothing), [0, 0, 0]);
+    for meshes in [meshes.clone(), meshes.replace("grey", "lamp")] {
+        let nothing = Scene::from_ron(&scene(&meshes, &instance("e39", IDENTITY))).unwrap();
+        assert_eq!(counts(&nothing), [0, 0, 0]);
+    }
     // A material that replaces those of the parts makes another mesh, which here also has no light.
     let grey = format!(r#"instance(mesh: "b", matrix: {IDENTITY}, material: "grey")"#);
     assert_eq!(counts(&with(&grey)), [0, 3, 3]);
@@ -140,6 +142,21 @@ fn bad_instances_are_errors() {
         ),
         (&format!("{mesh}, {mesh}"), &a, "the name `a` is used twice"),
         (&nested(70, 1), &instance("m69", IDENTITY), "nested at most 64 times"),
+        (
+            &nested(70, 1),
+            &format!("{}, {}", instance("m40", IDENTITY), instance("m69", IDENTITY)),
+            "nested at most 64 times",
+        ),
+        (
+            &format!(r#""a": [{}]"#, TRIANGLE.replace("grey", "gray")),
+            &format!(r#"instance(mesh: "a", matrix: {IDENTITY}, material: "grey")"#),
+            "triangles: unknown material `gray`",
+        ),
+        (
+            &format!(r#""a": [{}]"#, LIGHT.replace("(1, 0, 0)", "(1e9, 0, 0)")),
+            &instance("a", "((2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 0))"),
+            "coordinates must be within ±1e9",
+        ),
         // 10^9 instances, and a number beyond 64 bits.
         (&nested(10, 10), &instance("m9", IDENTITY), "limit of primitives"),
         (&nested(50, 10), &instance("m49", IDENTITY), "limit of primitives"),

@@ -48,7 +48,7 @@ const LEAF: u32 = if LANES < 12 { LANES as u32 } else { 12 };
 impl PairTree {
     /// Lays out `tree`. Subtrees of one shape become leaves if that is cheaper than their nodes.
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree, extent: &Extent) -> Self {
-        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| geometry.get(primitive).shape());
+        let leaf = tree.leaves(NODE_COST, LEAF, |primitive| geometry.shape(primitive));
         let mut layout = Self {
             nodes: Vec::new(),
             middles: Vec::new(),

@@ -10,7 +10,7 @@ use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, Partition};
 use crate::accel::huge_pages::{reserve, settle};
 use crate::accel::leaf::{BlockRef, Blocks};
-use crate::accel::threads::for_each;
+use crate::accel::threads::{for_each, map};
 use crate::geometry::{Bounds, Geometry, Shape};
 use crate::simd::{LANES, Lanes, prefetch};
 
@@ -177,10 +177,13 @@ impl WideTree {
         let instances = &geometry.instances;
         let triangles = instances.triangles();
         let boxes = triangles.boxes();
+        // Many meshes are built at once, and few by all threads each.
+        let meshes: Vec<usize> = (0..instances.meshes()).collect();
+        let (at_once, each) = if meshes.len() < 4 * threads { (1, threads) } else { (threads, 1) };
         let build =
-            |mesh: usize| Self::over(triangles, &boxes, instances.range(mesh).collect(), threads);
+            |mesh: usize| Self::over(triangles, &boxes, instances.range(mesh).collect(), each);
         self.first = geometry.len() as u32;
-        self.meshes = (0..instances.meshes()).map(build).collect();
+        self.meshes = map(at_once, meshes, build);
         self
     }
 

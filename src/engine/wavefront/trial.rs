@@ -41,7 +41,9 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     // Counting would slow down the trials.
     let settings = RenderSettings { count: false, ..view.settings.clone() };
     let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
-    let primitives = view.scene().geometry().elements();
+    // Only these kernels trace instances, whatever their number.
+    let instanced = view.prepared.accelerator().has_instances();
+    let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
     let usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
 
     let ways = each_way(view, &usual);

@@ -71,9 +71,8 @@ impl Instance {
             ));
         }
         let u = f64::from(UNIT_ROUNDOFF);
-        let slope = 20.0 * u * condition(to_object, to_world);
-        let far = DMat3::from_diagonal(center.as_dvec3());
-        let base = 10.0 * u * condition(to_object, far);
+        let slope = 20.0 * u * condition(to_world, to_object);
+        let base = 10.0 * u * f64::from(center.abs().max_element());
         let vector = |v: DVec3| v.as_vec3();
         let l = to_object.transpose();
         let a = to_world.transpose();
@@ -172,12 +171,19 @@ impl Instance {
     }
 
     /// A box in world space that contains the instance of a mesh with the box `object`.
+    ///
+    /// The ray test shears vertices along the ray. This moves them by up to 10 roundings of the
+    /// largest edge E of the box, on any axis of object space. In world space, that is 10 u |A| E.
+    /// All other rounding errors grow with the distance of the ray's origin and are covered by the
+    /// slack of the box test (`accel/slab.rs`).
     pub(crate) fn bounds(&self, object: Bounds) -> Bounds {
         let a = self.exact_to_world();
         let (low, high) = (object.min.as_dvec3(), object.max.as_dvec3());
         let middle = a * (0.5 * (low + high)) + self.world_to_object().center.as_dvec3();
         let half = 0.5 * (high - low);
         let reach = a.x_axis.abs() * half.x + a.y_axis.abs() * half.y + a.z_axis.abs() * half.z;
+        let sheared = 20.0 * f64::from(UNIT_ROUNDOFF) * half.max_element();
+        let reach = reach + (a.x_axis.abs() + a.y_axis.abs() + a.z_axis.abs()) * sheared;
         Bounds { min: (middle - reach).as_vec3(), max: (middle + reach).as_vec3() }.widened(1)
     }
 }

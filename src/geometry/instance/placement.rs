@@ -67,19 +67,20 @@ impl<R: Real> Placement<R> {
 
     /// Maps a point of a surface from object to world space.
     ///
-    /// Let q be the point in object space and u the unit roundoff. A spawned ray starts at A q + c,
-    /// which is rounded by at most 5 u (|A| |q| + |c|), and is mapped back with 4 roundings more. L
-    /// and A differ from inverses by u |L| |A|. In object space, the origin is thus off by at most
-    /// 10 u |L| |A| |q| + 5 u |L| |c| in each coordinate, and by √3 times as much along the unit
-    /// normal. The plane at this distance from the surface is farther away in world space, by the
-    /// reciprocal of the length of the mapped normal.
+    /// Let q be the point in object space, n its normal and u the unit roundoff. A distance along n
+    /// is multiplied by 1 / |Lᵀn| in world space. A spawned ray starts at A q + c, which is rounded
+    /// by at most 5 u (|A| |q| + |c|). It is mapped back with 4 roundings of |L| |A| |q|, and A and
+    /// the inverse of L differ by as much as another one. In world space, these errors are at most 5
+    /// u |A| |L| |A| |q| in each coordinate. Along the normal, the sum is less than 20 u κ |A| |q| +
+    /// 10 u |c|, where κ is the largest sum in a row of |A| |L|.
     #[inline(always)]
     pub(in crate::geometry) fn surface(&self, surface: Surface<R>) -> Surface<R> {
         let point = apply(&self.to_world, surface.point) + self.to_object.center;
         let normal = self.to_object.normal(surface.normal);
-        let slack = self.slope * max_element(surface.point.abs()) + self.base;
         let scale = length(normal);
-        let offset = (surface.offset + slack) / scale;
+        let magnitudes = self.to_world.map(R::Vec3::abs);
+        let reach = max_element(apply(&magnitudes, surface.point.abs()));
+        let offset = surface.offset / scale + (self.slope * reach + self.base);
         let normal = normal / scale;
         let mut shading = Shading { normal, ..surface.shading };
         if shading.smooth.any() {
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn points_are_on_the_placed_triangle() {
-        let (mut off, mut angle) = (0.0_f64, 0.0_f64);
+        let (mut off, mut angle, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
         for_each_hit(|geometry, matrix, ray, hit, surface, _| {
             let (a, normal, side) = plane(geometry, matrix);
             let distance = (surface.point.as_dvec3() - a).dot(normal).abs();
@@ -183,8 +184,12 @@ mod tests {
             let size = length(end - ray.origin) + length(end) + 1.0;
             let reach = f64::from(size) * condition;
             assert!(f64::from(length(surface.point - end)) < 1e-5 * reach, "{matrix:?} {ray:?}");
+            let coordinates = length(surface.point)
+                + length(geometry.instances.list()[0].world_to_object().center);
+            most = most.max(f64::from(surface.offset) / (f64::from(coordinates) * condition));
         });
         assert!(off < 1.0, "off the plane by {off} offsets");
+        assert!(most < 2e-4, "offsets of {most} times the condition number and the coordinates");
         assert!(angle < 1e-5, "normals off by {angle} times the condition number");
     }
 

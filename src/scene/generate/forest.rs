@@ -12,6 +12,8 @@ use crate::scene::mesh::add_normals;
 use crate::scene::primitive::{InstanceFile, TrianglesFile};
 use crate::scene::{Background, CameraFile, SceneFile};
 
+/// Largest number of triangles of the ground and of the meshes.
+pub(super) const TRIANGLES: u32 = 600_000;
 /// Mean distance of neighbouring instances.
 const PITCH: f32 = 4.0;
 /// Materials: name and albedo.

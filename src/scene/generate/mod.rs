@@ -52,10 +52,11 @@ impl Generated {
         }))
     }
 
-    /// The approximate number of primitives.
+    /// The approximate number of primitives and instances.
     pub(super) fn count(self) -> u32 {
         match self {
-            Self::Cloud(count) | Self::Mesh(count) | Self::Forest(count) => count,
+            Self::Cloud(count) | Self::Mesh(count) => count,
+            Self::Forest(count) => count + forest::TRIANGLES,
         }
     }
 

@@ -11,12 +11,14 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::{Builder, InstanceFile, MeshFile, NamedMesh, PrimitiveFile};
 use crate::error::{Result, suggestion};
-use crate::geometry::{Instance, Triangles};
+use crate::geometry::{Bounds, Instance, Triangles};
 use crate::scene::named::Named;
 use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// Largest number of instances around a mesh.
 const MAX_NESTING: usize = 64;
+/// Bytes of memory for each instance in a group while the list grows. It has 104.
+const CHILD: u64 = 208;
 
 /// The named meshes of a scene. Those that no instance places are not read.
 pub(super) struct Groups<'a> {
@@ -39,6 +41,8 @@ struct Group {
     children: Vec<(DAffine3, Rc<Group>)>,
     /// Number of instances, of triangles and of their vertices that one placement adds.
     adds: [u64; 3],
+    /// Number of instances around its innermost mesh.
+    nesting: usize,
 }
 
 impl<'a> Groups<'a> {
@@ -61,6 +65,17 @@ fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
 }
 
+/// Checks that a mesh whose box is `placed` is within the range of coordinates.
+fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
+    let farthest = placed.min.abs().max(placed.max.abs()).max_element();
+    if placed == Bounds::EMPTY || farthest <= MAX_COORDINATE {
+        return Ok(());
+    }
+    let (from, to) = (placed.min.to_array(), placed.max.to_array());
+    let range = "coordinates must be within ±1e9";
+    Err(e.error(format!("the mesh is placed at {from:?} to {to:?}, {range}")))
+}
+
 impl<'a> Builder<'a> {
     /// Adds an instance and all that it contains.
     pub(super) fn place(&mut self, e: &Element<'_>, file: &InstanceFile) -> Result<()> {
@@ -70,8 +85,7 @@ impl<'a> Builder<'a> {
         let group = self.group(e, file, None)?;
         let [instances, triangles, vertices] = group.adds;
         self.budget
-            .hold_instances(self.count() as u64, instances)
-            .and_then(|()| self.budget.hold_triangles(self.count() as u64, triangles, vertices))
+            .hold_placement(self.count() as u64, instances, triangles, vertices)
             .map_err(|message| e.error(message))?;
         self.put(e, &group, &map)
     }
@@ -80,19 +94,14 @@ impl<'a> Builder<'a> {
         let product = |message| e.error(format!("the product of nested matrices {message}"));
         let instance = Instance::new(group.mesh.unwrap_or(0), &rows(map)).map_err(product)?;
         if let Some(mesh) = group.mesh {
-            let placed = instance.bounds(self.geometry.instances.mesh_bounds(mesh as usize));
-            let farthest = placed.min.abs().max(placed.max.abs());
-            if !(farthest.max_element() <= MAX_COORDINATE) {
-                return Err(e.error(format!(
-                    "the mesh is placed at {:?} to {:?}, coordinates must be within ±1e9",
-                    placed.min.to_array(),
-                    placed.max.to_array()
-                )));
-            }
+            let mesh = self.geometry.instances.mesh_bounds(mesh as usize);
+            check_place(e, instance.bounds(mesh))?;
             self.geometry.instances.push(instance);
         }
         for (triangles, material) in &group.lights {
-            self.geometry.triangles.append(&instance.placed(triangles));
+            let placed = instance.placed(triangles);
+            check_place(e, Bounds::of(placed.iter().flat_map(|triangle| triangle.vertices)))?;
+            self.geometry.triangles.append(&placed);
             self.ranges.cover(self.geometry.triangles.len(), *material);
         }
         for (child, group) in &group.children {
@@ -117,14 +126,16 @@ impl<'a> Builder<'a> {
             let known = suggestion(name, meshes.names());
             return Err(e.error(format!("unknown mesh `{name}`{known}")));
         };
+        let too_deep = || e.error(format!("meshes may be nested at most {MAX_NESTING} times"));
         if let Some(group) = known.get(&(number, material)) {
-            return Ok(Rc::clone(group));
+            let all = open.len() + group.nesting;
+            return if all < MAX_NESTING { Ok(Rc::clone(group)) } else { Err(too_deep()) };
         }
         if open.contains(&number) {
             return Err(e.error(format!("the mesh `{name}` contains itself")));
         }
         if open.len() == MAX_NESTING {
-            return Err(e.error(format!("meshes may be nested at most {MAX_NESTING} times")));
+            return Err(too_deep());
         }
         self.groups.open.push(number);
         let group = match &meshes.0[number].1 {
@@ -171,23 +182,31 @@ impl<'a> Builder<'a> {
                     vertices = vertices.saturating_add(child.adds[2]);
                     // Placing what adds nothing could take forever: 10 in 10 in 10, 64 times.
                     if child.adds != [0; 3] {
+                        self.budget.hold(CHILD).map_err(|message| e.error(message))?;
+                        group.nesting = group.nesting.max(child.nesting + 1);
                         group.children.push((affine(&file.matrix), child));
                     }
                 }
                 PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {
+                    let own = part.material().unwrap_or_default();
                     let material = match material {
-                        Some(material) => material,
-                        None => self.materials.find(&e, part.material().unwrap_or_default())?,
+                        // A file has no material of its own.
+                        Some(material) if own.is_empty() => material,
+                        material => {
+                            let own = self.materials.find(&e, own)?;
+                            material.unwrap_or(own)
+                        }
                     };
                     let before = self.geometry.triangles.mark();
                     part.expand(&e, self)?;
                     let list = self.geometry.triangles.split_off(before);
+                    if list.is_empty() {
+                        continue;
+                    }
                     if self.materials.shine[material as usize] {
                         triangles = triangles.saturating_add(list.len() as u64);
                         vertices = vertices.saturating_add(list.vertex_count() as u64);
-                        if !list.is_empty() {
-                            group.lights.push((list, material));
-                        }
+                        group.lights.push((list, material));
                     } else {
                         still.append(&list);
                         ranges.push((still.len(), material));

@@ -15,7 +15,7 @@ pub struct InstanceFile {
     pub mesh: String,
     /// The map from the mesh to the scene, in three rows. Each has three factors and, last, a
     /// coordinate of the translation. Mirroring and shear are possible. The matrix must not be
-    /// singular or nearly so: the largest sum in a row of |A⁻¹| |A| may be up to 10 000.
+    /// singular or nearly so: the largest sum in a row of |A| |A⁻¹| may be up to 10 000.
     pub matrix: [[f32; 4]; 3],
     /// Name of the material of all triangles, a key of
     /// [`SceneFile::materials`](crate::SceneFile::materials). Without it, the parts of the mesh keep

@@ -2,7 +2,8 @@
 
 use glam::{Mat3, Vec3};
 use ptfast::internals::{
-    Bvh2, Geometry, Instance, Ray, Stream, Triangle, Triangles, cross, normalize, uniform_sphere,
+    Bvh2, Geometry, Instance, Quad, Ray, Stream, Triangle, Triangles, cross, normalize,
+    uniform_sphere,
 };
 
 use super::check::{RAYS, bits, check_kernels};
@@ -131,6 +132,109 @@ fn the_reference_agrees_with_brute_force_on_instances() {
             instances += usize::from(want.is_some_and(|hit| hit.primitive >= first));
         }
         assert!(instances > 4000, "only {instances} rays hit instances");
+    }
+}
+
+/// A mesh that is long in its own space. Errors of the ray test along its length are not covered by
+/// the slack of world space, but by the boxes of instances.
+#[test]
+fn flattened_meshes_are_not_skipped() {
+    let mut random = Stream::new(3);
+    for stretch in [1e2, 1e4, 1e6] {
+        let mut geometry = Geometry::default();
+        let mut placed = Geometry::default();
+        for _ in 0..40 {
+            let center = Vec3::new(1.0, 0.0, 0.0) + vector(&mut random, 0.02);
+            let mut corner = || vector(&mut random, 1.0);
+            // Nearly perpendicular to the x-axis, so that boxes are thin.
+            let flat = Vec3::new(1e-3, 1.0, 1.0);
+            let vertices = [corner(), corner(), corner()].map(|v| v * flat + center);
+            let axis = random.bits() as usize % 2 + 1;
+            let mut long = Vec3::ONE;
+            long[axis] = stretch;
+            let mesh = [Triangle { vertices: vertices.map(|v| v * long) }].into_iter().collect();
+            let mesh = geometry.instances.add_mesh(mesh);
+            let Vec3 { x, y, z } = 1.0 / long;
+            let matrix = [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]];
+            geometry.instances.push(Instance::new(mesh, &matrix).unwrap());
+            placed.triangles.push(Triangle { vertices });
+        }
+        let make = |_| {
+            let origin = vector(&mut random, 0.01);
+            let target = placed.triangles.get(random.bits() as usize % 40).unwrap().vertices;
+            let (s, t) = (random.uniform(), random.uniform());
+            let target = target[0] + (target[1] - target[0]) * s + (target[2] - target[0]) * t;
+            (Ray { origin, direction: target - origin, time: 0.0 }, f32::INFINITY)
+        };
+        let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+        check_kernels(&format!("stretched by {stretch}"), &geometry, RAYS / 4, make, oracle);
+    }
+    // A ray of which the sheared vertices are rounded by almost 1.
+    let mut geometry = Geometry::default();
+    let x = 1.007_812_5;
+    let vertices = [[x, -1_048_576.0, -1.0], [x, 1_048_576.0, -1.0], [x, 0.0, 2.0]];
+    let mesh = [Triangle { vertices: vertices.map(Vec3::from_array) }].into_iter().collect();
+    geometry.instances.add_mesh(mesh);
+    let small = 1.0 / 1_048_576.0;
+    let matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, small, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    geometry.instances.push(Instance::new(0, &matrix).unwrap());
+    let corner = Vec3::new(1.005, -1.0, -1.0);
+    geometry.quads.extend(Quad::new(corner, Vec3::Y * 2.0, Vec3::Z * 2.0));
+    let direction = Vec3::new(1.0, 2.0 * small, 0.0);
+    let ray = Ray { origin: Vec3::ZERO, direction, time: 0.0 };
+    let hit = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY).unwrap();
+    assert!(hit.primitive == 1 && hit.t < 1.004, "{hit:?}");
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+    check_kernels("sheared", &geometry, 100, |_| (ray, f32::INFINITY), oracle);
+}
+
+/// Rays that overflow or underflow in some object space, and rays that are not finite.
+#[test]
+fn wild_rays_find_instances() {
+    let (geometry, placed) = instanced(31, Kind::Scaled, 1.0, Vec3::ZERO);
+    let mut random = Stream::new(5);
+    let make = |i: usize| {
+        let (mut ray, t_max) = adversarial(&mut random, i, &placed, 1.0, Vec3::ZERO);
+        let power = [1e-17, 1e-14, 1e-9, 1.0, 1e9, 1e14, 1e17][i % 7];
+        ray.direction *= power;
+        if i.is_multiple_of(5) {
+            ray.origin *= [1e3, 1e7, 1e12, f32::NAN][i / 5 % 4];
+        }
+        (ray, t_max)
+    };
+    let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
+    check_kernels("wild", &geometry, RAYS / 8, make, oracle);
+}
+
+/// Trees that are larger than the fast caches, for which brute force takes too long: of instances
+/// among triangles, of the mesh that they place, and of enough instances for clusters.
+#[test]
+fn large_trees_of_instances() {
+    let scene = ptfast::Scene::load("mesh:40960").unwrap();
+    let triangles = &scene.geometry().triangles;
+    let mut random = Stream::new(41);
+    for (name, world, count) in [("triangles", 61_440, 300), ("clusters", 0, 140_000)] {
+        let mesh = triangles.iter().take(20_480).collect();
+        let mut geometry = Geometry::default();
+        geometry.instances.add_mesh(mesh);
+        geometry.triangles = triangles.iter().take(world).collect();
+        for _ in 0..count {
+            let linear = linear(&mut random, Kind::Mirrored, 0.3, 1.0);
+            let center = vector(&mut random, 20.0);
+            let row = |i: usize| {
+                let Vec3 { x, y, z } = linear.row(i);
+                [x, y, z, center[i]]
+            };
+            let instance = Instance::new(0, &[row(0), row(1), row(2)]).unwrap();
+            geometry.instances.push(instance);
+        }
+        let tree = Bvh2::new(&geometry, 2);
+        let oracle = |ray: &Ray, t_min, t_max| tree.closest(&geometry, ray, t_min, t_max);
+        let guide = Geometry { triangles: triangles.clone(), ..Geometry::default() };
+        let make = |i| adversarial(&mut random, i, &guide, 20.0, Vec3::ZERO);
+        check_kernels(name, &geometry, RAYS / 4, make, oracle);
+        let mut bundles = Bundles::new(18, &guide, 20.0, Vec3::ZERO);
+        check_kernels(name, &geometry, RAYS / 4, |i| bundles.next(i), oracle);
     }
 }
 
