@@ -3,8 +3,8 @@
 use glam::Vec3;
 use ptfast::Kernel;
 use ptfast::internals::{
-    Accelerator, Counters, Geometry, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
-    Triangles,
+    Accelerator, Counters, Geometry, HitBatch, Instance, Quad, Ray, RayBatch, Sphere, Stream,
+    Triangle, Triangles,
 };
 
 use super::rays::{adversarial, soup};
@@ -143,6 +143,29 @@ fn a_node_and_a_leaf() {
     assert_eq!(beam.lanes_active, 1 + 1 + 64);
     let boxes = beam.lanes_issued - 64;
     assert!([2 * 8, 2 * 16].contains(&boxes), "{boxes} lanes of boxes");
+}
+
+/// Rays at an instance of a triangle: each visits a node and a leaf on both levels.
+#[test]
+fn both_levels_of_instances_are_counted() {
+    let vertices = [Vec3::new(-1.0, -1.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0];
+    let mut geometry = Geometry::default();
+    geometry.instances.add_mesh([Triangle { vertices }].into_iter().collect());
+    let matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 3.0]];
+    geometry.instances.push(Instance::new(0, &matrix).unwrap());
+    let accelerator = Accelerator::new(geometry);
+    let mut batch = RayBatch::default();
+    for i in 0..64 {
+        let origin = Vec3::new(0.001 * i as f32, 0.0, -5.0);
+        batch.push(&Ray { origin, direction: Vec3::Z, time: 0.0 }, 0.0, f32::INFINITY);
+    }
+    for (kernel, nodes) in [(Kernel::Single, 2 * 64), (Kernel::Scalar, 0)] {
+        for any in [false, true] {
+            let mut hits = HitBatch::misses(64);
+            let count = accelerator.count(kernel, any, &batch, 0..64, &mut hits);
+            assert_eq!((count.node_visits, count.leaf_tests), (nodes, 2 * 64), "{kernel:?}");
+        }
+    }
 }
 
 /// In a large tree, a beam of diverging rays does not do much more work than its rays would alone.

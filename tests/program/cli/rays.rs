@@ -22,6 +22,7 @@ fn ray_sets_have_the_documented_format_and_trace_to_the_same_hits() {
         ("spacetime", &["primary", "bounce"][..], [488, 0, 0]),
         ("cornell", &["primary", "bounce", "shadow"], [0, 18, 0]),
         ("mesh:20480", &["primary", "bounce"], [0, 0, 20_482]),
+        (INSTANCES, &["primary", "bounce", "shadow"], [1, 1, 4]),
     ] {
         small_ray_set(here, scene);
         let set = here.join("set");
@@ -47,11 +48,27 @@ fn ray_sets_have_the_documented_format_and_trace_to_the_same_hits() {
                 (set_entry["name"].as_str().unwrap(), set_entry["rays"].as_u64().unwrap());
             let kind = if name == "shadow" { "occluded" } else { "closest" };
             assert_eq!(set_entry["kind"], kind);
-            assert!((2048..=4096).contains(&rays), "{scene} {name}: {rays}");
+            // The picture of the scene with instances has only 2304 pixels.
+            let least = if scene == INSTANCES { 1024 } else { 2048 };
+            assert!((least..=4096).contains(&rays), "{scene} {name}: {rays}");
             for (extension, size) in [("rays", 24), ("range", 8), ("hits", 8)] {
                 assert_eq!(bytes(format!("{name}.{extension}")), rays * size);
             }
             assert_eq!(set.join(format!("{name}.time")).exists(), scene == "spacetime");
+            let instances = format!("{name}.instances");
+            assert_eq!(set.join(&instances).exists(), scene == INSTANCES);
+            if scene == INSTANCES {
+                assert_eq!(bytes(instances), rays * 4);
+            }
+        }
+        if scene == INSTANCES {
+            let counts = &manifest["counts"];
+            assert_eq!(
+                (&counts["meshes"], &counts["instances"]),
+                (&[8, 8, 2][..].into(), &8.into())
+            );
+            assert_eq!(bytes("meshes.f32".to_owned()), 18 * 36);
+            assert_eq!(bytes("instances.f32".to_owned()), 8 * 52);
         }
 
         for file in ["set/manifest.json", "set/quads.f32", "set/primary.hits"] {
@@ -72,6 +89,37 @@ fn ray_sets_have_the_documented_format_and_trace_to_the_same_hits() {
             assert!(row["mrays_per_s"].as_f64().unwrap() > 0.0);
         }
         fs::remove_dir_all(set).unwrap();
+    }
+}
+
+/// A scene with instances, some of them of lights.
+const INSTANCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/instances.ron");
+
+#[test]
+fn damaged_instances_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    small_ray_set(here, INSTANCES);
+    for (file, at, word, want) in [
+        ("instances.f32", 48, 3, "instances.f32:[0]: mesh 3 does not exist"),
+        ("instances.f32", 0, f32::NAN.to_bits(), "instances.f32:[0]: the matrix must be finite"),
+        ("meshes.f32", 36, f32::INFINITY.to_bits(), "meshes.f32:[1]: a coordinate is not finite"),
+        (
+            "primary.instances",
+            4,
+            8,
+            "primary.instances:[1]: instance 8 does not exist, there are 8",
+        ),
+    ] {
+        let path = here.join("set").join(file);
+        let whole = fs::read(&path).unwrap();
+        let mut damaged = whole.clone();
+        damaged[at..at + 4].copy_from_slice(&u32::to_le_bytes(word));
+        fs::write(&path, damaged).unwrap();
+        let output = ptfast(here, &["trace", "set", "--reps", "1"]);
+        assert_eq!(output.status.code(), Some(65));
+        assert!(stderr(&output).contains(want), "{}", stderr(&output));
+        fs::write(&path, whole).unwrap();
     }
 }
 
