@@ -195,13 +195,14 @@ impl Setup {
         wild
     }
 
-    /// Prepares rays in the object spaces of instances, where no product overflows.
+    /// Prepares rays in the object spaces of instances, where no product overflows. The lengths of
+    /// their directions are left out, because the tests of triangles do not need them.
     #[inline(always)]
     pub(super) fn in_object_space(ray: Ray<Float>, t_min: Float, extent: &ExtentLanes) -> Self {
         let Ray { origin, direction, time } = ray;
         let [ax, ay, az] = axes(|axis| direction[axis].abs());
         let far = origin[0].abs() + origin[1].abs() + origin[2].abs();
-        let ray = RayLanes::new(origin, direction, time, t_min);
+        let ray = RayLanes { origin, direction, time, t_min, ..RayLanes::NONE };
         let slab = SlabLanes::new(&ray, ax + ay + az, far, extent);
         Self { ray, slab, shear: Shear::new(direction, [ax, ay, az]), active: 0 }
     }

@@ -27,8 +27,12 @@ pub(super) fn run(command: &ScenesCommand) -> Result<()> {
 fn summary(scene: &Scene) -> String {
     let geometry = scene.geometry();
     let defaults = scene.defaults();
+    let instances = match &geometry.instances {
+        none if none.is_empty() => String::new(),
+        some => format!(" {} instances of {} triangles,", some.len(), some.triangle_count()),
+    };
     format!(
-        "{:<10} {} x {}, {} spp, {}: {} spheres, {} quads, {} triangles, {} materials, {} lights",
+        "{:<10} {} x {}, {} spp, {}: {} spheres, {} quads, {} triangles,{instances} {} materials, {} lights",
         scene.name(),
         defaults.width,
         defaults.height,

@@ -29,7 +29,7 @@ impl Block {
     #[inline(always)]
     fn enter(&self, one: &OneRay<'_>, limit: f32) -> (Setup, Lanes, Mask) {
         let vector = |lanes: &[Lanes; 3]| Vec3x::of_lanes(lanes);
-        let rows = [0, 1, 2].map(|row| vector(&self.to_object[row]));
+        let rows = axes(|row| vector(&self.to_object[row]));
         let ray = ToObject::<Float> { rows, center: vector(&self.center) }.ray(&one.full_ray());
         let (middle, half) = (vector(&self.middle), vector(&self.half));
         let half_edges = half[0] + half[1] + half[2];

@@ -3,6 +3,7 @@
 use super::Instance;
 use crate::geometry::{Ray, Shading, Surface};
 use crate::math::{Mask, Real, Vector, dot, length, max_element, normalize};
+use crate::simd::axes;
 
 /// The maps of an instance, or of one per lane.
 pub(crate) struct Placement<R: Real> {
@@ -78,7 +79,7 @@ impl<R: Real> Placement<R> {
         let point = apply(&self.to_world, surface.point) + self.to_object.center;
         let normal = self.to_object.normal(surface.normal);
         let scale = length(normal);
-        let magnitudes = self.to_world.map(R::Vec3::abs);
+        let magnitudes = axes(|row| self.to_world[row].abs());
         let reach = max_element(apply(&magnitudes, surface.point.abs()));
         let offset = surface.offset / scale + (self.slope * reach + self.base);
         let normal = normal / scale;
