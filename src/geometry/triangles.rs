@@ -1,5 +1,7 @@
 //! Indexed triangles.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 use super::Triangle;
@@ -43,6 +45,13 @@ pub(super) const SOFT: u32 = 4;
 pub(crate) struct Mark {
     triangles: usize,
     vertices: usize,
+}
+
+impl Mark {
+    /// Number of triangles before it.
+    pub(crate) fn triangles(self) -> u32 {
+        self.triangles as u32
+    }
 }
 
 /// The tables of a list of triangles.
@@ -133,6 +142,11 @@ impl Triangles {
             positions: self.positions.split_off(vertices),
             normals: self.normals.split_off(normals),
         }
+    }
+
+    /// A copy of some of the triangles, with all vertices.
+    pub(crate) fn select(&self, range: Range<usize>) -> Self {
+        Self { corners: self.corners[range].to_vec(), ..self.clone() }
     }
 
     /// Appends the triangles of another list.

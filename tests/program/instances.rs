@@ -93,6 +93,50 @@ fn files_are_shared_and_scenes_are_written_as_read() {
 }
 
 #[test]
+fn obj_files_name_materials() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+    // The second triangle has no area.
+    let faces = "usemtl grey\nf 1 2 3\nf 1 1 2\nf 2 4 3\nusemtl lamp \nf 1 3 2\n";
+    file("a.obj", &format!("{corners}{faces}"));
+    file("nameless.obj", &format!("{corners}f 1 2 3\n{faces}"));
+    file("unknown.obj", &format!("{corners}usemtl dark grey\nf 1 2 3\n"));
+    let load = |meshes: &str, primitives: &str| {
+        file("a.ron", &scene(meshes, primitives));
+        Scene::load(folder.path().join("a.ron").to_str().unwrap())
+    };
+    let own = load("", r#"mesh(file: "a.obj")"#).unwrap();
+    assert_eq!((counts(&own), own.lights()), ([3, 0, 0], 1));
+    assert_eq!([0, 1, 2].map(|i| own.material(i).name()), ["lambertian", "lambertian", "light"]);
+    let one = load("", r#"mesh(file: "a.obj", material: "grey")"#).unwrap();
+    assert_eq!((counts(&one), one.lights()), ([3, 0, 0], 0));
+    let a = instance("a", IDENTITY);
+    // Triangles that emit light are placed on their own.
+    let instanced = load(r#""a": "a.obj""#, &format!("{a}, {a}")).unwrap();
+    assert_eq!((counts(&instanced), instanced.lights()), ([2, 2, 2], 2));
+    let parts = load(r#""a": [mesh(file: "a.obj")]"#, &format!("{a}, {a}")).unwrap();
+    assert_eq!(parts.hash(), instanced.hash());
+    let grey = format!(r#"instance(mesh: "a", matrix: {IDENTITY}, material: "grey")"#);
+    for mesh in [r#""a": "unknown.obj""#, r#""a": [mesh(file: "nameless.obj")]"#] {
+        assert_eq!(load(mesh, &grey).unwrap().lights(), 0);
+    }
+    for (meshes, primitives, want) in [
+        (
+            "",
+            r#"mesh(file: "nameless.obj")"#,
+            "has triangles without the name of a material, so add",
+        ),
+        ("", r#"mesh(file: "unknown.obj")"#, "mesh: unknown material `dark grey`"),
+        (r#""a": "nameless.obj""#, &a, "has triangles without the name of a material, so add"),
+        (r#""a": "unknown.obj""#, &a, "mesh: unknown material `dark grey`"),
+    ] {
+        let error = load(meshes, primitives).unwrap_err().to_string();
+        assert!(error.contains(want), "{error}");
+    }
+}
+
+#[test]
 fn equal_content_has_equal_hashes() {
     let hash = |meshes: &str, primitives: &str| {
         Scene::from_ron(&scene(meshes, primitives)).unwrap().hash()
@@ -136,7 +180,6 @@ fn bad_instances_are_errors() {
             &format!(r#"instance(mesh: "a", matrix: {IDENTITY}, material: "gray")"#),
             "unknown material `gray`, did you mean `grey`?",
         ),
-        (r#""a": "a.obj""#, &a, "the mesh `a` has no material, so add `material`"),
         (r#""a": [sphere(center: (0, 0, 0), radius: 1, material: "grey")]"#, &a, "consists of"),
         (r#""a": 3"#, &a, "the path of a mesh file, or a list of parts"),
         (&format!(r#""a": [{a}]"#), &a, "the mesh `a` contains itself"),

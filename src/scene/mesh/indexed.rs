@@ -17,6 +17,11 @@ use crate::scene::place::{MAX_COORDINATE, angles};
 pub(in crate::scene) struct Mesh {
     pub(in crate::scene) vertices: Vertices,
     pub(in crate::scene) triangles: Vec<[u32; 3]>,
+    /// The names of its materials.
+    pub(in crate::scene) materials: Vec<String>,
+    /// Ranges of triangles with the same material: one past the last triangle, and the index of the
+    /// name, which is out of range for triangles without a name. Empty if the format has no names.
+    pub(super) ranges: Vec<(u32, u32)>,
     /// Names of the ignored data in the file.
     pub(super) ignored: BTreeSet<&'static str>,
 }
@@ -70,6 +75,13 @@ impl Mesh {
         self
     }
 
+    /// Notes that the names of the materials are ignored, if there are any.
+    pub(in crate::scene) fn ignore_materials(&mut self) {
+        if !self.materials.is_empty() {
+            self.ignored.insert("materials");
+        }
+    }
+
     /// Returns a message that names the ignored data in `file`, if any.
     pub(in crate::scene) fn ignored(&self, file: &Path) -> Option<String> {
         let names: Vec<&str> = self.ignored.iter().copied().collect();
@@ -80,11 +92,12 @@ impl Mesh {
     pub(in crate::scene) fn memory(&self) -> u64 {
         let Vertices { positions, normals, uvs } = &self.vertices;
         let vertices = size_of_val(&**positions) + size_of_val(&**normals) + size_of_val(&**uvs);
-        (vertices + size_of_val(&*self.triangles)) as u64
+        let names: usize = self.materials.iter().map(|name| size_of::<String>() + name.len()).sum();
+        (vertices + size_of_val(&*self.triangles) + size_of_val(&*self.ranges) + names) as u64
     }
 
-    /// Returns the transformed vertices, and the triangles that have an area. They are computed in
-    /// f64 and rounded once. `smooth` decides whether the vertices have normals.
+    /// Returns the transformed vertices, the triangles that have an area, and their ranges. Vertices
+    /// are computed in f64 and rounded once. `smooth` decides whether the vertices have normals.
     ///
     /// No ray slips between triangles that share a whole edge. Rays may slip through at
     /// T-junctions, which are vertices on the edge of a neighbour. A triangle without area
@@ -97,7 +110,7 @@ impl Mesh {
         transform: &Transform,
         smooth: Smooth,
         budget: &Budget,
-    ) -> Result<(Vertices, Vec<[u32; 3]>), String> {
+    ) -> Result<(Vertices, Vec<[u32; 3]>, Vec<(u32, u32)>), String> {
         let Vertices { positions, normals, uvs } = &self.vertices;
         let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
@@ -119,7 +132,15 @@ impl Mesh {
         let has_area = |face: &[u32; 3]| {
             !Triangle { vertices: face.map(|vertex| positions[vertex as usize]) }.is_degenerate()
         };
-        let faces: Vec<_> = self.triangles.iter().copied().filter(has_area).collect();
+        let (mut faces, mut ranges) = (Vec::with_capacity(self.triangles.len()), Vec::new());
+        let all = [(self.triangles.len() as u32, u32::MAX)];
+        let mut begin = 0;
+        for &(end, name) in if self.ranges.is_empty() { &all } else { &self.ranges[..] } {
+            let range = &self.triangles[begin..end as usize];
+            faces.extend(range.iter().copied().filter(has_area));
+            ranges.push((faces.len() as u32, name));
+            begin = end as usize;
+        }
         if faces.is_empty() {
             return Err(
                 "no triangle has an area after the transform, but a mesh needs one".to_owned()
@@ -137,7 +158,7 @@ impl Mesh {
                 add_normals(&mut vertices, &faces);
             }
         }
-        Ok((vertices, faces))
+        Ok((vertices, faces, ranges))
     }
 }
 

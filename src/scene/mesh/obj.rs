@@ -1,6 +1,6 @@
 //! Reader of Wavefront OBJ files.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::str;
 
 use glam::{Vec2, Vec3};
@@ -16,9 +16,6 @@ const NORMAL: &str = "a normal is `vn` and three finite numbers";
 const UV: &str = "texture coordinates are `vt` and one to three finite numbers";
 const FACE: &str = "a face is `f` and three or more vertex numbers";
 const CONTINUED: &str = "continued lines are not supported, join this line with the next";
-
-/// Keywords of ignored data, each with the name of that data in messages.
-const IGNORED: [(&[u8], &str); 1] = [(b"usemtl", "materials")];
 
 /// Number of vertices of one position that a corner is compared with. If none of them fits, it gets a
 /// vertex of its own.
@@ -49,6 +46,15 @@ struct Reader<'a> {
     first: Vec<u32>,
     vertices: Vec<Vertex>,
     triangles: Vec<[u32; 3]>,
+    /// The number of each name of a material.
+    materials: HashMap<Vec<u8>, u32>,
+    /// Ranges of triangles with the same material: one past the last triangle, and the number of the
+    /// name, or [`NONE`].
+    ranges: Vec<(u32, u32)>,
+    /// Number of bytes of all names.
+    names: usize,
+    /// The number of the current name.
+    material: Option<u32>,
     ignored: BTreeSet<&'static str>,
     budget: Option<&'a Budget>,
     /// Bytes of memory up to which the budget has been checked.
@@ -105,11 +111,22 @@ impl Reader<'_> {
                 let uv = uv.map(|([u, v, _], _)| Vec2::new(u, v));
                 self.uvs.push(uv.filter(|uv| uv.is_finite()).ok_or(UV)?);
             }
-            b"f" => self.face(words)?,
-            keyword => {
-                let ignored = IGNORED.iter().filter(|(key, _)| *key == keyword);
-                self.ignored.extend(ignored.map(|(_, name)| *name));
+            b"f" => {
+                self.face(words)?;
+                let (end, name) = (self.triangles.len() as u32, self.material.unwrap_or(NONE));
+                match self.ranges.last_mut() {
+                    Some(last) if last.1 == name => last.0 = end,
+                    _ => self.ranges.push((end, name)),
+                }
             }
+            b"usemtl" => {
+                // A name may contain blanks.
+                let name = line.trim_ascii_start()[keyword.len()..].trim_ascii();
+                let next = self.materials.len() as u32;
+                self.names += if self.materials.contains_key(name) { 0 } else { name.len() };
+                self.material = Some(*self.materials.entry(name.to_vec()).or_insert(next));
+            }
+            _ => {}
         }
         Ok(())
     }
@@ -190,13 +207,19 @@ impl Reader<'_> {
             + 8 * self.uvs.len()
             + 12 * self.normals.len()
             + 16 * self.vertices.len()
-            + 12 * self.triangles.len();
-        (3 * lists + 32 * self.vertices.len()) as u64
+            + 12 * self.triangles.len()
+            + 8 * self.ranges.len();
+        let names = 100 * self.materials.len() + 2 * self.names;
+        (3 * lists + 32 * self.vertices.len() + names) as u64
     }
 
     /// The vertices that faces refer to, and the faces.
     fn mesh(self) -> Mesh {
-        let Self { positions, uvs, normals, vertices, triangles, ignored, .. } = self;
+        let Self { positions, uvs, normals, vertices, triangles, ignored, ranges, .. } = self;
+        let mut materials = vec![String::new(); self.materials.len()];
+        for (name, number) in self.materials {
+            materials[number as usize] = String::from_utf8_lossy(&name).into_owned();
+        }
         let of = |list: &[Vec3], index: u32| list.get(index as usize).copied().unwrap_or_default();
         let has_normals = vertices.iter().any(|vertex| vertex.normal != NONE);
         let has_uvs = vertices.iter().any(|vertex| vertex.uv != NONE);
@@ -207,7 +230,7 @@ impl Reader<'_> {
             normals: with(has_normals).map(|vertex| of(&normals, vertex.normal)).collect(),
             uvs: with(has_uvs).map(uv).collect(),
         };
-        Mesh { vertices, triangles, ignored }
+        Mesh { vertices, triangles, materials, ranges, ignored }
     }
 }
 
@@ -246,7 +269,7 @@ mod tests {
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| at(*t)).collect();
         assert_eq!(triangles, [[a, b, c], [a, b, c], [a, c, d]]);
         assert!(mesh.vertices.normals.is_empty() && mesh.vertices.uvs.is_empty());
-        assert_eq!(mesh.ignored, BTreeSet::from(["materials", "colours"]));
+        assert_eq!(mesh.ignored, BTreeSet::from(["colours"]));
     }
 
     #[test]

@@ -5,11 +5,12 @@
 //! triangles wherever they are placed, because each of them is a light of its own.
 
 use std::collections::HashMap;
+use std::mem::{replace, take};
 use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::{Builder, InstanceFile, MeshFile, NamedMesh, PrimitiveFile};
+use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
 use crate::scene::named::Named;
@@ -140,13 +141,8 @@ impl<'a> Builder<'a> {
         self.groups.open.push(number);
         let group = match &meshes.0[number].1 {
             NamedMesh::File(path) => {
-                let part = [MeshFile::new(path, "").into()];
-                let place = |_| format!("meshes.{name}");
-                if material.is_none() {
-                    let message = format!("the mesh `{name}` has no material, so add `material`");
-                    return Err(e.error(message));
-                }
-                self.read(e, &part, place, material)?
+                let part = [MeshFile { material: None, ..MeshFile::new(path, "") }.into()];
+                self.read(e, &part, |_| format!("meshes.{name}"), material)?
             }
             NamedMesh::Parts(parts) => {
                 self.read(e, parts, |i| format!("meshes.{name}[{i}]"), material)?
@@ -188,28 +184,23 @@ impl<'a> Builder<'a> {
                     }
                 }
                 PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {
-                    let own = part.material().unwrap_or_default();
-                    let material = match material {
-                        // A file has no material of its own.
-                        Some(material) if own.is_empty() => material,
-                        material => {
-                            let own = self.materials.find(&e, own)?;
-                            material.unwrap_or(own)
+                    let (list, materials) = self.part(&e, part, material)?;
+                    let mut begin = 0;
+                    for (end, material) in materials {
+                        let list = match begin..end as usize {
+                            none if none.is_empty() => continue,
+                            all if all.len() == list.len() => list.clone(),
+                            some => list.select(some),
+                        };
+                        begin = end as usize;
+                        if self.materials.shine[material as usize] {
+                            triangles = triangles.saturating_add(list.len() as u64);
+                            vertices = vertices.saturating_add(list.vertex_count() as u64);
+                            group.lights.push((list, material));
+                        } else {
+                            still.append(&list);
+                            ranges.push((still.len(), material));
                         }
-                    };
-                    let before = self.geometry.triangles.mark();
-                    part.expand(&e, self)?;
-                    let list = self.geometry.triangles.split_off(before);
-                    if list.is_empty() {
-                        continue;
-                    }
-                    if self.materials.shine[material as usize] {
-                        triangles = triangles.saturating_add(list.len() as u64);
-                        vertices = vertices.saturating_add(list.vertex_count() as u64);
-                        group.lights.push((list, material));
-                    } else {
-                        still.append(&list);
-                        ranges.push((still.len(), material));
                     }
                 }
                 _ => {
@@ -228,5 +219,31 @@ impl<'a> Builder<'a> {
         }
         group.adds = [instances, triangles, vertices];
         Ok(group)
+    }
+
+    /// Reads a part that consists of triangles. Returns them with the ranges of their materials.
+    fn part(
+        &mut self,
+        e: &Element<'_>,
+        part: &PrimitiveFile,
+        material: Option<u32>,
+    ) -> Result<(Triangles, Vec<(u32, u32)>)> {
+        let own = part.material().map(|own| self.materials.find(e, own)).transpose()?;
+        let before = self.geometry.triangles.mark();
+        let ranges = take(&mut self.ranges);
+        // If another material replaces those of the file, their names need not exist.
+        match part {
+            PrimitiveFile::Mesh(file) if own.is_none() && material.is_some() => {
+                MeshFile { material: Some(String::new()), ..file.clone() }.expand(e, self)?;
+            }
+            _ => part.expand(e, self)?,
+        }
+        let Ranges(read) = replace(&mut self.ranges, ranges);
+        let list = self.geometry.triangles.split_off(before);
+        let materials = match material.or(own) {
+            Some(material) => vec![(list.len() as u32, material)],
+            None => read.into_iter().map(|(end, of)| (end - before.triangles(), of)).collect(),
+        };
+        Ok((list, materials))
     }
 }

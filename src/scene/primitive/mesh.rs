@@ -36,8 +36,10 @@ pub struct MeshFile {
     /// the triangles (Chiang, Li, Burley 2019, "Taming the Shadow Terminator").
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub soft_terminator: bool,
-    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
-    pub material: String,
+    /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials). Without
+    /// it, each triangle has the material whose name the OBJ file gives it (`usemtl`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
 }
 
 impl MeshFile {
@@ -50,7 +52,7 @@ impl MeshFile {
             translation: [0.0; 3],
             smooth: Smooth::Auto,
             soft_terminator: true,
-            material: material.into(),
+            material: Some(material.into()),
         }
     }
 }
@@ -94,8 +96,22 @@ impl Expand for MeshFile {
             .map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
         let placed = mesh.transformed(&transform, smooth, to.budget);
-        let (vertices, faces) = placed.map_err(|message| e.error(format!("{file}: {message}")))?;
+        let (vertices, faces, ranges) =
+            placed.map_err(|message| e.error(format!("{file}: {message}")))?;
+        let before = to.geometry.triangles.len();
         to.geometry.triangles.add(vertices, faces, soft_terminator);
+        if self.material.is_some() {
+            mesh.ignore_materials();
+            return Ok(());
+        }
+        for (end, name) in ranges {
+            let Some(name) = mesh.materials.get(name as usize) else {
+                let what = "has triangles without the name of a material, so add `material`";
+                return Err(e.error(format!("{file} {what}")));
+            };
+            let material = to.materials.find(e, name)?;
+            to.ranges.cover(before + end as usize, material);
+        }
         Ok(())
     }
 }
