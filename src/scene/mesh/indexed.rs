@@ -26,6 +26,13 @@ pub(in crate::scene) struct Mesh {
     pub(super) ignored: BTreeSet<&'static str>,
 }
 
+/// The vertices of a transformed mesh, its triangles, and their ranges as in [`Mesh::ranges`].
+pub(in crate::scene) struct Transformed {
+    pub(in crate::scene) vertices: Vertices,
+    pub(in crate::scene) faces: Vec<[u32; 3]>,
+    pub(in crate::scene) ranges: Vec<(u32, u32)>,
+}
+
 /// Whether triangles are shaded with the interpolated normals of their vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -110,7 +117,7 @@ impl Mesh {
         transform: &Transform,
         smooth: Smooth,
         budget: &Budget,
-    ) -> Result<(Vertices, Vec<[u32; 3]>, Vec<(u32, u32)>), String> {
+    ) -> Result<Transformed, String> {
         let Vertices { positions, normals, uvs } = &self.vertices;
         let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
@@ -158,7 +165,7 @@ impl Mesh {
                 add_normals(&mut vertices, &faces);
             }
         }
-        Ok((vertices, faces, ranges))
+        Ok(Transformed { vertices, faces, ranges })
     }
 }
 

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::input::read_bytes;
 use crate::limits::Limit;
 pub use indexed::Smooth;
-pub(super) use indexed::{Mesh, Transform};
+pub(super) use indexed::{Mesh, Transform, Transformed};
 pub(super) use normals::{add_normals, unit};
 
 /// Reads the positions, normals, texture coordinates and faces of a `.obj` or `.ply` file, and

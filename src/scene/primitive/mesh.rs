@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Builder, Expand};
 use crate::error::Result;
 use crate::scene::files;
-use crate::scene::mesh::{self, Smooth, Transform};
+use crate::scene::mesh::{self, Smooth, Transform, Transformed};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// The triangles of an OBJ or PLY file.
@@ -96,7 +96,7 @@ impl Expand for MeshFile {
             .map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
         let placed = mesh.transformed(&transform, smooth, to.budget);
-        let (vertices, faces, ranges) =
+        let Transformed { vertices, faces, ranges } =
             placed.map_err(|message| e.error(format!("{file}: {message}")))?;
         let before = to.geometry.triangles.len();
         to.geometry.triangles.add(vertices, faces, soft_terminator);
