@@ -129,7 +129,8 @@ impl Accelerator {
     /// threads build it.
     pub fn prepare(&self, kernel: Kernel, threads: usize) -> Layout {
         let base = self.base().spanning.0.bytes();
-        let (layout, seconds) = match self.chosen(kernel) {
+        let kernel = self.chosen(kernel);
+        let (layout, seconds) = match kernel {
             Kernel::Packet => (self.pair(threads).bytes(), self.pair.seconds()),
             Kernel::Beam | Kernel::Single => (self.wide(threads).bytes(), self.wide.seconds()),
             Kernel::Flat => {
@@ -137,7 +138,6 @@ impl Accelerator {
             }
             Kernel::Scalar => (self.scalar_by(threads).bytes(), self.scalar.seconds()),
         };
-        let kernel = self.chosen(kernel);
         let shares_tree = kernel == Kernel::Packet || kernel != Kernel::Scalar && !self.is_large();
         let (tree, tree_seconds) =
             if shares_tree { (self.tree(threads).bytes(), self.tree.seconds()) } else { (0, 0.0) };

@@ -35,7 +35,7 @@ impl SceneTables {
     }
 
     /// Returns the points where `ray` has these hits of primitives of one shape. `textured` states whether the table of their materials contains any textures, and `glossy` whether they
-    /// reflect light like a mirror, sharp or blurred. `instanced` tells whether the shape is
+    /// reflect light like a mirror, sharp or blurred. `instanced` is set for
     /// [`Shape::Instance`].
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(

@@ -46,10 +46,36 @@ impl Block {
         }
         (setup, entry.to_array(), entry.le(exit))
     }
+}
+
+impl Leaf for Block {
+    fn new(geometry: &Geometry, elements: &[u32]) -> Self {
+        let first = geometry.len() as u32;
+        let instances = || {
+            let of = |&element: &u32| &geometry.instances.list()[(element - first) as usize];
+            elements.iter().map(of)
+        };
+        let maps = || instances().map(|instance| instance.world_to_object());
+        let bounds = || instances().map(|of| geometry.instances.mesh_bounds(of.mesh()));
+        let middle = |low, high| 0.5 * (low + high);
+        let meshes: Vec<u32> = instances().map(|instance| instance.mesh() as u32).collect();
+        let numbers_of_instances: Vec<u32> = elements.iter().map(|e| e - first).collect();
+        Self {
+            to_object: axes(|row| transpose(maps().map(move |map| map.rows[row]))),
+            center: transpose(maps().map(|map| map.center)),
+            middle: transpose(bounds().map(move |b| middle(b.min, b.max))),
+            half: transpose(bounds().map(move |b| {
+                let middle = middle(b.min, b.max);
+                (b.max - middle).max(middle - b.min)
+            })),
+            mesh: numbers(&meshes),
+            instance: numbers(&numbers_of_instances),
+        }
+    }
 
     /// Traces the ray through the meshes whose boxes it enters, nearer boxes first.
     #[inline(never)]
-    fn trace_one<const ANY: bool>(
+    fn test_one<const ANY: bool>(
         &self,
         valid: u32,
         one: &OneRay<'_>,
@@ -87,7 +113,7 @@ impl Block {
 
     /// Traces the rays one by one.
     #[inline(never)]
-    fn trace_packet<const V: usize, const ANY: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
@@ -104,7 +130,7 @@ impl Block {
             for lane in Bits(looking) {
                 count.leaf(LANES as u32, lanes.count_ones());
                 let mut closest = best.lane(lane);
-                self.trace_one::<ANY>(
+                self.test_one::<ANY>(
                     lanes,
                     &OneRay::new(&table, lane),
                     &mut closest,
@@ -116,54 +142,5 @@ impl Block {
             rays.set_best::<ANY>(&best);
             meshes.store(rays);
         }
-    }
-}
-
-impl Leaf for Block {
-    fn new(geometry: &Geometry, elements: &[u32]) -> Self {
-        let first = geometry.len() as u32;
-        let instances = || {
-            let of = |&element: &u32| &geometry.instances.list()[(element - first) as usize];
-            elements.iter().map(of)
-        };
-        let maps = || instances().map(|instance| instance.world_to_object());
-        let bounds = || instances().map(|of| geometry.instances.mesh_bounds(of.mesh()));
-        let middle = |low, high| 0.5 * (low + high);
-        let meshes: Vec<u32> = instances().map(|instance| instance.mesh() as u32).collect();
-        let numbers_of_instances: Vec<u32> = elements.iter().map(|e| e - first).collect();
-        Self {
-            to_object: axes(|row| transpose(maps().map(move |map| map.rows[row]))),
-            center: transpose(maps().map(|map| map.center)),
-            middle: transpose(bounds().map(move |b| middle(b.min, b.max))),
-            half: transpose(bounds().map(move |b| {
-                let middle = middle(b.min, b.max);
-                (b.max - middle).max(middle - b.min)
-            })),
-            mesh: numbers(&meshes),
-            instance: numbers(&numbers_of_instances),
-        }
-    }
-
-    #[inline(always)]
-    fn test_one<const ANY: bool>(
-        &self,
-        valid: u32,
-        one: &OneRay<'_>,
-        best: &mut Best,
-        meshes: &mut impl Meshes,
-        count: &mut impl Count,
-    ) {
-        self.trace_one::<ANY>(valid, one, best, meshes, count);
-    }
-
-    #[inline(always)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
-        &self,
-        lanes: u32,
-        packet: &mut Packet<V>,
-        meshes: &mut impl Meshes,
-        count: &mut impl Count,
-    ) {
-        self.trace_packet::<V, ANY>(lanes, packet, meshes, count);
     }
 }

@@ -29,7 +29,7 @@ pub(super) struct Queue<'a> {
 }
 
 impl Queues {
-    /// Creates queues for `capacity` paths with `keys` different keys. `instanced` tells whether the
+    /// Creates queues for `capacity` paths with `keys` different keys. `instanced` is set if the
     /// scene has instances.
     pub(super) fn new(keys: usize, capacity: usize, instanced: bool) -> Self {
         let rows = capacity + keys * 2 * LANES;

@@ -104,8 +104,15 @@ impl Instance {
     /// The triangles that have an area where the instance places them.
     pub(crate) fn placed(&self, triangles: &Triangles) -> Triangles {
         let mut placed = triangles.clone();
-        placed.map_vertices(|vertex| self.point(vertex));
-        placed.map_normals(|normal| self.normal(normal));
+        let (to_world, center) = (self.exact_to_world(), self.world_to_object().center.as_dvec3());
+        placed.map_vertices(|vertex| (to_world * vertex.as_dvec3() + center).as_vec3());
+        // Normals are mapped by the transpose of L and scaled to unit length; 0 stays 0.
+        let to_normals = self.linear().transpose();
+        placed.map_normals(|normal| {
+            let normal = to_normals * normal.as_dvec3();
+            let length = normal.dot(normal).sqrt();
+            if length > 0.0 { (normal / length).as_vec3() } else { Vec3::ZERO }
+        });
         if self.mirrors() {
             // The front is the side from which the vertices are in counter-clockwise order.
             placed.turn_over();
@@ -115,16 +122,10 @@ impl Instance {
     }
 
     /// The point in world space of a point in object space, rounded once.
-    pub(in crate::geometry) fn point(&self, point: Vec3) -> Vec3 {
+    #[cfg(test)]
+    fn point(&self, point: Vec3) -> Vec3 {
         let center = self.world_to_object().center.as_dvec3();
         (self.exact_to_world() * point.as_dvec3() + center).as_vec3()
-    }
-
-    /// The unit normal in world space of a normal in object space; 0 stays 0.
-    fn normal(&self, normal: Vec3) -> Vec3 {
-        let normal = self.linear().transpose() * normal.as_dvec3();
-        let length = normal.dot(normal).sqrt();
-        if length > 0.0 { (normal / length).as_vec3() } else { Vec3::ZERO }
     }
 
     /// Whether the map turns left hands into right hands.

@@ -38,7 +38,7 @@ macro_rules! surfaces {
             }
 
             /// The point where `ray` has this hit. In lanes, all hits have the same shape. `instanced`
-            /// tells whether it is [`Shape::Instance`].
+            /// is set for [`Shape::Instance`].
             #[inline(always)]
             pub(crate) fn find<R: Real>(
                 &self,

@@ -4,6 +4,7 @@
 //! group becomes one instance for each mesh in it. Triangles that emit light become ordinary
 //! triangles wherever they are placed, because each of them is a light of its own.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::mem::{replace, take};
 use std::rc::Rc;
@@ -81,19 +82,18 @@ impl<'a> Builder<'a> {
     /// Adds an instance and all that it contains.
     pub(super) fn place(&mut self, e: &Element<'_>, file: &InstanceFile) -> Result<()> {
         let map = affine(&file.matrix);
-        let matrix = |message: String| e.error(format!("matrix {message}"));
-        Instance::new(0, &file.matrix).map_err(matrix)?;
         let group = self.group(e, file, None)?;
         let [instances, triangles, vertices] = group.adds;
         self.budget
             .hold_placement(self.count() as u64, instances, triangles, vertices)
             .map_err(|message| e.error(message))?;
-        self.put(e, &group, &map)
+        self.put(e, &group, &map, "matrix")
     }
 
-    fn put(&mut self, e: &Element<'_>, group: &Group, map: &DAffine3) -> Result<()> {
-        let product = |message| e.error(format!("the product of nested matrices {message}"));
-        let instance = Instance::new(group.mesh.unwrap_or(0), &rows(map)).map_err(product)?;
+    /// Adds a group placed by `map`, which messages call `name`.
+    fn put(&mut self, e: &Element<'_>, group: &Group, map: &DAffine3, name: &str) -> Result<()> {
+        let instance = Instance::new(group.mesh.unwrap_or(0), &rows(map))
+            .map_err(|message| e.error(format!("{name} {message}")))?;
         if let Some(mesh) = group.mesh {
             let mesh = self.geometry.instances.mesh_bounds(mesh as usize);
             check_place(e, instance.bounds(mesh))?;
@@ -106,7 +106,7 @@ impl<'a> Builder<'a> {
             self.ranges.cover(self.geometry.triangles.len(), *material);
         }
         for (child, group) in &group.children {
-            self.put(e, group, &(*map * *child))?;
+            self.put(e, group, &(*map * *child), "the product of nested matrices")?;
         }
         Ok(())
     }
@@ -189,14 +189,14 @@ impl<'a> Builder<'a> {
                     for (end, material) in materials {
                         let list = match begin..end as usize {
                             none if none.is_empty() => continue,
-                            all if all.len() == list.len() => list.clone(),
-                            some => list.select(some),
+                            all if all.len() == list.len() => Cow::Borrowed(&list),
+                            some => Cow::Owned(list.select(some)),
                         };
                         begin = end as usize;
                         if self.materials.shine[material as usize] {
                             triangles = triangles.saturating_add(list.len() as u64);
                             vertices = vertices.saturating_add(list.vertex_count() as u64);
-                            group.lights.push((list, material));
+                            group.lights.push((list.into_owned(), material));
                         } else {
                             still.append(&list);
                             ranges.push((still.len(), material));

@@ -74,7 +74,7 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// `shine` tells whether each material is a light.
+    /// `shine` is set for each material that is a light.
     pub(super) fn new(names: impl Iterator<Item = &'a str>, shine: Vec<bool>) -> Self {
         Self { names: names.zip(0..).collect(), shine }
     }

@@ -22,7 +22,7 @@ pub(super) struct Vertex {
 
 impl Shading<'_> {
     /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on. `instanced`
-    /// tells whether they are on instances.
+    /// is set if they are on instances.
     #[inline(always)]
     pub(super) fn vertex(
         &self,
