@@ -33,7 +33,7 @@
 //! # fn main() -> ptfast::Result<()> {
 //! let mut file = SceneFile::new(CameraFile::new([0.0, 1.0, 5.0], [0.0, 0.5, 0.0], 40.0));
 //! file.background = Background::Constant { radiance: [0.2, 0.3, 0.5] };
-//! file.add_material("grey", Lambertian { albedo: [0.7; 3].into() });
+//! file.add_material("grey", Lambertian::new([0.7; 3]));
 //! file.add_material("lamp", Light { radiance: [5.0; 3], sides: Sides::Both });
 //! file.add_sphere([0.0, 3.0, 0.0], 0.5, "lamp");
 //! let vertices = [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [0.0, 0.0, -4.0], [0.0, 2.0, 0.0]];

@@ -26,7 +26,7 @@ pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;
 pub use ray::{Hit, Ray};
 pub(crate) use sphere::distance as sphere_distance;
-pub(crate) use surfaces::Surfaces;
+pub(crate) use surfaces::{Partials, Surfaces};
 pub use triangles::{Triangles, Vertices};
 pub(crate) use volume::Volume;
 

@@ -17,9 +17,13 @@ pub struct Triangles {
     corners: Vec<Row>,
     /// For each vertex, its position, and the first texture coordinate.
     positions: Vec<Row>,
-    /// For each vertex, its normal, and the second texture coordinate; empty if no triangle needs
-    /// them.
+    /// For each vertex, its normal, and the second texture coordinate. This table and the next two
+    /// are empty if no triangle needs them.
     normals: Vec<Row>,
+    /// For each vertex, its colour, and the first coordinate of the second set.
+    colors: Vec<Row>,
+    /// For each vertex, its tangent, and the second coordinate of the second set.
+    tangents: Vec<Row>,
 }
 
 /// The vertices of a mesh.
@@ -31,6 +35,13 @@ pub struct Vertices {
     pub normals: Vec<Vec3>,
     /// Their texture coordinates, or empty if the mesh has no texture coordinates.
     pub uvs: Vec<Vec2>,
+    /// Their texture coordinates of the second set, or empty.
+    pub second_uvs: Vec<Vec2>,
+    /// Their colours in linear RGB, or empty.
+    pub colors: Vec<Vec3>,
+    /// Their tangents, or empty: the directions of the first axis of normal maps, in which the first
+    /// texture coordinate grows. The texture coordinates decide on which side the second axis is.
+    pub tangents: Vec<Vec3>,
 }
 
 /// Flag of triangles that interpolate the normals of their vertices.
@@ -39,6 +50,12 @@ pub(super) const SMOOTH: u32 = 1;
 pub(super) const MAPPED: u32 = 2;
 /// Flag of smooth triangles whose shadows fade out towards the terminator.
 pub(super) const SOFT: u32 = 4;
+/// Flag of triangles that interpolate the second set of texture coordinates of their vertices.
+pub(super) const MAPPED_TWICE: u32 = 8;
+/// Flag of triangles that interpolate the colours of their vertices.
+pub(super) const COLORED: u32 = 16;
+/// Flag of triangles that interpolate the tangents of their vertices.
+pub(super) const TANGENT: u32 = 32;
 
 /// An end of a list of triangles.
 #[derive(Clone, Copy, Debug)]
@@ -54,12 +71,74 @@ impl Mark {
     }
 }
 
+/// Replaces the vector of each row by `f` of it.
+fn map_rows(table: &mut [Row], f: impl Fn(Vec3) -> Vec3) {
+    for row in table {
+        let [x, y, z] = f(vector(row)).to_array().map(f32::to_bits);
+        *row = [x, y, z, row[3]];
+    }
+}
+
 /// The tables of a list of triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) corners: &'a [Row],
     pub(super) positions: &'a [Row],
     pub(super) normals: &'a [Row],
+    pub(super) colors: &'a [Row],
+    pub(super) tangents: &'a [Row],
+}
+
+impl Vertices {
+    /// The vertices at these indices, in this order.
+    pub(crate) fn select(&self, indices: &[u32]) -> Self {
+        fn of<T: Copy>(list: &[T], indices: &[u32]) -> Vec<T> {
+            indices.iter().filter_map(|&index| list.get(index as usize).copied()).collect()
+        }
+        let Self { positions, normals, uvs, second_uvs, colors, tangents } = self;
+        Self {
+            positions: of(positions, indices),
+            normals: of(normals, indices),
+            uvs: of(uvs, indices),
+            second_uvs: of(second_uvs, indices),
+            colors: of(colors, indices),
+            tangents: of(tangents, indices),
+        }
+    }
+
+    /// Size of the lists in memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        let Self { positions, normals, uvs, second_uvs, colors, tangents } = self;
+        let vectors = [positions, normals, colors, tangents].map(|list| size_of_val(&**list));
+        let pairs = [uvs, second_uvs].map(|list| size_of_val(&**list));
+        vectors.into_iter().chain(pairs).sum::<usize>() as u64
+    }
+}
+
+/// One row for each vertex, of its vector and a coordinate of its pair. Either may be missing.
+fn rows<'a>(
+    vectors: &'a [Vec3],
+    pairs: &'a [Vec2],
+    axis: usize,
+) -> impl ExactSizeIterator<Item = Row> + 'a {
+    let vector = |i: usize| vectors.get(i).copied().unwrap_or_default();
+    let number = move |i: usize| pairs.get(i).map_or(0.0, |pair| pair[axis]);
+    (0..vectors.len().max(pairs.len())).map(move |i| row(vector(i), number(i)))
+}
+
+/// Appends the rows of new vertices to the table of an attribute. Both this table and `rows` may be
+/// empty; missing rows become 0. There were `first` vertices before, and `end` are there now.
+fn append_rows(
+    table: &mut Vec<Row>,
+    rows: impl ExactSizeIterator<Item = Row>,
+    first: usize,
+    end: usize,
+) {
+    if !table.is_empty() || rows.len() > 0 {
+        table.resize(first, [0; 4]);
+        table.extend(rows);
+        table.resize(end, [0; 4]);
+    }
 }
 
 impl Triangles {
@@ -70,8 +149,9 @@ impl Triangles {
 
     /// Size of the tables in memory, with their spare capacity.
     pub(super) fn bytes(&self) -> u64 {
-        let rows = self.corners.capacity() + self.positions.capacity() + self.normals.capacity();
-        (rows * size_of::<Row>()) as u64
+        let Self { corners, positions, normals, colors, tangents } = self;
+        let tables = [corners, positions, normals, colors, tangents];
+        tables.map(|table| table.capacity() * size_of::<Row>()).iter().sum::<usize>() as u64
     }
 
     /// Whether there are no triangles.
@@ -101,16 +181,34 @@ impl Triangles {
         (0..self.len()).map(|index| Triangle { vertices: self.vertices(index) })
     }
 
-    /// The flags of the triangle at `index`, and the normal and texture coordinates of its vertices,
-    /// for the scene's hash. `None` if it has none of them.
-    pub(crate) fn attributes(&self, index: usize) -> Option<(u32, [[f32; 5]; 3])> {
+    /// The flags of the triangle at `index`, and the attributes of its vertices, for the scene's
+    /// hash. `None` if it has no attributes.
+    pub(crate) fn attributes(&self, index: usize) -> Option<(u32, Vec<f32>)> {
         let [a, b, c, flags] = self.corners[index];
-        let attributes = |vertex: u32| {
-            let [.., u] = self.positions[vertex as usize];
-            let [x, y, z, v] = self.normals[vertex as usize];
-            [x, y, z, u, v].map(f32::from_bits)
+        if flags == 0 {
+            return None;
+        }
+        let has = |flag| flags & flag != 0;
+        let corners = [a, b, c].map(|vertex| vertex as usize);
+        let number = |table: &[Row], vertex: usize, i: usize| {
+            f32::from_bits(table.get(vertex).map_or(0, |row| row[i]))
         };
-        (flags != 0).then(|| (flags, [a, b, c].map(attributes)))
+        let mut numbers = Vec::new();
+        for vertex in corners {
+            let v = [0, 1, 2, 3].map(|i| number(&self.normals, vertex, i));
+            numbers.extend([v[0], v[1], v[2], number(&self.positions, vertex, 3), v[3]]);
+        }
+        for (flag, table, columns) in [
+            (MAPPED_TWICE, &self.colors, 3..4),
+            (MAPPED_TWICE, &self.tangents, 3..4),
+            (COLORED, &self.colors, 0..3),
+            (TANGENT, &self.tangents, 0..3),
+        ] {
+            for vertex in corners.into_iter().filter(|_| has(flag)) {
+                numbers.extend(columns.clone().map(|i| number(table, vertex, i)));
+            }
+        }
+        Some((flags, numbers))
     }
 
     /// Appends one flat triangle with vertices of its own.
@@ -136,11 +234,13 @@ impl Triangles {
             let [a, b, c] = [a, b, c].map(|vertex| vertex - vertices as u32);
             [a, b, c, flags]
         };
-        let normals = vertices.min(self.normals.len());
+        let split = |table: &mut Vec<Row>| table.split_off(vertices.min(table.len()));
         Self {
             corners: self.corners.split_off(triangles).into_iter().map(moved).collect(),
-            positions: self.positions.split_off(vertices),
-            normals: self.normals.split_off(normals),
+            positions: split(&mut self.positions),
+            normals: split(&mut self.normals),
+            colors: split(&mut self.colors),
+            tangents: split(&mut self.tangents),
         }
     }
 
@@ -155,25 +255,29 @@ impl Triangles {
     /// If there are 2^32 vertices or more.
     pub fn append(&mut self, other: &Self) {
         let first = self.positions.len();
-        let end = u32::try_from(first + other.positions.len());
-        assert!(end.is_ok(), "a scene has fewer than 2^32 vertices");
+        let end = first + other.positions.len();
+        assert!(u32::try_from(end).is_ok(), "a scene has fewer than 2^32 vertices");
         let moved = |vertex: u32| first as u32 + vertex;
         let corners = other.corners.iter();
         self.corners.extend(corners.map(|&[a, b, c, flags]| [moved(a), moved(b), moved(c), flags]));
         self.positions.extend_from_slice(&other.positions);
-        if !(self.normals.is_empty() && other.normals.is_empty()) {
-            self.normals.resize(first, [0; 4]);
-            self.normals.extend_from_slice(&other.normals);
-            self.normals.resize(self.positions.len(), [0; 4]);
+        for (table, rows) in [
+            (&mut self.normals, &other.normals),
+            (&mut self.colors, &other.colors),
+            (&mut self.tangents, &other.tangents),
+        ] {
+            append_rows(table, rows.iter().copied(), first, end);
         }
     }
 
     /// Replaces the normal of each vertex by `f` of it.
     pub(super) fn map_normals(&mut self, f: impl Fn(Vec3) -> Vec3) {
-        for row in &mut self.normals {
-            let [x, y, z] = f(vector(row)).to_array().map(f32::to_bits);
-            *row = [x, y, z, row[3]];
-        }
+        map_rows(&mut self.normals, f);
+    }
+
+    /// Replaces the tangent of each vertex by `f` of it.
+    pub(super) fn map_tangents(&mut self, f: impl Fn(Vec3) -> Vec3) {
+        map_rows(&mut self.tangents, f);
     }
 
     /// Exchanges two vertices of each triangle, so that the front becomes the back.
@@ -190,10 +294,7 @@ impl Triangles {
 
     /// Replaces the position of each vertex by `f` of it.
     pub fn map_vertices(&mut self, f: impl Fn(Vec3) -> Vec3) {
-        for vertex in &mut self.positions {
-            let [x, y, z] = f(vector(vertex)).to_array().map(f32::to_bits);
-            *vertex = [x, y, z, vertex[3]];
-        }
+        map_rows(&mut self.positions, f);
     }
 
     /// Appends a mesh, with three indices into its vertices for each triangle. If it has normals,
@@ -208,27 +309,29 @@ impl Triangles {
         faces: impl IntoIterator<Item = [u32; 3]>,
         soft: bool,
     ) {
-        let Vertices { positions, normals, uvs } = vertices;
+        let Vertices { positions, normals, uvs, second_uvs, colors, tangents } = vertices;
         let first = self.positions.len();
         let count = positions.len();
         let end = first + count;
         assert!(u32::try_from(end).is_ok(), "a scene has fewer than 2^32 vertices");
-        for len in [normals.len(), uvs.len()] {
-            assert!(len == 0 || len == positions.len(), "each vertex needs the same data");
-        }
-        let uv = |i: usize| uvs.get(i).copied().unwrap_or_default();
-        let rows = positions.iter().enumerate().map(|(i, &position)| row(position, uv(i).x));
-        self.positions.extend(rows);
-        let has_attributes = !normals.is_empty() || !uvs.is_empty();
-        if has_attributes || !self.normals.is_empty() {
-            self.normals.resize(first, [0; 4]);
-            let normal = |i: usize| normals.get(i).copied().unwrap_or_default();
-            self.normals.extend((0..positions.len()).map(|i| row(normal(i), uv(i).y)));
+        let lengths = [normals.len(), uvs.len(), second_uvs.len(), colors.len(), tangents.len()];
+        assert!(lengths.iter().all(|len| [0, count].contains(len)), "vertices need the same data");
+        self.positions.extend(rows(&positions, &uvs, 0));
+        for (table, rows) in [
+            (&mut self.normals, rows(&normals, &uvs, 1)),
+            (&mut self.colors, rows(&colors, &second_uvs, 0)),
+            (&mut self.tangents, rows(&tangents, &second_uvs, 1)),
+        ] {
+            append_rows(table, rows, first, end);
         }
         let flag = |flag: u32, is_set: bool| if is_set { flag } else { 0 };
         let smooth = !normals.is_empty();
-        let flags =
-            flag(SMOOTH, smooth) | flag(MAPPED, !uvs.is_empty()) | flag(SOFT, smooth && soft);
+        let flags = flag(SMOOTH, smooth)
+            | flag(MAPPED, !uvs.is_empty())
+            | flag(SOFT, smooth && soft)
+            | flag(MAPPED_TWICE, !second_uvs.is_empty())
+            | flag(COLORED, !colors.is_empty())
+            | flag(TANGENT, !tangents.is_empty());
         let corners = faces.into_iter().map(|[a, b, c]| {
             let [a, b, c] = [a, b, c].map(|vertex| {
                 assert!((vertex as usize) < count, "a corner must be the index of a vertex");
@@ -241,7 +344,8 @@ impl Triangles {
 
     #[inline(always)]
     pub(super) fn rows(&self) -> Rows<'_> {
-        Rows { corners: &self.corners, positions: &self.positions, normals: &self.normals }
+        let Self { corners, positions, normals, colors, tangents } = self;
+        Rows { corners, positions, normals, colors, tangents }
     }
 }
 

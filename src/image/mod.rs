@@ -15,7 +15,20 @@ pub use write::Metadata;
 use std::io;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Result;
+
+/// What the integers in an image file mean. Floats are always linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// Colours, with the transfer curve that ptfast recorded in the file, or else with sRGB.
+    #[default]
+    Auto,
+    /// Numbers, such as the components of normals: fractions of the largest integer.
+    Linear,
+}
 
 /// A linear RGB image of 32-bit floats, row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +65,7 @@ impl Image {
     /// # Errors
     /// If the file cannot be read, is damaged, or has another format.
     pub fn read(path: &Path) -> Result<Self> {
-        read::read(path, &|_, _| Ok(()))
+        read::read(path, Encoding::Auto, &|_, _| Ok(()))
     }
 
     /// Like [`read`](Self::read), but calls `allow` with the number of pixels and the bytes of
@@ -62,7 +75,16 @@ impl Image {
     /// As for [`read`](Self::read), or if `allow` returns an error, whose message is then reported.
     #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
-        read::read(path, allow)
+        read::read(path, Encoding::Auto, allow)
+    }
+
+    /// Like [`read_where`](Self::read_where), for files of any encoding.
+    pub(crate) fn read_encoded(
+        path: &Path,
+        encoding: Encoding,
+        allow: &dyn Fn(u64, u64) -> Result<(), String>,
+    ) -> Result<Self> {
+        read::read(path, encoding, allow)
     }
 
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).

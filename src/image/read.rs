@@ -11,7 +11,7 @@ use png::text_metadata::ITXtChunk;
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
 use super::transfer::TRANSFER_KEY;
-use super::{Format, Image, Metadata, Transfer};
+use super::{Encoding, Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::limits::MAX_SIDE;
@@ -23,7 +23,12 @@ const MAX_TEXT: usize = 1 << 16;
 /// Largest size in bytes of the header of a PFM file.
 const MAX_PFM_HEADER: u64 = 1 << 10;
 
-pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Image> {
+/// Reads an image. `encoding` decides what its integers mean.
+pub(super) fn read(
+    path: &Path,
+    encoding: Encoding,
+    allow: &dyn Fn(u64, u64) -> Result<(), String>,
+) -> Result<Image> {
     let length = input::length(path)?;
     let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
     let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
@@ -89,7 +94,11 @@ pub(super) fn read(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) 
     limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
     decoder.set_limits(limits).map_err(explain)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(explain)?;
-    Ok(to_linear(decoded, transfer))
+    let value: &dyn Fn(f64) -> f32 = match encoding {
+        Encoding::Auto => &|display| transfer.to_linear(display),
+        Encoding::Linear => &|value| value as f32,
+    };
+    Ok(to_linear(decoded, value))
 }
 
 impl Metadata {
@@ -161,8 +170,10 @@ fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
     Ok((pixels, bytes))
 }
 
-fn to_linear(decoded: DynamicImage, transfer: Transfer) -> Image {
+/// Replaces integers by `value` of their fraction of the largest one. Floats are linear.
+fn to_linear(decoded: DynamicImage, value: &dyn Fn(f64) -> f32) -> Image {
     let (width, height) = (decoded.width(), decoded.height());
+    let table = |most: u16| (0..=most).map(move |code| value(f64::from(code) / f64::from(most)));
     let pixels = match decoded {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             decoded.into_rgb32f().pixels().map(|p| p.0).collect()
@@ -171,10 +182,13 @@ fn to_linear(decoded: DynamicImage, transfer: Transfer) -> Image {
         | DynamicImage::ImageRgba16(_)
         | DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_) => {
-            let table: Vec<f32> = (0..=u16::MAX).map(|code| transfer.decode16(code)).collect();
+            let table: Vec<f32> = table(u16::MAX).collect();
             decoded.into_rgb16().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
         }
-        _ => decoded.into_rgb8().pixels().map(|p| p.0.map(|c| transfer.decode(c))).collect(),
+        _ => {
+            let table: Vec<f32> = table(u8::MAX.into()).collect();
+            decoded.into_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+        }
     };
     Image::from_pixels(width, height, pixels)
 }
@@ -190,7 +204,7 @@ mod tests {
         // True colour, 1 × 1 pixel of 24 bits: blue, green, red.
         let header = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0];
         std::fs::write(&path, [&header[..], &[0, 0, 255]].concat()).unwrap();
-        let image = read(&path, &|_, _| Ok(())).unwrap();
+        let image = read(&path, Encoding::Auto, &|_, _| Ok(())).unwrap();
         assert_eq!(image.pixels(), [[1.0, 0.0, 0.0]]);
     }
 
@@ -199,11 +213,24 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();
-        assert!(read(&path, &|_, _| Ok(())).unwrap_err().to_string().contains("damaged image"));
+        assert!(
+            read(&path, Encoding::Auto, &|_, _| Ok(()))
+                .unwrap_err()
+                .to_string()
+                .contains("damaged image")
+        );
         std::fs::write(&path, b"no image at all").unwrap();
-        assert!(read(&path, &|_, _| Ok(())).unwrap_err().to_string().contains("lossless format"));
-        let error = read(folder.path(), &|_, _| Ok(())).unwrap_err();
+        assert!(
+            read(&path, Encoding::Auto, &|_, _| Ok(()))
+                .unwrap_err()
+                .to_string()
+                .contains("lossless format")
+        );
+        let error = read(folder.path(), Encoding::Auto, &|_, _| Ok(())).unwrap_err();
         assert_eq!(error.exit_code(), 74);
-        assert_eq!(read(Path::new("nosuch.png"), &|_, _| Ok(())).unwrap_err().exit_code(), 74);
+        assert_eq!(
+            read(Path::new("nosuch.png"), Encoding::Auto, &|_, _| Ok(())).unwrap_err().exit_code(),
+            74
+        );
     }
 }

@@ -102,12 +102,11 @@ impl Transfer {
         }
     }
 
-    /// The linear value of a 16-bit code.
-    pub(super) fn decode16(self, code: u16) -> f32 {
-        let v = f64::from(code) / 65535.0;
+    /// The linear value of a display value in `[0, 1]`.
+    pub(crate) fn to_linear(self, display: f64) -> f32 {
         (match self {
-            Self::Srgb => srgb_to_linear(v),
-            Self::Gamma2 => gamma2_to_linear(v),
+            Self::Srgb => srgb_to_linear(display),
+            Self::Gamma2 => gamma2_to_linear(display),
         }) as f32
     }
 

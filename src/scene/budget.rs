@@ -5,8 +5,8 @@ use std::cell::Cell;
 use crate::limits::{Limit, Limits};
 
 /// Bytes of memory for each byte of a scene file, for its text and its parsed form together. Up to
-/// 10 were measured.
-const TEXT: u64 = 12;
+/// 14 were computed, for materials of the flat form while their list grows.
+const TEXT: u64 = 15;
 /// Bytes of memory for each primitive of a scene while the lists of primitives grow. A quad has 80,
 /// a triangle 16 besides its vertices.
 const PRIMITIVE: u64 = 160;
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn held_memory_counts_against_the_limit() {
         let limits = Limits::default().with(Limit::Memory, 2000).with(Limit::Primitives, 9);
-        let budget = Budget::new(&limits, 100);
+        let budget = Budget::new(&limits, 80);
         assert!(budget.check(800).is_ok() && budget.check(801).is_err());
         budget.hold(300).unwrap();
         assert!(budget.check(500).is_ok() && budget.check(501).is_err());

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::budget::Budget;
 use super::place::Element;
 use crate::error::{Error, Result};
-use crate::image::Image;
+use crate::image::{Encoding, Image};
 use crate::limits::{Limit, Limits, Refused};
 
 /// The path of `file` in `folder`. Returns an error if the file is outside the folder and the
@@ -31,7 +31,7 @@ pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) 
 pub(crate) struct Images<'a> {
     folder: &'a Path,
     budget: &'a Budget,
-    images: HashMap<PathBuf, Arc<Image>>,
+    images: HashMap<(PathBuf, Encoding), Arc<Image>>,
 }
 
 impl<'a> Images<'a> {
@@ -39,10 +39,16 @@ impl<'a> Images<'a> {
         Self { folder, budget, images: HashMap::new() }
     }
 
-    /// Reads the image in `file` and checks that its pixels are albedos, in [0, 1].
-    pub(super) fn albedo_map(&mut self, e: &Element<'_>, file: &str) -> Result<Arc<Image>> {
+    /// Reads the image in `file` and checks that its pixels are in [0, 1], as albedos are.
+    pub(super) fn albedo_map(
+        &mut self,
+        e: &Element<'_>,
+        file: &str,
+        encoding: Encoding,
+    ) -> Result<Arc<Image>> {
         let path = path(e, self.folder, file, &self.budget.limits)?;
-        if let Some(image) = self.images.get(&path) {
+        let key = (path, encoding);
+        if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));
         }
         let budget = self.budget;
@@ -51,19 +57,20 @@ impl<'a> Images<'a> {
             let limited = budget.limits.check(Limit::TextureBytes, bytes);
             limited.and_then(|()| budget.check(memory)).and_then(|()| budget.hold(bytes))
         };
-        let image = Image::read_where(&path, &allow).map_err(|error| e.error(error))?;
+        let image =
+            Image::read_encoded(&key.0, encoding, &allow).map_err(|error| e.error(error))?;
         let is_albedo = |pixel: &&[f32; 3]| pixel.iter().all(|c| (0.0..=1.0).contains(c));
         if let Some(bad) = image.pixels().iter().find(|pixel| !is_albedo(pixel)) {
             let message = format!("{file}: an albedo must be in [0, 1], but a pixel is {bad:?}");
             return Err(e.error(message));
         }
         let image = Arc::new(image);
-        self.images.insert(path, Arc::clone(&image));
+        self.images.insert(key, Arc::clone(&image));
         Ok(image)
     }
 
     /// The paths of all files that were read.
     pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
-        self.images.into_keys()
+        self.images.into_keys().map(|(path, _)| path)
     }
 }

@@ -79,11 +79,11 @@ impl Hasher {
         vectors.iter().for_each(|vector| self.numbers(&vector.to_array()));
     }
 
-    /// The flags of a triangle, and the normals and texture coordinates of its vertices.
-    fn attributes(&mut self, attributes: Option<(u32, [[f32; 5]; 3])>) {
-        if let Some((flags, corners)) = attributes {
+    /// The flags of a triangle, and the attributes of its vertices.
+    fn attributes(&mut self, attributes: Option<(u32, Vec<f32>)>) {
+        if let Some((flags, numbers)) = attributes {
             self.text(&format!("vertices {flags}"));
-            self.numbers(corners.as_flattened());
+            self.numbers(&numbers);
         }
     }
 

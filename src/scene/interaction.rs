@@ -22,7 +22,7 @@ pub(crate) struct Interaction<'a, R: Real> {
     /// The shading normal, which the material uses for scattering. It is on the side that was hit,
     /// and differs from `normal` only on smooth surfaces.
     pub(crate) shading: R::Vec3,
-    /// Whether the surface is smooth.
+    /// Whether the shading normal may differ from `normal`: the surface is smooth or has a normal map.
     pub(crate) smooth: R::Mask,
     /// Whether its shadows fade out towards the terminator.
     pub(crate) soft: R::Mask,
@@ -47,5 +47,13 @@ impl<R: Real> TexturePoint<R> for Interaction<'_, R> {
 
     fn uv(&self) -> (R, R) {
         self.surfaces.uv(self.shape, &self.ray, self.hit, &self.surface)
+    }
+
+    fn second_uv(&self) -> (R, R) {
+        self.surfaces.second_uv(self.shape, &self.ray, self.hit, &self.surface)
+    }
+
+    fn vertex_color(&self) -> R::Vec3 {
+        self.surfaces.color(self.shape, &self.ray, self.hit)
     }
 }

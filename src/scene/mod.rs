@@ -20,6 +20,7 @@ pub mod material;
 mod medium;
 mod mesh;
 mod named;
+mod normal_map;
 mod parse;
 mod place;
 pub mod primitive;

@@ -7,7 +7,7 @@ use crate::sampler::Randoms;
 
 /// Least cosine between a shading normal and the direction to the viewer, and between a geometric
 /// normal and a mirrored direction.
-const LEAST_COSINE: f32 = 1e-3;
+pub(super) const LEAST_COSINE: f32 = 1e-3;
 
 /// The shading normals of points that rays of this direction hit, from those of the `smooth`
 /// surfaces. `normal` is the geometric normal on the side that was hit.

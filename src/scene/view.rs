@@ -10,6 +10,7 @@ use super::description::{CameraFile, SceneFile};
 use super::material::{Lambertian, Light, Sides};
 use super::mesh;
 use super::primitive::MeshFile;
+use super::texture::{Color, VertexColor};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::precise::sin_cos_degrees;
@@ -18,8 +19,8 @@ use crate::math::{length, normalize};
 /// Vertical field of view in degrees.
 const VFOV: f32 = 35.0;
 
-/// The mesh in `path`, grey under a soft sky and a lamp, with a camera that shows all of it: from in front, a little to the
-/// right and above (y is up).
+/// The mesh in `path`, grey or in the colours of its vertices, under a soft sky and a lamp. The camera
+/// shows all of it from in front, a little to the right and above (y is up).
 pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     let mesh = mesh::read(path, budget)?;
     let bounds = Bounds::of(mesh.vertices.positions.iter().copied());
@@ -39,8 +40,14 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
     scene.add_material("lamp", Light { radiance: [9.0; 3], sides: Sides::Both });
     let lamp = center + normalize(Vec3::new(-0.7, 0.8, 0.6)) * (8.0 * radius);
     scene.add_sphere(lamp.to_array(), 2.4 * radius, "lamp");
-    scene.add_material("grey", Lambertian { albedo: [0.5; 3].into() });
+    let albedo = if mesh.vertices.colors.is_empty() {
+        Color::Rgb([0.5; 3])
+    } else {
+        scene.add_texture("colors", VertexColor {});
+        Color::Named("colors".to_owned())
+    };
+    scene.add_material("surface", Lambertian::new(albedo));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    scene.add(MeshFile::new(name, "grey"));
+    scene.add(MeshFile::new(name, "surface"));
     Ok(scene)
 }

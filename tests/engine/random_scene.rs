@@ -8,7 +8,7 @@ use ptfast::material::{
 use ptfast::primitive::{
     BoxFile, InstanceFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile,
 };
-use ptfast::texture::{Checker, Color, Image, Solid, Texture};
+use ptfast::texture::{Checker, Color, Image, Solid, Texture, VertexColor};
 use ptfast::{
     Background, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling, SceneFile,
 };
@@ -87,10 +87,13 @@ impl Maker {
 
     fn scene(mut self) -> SceneFile {
         let textures = (0..self.below(4)).map(|i| (format!("t{i}"), self.texture())).collect();
-        let textures: Named<Texture> = Named(textures);
+        let mut textures: Named<Texture> = Named(textures);
         let materials: Vec<_> = (0..1 + self.below(8))
             .map(|i| (format!("m{i}"), self.material(textures.0.len() as u64)))
             .collect();
+        textures
+            .0
+            .push(("bumps".to_owned(), Image::normals_from_file("tests/data/bumps.png").into()));
         let count = match self.below(4) {
             0 => self.below(3),
             1 => 30 + self.below(100),
@@ -154,13 +157,18 @@ impl Maker {
     }
 
     fn texture(&mut self) -> Texture {
-        match self.below(3) {
-            0 => Solid { color: self.vector(0.0, 1.0) }.into(),
-            1 => {
+        match self.below(4) {
+            0 => VertexColor {}.into(),
+            1 => Solid { color: self.vector(0.0, 1.0) }.into(),
+            2 => {
                 let (odd, even) = (self.vector(0.0, 1.0), self.vector(0.0, 1.0));
                 Checker { odd, even, scale: self.0.between(0.5, 20.0) }.into()
             }
-            _ => Image::from_file("tests/data/picture.png").into(),
+            _ => {
+                let mut image = Image::from_file("tests/data/picture.png");
+                image.uv = self.below(2) as u32;
+                image.into()
+            }
         }
     }
 
@@ -173,12 +181,24 @@ impl Maker {
     }
 
     fn material(&mut self, textures: u64) -> Material {
+        let mut material = self.plain_material(textures);
+        let normal = self.one_in(3).then(|| Box::new(Color::Named("bumps".to_owned())));
+        match &mut material {
+            Material::Lambertian(lambertian) => lambertian.normal = normal,
+            Material::Metal(metal) => metal.normal = normal,
+            Material::Conductor(conductor) => conductor.normal = normal,
+            _ => {}
+        }
+        material
+    }
+
+    fn plain_material(&mut self, textures: u64) -> Material {
         match self.below(8) {
             0 => Diffuse { albedo: self.albedo(textures) }.into(),
-            1 | 2 => Lambertian { albedo: self.albedo(textures) }.into(),
+            1 | 2 => Lambertian::new(self.albedo(textures)).into(),
             3 => {
                 let albedo = self.albedo(textures);
-                Metal { albedo, fuzz: if self.one_in(3) { 0.0 } else { self.0.uniform() } }.into()
+                Metal::new(albedo, if self.one_in(3) { 0.0 } else { self.0.uniform() }).into()
             }
             4 => {
                 let ior = self.0.between(1.0, 2.5);
@@ -192,7 +212,7 @@ impl Maker {
             6 => {
                 let (eta, k) = (self.vector(0.0, 2.0), self.vector(0.1, 5.0));
                 let alpha = if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) };
-                Conductor { eta, k, alpha }.into()
+                Conductor::new(eta, k, alpha).into()
             }
             _ => {
                 let radiance = if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) };
@@ -257,6 +277,15 @@ impl Maker {
         if self.one_in(2) {
             let uv = |[u, v, _]: [f32; 3]| [u, v];
             triangles.uvs = (0..6).map(|_| uv(self.vector(-1.0, 2.0))).collect();
+            if self.one_in(3) {
+                triangles.second_uvs = (0..6).map(|_| uv(self.vector(-1.0, 2.0))).collect();
+            }
+        }
+        if self.one_in(3) {
+            triangles.colors = (0..6).map(|_| self.vector(0.0, 1.0)).collect();
+        }
+        if self.one_in(4) {
+            triangles.tangents = (0..6).map(|_| self.vector(-1.0, 1.0)).collect();
         }
         triangles
     }

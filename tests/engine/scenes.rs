@@ -148,7 +148,7 @@ fn means_agree_with_other_programs() {
 /// A scene built in code whose material has an unnamed texture.
 fn with_texture(texture: impl Into<Texture>) -> SceneFile {
     let mut file = SceneFile::new(CameraFile::new([0.0, 0.0, 5.0], [0.0; 3], 40.0));
-    file.add_material("a", Lambertian { albedo: texture.into().into() });
+    file.add_material("a", Lambertian::new(texture.into()));
     file.add_sphere([0.0; 3], 1.0, "a");
     file
 }
@@ -171,7 +171,7 @@ fn textures_without_names_are_written_and_read() {
 #[test]
 fn names_used_twice_are_refused() {
     let mut file = with_texture(Image::from_file("tests/data/picture.png"));
-    file.add_material("a", Lambertian { albedo: [0.5; 3].into() });
+    file.add_material("a", Lambertian::new([0.5; 3]));
     let refused = Scene::from_file(&file).unwrap_err().to_string();
     assert_eq!(refused, "scene:materials: material: the name `a` is used twice");
 }

@@ -128,6 +128,63 @@ fn normals_and_texture_coordinates_are_read() {
     assert_ne!(hash("a.ron"), hash("made.ron"));
 }
 
+/// Colours in both formats, of integers and of floats, and those that no texture can have.
+#[test]
+fn colours_and_groups_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let ply = |kind: &str, colors: [&str; 3]| {
+        let [a, b, c] = colors;
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+             property float z\nproperty {kind} red\nproperty {kind} green\nproperty {kind} blue\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n"
+        )
+    };
+    file("bytes.ply", &ply("uchar", ["255 0 51", "0 255 0", "0 0 255"]));
+    file("words.ply", &ply("ushort", ["65535 0 13107", "0 65535 0", "0 0 65535"]));
+    file("floats.ply", &ply("float", ["1 0 0.2", "0 1 0", "0 0 1"]));
+    file("range.ply", &ply("float", ["255 0 51", "0 255 0", "0 0 255"]));
+    file("a.obj", "v 0 0 0 1 0 0.2\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\ng a\nf 1 2 3\ng b c\nf 1 3 2\n");
+    let load = |primitive: &str| {
+        let text = format!(
+            r#"(camera: (look_from: (0, 0, 5), look_at: (0.3, 0.3, 0), vfov: 10),
+                textures: {{"c": vertex_color()}}, materials: {{"m": lambertian(albedo: "c")}},
+                background: constant(radiance: (1, 1, 1)), primitives: [{primitive}])"#
+        );
+        file("a.ron", &text);
+        let path = folder.path().join("a.ron");
+        Scene::load(path.to_str().unwrap()).unwrap()
+    };
+    let mesh = |file: &str| load(&format!(r#"mesh(file: "{file}", material: "m")"#));
+    let bytes = mesh("bytes.ply");
+    assert_eq!(bytes.hash(), mesh("words.ply").hash());
+    assert_eq!(bytes.hash(), mesh("floats.ply").hash());
+    let group =
+        |name: &str| load(&format!(r#"mesh(file: "a.obj", group: "{name}", material: "m")"#));
+    assert_eq!(bytes.hash(), group("a").hash());
+    assert_eq!(mesh("a.obj").geometry().triangles.len(), 2);
+    assert_eq!(group("b c").geometry().triangles.len(), 1);
+    // 0.2 in sRGB is 0.0331 in linear RGB.
+    let list = |blue: &str| {
+        let triangle = "vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], indices: [(0, 1, 2)]";
+        let colors = format!("colors: [(1, 0, {blue}), (0, 1, 0), (0, 0, 1)]");
+        load(&format!(r#"triangles({triangle}, {colors}, material: "m")"#)).hash()
+    };
+    assert_eq!(bytes.hash(), list("0.033104766"));
+    assert_ne!(bytes.hash(), list("0.2"));
+    let notice = "range.ply: ignoring colours, because some are not in [0, 1]";
+    mesh("range.ply");
+    let said = stderr(&ptfast(folder.path(), &["scenes", "check", "a.ron"]));
+    assert!(said.contains(notice), "{said}");
+    // A mesh by itself is shown in its colours.
+    for (name, kind) in [("bytes.ply", "texture"), ("range.ply", "colour")] {
+        let shown = stdout(&ptfast(folder.path(), &["scenes", "show", name]));
+        assert_eq!(shown.contains("vertex_color"), kind == "texture", "{shown}");
+    }
+}
+
 #[test]
 fn meshes_are_scaled_turned_and_moved() {
     let folder = folder(&[

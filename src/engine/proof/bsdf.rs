@@ -86,17 +86,17 @@ struct Case {
 const ALBEDO: [f32; 3] = [0.9, 0.6, 0.3];
 
 fn conductor(alpha: f32) -> Material {
-    Conductor { eta: [0.2, 0.9, 1.4], k: [3.9, 2.4, 1.6], alpha }.into()
+    Conductor::new([0.2, 0.9, 1.4], [3.9, 2.4, 1.6], alpha).into()
 }
 
 fn cases() -> Vec<Case> {
-    let metal = |fuzz| (format!("metal {fuzz}"), Metal { albedo: ALBEDO.into(), fuzz }.into());
+    let metal = |fuzz| (format!("metal {fuzz}"), Metal::new(ALBEDO, fuzz).into());
     let frosted = |ior, alpha| {
         (format!("rough_dielectric {ior} {alpha}"), RoughDielectric { ior, alpha }.into())
     };
     let materials: [(String, Material); 12] = [
         ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
-        ("lambertian".to_owned(), Lambertian { albedo: ALBEDO.into() }.into()),
+        ("lambertian".to_owned(), Lambertian::new(ALBEDO).into()),
         metal(0.1),
         metal(0.5),
         metal(1.0),

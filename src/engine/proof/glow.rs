@@ -8,7 +8,7 @@ use crate::scene::{CameraFile, Sampling, Scene, SceneFile};
 #[test]
 fn surfaces_scatter_and_emit() {
     let mut file = SceneFile::new(CameraFile::new([0.2, 0.1, 0.0], [0.0, 0.0, 1.0], 90.0));
-    let base = Lambertian { albedo: [0.5; 3].into() };
+    let base = Lambertian::new([0.5; 3]);
     file.add_material("glow", Glow { base, radiance: [1.0; 3] });
     file.add_sphere([0.0; 3], 1.0, "glow");
     let scene = Scene::from_file(&file).unwrap();

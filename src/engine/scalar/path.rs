@@ -241,6 +241,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             return false;
         }
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
+        let at = at.with_normal_map(table, entry, M::GLOSSY);
         let bsdf = at.smoothed(M::bsdf::<f32>(&table.entries, entry, &at));
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)

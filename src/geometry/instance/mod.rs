@@ -108,11 +108,12 @@ impl Instance {
         placed.map_vertices(|vertex| (to_world * vertex.as_dvec3() + center).as_vec3());
         // Normals are mapped by the transpose of L and scaled to unit length; 0 stays 0.
         let to_normals = self.linear().transpose();
-        placed.map_normals(|normal| {
-            let normal = to_normals * normal.as_dvec3();
-            let length = normal.dot(normal).sqrt();
-            if length > 0.0 { (normal / length).as_vec3() } else { Vec3::ZERO }
-        });
+        let unit = |v: DVec3| {
+            let length = v.dot(v).sqrt();
+            if length > 0.0 { (v / length).as_vec3() } else { Vec3::ZERO }
+        };
+        placed.map_normals(|normal| unit(to_normals * normal.as_dvec3()));
+        placed.map_tangents(|tangent| unit(to_world * tangent.as_dvec3()));
         if self.mirrors() {
             // The front is the side from which the vertices are in counter-clockwise order.
             placed.turn_over();

@@ -66,6 +66,12 @@ impl<R: Real> Placement<R> {
         self.to_object.ray(ray)
     }
 
+    /// Maps a vector from object to world space.
+    #[inline(always)]
+    pub(in crate::geometry) fn vector(&self, vector: R::Vec3) -> R::Vec3 {
+        apply(&self.to_world, vector)
+    }
+
     /// Maps a point of a surface from object to world space.
     ///
     /// Let q be the point in object space, n its normal and u the unit roundoff. A distance along n

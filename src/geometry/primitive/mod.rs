@@ -260,7 +260,7 @@ impl Geometry {
     }
 
     /// [`Triangles::attributes`] of the primitive, which need not be a triangle.
-    pub(crate) fn attributes(&self, primitive: u32) -> Option<(u32, [[f32; 5]; 3])> {
+    pub(crate) fn attributes(&self, primitive: u32) -> Option<(u32, Vec<f32>)> {
         self.triangles.attributes((primitive as usize).checked_sub(self.first_triangle())?)
     }
 

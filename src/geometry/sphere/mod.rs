@@ -144,6 +144,17 @@ pub(super) fn uv<R: Real>(normal: R::Vec3) -> (R, R) {
     ((atan2(-normal[2], normal[0]) + PI) * (1.0 / (2.0 * PI)), acos(-normal[1]) * (1.0 / PI))
 }
 
+/// ∂p/∂u and ∂p/∂v for the coordinates of [`uv`], on a sphere of this radius. Not finite at the poles.
+#[inline(always)]
+pub(super) fn partials<R: Real>(normal: R::Vec3, radius: R) -> [R::Vec3; 2] {
+    let (x, y, z) = (normal[0], normal[1], normal[2]);
+    let sine = (x * x + z * z).sqrt();
+    let toward_pole = -y / sine;
+    let u = <R::Vec3 as Vector>::new(z, R::ZERO, -x) * (radius * (2.0 * PI));
+    let v = <R::Vec3 as Vector>::new(x * toward_pole, sine, z * toward_pole) * (radius * PI);
+    [u, v]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{SurfaceTable, triangle};
+use super::{Partials, SurfaceTable, triangle};
 use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::Real;
 
@@ -32,6 +32,23 @@ impl SurfaceTable for Table {
     fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R) {
         let placement = self.geometry.instances.placement::<R>(hit.instance);
         self.triangles.uv(&placement.ray(ray), hit, surface)
+    }
+
+    fn second_uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R) {
+        let placement = self.geometry.instances.placement::<R>(hit.instance);
+        self.triangles.second_uv(&placement.ray(ray), hit, surface)
+    }
+
+    fn color<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> R::Vec3 {
+        let placement = self.geometry.instances.placement::<R>(hit.instance);
+        self.triangles.color(&placement.ray(ray), hit)
+    }
+
+    fn partials<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> Partials<R> {
+        let placement = self.geometry.instances.placement::<R>(hit.instance);
+        let Partials { u, v, tangent } = self.triangles.partials(&placement.ray(ray), hit, surface);
+        let [u, v, tangent] = [u, v, tangent].map(|vector| placement.vector(vector));
+        Partials { u, v, tangent }
     }
 }
 

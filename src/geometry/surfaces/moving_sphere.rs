@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::SurfaceTable;
-use crate::geometry::sphere::{row_at_start, surface, uv};
+use super::{Partials, SurfaceTable};
+use crate::geometry::sphere::{partials, row_at_start, surface, uv};
 use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::{Real, Row, row};
 
@@ -29,5 +29,13 @@ impl SurfaceTable for Table {
     #[inline(always)]
     fn uv<R: Real>(&self, _: &Ray<R>, _: Hit<R>, surface: &Surface<R>) -> (R, R) {
         uv(surface.normal)
+    }
+
+    #[inline(always)]
+    fn partials<R: Real>(&self, _: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> Partials<R> {
+        let index = R::index(hit.primitive, self.0.len());
+        let (_, radius) = R::gather(&self.0, index, |rows| &rows[0]);
+        let [u, v] = partials(surface.normal, radius);
+        Partials::new(u, v)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::SurfaceTable;
+use super::{Partials, SurfaceTable};
 use crate::geometry::quad::rows;
 use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::{Real, Row, Vector, Word, dot};
@@ -54,6 +54,15 @@ impl SurfaceTable for Table {
         let (dual_u, _) = self.row::<R>(index, 3);
         let (dual_v, _) = self.row::<R>(index, 4);
         coordinates([q, dual_u, dual_v], ray, hit.t)
+    }
+
+    /// The edges.
+    #[inline(always)]
+    fn partials<R: Real>(&self, _: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> Partials<R> {
+        let index = self.index::<R>(hit.primitive);
+        let (u, _) = self.row::<R>(index, 1);
+        let (v, _) = self.row::<R>(index, 2);
+        Partials::new(u, v)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::SurfaceTable;
+use super::{Partials, SurfaceTable};
 use crate::geometry::triangle::surface;
-use crate::geometry::triangles::{MAPPED, Rows, SMOOTH, SOFT};
+use crate::geometry::triangles::{COLORED, MAPPED, MAPPED_TWICE, Rows, SMOOTH, SOFT, TANGENT};
 use crate::geometry::{Geometry, Hit, Ray, Shading, Surface};
-use crate::math::{Mask, Real, Word, dot, normalize};
+use crate::math::{Mask, Real, Vector, Word, dot, normalize};
 use crate::simd::axes;
 
 /// A reference to the geometry, whose rows can be gathered as they are.
@@ -68,6 +68,23 @@ impl Table {
         Corners { vertices: [vertex(0), vertex(1), vertex(2)], flags: flags.to_bits() }
     }
 
+    /// The corners of the triangles that `ray` hits, and the barycentric coordinates of the hits for
+    /// the second and the third vertex.
+    #[inline(always)]
+    fn locate<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> (Corners<R>, [R; 2]) {
+        let corners = self.corners::<R>(hit.primitive);
+        let positions = corners.gather(self.rows().positions).map(|(position, _)| position);
+        let (_, at) = surface(positions, ray, hit.t);
+        (corners, at)
+    }
+
+    /// The texture coordinates u of the three vertices, and the coordinates v.
+    #[inline(always)]
+    fn uvs<R: Real>(&self, corners: &Corners<R>) -> [[R; 3]; 2] {
+        let u = corners.gather(self.rows().positions).map(|(_, u)| u);
+        [u, corners.gather(self.rows().normals).map(|(_, v)| v)]
+    }
+
     /// The interpolated normals of the triangles that are smooth.
     #[inline(always)]
     fn shading<R: Real>(&self, corners: &Corners<R>, normal: R::Vec3, at: [R; 2]) -> Shading<R> {
@@ -101,15 +118,59 @@ impl SurfaceTable for Table {
     /// second and the third vertex.
     #[inline(always)]
     fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
-        let corners = self.corners::<R>(hit.primitive);
-        let vertices = corners.gather(self.rows().positions);
-        let (_, at) = surface(vertices.map(|(position, _)| position), ray, hit.t);
+        let (corners, at) = self.locate::<R>(ray, hit);
         let mapped = corners.have(MAPPED);
         if !mapped.any() {
             return at.into();
         }
-        let u = interpolate(vertices.map(|(_, u)| u), at);
-        let v = interpolate(corners.gather(self.rows().normals).map(|(_, v)| v), at);
+        let [u, v] = self.uvs(&corners).map(|coordinates| interpolate(coordinates, at));
         (mapped.select(u, at[0]), mapped.select(v, at[1]))
+    }
+
+    fn second_uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R) {
+        let (first_u, first_v) = self.uv(ray, hit, surface);
+        let (corners, at) = self.locate::<R>(ray, hit);
+        let mapped = corners.have(MAPPED_TWICE);
+        if !mapped.any() {
+            return (first_u, first_v);
+        }
+        let Rows { colors, tangents, .. } = self.rows();
+        let u = interpolate(corners.gather(colors).map(|(_, u)| u), at);
+        let v = interpolate(corners.gather(tangents).map(|(_, v)| v), at);
+        (mapped.select(u, first_u), mapped.select(v, first_v))
+    }
+
+    fn color<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> R::Vec3 {
+        let (corners, at) = self.locate::<R>(ray, hit);
+        let (colored, white) = (corners.have(COLORED), <R::Vec3 as Vector>::gray(R::ONE));
+        if !colored.any() {
+            return white;
+        }
+        let color = interpolate(corners.gather(self.rows().colors).map(|(color, _)| color), at);
+        colored.select(color, white)
+    }
+
+    /// Solves the two equations that the edges and the differences of texture coordinates along them
+    /// define.
+    fn partials<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> Partials<R> {
+        let (corners, at) = self.locate::<R>(ray, hit);
+        let [a, b, c] = corners.gather(self.rows().positions).map(|(position, _)| position);
+        let edges = [b - a, c - a];
+        let mut partials = Partials::new(edges[0], edges[1]);
+        let mapped = corners.have(MAPPED);
+        if mapped.any() {
+            let [u, v] = self.uvs(&corners).map(|[a, b, c]| [b - a, c - a]);
+            let inverse = R::ONE / (u[0] * v[1] - u[1] * v[0]);
+            let along_u = (edges[0] * v[1] - edges[1] * v[0]) * inverse;
+            let along_v = (edges[1] * u[0] - edges[0] * u[1]) * inverse;
+            partials =
+                Partials::new(mapped.select(along_u, edges[0]), mapped.select(along_v, edges[1]));
+        }
+        let has_tangent = corners.have(TANGENT);
+        if has_tangent.any() {
+            let tangents = corners.gather(self.rows().tangents).map(|(tangent, _)| tangent);
+            partials.tangent = has_tangent.select(interpolate(tangents, at), partials.tangent);
+        }
+        partials
     }
 }

@@ -15,12 +15,12 @@ pub(super) fn scene(count: u32) -> SceneFile {
     let radius = 100.0 * cbrt(f64::from(count as f32 / 1e6)) as f32;
     let materials = (0..64).map(|index| {
         let color = [(); 3].map(|()| 0.2 + 0.7 * random.uniform());
-        let albedo = color.into();
+        let albedo = color;
         let kind = random.uniform();
         let material: Material = if kind < 0.80 {
-            Lambertian { albedo }.into()
+            Lambertian::new(albedo).into()
         } else if kind < 0.95 {
-            Metal { albedo, fuzz: 0.3 * random.uniform() }.into()
+            Metal::new(albedo, 0.3 * random.uniform()).into()
         } else {
             Dielectric { ior: 1.5, fresnel: Fresnel::Schlick }.into()
         };

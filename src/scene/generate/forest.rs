@@ -35,7 +35,7 @@ pub(super) fn scene(count: u32) -> SceneFile {
     let mut scene = SceneFile::new(camera(extent));
     scene.background = Background::Gradient { bottom: [0.95, 0.95, 0.9], top: [0.35, 0.55, 1.0] };
     for (name, albedo) in COLORS {
-        scene.add_material(name, Lambertian { albedo: albedo.into() });
+        scene.add_material(name, Lambertian::new(albedo));
     }
     let part = |part: TrianglesFile| part.into();
     scene.add_named_mesh("fir", fir().map(part).to_vec());

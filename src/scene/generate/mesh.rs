@@ -32,7 +32,7 @@ pub(super) fn scene(count: u32) -> SceneFile {
     let corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)];
     vertices.extend(corners.map(|(x, z)| [x, floor, z]));
     indices.extend([[base, base + 2, base + 1], [base, base + 3, base + 2]]);
-    let gray = Lambertian { albedo: [0.7; 3].into() }.into();
+    let gray = Lambertian::new([0.7; 3]).into();
     let material = "gray".to_owned();
     let materials = Named(vec![(material.clone(), gray)]);
     let primitives = vec![TrianglesFile::new(vertices, indices, material).into()];

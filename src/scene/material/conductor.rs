@@ -10,7 +10,7 @@ use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, 
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::TextureTables;
+use crate::scene::texture::{Color, TextureTables};
 
 /// A metal with a complex index of refraction, smooth or with GGX microfacets.
 ///
@@ -18,6 +18,7 @@ use crate::scene::texture::TextureTables;
 /// equation 99).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Conductor {
     /// Real part of the index per channel, 0 to 100.
     pub eta: [f32; 3],
@@ -27,6 +28,16 @@ pub struct Conductor {
     /// GGX roughness α: 0 (mirror), or 0.001 to 1.
     #[serde(default)]
     pub alpha: f32,
+    /// Name of a normal map: an image texture with linear encoding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Box<Color>>,
+}
+
+impl Conductor {
+    /// Creates the material without a normal map.
+    pub fn new(eta: [f32; 3], k: [f32; 3], alpha: f32) -> Self {
+        Self { eta, k, alpha, normal: None }
+    }
 }
 
 impl MaterialModel for Conductor {
@@ -35,9 +46,18 @@ impl MaterialModel for Conductor {
     type Bsdf<R: Real> = ConductorBsdf<R>;
 
     const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
+
+    fn colors(&mut self) -> Vec<&mut Color> {
+        self.normal.as_deref_mut().into_iter().collect()
+    }
+
+    fn normal(&self) -> Option<&Color> {
+        self.normal.as_deref()
+    }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
-        let Self { eta, k, alpha } = *self;
+        let Self { eta, k, alpha, .. } = *self;
         let smooth_or_rough = alpha == 0.0 || (0.001..=1.0).contains(&alpha);
         e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
         e.color("eta", eta, 100.0)?;

@@ -16,9 +16,20 @@ use crate::scene::texture::{Color, TextureTables};
 /// A matte surface that follows Lambert's law: f = ρ/π, sampled in proportion to the cosine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Lambertian {
     /// Albedo ρ, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
+    /// Name of a normal map: an image texture with linear encoding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Box<Color>>,
+}
+
+impl Lambertian {
+    /// Creates the material without a normal map.
+    pub fn new(albedo: impl Into<Color>) -> Self {
+        Self { albedo: albedo.into(), normal: None }
+    }
 }
 
 impl MaterialModel for Lambertian {
@@ -29,7 +40,11 @@ impl MaterialModel for Lambertian {
     const TEXTURED: bool = true;
 
     fn colors(&mut self) -> Vec<&mut Color> {
-        vec![&mut self.albedo]
+        [Some(&mut self.albedo), self.normal.as_deref_mut()].into_iter().flatten().collect()
+    }
+
+    fn normal(&self) -> Option<&Color> {
+        self.normal.as_deref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

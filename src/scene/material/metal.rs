@@ -17,12 +17,23 @@ use crate::scene::texture::{Color, TextureTables};
 /// random point of the unit ball. Paths whose direction then points below the surface are absorbed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Metal {
     /// Reflectance, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
     /// Size of the blur, 0 (mirror) to 1.
     #[serde(default)]
     pub fuzz: f32,
+    /// Name of a normal map: an image texture with linear encoding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Box<Color>>,
+}
+
+impl Metal {
+    /// Creates the material without a normal map.
+    pub fn new(albedo: impl Into<Color>, fuzz: f32) -> Self {
+        Self { albedo: albedo.into(), fuzz, normal: None }
+    }
 }
 
 impl MaterialModel for Metal {
@@ -34,7 +45,11 @@ impl MaterialModel for Metal {
     const TEXTURED: bool = true;
 
     fn colors(&mut self) -> Vec<&mut Color> {
-        vec![&mut self.albedo]
+        [Some(&mut self.albedo), self.normal.as_deref_mut()].into_iter().flatten().collect()
+    }
+
+    fn normal(&self) -> Option<&Color> {
+        self.normal.as_deref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -43,9 +43,14 @@ pub(crate) trait MaterialModel {
     /// Whether a parameter may be a texture.
     const TEXTURED: bool = false;
 
-    /// Returns the colours that may be textures.
+    /// Returns the colours and the normal map, all of which may be textures.
     fn colors(&mut self) -> Vec<&mut Color> {
         Vec::new()
+    }
+
+    /// Returns the normal map.
+    fn normal(&self) -> Option<&Color> {
+        None
     }
 
     /// Returns the light that the material emits, if any.
@@ -82,11 +87,13 @@ pub(crate) struct MaterialTable<E> {
     pub(crate) entries: Vec<E>,
     /// Whether any of them has a texture.
     pub(crate) textured: bool,
+    /// For each of them, the code of its normal map; empty if none has one.
+    pub(crate) normals: Vec<u32>,
 }
 
 impl<E> Default for MaterialTable<E> {
     fn default() -> Self {
-        Self { entries: Vec::new(), textured: false }
+        Self { entries: Vec::new(), textured: false, normals: Vec::new() }
     }
 }
 
@@ -130,7 +137,17 @@ macro_rules! materials {
 
             pub(super) fn check(&self, e: &Element<'_>) -> Result<()> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.check(e),)*
+                    $($(#[cfg($cfg)])? Self::$name(material) => {
+                        material.normal().map_or(Ok(()), |normal| normal.check_normals(e))?;
+                        material.check(e)
+                    })*
+                }
+            }
+
+            /// Whether the material has a normal map.
+            pub(super) fn has_normal_map(&self) -> bool {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.normal().is_some(),)*
                 }
             }
 
@@ -170,6 +187,11 @@ macro_rules! materials {
                         let before = textures.uses();
                         let table = &mut self.$module;
                         table.entries.push(material.entry(textures));
+                        let normal = textures.normal_code(material.normal());
+                        if normal != 0 || !table.normals.is_empty() {
+                            table.normals.resize(table.entries.len() - 1, 0);
+                            table.normals.push(normal);
+                        }
                         table.textured |= textures.uses() > before;
                         assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");
                         table.entries.len() as u32 - 1

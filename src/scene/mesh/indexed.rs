@@ -7,7 +7,9 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::normals::{add_normals, unit};
+use crate::error::suggestion;
 use crate::geometry::{Triangle, Vertices};
+use crate::image::Transfer;
 use crate::math::precise::rotate;
 use crate::scene::budget::Budget;
 use crate::scene::place::{MAX_COORDINATE, angles};
@@ -22,6 +24,10 @@ pub(in crate::scene) struct Mesh {
     /// Ranges of triangles with the same material: one past the last triangle, and the index of the
     /// name, which is out of range for triangles without a name. Empty if the format has no names.
     pub(super) ranges: Vec<(u32, u32)>,
+    /// The names of its groups.
+    pub(super) groups: Vec<String>,
+    /// Ranges of triangles of the same group, as for materials.
+    pub(super) group_ranges: Vec<(u32, u32)>,
     /// Names of the ignored data in the file.
     pub(super) ignored: BTreeSet<&'static str>,
 }
@@ -60,26 +66,61 @@ impl Mesh {
     /// If there are more than three vertices per triangle, keeps only those that triangles refer to,
     /// because each vertex takes time to transform.
     pub(super) fn without_stray_vertices(mut self) -> Self {
-        let Vertices { positions, normals, uvs } = &self.vertices;
-        if positions.len() <= 3 * self.triangles.len() {
-            return self;
+        if self.vertices.positions.len() > 3 * self.triangles.len() {
+            self.vertices = compact(&self.vertices, &mut self.triangles);
         }
-        const UNUSED: u32 = u32::MAX;
-        let (mut moved, mut kept) = (vec![UNUSED; positions.len()], Vec::new());
-        for corner in self.triangles.as_flattened_mut() {
-            let new = &mut moved[*corner as usize];
-            if *new == UNUSED {
-                *new = kept.len() as u32;
-                kept.push(*corner as usize);
-            }
-            *corner = *new;
-        }
-        self.vertices = Vertices {
-            positions: kept.iter().map(|&vertex| positions[vertex]).collect(),
-            normals: kept.iter().filter_map(|&vertex| normals.get(vertex).copied()).collect(),
-            uvs: kept.iter().filter_map(|&vertex| uvs.get(vertex).copied()).collect(),
-        };
         self
+    }
+
+    /// Returns the triangles of the group called `name`.
+    ///
+    /// # Errors
+    /// If no triangle belongs to such a group.
+    pub(in crate::scene) fn group(&self, name: &str) -> Result<Self, String> {
+        let number = self.groups.iter().position(|group| group == name);
+        let mut part = Self { materials: self.materials.clone(), ..Self::default() };
+        let mut begin = 0;
+        for &(end, group) in &self.group_ranges {
+            let range = begin..end;
+            begin = end;
+            if Some(group as usize) != number {
+                continue;
+            }
+            // The ranges of materials that overlap this one.
+            let first = self.ranges.partition_point(|&(end, _)| end <= range.start);
+            let mut from = range.start;
+            for &(to, material) in &self.ranges[first..] {
+                let to = to.min(range.end);
+                part.triangles.extend(&self.triangles[from as usize..to as usize]);
+                part.ranges.push((part.triangles.len() as u32, material));
+                from = to;
+                if to == range.end {
+                    break;
+                }
+            }
+        }
+        if part.triangles.is_empty() {
+            let known = suggestion(name, self.groups.iter().map(String::as_str));
+            return Err(format!("no triangle belongs to a group `{name}`{known}"));
+        }
+        part.vertices = compact(&self.vertices, &mut part.triangles);
+        Ok(part)
+    }
+
+    /// Converts the colours of the file from sRGB to linear RGB. If any is out of range, none is
+    /// used.
+    pub(super) fn decode_colors(&mut self) {
+        let colors = &mut self.vertices.colors;
+        if colors.iter().all(|color| color.to_array().iter().all(|c| (0.0..=1.0).contains(c))) {
+            for color in colors {
+                *color = Vec3::from_array(
+                    color.to_array().map(|c| Transfer::Srgb.to_linear(f64::from(c))),
+                );
+            }
+        } else {
+            colors.clear();
+            self.ignored.insert("colours, because some are not in [0, 1]");
+        }
     }
 
     /// Notes that the names of the materials are ignored, if there are any.
@@ -97,10 +138,11 @@ impl Mesh {
 
     /// Returns the bytes of memory that the mesh takes.
     pub(in crate::scene) fn memory(&self) -> u64 {
-        let Vertices { positions, normals, uvs } = &self.vertices;
-        let vertices = size_of_val(&**positions) + size_of_val(&**normals) + size_of_val(&**uvs);
-        let names: usize = self.materials.iter().map(|name| size_of::<String>() + name.len()).sum();
-        (vertices + size_of_val(&*self.triangles) + size_of_val(&*self.ranges) + names) as u64
+        let Self { triangles, materials, ranges, groups, group_ranges, .. } = self;
+        let ranges = [ranges, group_ranges].map(|ranges| size_of_val(&**ranges));
+        let names = materials.iter().chain(groups).map(|name| size_of::<String>() + name.len());
+        let lists = ranges.into_iter().chain(names).sum::<usize>() + size_of_val(&**triangles);
+        self.vertices.bytes() + lists as u64
     }
 
     /// Returns the transformed vertices, the triangles that have an area, and their ranges. Vertices
@@ -118,10 +160,10 @@ impl Mesh {
         smooth: Smooth,
         budget: &Budget,
     ) -> Result<Transformed, String> {
-        let Vertices { positions, normals, uvs } = &self.vertices;
+        let Vertices { positions, normals, uvs, colors, .. } = &self.vertices;
         let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
-        budget.check(68 * vertices + 144 * triangles)?;
+        budget.check(68 * vertices + 144 * triangles + self.vertices.bytes())?;
         let turns = angles(transform.rotation);
         let transformed = |vertex: &Vec3| {
             let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(transform.scale));
@@ -156,7 +198,8 @@ impl Mesh {
         let turned = |normal: &Vec3| {
             unit(DVec3::from_array(rotate(normal.to_array().map(f64::from), turns)))
         };
-        let mut vertices = Vertices { positions, normals: Vec::new(), uvs: uvs.clone() };
+        let (uvs, colors) = (uvs.clone(), colors.clone());
+        let mut vertices = Vertices { positions, uvs, colors, ..Vertices::default() };
         if smooth == Smooth::On || smooth == Smooth::Auto && !normals.is_empty() {
             vertices.normals = normals.iter().map(turned).collect();
             // Even in a file with normals, some corners may lack them.
@@ -167,6 +210,21 @@ impl Mesh {
         }
         Ok(Transformed { vertices, faces, ranges })
     }
+}
+
+/// Returns the vertices that `triangles` refer to, and changes the indices of `triangles` to theirs.
+fn compact(vertices: &Vertices, triangles: &mut [[u32; 3]]) -> Vertices {
+    const UNUSED: u32 = u32::MAX;
+    let (mut moved, mut kept) = (vec![UNUSED; vertices.positions.len()], Vec::new());
+    for corner in triangles.as_flattened_mut() {
+        let new = &mut moved[*corner as usize];
+        if *new == UNUSED {
+            *new = kept.len() as u32;
+            kept.push(*corner);
+        }
+        *corner = *new;
+    }
+    vertices.select(&kept)
 }
 
 /// Whether the coordinates of a vertex are within the range of a scene.

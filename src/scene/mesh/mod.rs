@@ -4,6 +4,7 @@ mod indexed;
 mod normals;
 mod obj;
 mod ply;
+mod tangents;
 
 use std::path::Path;
 
@@ -14,9 +15,10 @@ use crate::limits::Limit;
 pub use indexed::Smooth;
 pub(super) use indexed::{Mesh, Transform, Transformed};
 pub(super) use normals::{add_normals, unit};
+pub(super) use tangents::add_tangents;
 
-/// Reads the positions, normals, texture coordinates and faces of a `.obj` or `.ply` file, and
-/// ignores the rest. Polygons become fans of triangles.
+/// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file,
+/// the names of materials and groups, and ignores the rest. Polygons become fans of triangles.
 ///
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the
@@ -36,7 +38,8 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
         budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
     })?;
     let within = budget.with(bytes.len() as u64);
-    let mesh = parse(&name, &bytes, &within)?;
+    let mut mesh = parse(&name, &bytes, &within)?;
+    mesh.decode_colors();
     if mesh.triangles.is_empty() {
         return Err(Error::input(name, "", "the file has no faces, a mesh needs at least one"));
     }

@@ -40,25 +40,68 @@ struct Vertex {
 #[derive(Default)]
 struct Reader<'a> {
     positions: Vec<Vec3>,
+    /// The colour of each position, or empty if there is none so far.
+    colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     /// For each position, the first vertex that has it, or [`NONE`].
     first: Vec<u32>,
     vertices: Vec<Vertex>,
     triangles: Vec<[u32; 3]>,
-    /// The number of each name of a material.
-    materials: HashMap<Vec<u8>, u32>,
-    /// Ranges of triangles with the same material: one past the last triangle, and the number of the
-    /// name, or [`NONE`].
-    ranges: Vec<(u32, u32)>,
-    /// Number of bytes of all names.
-    names: usize,
-    /// The number of the current name.
-    material: Option<u32>,
-    ignored: BTreeSet<&'static str>,
+    /// Materials, by `usemtl`.
+    materials: Names,
+    /// Groups, by `g` or `o`.
+    groups: Names,
     budget: Option<&'a Budget>,
     /// Bytes of memory up to which the budget has been checked.
     checked: u64,
+}
+
+/// The names that the file gives to triangles.
+#[derive(Default)]
+struct Names {
+    /// The number of each name.
+    numbers: HashMap<Vec<u8>, u32>,
+    /// Number of bytes of all names.
+    bytes: usize,
+    /// The number of the current name.
+    current: Option<u32>,
+    /// Ranges of triangles with the same name: one past the last triangle, and the number of the
+    /// name, or [`NONE`].
+    ranges: Vec<(u32, u32)>,
+}
+
+impl Names {
+    /// Gives the triangles that follow a name, which may contain blanks.
+    fn begin(&mut self, name: &[u8]) {
+        let name = name.trim_ascii();
+        let next = self.numbers.len() as u32;
+        self.bytes += if self.numbers.contains_key(name) { 0 } else { name.len() };
+        self.current = Some(*self.numbers.entry(name.to_vec()).or_insert(next));
+    }
+
+    /// Gives the current name to the triangles before `end`.
+    fn cover(&mut self, end: u32) {
+        let name = self.current.unwrap_or(NONE);
+        match self.ranges.last_mut() {
+            Some(last) if last.1 == name => last.0 = end,
+            _ => self.ranges.push((end, name)),
+        }
+    }
+
+    /// Bytes of memory while the lists grow.
+    fn memory(&self) -> usize {
+        24 * self.ranges.len() + 100 * self.numbers.len() + 2 * self.bytes
+    }
+
+    /// The names by number.
+    fn list(&self) -> Vec<String> {
+        let mut list = vec![String::new(); self.numbers.len()];
+        for (name, &number) in &self.numbers {
+            list[number as usize] = String::from_utf8_lossy(name).into_owned();
+        }
+        list
+    }
 }
 
 /// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
@@ -84,18 +127,19 @@ impl Reader<'_> {
         }
         match keyword {
             b"v" => {
-                let (numbers, count) = numbers::<7>(words).ok_or(VERTEX)?;
-                let [x, y, z, w, ..] = numbers;
+                let (numbers, count) = numbers::<6>(words).ok_or(VERTEX)?;
+                let [x, y, z, w, g, b] = numbers;
                 // After three coordinates, there may be w or a colour.
                 let position = match count {
-                    3 | 6.. => Vec3::new(x, y, z),
+                    3 | 6 => Vec3::new(x, y, z),
                     4 | 5 if w != 0.0 => Vec3::new(x, y, z) / w,
                     _ => return Err(VERTEX.to_owned()),
                 };
-                if count >= 6 {
-                    self.ignored.insert("colours");
+                if count >= 6 || !self.colors.is_empty() {
+                    self.colors.resize(self.positions.len(), Vec3::ONE);
+                    self.colors.push(if count >= 6 { Vec3::new(w, g, b) } else { Vec3::ONE });
                 }
-                if !(in_range(position) && w.is_finite()) {
+                if !(in_range(position) && [w, g, b].iter().all(|c| c.is_finite())) {
                     return Err(RANGE.to_owned());
                 }
                 self.positions.push(position);
@@ -113,19 +157,12 @@ impl Reader<'_> {
             }
             b"f" => {
                 self.face(words)?;
-                let (end, name) = (self.triangles.len() as u32, self.material.unwrap_or(NONE));
-                match self.ranges.last_mut() {
-                    Some(last) if last.1 == name => last.0 = end,
-                    _ => self.ranges.push((end, name)),
-                }
+                let end = self.triangles.len() as u32;
+                self.materials.cover(end);
+                self.groups.cover(end);
             }
-            b"usemtl" => {
-                // A name may contain blanks.
-                let name = line.trim_ascii_start()[keyword.len()..].trim_ascii();
-                let next = self.materials.len() as u32;
-                self.names += if self.materials.contains_key(name) { 0 } else { name.len() };
-                self.material = Some(*self.materials.entry(name.to_vec()).or_insert(next));
-            }
+            b"usemtl" => self.materials.begin(&line.trim_ascii_start()[keyword.len()..]),
+            b"g" | b"o" => self.groups.begin(&line.trim_ascii_start()[keyword.len()..]),
             _ => {}
         }
         Ok(())
@@ -204,22 +241,18 @@ impl Reader<'_> {
     /// Bytes of memory that the lists take while they grow, together with the mesh.
     fn memory(&self) -> u64 {
         let lists = 16 * self.positions.len()
+            + 12 * self.colors.len()
             + 8 * self.uvs.len()
             + 12 * self.normals.len()
             + 16 * self.vertices.len()
-            + 12 * self.triangles.len()
-            + 8 * self.ranges.len();
-        let names = 100 * self.materials.len() + 2 * self.names;
-        (3 * lists + 32 * self.vertices.len() + names) as u64
+            + 12 * self.triangles.len();
+        let names = self.materials.memory() + self.groups.memory();
+        (3 * lists + 44 * self.vertices.len() + names) as u64
     }
 
     /// The vertices that faces refer to, and the faces.
     fn mesh(self) -> Mesh {
-        let Self { positions, uvs, normals, vertices, triangles, ignored, ranges, .. } = self;
-        let mut materials = vec![String::new(); self.materials.len()];
-        for (name, number) in self.materials {
-            materials[number as usize] = String::from_utf8_lossy(&name).into_owned();
-        }
+        let Self { positions, colors, uvs, normals, vertices, triangles, .. } = self;
         let of = |list: &[Vec3], index: u32| list.get(index as usize).copied().unwrap_or_default();
         let has_normals = vertices.iter().any(|vertex| vertex.normal != NONE);
         let has_uvs = vertices.iter().any(|vertex| vertex.uv != NONE);
@@ -229,8 +262,13 @@ impl Reader<'_> {
             positions: vertices.iter().map(|vertex| of(&positions, vertex.position)).collect(),
             normals: with(has_normals).map(|vertex| of(&normals, vertex.normal)).collect(),
             uvs: with(has_uvs).map(uv).collect(),
+            colors: with(!colors.is_empty()).map(|vertex| of(&colors, vertex.position)).collect(),
+            ..Vertices::default()
         };
-        Mesh { vertices, triangles, materials, ranges, ignored }
+        let (materials, groups) = (self.materials.list(), self.groups.list());
+        let (ranges, group_ranges) = (self.materials.ranges, self.groups.ranges);
+        let ignored = BTreeSet::new();
+        Mesh { vertices, triangles, materials, ranges, groups, group_ranges, ignored }
     }
 }
 
@@ -269,7 +307,26 @@ mod tests {
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| at(*t)).collect();
         assert_eq!(triangles, [[a, b, c], [a, b, c], [a, c, d]]);
         assert!(mesh.vertices.normals.is_empty() && mesh.vertices.uvs.is_empty());
-        assert_eq!(mesh.ignored, BTreeSet::from(["colours"]));
+        assert_eq!(mesh.groups, ["one", "two"]);
+        assert_eq!((mesh.ranges, mesh.group_ranges), (vec![(3, 0)], vec![(1, 0), (3, 1)]));
+        // The other vertices are white.
+        assert_eq!(mesh.vertices.colors[2].to_array(), [0.1, 0.2, 0.3]);
+        assert_eq!(mesh.vertices.colors[0], Vec3::ONE);
+    }
+
+    #[test]
+    fn a_group_keeps_its_vertices_and_materials() {
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\ng a\nf 1 2 3\n\
+                    g b\nf 2 3 4\nusemtl blue\nf 1 3 4\nf 1 2 4\ng a\nf 2 3 4\n";
+        let mesh = read(text.as_bytes()).unwrap();
+        let a = mesh.group("a").unwrap();
+        assert_eq!(a.vertices.positions, [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y]);
+        assert_eq!((a.triangles, a.ranges), (vec![[0, 1, 2], [1, 2, 3]], vec![(1, 0), (2, 1)]));
+        let b = mesh.group("b").unwrap();
+        assert_eq!((b.triangles.len(), b.ranges), (3, vec![(1, 0), (3, 1)]));
+        assert_eq!(b.materials, ["red", "blue"]);
+        let error = mesh.group("c").unwrap_err();
+        assert!(error.starts_with("no triangle belongs to a group `c`"), "{error}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Triangle meshes that are read from files.
 
+use std::borrow::Cow;
 use std::collections::hash_map;
 
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,7 @@ use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// The triangles of an OBJ or PLY file.
 ///
-/// Positions, normals, texture coordinates and faces are read. Polygons become fans of triangles,
+/// Positions, normals, texture coordinates, colours and faces are read. Polygons become fans of triangles,
 /// and triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,6 +37,9 @@ pub struct MeshFile {
     /// the triangles (Chiang, Li, Burley 2019, "Taming the Shadow Terminator").
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub soft_terminator: bool,
+    /// Name of a group of an OBJ file (`g` or `o`), if only its triangles are wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
     /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials). Without
     /// it, each triangle has the material whose name the OBJ file gives it (`usemtl`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,6 +56,7 @@ impl MeshFile {
             translation: [0.0; 3],
             smooth: Smooth::Auto,
             soft_terminator: true,
+            group: None,
             material: Some(material.into()),
         }
     }
@@ -90,26 +95,34 @@ impl Expand for MeshFile {
                 new.insert(mesh)
             }
         };
+        if self.material.is_some() {
+            mesh.ignore_materials();
+        }
+        let named = |message: String| e.error(format!("{file}: {message}"));
+        let mesh = match &self.group {
+            None => Cow::Borrowed(&*mesh),
+            Some(group) => Cow::Owned(mesh.group(group).map_err(named)?),
+        };
         to.budget
             .hold_primitives(before, mesh.triangles.len())
             .and_then(|()| to.budget.hold_vertices(mesh.vertices.positions.len()))
             .map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
         let placed = mesh.transformed(&transform, smooth, to.budget);
-        let Transformed { vertices, faces, ranges } =
-            placed.map_err(|message| e.error(format!("{file}: {message}")))?;
-        let before = to.geometry.triangles.len();
-        to.geometry.triangles.add(vertices, faces, soft_terminator);
-        if self.material.is_some() {
-            mesh.ignore_materials();
-            return Ok(());
-        }
-        for (end, name) in ranges {
+        let Transformed { vertices, faces, ranges } = placed.map_err(named)?;
+        let material_of = |name: u32| {
             let Some(name) = mesh.materials.get(name as usize) else {
                 let what = "has triangles without the name of a material, so add `material`";
                 return Err(e.error(format!("{file} {what}")));
             };
-            let material = to.materials.find(e, name)?;
+            to.materials.find(e, name)
+        };
+        let ranges = if self.material.is_some() { Vec::new() } else { ranges };
+        let materials = ranges.into_iter().map(|(end, name)| Ok((end, material_of(name)?)));
+        let materials = materials.collect::<Result<Vec<(u32, u32)>>>()?;
+        let before = to.geometry.triangles.len();
+        to.triangles(e, vertices, faces, soft_terminator)?;
+        for (end, material) in materials {
             to.ranges.cover(before + end as usize, material);
         }
         Ok(())

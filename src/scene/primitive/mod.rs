@@ -20,12 +20,16 @@ use serde::{Deserialize, Serialize};
 use self::groups::Groups;
 pub use self::named_mesh::NamedMesh;
 use super::budget::Budget;
-use super::mesh::Mesh;
+use super::material::Material;
 pub use super::mesh::Smooth;
+use super::mesh::{Mesh, add_tangents};
 use super::named::Named;
 use super::place::{Element, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
-use crate::geometry::{Geometry, Quad};
+use crate::geometry::{Geometry, Quad, Vertices};
+
+/// Bytes of memory for each triangle while tangents are computed.
+const TANGENTS: u64 = 600;
 
 /// An entry in the list of primitives of a scene file.
 trait Expand {
@@ -71,12 +75,19 @@ pub(super) struct Materials<'a> {
     names: HashMap<&'a str, u32>,
     /// Whether each of them is a light.
     shine: Vec<bool>,
+    /// Whether any of them has a normal map, so that smooth meshes need tangents.
+    normal_maps: bool,
 }
 
 impl<'a> Materials<'a> {
-    /// `shine` is set for each material that is a light.
-    pub(super) fn new(names: impl Iterator<Item = &'a str>, shine: Vec<bool>) -> Self {
-        Self { names: names.zip(0..).collect(), shine }
+    /// `names` are the names of `materials`.
+    pub(super) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
+        let shines = |material: &Material| material.emission().is_some_and(|e| e.shines());
+        Self {
+            names: names.zip(0..).collect(),
+            shine: materials.iter().map(shines).collect(),
+            normal_maps: materials.iter().any(Material::has_normal_map),
+        }
     }
 
     /// Returns the index of the material called `name`.
@@ -133,6 +144,25 @@ impl<'a> Builder<'a> {
     fn room(&self, e: &Element<'_>, more: usize) -> Result<()> {
         let held = self.budget.hold_primitives(self.count(), more);
         held.map_err(|message| e.error(message))
+    }
+
+    /// Adds triangles, with tangents if materials have normal maps.
+    fn triangles(
+        &mut self,
+        e: &Element<'_>,
+        mut vertices: Vertices,
+        mut faces: Vec<[u32; 3]>,
+        soft: bool,
+    ) -> Result<()> {
+        if self.materials.normal_maps {
+            self.budget.check(TANGENTS * faces.len() as u64).map_err(|message| e.error(message))?;
+            let before = vertices.positions.len();
+            add_tangents(&mut vertices, &mut faces);
+            let more = vertices.positions.len() - before;
+            self.budget.hold_vertices(more).map_err(|message| e.error(message))?;
+        }
+        self.geometry.triangles.add(vertices, faces, soft);
+        Ok(())
     }
 
     /// Adds a quad whose parameters are in range.

@@ -28,6 +28,17 @@ pub struct TrianglesFile {
     /// Texture coordinates of the vertices, or none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub uvs: Vec<[f32; 2]>,
+    /// Texture coordinates of the second set, or none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub second_uvs: Vec<[f32; 2]>,
+    /// Colours of the vertices in linear RGB, each channel in [0, 1], or none. The texture
+    /// `vertex_color` uses them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub colors: Vec<[f32; 3]>,
+    /// Tangents of the vertices for normal maps, of any length, or none. Smooth triangles without
+    /// tangents get those of MikkTSpace.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tangents: Vec<[f32; 3]>,
     /// Whether shadows on smooth triangles fade out towards the terminator, which hides the edges of
     /// the triangles (Chiang, Li, Burley 2019, "Taming the Shadow Terminator").
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -43,14 +54,23 @@ impl TrianglesFile {
         indices: Vec<[u32; 3]>,
         material: impl Into<String>,
     ) -> Self {
-        let (normals, uvs, material) = (Vec::new(), Vec::new(), material.into());
-        Self { vertices, indices, normals, uvs, soft_terminator: true, material }
+        Self {
+            vertices,
+            indices,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            second_uvs: Vec::new(),
+            colors: Vec::new(),
+            tangents: Vec::new(),
+            soft_terminator: true,
+            material: material.into(),
+        }
     }
 }
 
 impl Expand for TrianglesFile {
     fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
-        let &Self { ref vertices, ref indices, ref normals, ref uvs, soft_terminator, .. } = self;
+        let Self { vertices, indices, normals, uvs, second_uvs, colors, tangents, .. } = self;
         to.room(e, indices.len())?;
         to.budget.hold_vertices(vertices.len()).map_err(|message| e.error(message))?;
         for (i, vertex) in vertices.iter().enumerate() {
@@ -59,6 +79,9 @@ impl Expand for TrianglesFile {
         for (name, count, numbers) in [
             ("normals", normals.len(), normals.as_flattened()),
             ("uvs", uvs.len(), uvs.as_flattened()),
+            ("second_uvs", second_uvs.len(), second_uvs.as_flattened()),
+            ("colors", colors.len(), colors.as_flattened()),
+            ("tangents", tangents.len(), tangents.as_flattened()),
         ] {
             if ![0, vertices.len()].contains(&count) {
                 let vertices = vertices.len();
@@ -71,6 +94,9 @@ impl Expand for TrianglesFile {
                     e.error(format!("{name}[{}] must be finite", index * count / numbers.len()))
                 );
             }
+        }
+        for (i, color) in colors.iter().enumerate() {
+            e.color(&format!("colors[{i}]"), *color, 1.0)?;
         }
         let mut faces = Vec::with_capacity(indices.len());
         for (i, corner) in indices.iter().enumerate() {
@@ -86,16 +112,21 @@ impl Expand for TrianglesFile {
                 faces.push(*corner);
             }
         }
-        let positions = vertices.iter().map(|vertex| Vec3::from_array(*vertex)).collect();
-        let vertices = Vertices {
-            positions,
-            normals: normals
-                .iter()
-                .map(|normal| unit(DVec3::from(normal.map(f64::from))))
-                .collect(),
-            uvs: uvs.iter().map(|uv| Vec2::from_array(*uv)).collect(),
+        let vectors =
+            |list: &[[f32; 3]]| list.iter().map(|v| Vec3::from_array(*v)).collect::<Vec<_>>();
+        let units = |list: &[[f32; 3]]| {
+            list.iter().map(|v| unit(DVec3::from(v.map(f64::from)))).collect::<Vec<_>>()
         };
-        to.geometry.triangles.add(vertices, faces, soft_terminator);
-        Ok(())
+        let pairs =
+            |list: &[[f32; 2]]| list.iter().map(|uv| Vec2::from_array(*uv)).collect::<Vec<_>>();
+        let vertices = Vertices {
+            positions: vectors(vertices),
+            normals: units(normals),
+            uvs: pairs(uvs),
+            second_uvs: pairs(second_uvs),
+            colors: vectors(colors),
+            tangents: units(tangents),
+        };
+        to.triangles(e, vertices, faces, self.soft_terminator)
     }
 }

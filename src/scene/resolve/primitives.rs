@@ -18,9 +18,7 @@ impl Resolver<'_> {
         materials: &[Material],
         folder: &Path,
     ) -> Result<(Geometry, MaterialMap, BTreeMap<PathBuf, Mesh>)> {
-        let shines = |material: &Material| material.emission().is_some_and(|e| e.shines());
-        let shine = materials.iter().map(shines).collect();
-        let materials = Materials::new(self.file.materials.names(), shine);
+        let materials = Materials::new(self.file.materials.names(), materials);
         let mut builder = Builder::new(&self.file.meshes, &materials, folder, &self.budget);
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {

@@ -77,6 +77,14 @@ mod tests {
         fn uv(&self) -> (f32, f32) {
             unreachable!("a checker does not use texture coordinates")
         }
+
+        fn second_uv(&self) -> (f32, f32) {
+            self.uv()
+        }
+
+        fn vertex_color(&self) -> Vec3 {
+            unreachable!("a checker does not use the colours of vertices")
+        }
     }
 
     #[test]

@@ -34,6 +34,16 @@ impl Color {
         }
     }
 
+    /// Checks that a normal map is a texture that contains normals.
+    pub(in crate::scene) fn check_normals(&self, e: &Element<'_>) -> Result<()> {
+        match self {
+            Self::Texture(texture) if texture.holds_normals() => Ok(()),
+            _ => Err(e.error(
+                "normal must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
+            )),
+        }
+    }
+
     /// Returns the image of the texture, if it has one.
     pub(in crate::scene) fn image(&self) -> Option<Arc<Image>> {
         match self {

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use super::{TextureModel, TexturePoint};
 use crate::error::Result;
-use crate::image::Image as Pixels;
-use crate::math::{Real, Vector, clamp};
+use crate::image::{Encoding, Image as Pixels};
+use crate::math::{Mask, Real, Vector, Word, clamp};
 use crate::scene::files::Images;
 use crate::scene::place::Element;
 
@@ -20,6 +20,12 @@ use crate::scene::place::Element;
 pub struct Image {
     /// Path of the image, relative to the scene file.
     pub file: String,
+    /// What the integers in the file mean.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub encoding: Encoding,
+    /// The set of texture coordinates, 0 or 1. Surfaces with a single set use that.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub uv: u32,
     /// The image, once it is read.
     #[serde(skip)]
     pub(super) pixels: Option<Arc<Pixels>>,
@@ -28,7 +34,12 @@ pub struct Image {
 impl Image {
     /// Creates a texture of the image in `file`, which is read when the scene is resolved.
     pub fn from_file(file: impl Into<String>) -> Self {
-        Self { file: file.into(), pixels: None }
+        Self { file: file.into(), encoding: Encoding::Auto, uv: 0, pixels: None }
+    }
+
+    /// Creates a normal map from the image in `file`, which is read when the scene is resolved.
+    pub fn normals_from_file(file: impl Into<String>) -> Self {
+        Self { encoding: Encoding::Linear, ..Self::from_file(file) }
     }
 
     fn pixels(&self) -> &Arc<Pixels> {
@@ -36,31 +47,50 @@ impl Image {
     }
 }
 
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 impl TextureModel for Image {
-    type Entry = Arc<Pixels>;
+    /// The pixels, and the set of texture coordinates.
+    type Entry = (Arc<Pixels>, u32);
 
     fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
-        self.pixels = Some(images.albedo_map(e, &self.file)?);
+        e.check(self.uv <= 1, "uv", "0 or 1", self.uv)?;
+        self.pixels = Some(images.albedo_map(e, &self.file, self.encoding)?);
         Ok(())
     }
 
     fn identity(&self) -> Value {
-        json!({ "image": self.pixels().hash() })
+        match self.uv {
+            0 => json!({ "image": self.pixels().hash() }),
+            set => json!({ "image": self.pixels().hash(), "uv": set }),
+        }
+    }
+
+    fn holds_normals(&self) -> bool {
+        self.encoding == Encoding::Linear && self.uv == 0
     }
 
     fn image(&self) -> Option<Arc<Pixels>> {
         self.pixels.clone()
     }
 
-    fn entry(&self) -> Arc<Pixels> {
-        Arc::clone(self.pixels())
+    fn entry(&self) -> (Arc<Pixels>, u32) {
+        (Arc::clone(self.pixels()), self.uv)
     }
 
     #[inline(never)]
-    fn color<R: Real>(table: &[Arc<Pixels>], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
-        let (u, v) = at.uv();
+    fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
+        let (mut u, mut v) = at.uv();
+        if table.iter().any(|(_, set)| *set == 1) {
+            let set = R::each_word(index, |image| table[image as usize].1);
+            let (second_u, second_v) = at.second_uv();
+            let first = set.eq(R::Word::splat(0));
+            (u, v) = (first.select(u, second_u), first.select(v, second_v));
+        }
         let color =
-            |image: u32, [u, v]: [f32; 2]| bilinear(&table[image as usize], u, v).to_array();
+            |image: u32, [u, v]: [f32; 2]| bilinear(&table[image as usize].0, u, v).to_array();
         let [r, g, b] = R::each_lane(index, [u, v], color);
         R::Vec3::new(r, g, b)
     }

@@ -6,6 +6,7 @@ mod checker;
 mod color;
 mod image;
 mod solid;
+mod vertex_color;
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -13,21 +14,28 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+pub use crate::image::Encoding;
 pub use color::Color;
 
 use super::files::Images;
 use super::place::Element;
 use crate::error::Result;
 use crate::image::Image as Pixels;
-use crate::math::{Mask, Real, Row, Word, row};
+use crate::math::{Mask, Real, Row, Vector, Word, row};
 
 /// The properties of a surface point, or of one per lane, that textures depend on.
 pub(crate) trait TexturePoint<R: Real>: Copy {
     /// Position of the point.
     fn point(&self) -> R::Vec3;
 
-    /// Texture coordinates, both in [0, 1] up to rounding.
+    /// Texture coordinates, both in [0, 1] up to rounding unless a mesh has its own.
     fn uv(&self) -> (R, R);
+
+    /// Texture coordinates of the second set, or of the first if the surface has only one.
+    fn second_uv(&self) -> (R, R);
+
+    /// The colour of the surface itself, or white if it has none.
+    fn vertex_color(&self) -> R::Vec3;
 }
 
 /// A kind of texture: its parameters, its table and its evaluation.
@@ -52,6 +60,11 @@ pub(crate) trait TextureModel {
     /// Returns the texture's image, if it has one and it is loaded.
     fn image(&self) -> Option<Arc<Pixels>> {
         None
+    }
+
+    /// Whether the texture can be a normal map.
+    fn holds_normals(&self) -> bool {
+        false
     }
 
     /// Returns the parameters for the table.
@@ -89,6 +102,12 @@ macro_rules! textures {
             pub(super) fn image(&self) -> Option<Arc<Pixels>> {
                 match self {
                     $(Self::$name(texture) => texture.image(),)*
+                }
+            }
+
+            pub(super) fn holds_normals(&self) -> bool {
+                match self {
+                    $(Self::$name(texture) => texture.holds_normals(),)*
                 }
             }
 
@@ -162,6 +181,8 @@ textures! {
     Checker in checker,
     /// An image mapped to the surface's texture coordinates.
     Image in image,
+    /// The colours at the vertices of a mesh.
+    VertexColor in vertex_color,
 }
 
 /// Number of low bits in a texture's code, which hold its index in its table. The bits above them
@@ -197,6 +218,17 @@ impl TextureTables {
         };
         self.uses += 1;
         [0, 0, 0, code]
+    }
+
+    /// Returns the code of a normal map, or 0 without one.
+    pub(super) fn normal_code(&mut self, normal: Option<&Color>) -> u32 {
+        normal.map_or(0, |normal| self.row(normal)[3])
+    }
+
+    /// Returns the colours of the normal maps with these codes at the point `at`. Code 0 gives black.
+    #[inline(always)]
+    pub(super) fn normal<R: Real>(&self, code: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
+        self.textured(R::Vec3::zero(), code, at)
     }
 
     /// Returns the colour of a row at the point `at`.

@@ -13,6 +13,7 @@ mod instances;
 mod lamps;
 mod media;
 mod mitsuba;
+mod normal_maps;
 mod smooth;
 mod tiles;
 

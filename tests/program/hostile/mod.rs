@@ -3,6 +3,7 @@
 //! The operating system limits memory, so that exceeding the limit aborts the program.
 
 mod files;
+mod instances;
 mod meshes;
 mod scenes;
 mod textures;
@@ -110,10 +111,9 @@ fn fault(case: &Case) -> Option<String> {
 
 #[test]
 fn hostile_files_are_rejected() {
-    let cases: Vec<Case> = [scenes::cases(), meshes::cases(), textures::cases(), files::cases()]
-        .into_iter()
-        .flatten()
-        .collect();
+    let lists =
+        [scenes::cases(), meshes::cases(), instances::cases(), textures::cases(), files::cases()];
+    let cases: Vec<Case> = lists.into_iter().flatten().collect();
     let faults: Vec<String> = cases.iter().filter_map(fault).collect();
     println!("{} cases", cases.len());
     assert!(cases.len() >= 200, "{} cases", cases.len());

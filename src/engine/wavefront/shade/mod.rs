@@ -107,8 +107,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
         } else {
-            let (table, textured) = (&table.entries[..], M::TEXTURED && table.textured);
-            match (textured, shape) {
+            match (M::TEXTURED && table.textured, shape) {
                 (true, Shape::Instance) => {
                     shading.scatter::<M, true, true>(table, shape, queue, shaded)
                 }

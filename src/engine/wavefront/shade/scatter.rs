@@ -8,7 +8,7 @@ use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::max_element;
 use crate::sampler::Dimension;
-use crate::scene::material::{Bsdf, MaterialModel, Scatter};
+use crate::scene::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
 impl Shading<'_> {
@@ -20,7 +20,7 @@ impl Shading<'_> {
     #[inline(never)]
     pub(super) fn scatter<M: MaterialModel, const TEXTURED: bool, const INSTANCED: bool>(
         &self,
-        table: &[M::Entry],
+        table: &MaterialTable<M::Entry>,
         shape: Shape,
         queue: Queue<'_>,
         shaded: &mut Shaded<'_>,
@@ -28,9 +28,13 @@ impl Shading<'_> {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths, INSTANCED);
             let (ray, hit) = (vertex.segment.ray, vertex.hit);
-            let at = self.tables.interaction(shape, ray, hit, TEXTURED, M::GLOSSY, INSTANCED);
-            let entries = self.tables.looks.entries::<Float>(shape, hit.primitive, table.len());
-            let bsdf = at.smoothed(M::bsdf::<Float>(table, entries, &at));
+            let mut at = self.tables.interaction(shape, ray, hit, TEXTURED, M::GLOSSY, INSTANCED);
+            let rows = &table.entries[..];
+            let entries = self.tables.looks.entries::<Float>(shape, hit.primitive, rows.len());
+            if TEXTURED {
+                at = at.with_normal_map(table, entries, M::GLOSSY);
+            }
+            let bsdf = at.smoothed(M::bsdf::<Float>(rows, entries, &at));
             self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
         }
     }

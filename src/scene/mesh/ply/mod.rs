@@ -29,11 +29,14 @@ struct Row {
     normal: Vec3,
     /// The texture coordinates by each of [`UVS`].
     uvs: [Vec2; UVS.len()],
+    color: Vec3,
     corners: Vec<i64>,
 }
 
 /// The names of the components of normals.
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// The names of the components of colours.
+const COLOR: [&str; 3] = ["red", "green", "blue"];
 /// The names that programs use for texture coordinates.
 const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
 
@@ -43,6 +46,7 @@ impl PropertyAccess for Row {
             position: Vec3::NAN,
             normal: Vec3::ZERO,
             uvs: [Vec2::ZERO; UVS.len()],
+            color: Vec3::NAN,
             corners: Vec::new(),
         }
     }
@@ -51,6 +55,7 @@ impl PropertyAccess for Row {
         let is_name = |one: &&str| *one == name;
         let axis = ["x", "y", "z"].iter().position(is_name);
         let normal = NORMAL.iter().position(is_name);
+        let color = COLOR.iter().position(is_name);
         let uv = (0..UVS.len()).find_map(|i| Some((i, UVS[i].iter().position(is_name)?)));
         if let (Some(axis), Some(number)) = (axis, value.to_f32_lossy()) {
             self.position[axis] = number;
@@ -58,12 +63,23 @@ impl PropertyAccess for Row {
             self.normal[axis] = number;
         } else if let (Some((names, axis)), Some(number)) = (uv, value.to_f32_lossy()) {
             self.uvs[names][axis] = number;
+        } else if let (Some(i), Some(channel)) = (color, channel(&value)) {
+            self.color[i] = channel;
         } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
             self.corners = corners;
         } else {
             return PropertyAccessResult::Ignored;
         }
         PropertyAccessResult::Set
+    }
+}
+
+/// The channel of a colour. Integers are fractions of their largest value.
+fn channel(value: &Property) -> Option<f32> {
+    match value {
+        Property::UChar(code) => Some(f32::from(*code) / 255.0),
+        Property::UShort(code) => Some(f32::from(*code) / 65535.0),
+        other => other.to_f32_lossy(),
     }
 }
 
@@ -96,16 +112,17 @@ pub(super) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     let attributes = Attributes {
         normals: has(&header, &NORMAL),
         uvs: UVS.iter().position(|names| has(&header, names)),
+        colors: has(&header, &COLOR),
     };
-    let bytes =
-        12 + if attributes.normals { 12 } else { 0 } + if attributes.uvs.is_some() { 8 } else { 0 };
+    let with = |bytes: usize, is_there: bool| if is_there { bytes } else { 0 };
+    let bytes = 12
+        + with(12, attributes.normals)
+        + with(8, attributes.uvs.is_some())
+        + with(12, attributes.colors);
     budget
         .check(most.memory(count * bytes, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
     let mut mesh = Mesh::default();
-    if has(&header, &["red"]) {
-        mesh.ignored.insert("colours");
-    }
     for (element, all) in &header.elements {
         let mut some = all.clone();
         for first in (0..all.count).step_by(ROWS) {
@@ -149,6 +166,7 @@ struct Attributes {
     normals: bool,
     /// The index in [`UVS`] of the names of the texture coordinates.
     uvs: Option<usize>,
+    colors: bool,
 }
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
@@ -160,7 +178,7 @@ fn add_vertices(
     if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
         return Err((row, "a vertex needs x, y and z, finite and within ±1e9".to_owned()));
     }
-    let Vertices { positions, normals, uvs } = &mut mesh.vertices;
+    let Vertices { positions, normals, uvs, colors, .. } = &mut mesh.vertices;
     positions.extend(rows.iter().map(|row| row.position));
     if attributes.normals {
         if let Some(row) = rows.iter().position(|row| !row.normal.is_finite()) {
@@ -173,6 +191,9 @@ fn add_vertices(
             return Err((row, "texture coordinates must be finite".to_owned()));
         }
         uvs.extend(rows.iter().map(|row| row.uvs[names]));
+    }
+    if attributes.colors {
+        colors.extend(rows.iter().map(|row| row.color));
     }
     Ok(())
 }

@@ -1,0 +1,59 @@
+//! Normal maps: textures that turn the shading normal.
+
+use super::interaction::Interaction;
+use super::material::MaterialTable;
+use super::smooth::{LEAST_COSINE, smooth_normal};
+use crate::geometry::Partials;
+use crate::math::{Mask, Real, Word, cross, dot, normalize};
+
+impl<R: Real> Interaction<'_, R> {
+    /// Turns the shading normals as the normal maps of the materials at `index` of `table` say.
+    #[inline(always)]
+    pub(crate) fn with_normal_map<E>(
+        self,
+        table: &MaterialTable<E>,
+        index: R::Index,
+        glossy: bool,
+    ) -> Self {
+        if table.normals.is_empty() {
+            return self;
+        }
+        let code = R::pick(&table.normals, index);
+        let mapped = !code.eq(R::Word::splat(0));
+        if mapped.any() { self.turned(code, mapped, glossy) } else { self }
+    }
+
+    /// A map contains (n + 1) / 2, where the components of n are along the tangent, along the
+    /// bitangent, and along the shading normal without the map. As in the tangent space of MikkTSpace
+    /// (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"), the bitangent is perpendicular
+    /// to the two others. A normal that would face into the surface is bent to its horizon.
+    #[inline(never)]
+    fn turned(mut self, code: R::Word, mapped: R::Mask, glossy: bool) -> Self {
+        let Self { surfaces, shape, surface, normal, front, .. } = self;
+        let Some(textures) = self.textures else { return self };
+        let Partials { v, tangent, .. } = surfaces.partials(shape, &self.ray, self.hit, &surface);
+        let plain = surface.shading.normal;
+        let up = dot(plain, surface.normal).lt(R::ZERO).select(-plain, plain);
+        let tangent = normalize(tangent - up * dot(up, tangent));
+        let across = cross(up, tangent);
+        let bitangent = dot(across, v).lt(R::ZERO).select(-across, across);
+        let [x, y, z] = {
+            let color = textures.normal(code, &self);
+            [color[0], color[1], color[2]].map(|c| c * 2.0 - R::ONE)
+        };
+        let turned = normalize(tangent * x + bitangent * y + up * z);
+        // Where texture coordinates define no tangent, the surface stays as it is.
+        let length2 = dot(turned, turned);
+        let mapped = mapped & length2.gt(R::splat(0.5)) & length2.lt(R::splat(2.0));
+        let turned = front.select(turned, -turned);
+        let cos = dot(turned, normal);
+        let least = R::splat(LEAST_COSINE);
+        let below = cos.lt(least);
+        let turned = below.select(normalize(turned + normal * (least - cos)), turned);
+        let bent = smooth_normal::<R>(turned, mapped, normal, self.ray.direction, glossy);
+        self.shading = mapped.select(bent, self.shading);
+        self.soft = self.soft | (mapped & !self.smooth);
+        self.smooth = self.smooth | mapped;
+        self
+    }
+}

@@ -1,0 +1,34 @@
+//! The colours of meshes.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{TextureModel, TexturePoint};
+use crate::error::Result;
+use crate::math::Real;
+use crate::scene::files::Images;
+use crate::scene::place::Element;
+
+/// The colours at the vertices of a mesh, interpolated. Surfaces without colours are white.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VertexColor {}
+
+impl TextureModel for VertexColor {
+    type Entry = ();
+
+    fn load(&mut self, _: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
+        Ok(())
+    }
+
+    fn identity(&self) -> Value {
+        json!({ "vertex_color": {} })
+    }
+
+    fn entry(&self) {}
+
+    #[inline(never)]
+    fn color<R: Real>(_: &[()], _: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
+        at.vertex_color()
+    }
+}

@@ -1,0 +1,90 @@
+//! Surfaces with a normal map whose normal is (0.2, −0.2, 1) everywhere.
+
+use super::{Known, compare};
+
+/// A primitive at the origin, seen along −z or, from behind, along z, under a sky of radiance y + 1.
+fn mirror(name: &str, from: f32, primitives: &str, y: f64) -> Known {
+    let text = format!(
+        r#"(camera: (look_from: (0, 0, {from}), look_at: (0, 0, 0), vfov: 0.02),
+            background: gradient(bottom: (0, 0, 0), top: (2, 2, 2)),
+            textures: {{"tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
+            materials: {{"m": metal(albedo: (1, 1, 1), normal: "tilted")}},
+            meshes: {{"square": [{SQUARE}]}},
+            primitives: [{primitives}])"#
+    );
+    Known::new(name, &text, 1.0 + y)
+}
+
+/// A square in the plane z = 0, whose u grows along x and v along y.
+const SQUARE: &str = r#"triangles(
+    vertices: [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], indices: [(0, 1, 2), (0, 2, 3)],
+    uvs: [(0, 0), (1, 0), (1, 1), (0, 1)], material: "m")"#;
+
+#[test]
+fn mirrors_turn_as_their_maps_say() {
+    // Reflects z at the normal (0.2, −0.2, 1)/√1.08.
+    let down = -2.0 * 0.2 / 1.08;
+    let smooth = "normals: [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)], material";
+    let with = |field: &str| SQUARE.replace("material", field);
+    let turned = with("tangents: [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)], material");
+    let mirrored = SQUARE.replace("uvs: [(0, 0), (1, 0), (1, 1), (0, 1)]", {
+        "uvs: [(0, 1), (1, 1), (1, 0), (0, 0)]"
+    });
+    let instance = |rows: &str| format!(r#"instance(mesh: "square", matrix: ({rows}))"#);
+    let quad =
+        |q: &str, u: &str, v: &str| format!(r#"quad(q: ({q}), u: ({u}), v: ({v}), material: "m")"#);
+    let across = quad("-1, -1, 0", "2, 0, 0", "0, 2, 0");
+    compare(
+        "mirrors",
+        &[
+            mirror("quad", 5.0, &across, down),
+            mirror("quad from behind", -5.0, &across, -down),
+            mirror("upright quad", 5.0, &quad("1, -1, 0", "0, 2, 0", "-2, 0, 0"), -down),
+            mirror("slanted quad", 5.0, &quad("-2, -1, 0", "2, 0, 0", "2, 2, 0"), down),
+            mirror("flat triangles", 5.0, SQUARE, down),
+            mirror("smooth triangles", 5.0, &with(smooth), down),
+            mirror("mirrored coordinates", 5.0, &mirrored, -down),
+            mirror("mirrored and smooth", 5.0, &mirrored.replace("material", smooth), -down),
+            mirror("given tangents", 5.0, &turned, -down),
+            mirror("instance", 5.0, &instance("(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)"), down),
+            mirror(
+                "turned and stretched instance",
+                5.0,
+                &instance("(0, -3, 0, 0), (0.5, 0, 0, 0), (0, 0, 1, 0)"),
+                -down,
+            ),
+            mirror(
+                "mirrored instance",
+                5.0,
+                &instance("(1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)"),
+                -down,
+            ),
+            mirror("sphere", 9.0, r#"sphere(center: (0, 0, 0), radius: 4, material: "m")"#, down),
+            mirror(
+                "moving sphere",
+                9.0,
+                r#"moving_sphere(center: (0, 0, 0), center1: (0, 0, 0.1), radius: 4, material: "m")"#,
+                down,
+            ),
+        ],
+    );
+}
+
+/// Light from below the surface but above the horizon of the turned normal is lost: a share of
+/// (1 − cos θ)/2.
+#[test]
+fn matte_surfaces_gain_no_light() {
+    let text = format!(
+        r#"(camera: (look_from: (0, 0.6, 0.8), look_at: (0, 0, 0), vfov: 0.02),
+            textures: {{"tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
+            materials: {{"m": lambertian(albedo: (0.8, 0.8, 0.8), normal: "tilted"),
+                         "wall": light(radiance: (3, 3, 3))}},
+            primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"), {}])"#,
+        SQUARE.replace(
+            "material",
+            "normals: [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)], soft_terminator: false, material"
+        )
+    );
+    let cos = 1.0 / 1.08_f64.sqrt();
+    compare("matte", &[Known::new("lambertian", &text, 3.0 * 0.8 * (1.0 + cos) / 2.0)]);
+}
