@@ -3,7 +3,7 @@
 use super::interaction::Interaction;
 use super::material::MaterialTable;
 use super::smooth::{LEAST_COSINE, smooth_normal};
-use crate::geometry::Partials;
+use crate::geometry::{Partials, Shading};
 use crate::math::{Mask, Real, Word, cross, dot, normalize};
 
 impl<R: Real> Interaction<'_, R> {
@@ -20,7 +20,13 @@ impl<R: Real> Interaction<'_, R> {
         }
         let code = R::pick(&table.normals, index);
         let mapped = !code.eq(R::Word::splat(0));
-        if mapped.any() { self.turned(code, mapped, glossy) } else { self }
+        if !mapped.any() {
+            return self;
+        }
+        // A copy, so that the original can stay in registers.
+        let copy = self;
+        let Shading { normal: shading, smooth, soft } = copy.turned(code, mapped, glossy);
+        Self { shading, smooth, soft, ..self }
     }
 
     /// A map contains (n + 1) / 2, where the components of n are along the tangent, along the
@@ -28,9 +34,11 @@ impl<R: Real> Interaction<'_, R> {
     /// (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"), the bitangent is perpendicular
     /// to the two others. A normal that would face into the surface is bent to its horizon.
     #[inline(never)]
-    fn turned(mut self, code: R::Word, mapped: R::Mask, glossy: bool) -> Self {
-        let Self { surfaces, shape, surface, normal, front, .. } = self;
-        let Some(textures) = self.textures else { return self };
+    fn turned(&self, code: R::Word, mapped: R::Mask, glossy: bool) -> Shading<R> {
+        let &Self { surfaces, shape, surface, normal, front, shading, smooth, soft, .. } = self;
+        let Some(textures) = self.textures else {
+            return Shading { normal: shading, smooth, soft };
+        };
         let Partials { v, tangent, .. } = surfaces.partials(shape, &self.ray, self.hit, &surface);
         let plain = surface.shading.normal;
         let up = dot(plain, surface.normal).lt(R::ZERO).select(-plain, plain);
@@ -38,7 +46,7 @@ impl<R: Real> Interaction<'_, R> {
         let across = cross(up, tangent);
         let bitangent = dot(across, v).lt(R::ZERO).select(-across, across);
         let [x, y, z] = {
-            let color = textures.normal(code, &self);
+            let color = textures.normal(code, self);
             [color[0], color[1], color[2]].map(|c| c * 2.0 - R::ONE)
         };
         let turned = normalize(tangent * x + bitangent * y + up * z);
@@ -51,9 +59,10 @@ impl<R: Real> Interaction<'_, R> {
         let below = cos.lt(least);
         let turned = below.select(normalize(turned + normal * (least - cos)), turned);
         let bent = smooth_normal::<R>(turned, mapped, normal, self.ray.direction, glossy);
-        self.shading = mapped.select(bent, self.shading);
-        self.soft = self.soft | (mapped & !self.smooth);
-        self.smooth = self.smooth | mapped;
-        self
+        Shading {
+            normal: mapped.select(bent, shading),
+            smooth: smooth | mapped,
+            soft: soft | (mapped & !smooth),
+        }
     }
 }

@@ -5,6 +5,7 @@ mod emit;
 mod scatter;
 mod vertex;
 
+use self::scatter::{COLORS, NONE, NORMALS};
 use super::cells::Cells;
 use super::connect::Shadows;
 use super::order::Next;
@@ -106,17 +107,12 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
             shaded.endings.light += queue.len() as u64;
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
+        } else if M::TEXTURED && !table.normals.is_empty() {
+            shading.scatter_on::<M, NORMALS>(table, shape, queue, shaded);
+        } else if M::TEXTURED && table.textured {
+            shading.scatter_on::<M, COLORS>(table, shape, queue, shaded);
         } else {
-            match (M::TEXTURED && table.textured, shape) {
-                (true, Shape::Instance) => {
-                    shading.scatter::<M, true, true>(table, shape, queue, shaded)
-                }
-                (true, _) => shading.scatter::<M, true, false>(table, shape, queue, shaded),
-                (false, Shape::Instance) => {
-                    shading.scatter::<M, false, true>(table, shape, queue, shaded)
-                }
-                (false, _) => shading.scatter::<M, false, false>(table, shape, queue, shaded),
-            }
+            shading.scatter_on::<M, NONE>(table, shape, queue, shaded);
         }
         true
     }

@@ -11,14 +11,36 @@ use crate::sampler::Dimension;
 use crate::scene::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
+/// The textures that materials of a kind have: none.
+pub(super) const NONE: u8 = 0;
+/// Colours.
+pub(super) const COLORS: u8 = 1;
+/// Colours and normal maps.
+pub(super) const NORMALS: u8 = 2;
+
 impl Shading<'_> {
     /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
-    ///
+    #[inline(always)]
+    pub(super) fn scatter_on<M: MaterialModel, const TEXTURES: u8>(
+        &self,
+        table: &MaterialTable<M::Entry>,
+        shape: Shape,
+        queue: Queue<'_>,
+        shaded: &mut Shaded<'_>,
+    ) {
+        if shape == Shape::Instance {
+            self.scatter::<M, TEXTURES, true>(table, shape, queue, shaded);
+        } else {
+            self.scatter::<M, TEXTURES, false>(table, shape, queue, shaded);
+        }
+    }
+
     /// It is not inlined, so that each kind of material has all registers to itself. For a kind
-    /// without textured materials, a separate loop saves 10% of the *shade* stage with AVX2. Instances
-    /// have a loop of their own, because their code slows down other shapes by up to 9%.
+    /// without textured materials, a separate loop saves 10% of the *shade* stage with AVX2. Normal
+    /// maps and instances have loops of their own, because their code slows down the others: whole
+    /// renders of `checker` by 6%, other shapes by up to 9%.
     #[inline(never)]
-    pub(super) fn scatter<M: MaterialModel, const TEXTURED: bool, const INSTANCED: bool>(
+    fn scatter<M: MaterialModel, const TEXTURES: u8, const INSTANCED: bool>(
         &self,
         table: &MaterialTable<M::Entry>,
         shape: Shape,
@@ -28,10 +50,11 @@ impl Shading<'_> {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths, INSTANCED);
             let (ray, hit) = (vertex.segment.ray, vertex.hit);
-            let mut at = self.tables.interaction(shape, ray, hit, TEXTURED, M::GLOSSY, INSTANCED);
+            let mut at =
+                self.tables.interaction(shape, ray, hit, TEXTURES > NONE, M::GLOSSY, INSTANCED);
             let rows = &table.entries[..];
             let entries = self.tables.looks.entries::<Float>(shape, hit.primitive, rows.len());
-            if TEXTURED {
+            if TEXTURES == NORMALS {
                 at = at.with_normal_map(table, entries, M::GLOSSY);
             }
             let bsdf = at.smoothed(M::bsdf::<Float>(rows, entries, &at));
