@@ -222,6 +222,18 @@ impl Triangles {
         self.positions.len()
     }
 
+    /// Number of rows that adding these vertices appends to the tables of colours and tangents, which
+    /// few meshes need. The vertices before them need rows as well.
+    pub(crate) fn optional_rows(&self, vertices: &Vertices) -> usize {
+        let Vertices { positions, second_uvs, colors, tangents, .. } = vertices;
+        let end = self.positions.len() + positions.len();
+        let more = |table: &[Row], vectors: &[Vec3]| {
+            let is_needed = !(table.is_empty() && vectors.is_empty() && second_uvs.is_empty());
+            if is_needed { end - table.len() } else { 0 }
+        };
+        more(&self.colors, colors) + more(&self.tangents, tangents)
+    }
+
     /// The current end of the list, for [`Triangles::split_off`].
     pub(crate) fn mark(&self) -> Mark {
         Mark { triangles: self.corners.len(), vertices: self.positions.len() }

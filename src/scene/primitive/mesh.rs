@@ -101,7 +101,10 @@ impl Expand for MeshFile {
         let named = |message: String| e.error(format!("{file}: {message}"));
         let mesh = match &self.group {
             None => Cow::Borrowed(&*mesh),
-            Some(group) => Cow::Owned(mesh.group(group).map_err(named)?),
+            Some(group) => {
+                to.budget.check(2 * mesh.memory()).map_err(named)?;
+                Cow::Owned(mesh.group(group).map_err(named)?)
+            }
         };
         to.budget
             .hold_primitives(before, mesh.triangles.len())

@@ -31,6 +31,10 @@ use crate::geometry::{Geometry, Quad, Vertices};
 /// Bytes of memory for each triangle while tangents are computed.
 const TANGENTS: u64 = 600;
 
+/// Bytes of memory for each row of the tables of colours and tangents while they grow: 16, in up to
+/// three copies.
+const ROW: u64 = 48;
+
 /// An entry in the list of primitives of a scene file.
 trait Expand {
     /// Checks the parameters and adds the primitives that they describe.
@@ -161,6 +165,8 @@ impl<'a> Builder<'a> {
             let more = vertices.positions.len() - before;
             self.budget.hold_vertices(more).map_err(|message| e.error(message))?;
         }
+        let rows = self.geometry.triangles.optional_rows(&vertices);
+        self.budget.hold(ROW * rows as u64).map_err(|message| e.error(message))?;
         self.geometry.triangles.add(vertices, faces, soft);
         Ok(())
     }
