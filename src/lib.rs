@@ -115,6 +115,7 @@ mod engine;
 mod error;
 mod film;
 mod geometry;
+mod huge_pages;
 mod image;
 mod input;
 #[cfg(feature = "cli")]

@@ -3,7 +3,6 @@
 mod accelerator;
 mod batch;
 mod counters;
-mod huge_pages;
 mod kernel;
 mod leaf;
 mod probe;

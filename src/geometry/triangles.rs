@@ -1,10 +1,12 @@
 //! Indexed triangles.
 
+use std::mem::take;
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
 use super::Triangle;
+use crate::huge_pages::settle;
 use crate::math::{Row, row};
 use crate::simd::axes;
 
@@ -220,6 +222,14 @@ impl Triangles {
     /// Number of vertices.
     pub(crate) fn vertex_count(&self) -> usize {
         self.positions.len()
+    }
+
+    /// Moves the tables to huge pages. Call this after the last triangle has been added.
+    pub(super) fn settle(&mut self) {
+        let Self { corners, positions, normals, colors, tangents } = self;
+        for table in [corners, positions, normals, colors, tangents] {
+            *table = settle(take(table));
+        }
     }
 
     /// Number of rows that adding these vertices appends to the tables of colours and tangents, which

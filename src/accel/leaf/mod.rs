@@ -13,12 +13,12 @@ use std::mem::take;
 use glam::Vec3;
 
 use super::counters::Count;
-use super::huge_pages::{reserve, settle};
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
 use super::ray::rays::Rays;
 use crate::geometry::{Geometry, Shape, shapes};
+use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
 
 /// A reference to a block: its shape, the number of its primitives, and its index among the blocks

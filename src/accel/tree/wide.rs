@@ -8,10 +8,10 @@ use std::sync::Mutex;
 use super::binary::{Below, BinaryTree};
 use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, Partition};
-use crate::accel::huge_pages::{reserve, settle};
 use crate::accel::leaf::{BlockRef, Blocks};
 use crate::accel::threads::{for_each, map};
 use crate::geometry::{Bounds, Geometry, Shape};
+use crate::huge_pages::{reserve, settle};
 use crate::simd::{LANES, Lanes, prefetch};
 
 /// A node: the boxes of its children, and references to the children.

@@ -91,6 +91,13 @@ impl Instances {
         self.meshes.last().map_or(0, |mesh| mesh.end as usize)
     }
 
+    /// [`Geometry::settle`] of the meshes.
+    pub(super) fn settle(&mut self) {
+        if let Some(triangles) = &mut self.triangles {
+            Arc::make_mut(triangles).triangles.settle();
+        }
+    }
+
     /// Size in memory.
     pub(in crate::geometry) fn bytes(&self) -> u64 {
         let triangles = self.triangles.as_ref().map_or(0, |triangles| triangles.bytes());

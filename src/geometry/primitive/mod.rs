@@ -209,6 +209,12 @@ impl Geometry {
         self.spheres.len() + self.quads.len()
     }
 
+    /// Moves the tables of triangles to huge pages. Call this after the last primitive has been added.
+    pub(crate) fn settle(&mut self) {
+        self.triangles.settle();
+        self.instances.settle();
+    }
+
     /// Size of the lists in memory.
     pub(crate) fn bytes(&self) -> u64 {
         let Self { spheres, quads, triangles, instances } = self;

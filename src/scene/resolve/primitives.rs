@@ -35,7 +35,8 @@ impl Resolver<'_> {
             }
             builder.ranges.cover(geometry.triangles.len(), material);
         }
-        let Builder { geometry, ranges, mesh_ranges, meshes, .. } = builder;
+        let Builder { mut geometry, ranges, mesh_ranges, meshes, .. } = builder;
+        geometry.settle();
         let solids = solids.concat();
         let shifted = |ranges: Vec<(u32, u32)>, first: usize| {
             ranges.into_iter().map(move |(end, material)| (first as u32 + end, material))

@@ -1,4 +1,4 @@
-//! Huge pages, which reduce the number of TLB misses in trees.
+//! Huge pages, which reduce the number of TLB misses in trees and meshes.
 #![allow(unsafe_code)]
 
 /// Usual size of huge pages (x86-64, most AArch64 systems).
@@ -6,7 +6,7 @@ const HUGE: usize = 2 << 20;
 
 /// Moves `values` to memory that the system is asked to back with huge pages. Values that would
 /// fill less than two huge pages stay in place, and so do all values on systems other than Linux.
-pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
+pub(crate) fn settle<T>(values: Vec<T>) -> Vec<T> {
     if cfg!(not(target_os = "linux")) || size_of_val(&*values) < 2 * HUGE {
         return values;
     }
@@ -20,7 +20,7 @@ pub(super) fn settle<T>(values: Vec<T>) -> Vec<T> {
 
 /// Makes room for `more` values in `values`, on huge pages if there are many. If there is no room,
 /// moves them to memory for half as many again, so that they are not moved often.
-pub(super) fn reserve<T>(values: &mut Vec<T>, more: usize) {
+pub(crate) fn reserve<T>(values: &mut Vec<T>, more: usize) {
     let len = values.len() + more;
     if len <= values.capacity() {
         return;
