@@ -64,6 +64,8 @@ pub(super) const TANGENT: u32 = 32;
 pub(crate) struct Mark {
     triangles: usize,
     vertices: usize,
+    /// Number of rows in the tables of normals, colours and tangents.
+    rows: [usize; 3],
 }
 
 impl Mark {
@@ -246,24 +248,38 @@ impl Triangles {
 
     /// The current end of the list, for [`Triangles::split_off`].
     pub(crate) fn mark(&self) -> Mark {
-        Mark { triangles: self.corners.len(), vertices: self.positions.len() }
+        let Self { corners, positions, normals, colors, tangents } = self;
+        let rows = [normals, colors, tangents].map(Vec::len);
+        Mark { triangles: corners.len(), vertices: positions.len(), rows }
     }
 
     /// Removes the triangles added since `mark`, with their vertices, and returns them.
     pub(crate) fn split_off(&mut self, mark: Mark) -> Self {
-        let Mark { triangles, vertices } = mark;
+        let Mark { triangles, vertices, rows } = mark;
         let moved = |[a, b, c, flags]: Row| {
             let [a, b, c] = [a, b, c].map(|vertex| vertex - vertices as u32);
             [a, b, c, flags]
         };
-        let split = |table: &mut Vec<Row>| table.split_off(vertices.min(table.len()));
+        // A table that was empty must become so again.
+        let split = |table: &mut Vec<Row>, rows: usize| {
+            let added = table.split_off(vertices.min(table.len()));
+            table.truncate(rows);
+            added
+        };
         Self {
             corners: self.corners.split_off(triangles).into_iter().map(moved).collect(),
-            positions: split(&mut self.positions),
-            normals: split(&mut self.normals),
-            colors: split(&mut self.colors),
-            tangents: split(&mut self.tangents),
+            positions: self.positions.split_off(vertices),
+            normals: split(&mut self.normals, rows[0]),
+            colors: split(&mut self.colors, rows[1]),
+            tangents: split(&mut self.tangents, rows[2]),
         }
+    }
+
+    /// Removes the data that only textures use, and not the shape or the smooth normals.
+    pub(crate) fn drop_textures(&mut self) {
+        (self.colors, self.tangents) = Default::default();
+        let flags = !(MAPPED_TWICE | COLORED | TANGENT);
+        self.corners.iter_mut().for_each(|corners| corners[3] &= flags);
     }
 
     /// A copy of some of the triangles, with all vertices.

@@ -61,7 +61,8 @@ impl<'a> Images<'a> {
             Image::read_encoded(&key.0, encoding, &allow).map_err(|error| e.error(error))?;
         let is_albedo = |pixel: &&[f32; 3]| pixel.iter().all(|c| (0.0..=1.0).contains(c));
         if let Some(bad) = image.pixels().iter().find(|pixel| !is_albedo(pixel)) {
-            let message = format!("{file}: an albedo must be in [0, 1], but a pixel is {bad:?}");
+            let message =
+                format!("{file}: the pixels of a texture must be in [0, 1], but one is {bad:?}");
             return Err(e.error(message));
         }
         let image = Arc::new(image);

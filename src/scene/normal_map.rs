@@ -30,21 +30,22 @@ impl<R: Real> Interaction<'_, R> {
     }
 
     /// A map contains (n + 1) / 2, where the components of n are along the tangent, along the
-    /// bitangent, and along the shading normal without the map. As in the tangent space of MikkTSpace
-    /// (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"), the bitangent is perpendicular
-    /// to the two others. A normal that would face into the surface is bent to its horizon.
+    /// bitangent, and along the shading normal without the map. These three are unit vectors,
+    /// perpendicular to each other, while the reference shader of MikkTSpace (Mikkelsen 2008,
+    /// "Simulation of Wrinkled Surfaces Revisited") leaves them as interpolated. On the back, the
+    /// normal is reversed. A normal that would face into the surface is bent to its horizon.
     #[inline(never)]
     fn turned(&self, code: R::Word, mapped: R::Mask, glossy: bool) -> Shading<R> {
-        let &Self { surfaces, shape, surface, normal, front, shading, smooth, soft, .. } = self;
+        let &Self { surfaces, shape, surface, normal, shading, smooth, soft, .. } = self;
         let Some(textures) = self.textures else {
             return Shading { normal: shading, smooth, soft };
         };
-        let Partials { v, tangent, .. } = surfaces.partials(shape, &self.ray, self.hit, &surface);
-        let plain = surface.shading.normal;
-        let up = dot(plain, surface.normal).lt(R::ZERO).select(-plain, plain);
+        let Partials { u, v, tangent } = surfaces.partials(shape, &self.ray, self.hit, &surface);
+        let up = surface.shading.normal;
         let tangent = normalize(tangent - up * dot(up, tangent));
         let across = cross(up, tangent);
-        let bitangent = dot(across, v).lt(R::ZERO).select(-across, across);
+        let mirrored = dot(cross(up, u), v).lt(R::ZERO);
+        let bitangent = mirrored.select(-across, across);
         let [x, y, z] = {
             let color = textures.normal(code, self);
             [color[0], color[1], color[2]].map(|c| c * 2.0 - R::ONE)
@@ -53,7 +54,7 @@ impl<R: Real> Interaction<'_, R> {
         // Where texture coordinates define no tangent, the surface stays as it is.
         let length2 = dot(turned, turned);
         let mapped = mapped & length2.gt(R::splat(0.5)) & length2.lt(R::splat(2.0));
-        let turned = front.select(turned, -turned);
+        let turned = dot(up, normal).lt(R::ZERO).select(-turned, turned);
         let cos = dot(turned, normal);
         let least = R::splat(LEAST_COSINE);
         let below = cos.lt(least);

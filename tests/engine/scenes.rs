@@ -48,7 +48,12 @@ fn built_in_scenes_equal_the_flat_files() {
 fn scenes_round_trip_through_ron_and_json() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    for (from, to) in [("everything.ron", "a.ron"), ("picture.png", "picture.png")] {
+    for (from, to) in [
+        ("everything.ron", "a.ron"),
+        ("picture.png", "picture.png"),
+        ("mapped.ron", "mapped.ron"),
+        ("bumps.png", "bumps.png"),
+    ] {
         fs::copy(format!("tests/data/{from}"), path(to)).unwrap();
     }
     let parsed = Source::find(&path("a.ron")).unwrap().read(&Limits::default()).unwrap();
@@ -66,7 +71,8 @@ fn scenes_round_trip_through_ron_and_json() {
         assert_eq!(scene.hash(), original.hash(), "{name}");
         assert_eq!(render(&scene, settings.clone()).hash(), hash, "{name}");
     }
-    for name in BUILTIN_NAMES {
+    let mapped = path("mapped.ron");
+    for name in BUILTIN_NAMES.into_iter().chain([&*mapped]) {
         let parsed = Source::find(name).unwrap().read(&Limits::default()).unwrap();
         fs::write(path("d.json"), parsed.to_json()).unwrap();
         fs::write(path("d.ron"), parsed.to_ron()).unwrap();

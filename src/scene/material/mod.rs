@@ -235,6 +235,12 @@ materials! {
 }
 
 impl Material {
+    /// Whether a texture of the material depends on the colours of vertices.
+    pub(super) fn uses_vertex_colors(&self) -> bool {
+        let uses = |color: &mut Color| matches!(color, Color::Texture(texture) if texture.uses_vertex_colors());
+        self.clone().colors().into_iter().any(uses)
+    }
+
     /// Returns the images of the material's textures. They are available once the material is part
     /// of a scene.
     pub(super) fn images(&self) -> Vec<std::sync::Arc<crate::image::Image>> {

@@ -1,6 +1,7 @@
 //! Indexed triangle meshes.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -19,20 +20,48 @@ use crate::scene::place::{MAX_COORDINATE, angles};
 pub(in crate::scene) struct Mesh {
     pub(in crate::scene) vertices: Vertices,
     pub(in crate::scene) triangles: Vec<[u32; 3]>,
-    /// The names of its materials.
-    pub(in crate::scene) materials: Vec<String>,
-    /// Ranges of triangles with the same material: one past the last triangle, and the index of the
-    /// name, which is out of range for triangles without a name. Empty if the format has no names.
-    pub(super) ranges: Vec<(u32, u32)>,
-    /// The names of its groups.
-    pub(super) groups: Vec<String>,
-    /// Ranges of triangles of the same group, as for materials.
-    pub(super) group_ranges: Vec<(u32, u32)>,
+    /// Its materials. Formats without them have neither names nor ranges.
+    pub(in crate::scene) materials: Labels,
+    /// Its groups, and the objects that consist of groups.
+    pub(super) groups: [Labels; 2],
     /// Names of the ignored data in the file.
     pub(super) ignored: BTreeSet<&'static str>,
 }
 
-/// The vertices of a transformed mesh, its triangles, and their ranges as in [`Mesh::ranges`].
+/// Names that a file gives to its triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::scene) struct Labels {
+    pub(in crate::scene) names: Vec<String>,
+    /// Ranges of triangles with the same name: one past the last triangle, and the index of the name,
+    /// which is out of range for triangles without a name.
+    pub(super) ranges: Vec<(u32, u32)>,
+}
+
+impl Labels {
+    /// The ranges of the triangles called `name`.
+    fn find(&self, name: &str) -> Vec<Range<u32>> {
+        let number = self.names.iter().position(|known| known == name);
+        let begins = std::iter::once(0).chain(self.ranges.iter().map(|&(end, _)| end));
+        let ranges = begins.zip(&self.ranges);
+        let ranges = ranges.filter(|&(_, &(_, label))| Some(label as usize) == number);
+        ranges.map(|(begin, &(end, _))| begin..end).collect()
+    }
+
+    /// The names of triangles.
+    fn used(&self) -> impl Iterator<Item = &str> {
+        self.ranges
+            .iter()
+            .filter_map(|&(_, name)| self.names.get(name as usize).map(String::as_str))
+    }
+
+    /// Bytes of memory that the lists take.
+    fn memory(&self) -> usize {
+        let names = self.names.iter().map(|name| size_of::<String>() + name.len());
+        size_of_val(&*self.ranges) + names.sum::<usize>()
+    }
+}
+
+/// The vertices of a transformed mesh, its triangles, and their ranges as in [`Labels::ranges`].
 pub(in crate::scene) struct Transformed {
     pub(in crate::scene) vertices: Vertices,
     pub(in crate::scene) faces: Vec<[u32; 3]>,
@@ -72,36 +101,32 @@ impl Mesh {
         self
     }
 
-    /// Returns the triangles of the group called `name`.
+    /// Returns the triangles of the group called `name`, or else of the object.
     ///
     /// # Errors
-    /// If no triangle belongs to such a group.
+    /// If no triangle belongs to it.
     pub(in crate::scene) fn group(&self, name: &str) -> Result<Self, String> {
-        let number = self.groups.iter().position(|group| group == name);
-        let mut part = Self { materials: self.materials.clone(), ..Self::default() };
-        let mut begin = 0;
-        for &(end, group) in &self.group_ranges {
-            let range = begin..end;
-            begin = end;
-            if Some(group as usize) != number {
-                continue;
-            }
+        let found = self.groups.iter().map(|groups| groups.find(name));
+        let Some(ranges) = found.into_iter().find(|ranges| !ranges.is_empty()) else {
+            let known = suggestion(name, self.groups.iter().flat_map(Labels::used));
+            return Err(format!("no triangle belongs to a group `{name}`{known}"));
+        };
+        let mut part = Self::default();
+        part.materials.names.clone_from(&self.materials.names);
+        for range in ranges {
             // The ranges of materials that overlap this one.
-            let first = self.ranges.partition_point(|&(end, _)| end <= range.start);
-            let mut from = range.start;
-            for &(to, material) in &self.ranges[first..] {
-                let to = to.min(range.end);
-                part.triangles.extend(&self.triangles[from as usize..to as usize]);
-                part.ranges.push((part.triangles.len() as u32, material));
-                from = to;
-                if to == range.end {
+            let materials = &self.materials.ranges;
+            let first = materials.partition_point(|&(end, _)| end <= range.start);
+            let mut begin = range.start;
+            for &(end, material) in &materials[first..] {
+                let end = end.min(range.end);
+                part.triangles.extend(&self.triangles[begin as usize..end as usize]);
+                part.materials.ranges.push((part.triangles.len() as u32, material));
+                begin = end;
+                if end == range.end {
                     break;
                 }
             }
-        }
-        if part.triangles.is_empty() {
-            let known = suggestion(name, self.groups.iter().map(String::as_str));
-            return Err(format!("no triangle belongs to a group `{name}`{known}"));
         }
         part.vertices = compact(&self.vertices, &mut part.triangles);
         Ok(part)
@@ -119,13 +144,13 @@ impl Mesh {
             }
         } else {
             colors.clear();
-            self.ignored.insert("colours, because some are not in [0, 1]");
+            self.ignored.insert("colours outside [0, 1]");
         }
     }
 
     /// Notes that the names of the materials are ignored, if there are any.
     pub(in crate::scene) fn ignore_materials(&mut self) {
-        if !self.materials.is_empty() {
+        if !self.materials.names.is_empty() {
             self.ignored.insert("materials");
         }
     }
@@ -138,10 +163,8 @@ impl Mesh {
 
     /// Returns the bytes of memory that the mesh takes.
     pub(in crate::scene) fn memory(&self) -> u64 {
-        let Self { triangles, materials, ranges, groups, group_ranges, .. } = self;
-        let ranges = [ranges, group_ranges].map(|ranges| size_of_val(&**ranges));
-        let names = materials.iter().chain(groups).map(|name| size_of::<String>() + name.len());
-        let lists = ranges.into_iter().chain(names).sum::<usize>() + size_of_val(&**triangles);
+        let labels = self.groups.iter().chain([&self.materials]).map(Labels::memory);
+        let lists = labels.sum::<usize>() + size_of_val(&*self.triangles);
         self.vertices.bytes() + lists as u64
     }
 
@@ -184,7 +207,8 @@ impl Mesh {
         let (mut faces, mut ranges) = (Vec::with_capacity(self.triangles.len()), Vec::new());
         let all = [(self.triangles.len() as u32, u32::MAX)];
         let mut begin = 0;
-        for &(end, name) in if self.ranges.is_empty() { &all } else { &self.ranges[..] } {
+        let named = &self.materials.ranges[..];
+        for &(end, name) in if named.is_empty() { &all } else { named } {
             let range = &self.triangles[begin..end as usize];
             faces.extend(range.iter().copied().filter(has_area));
             ranges.push((faces.len() as u32, name));
@@ -214,15 +238,11 @@ impl Mesh {
 
 /// Returns the vertices that `triangles` refer to, and changes the indices of `triangles` to theirs.
 fn compact(vertices: &Vertices, triangles: &mut [[u32; 3]]) -> Vertices {
-    const UNUSED: u32 = u32::MAX;
-    let (mut moved, mut kept) = (vec![UNUSED; vertices.positions.len()], Vec::new());
+    let mut kept = triangles.as_flattened().to_vec();
+    kept.sort_unstable();
+    kept.dedup();
     for corner in triangles.as_flattened_mut() {
-        let new = &mut moved[*corner as usize];
-        if *new == UNUSED {
-            *new = kept.len() as u32;
-            kept.push(*corner);
-        }
-        *corner = *new;
+        *corner = kept.partition_point(|vertex| vertex < corner) as u32;
     }
     vertices.select(&kept)
 }

@@ -5,7 +5,7 @@ use std::str;
 
 use glam::{Vec2, Vec3};
 
-use super::indexed::{Mesh, in_range};
+use super::indexed::{Labels, Mesh, in_range};
 use crate::error::{Error, Result};
 use crate::geometry::Vertices;
 use crate::scene::budget::Budget;
@@ -50,8 +50,10 @@ struct Reader<'a> {
     triangles: Vec<[u32; 3]>,
     /// Materials, by `usemtl`.
     materials: Names,
-    /// Groups, by `g` or `o`.
+    /// Groups, by `g`.
     groups: Names,
+    /// Objects, by `o`.
+    objects: Names,
     budget: Option<&'a Budget>,
     /// Bytes of memory up to which the budget has been checked.
     checked: u64,
@@ -91,16 +93,15 @@ impl Names {
 
     /// Bytes of memory while the lists grow.
     fn memory(&self) -> usize {
-        24 * self.ranges.len() + 100 * self.numbers.len() + 2 * self.bytes
+        24 * self.ranges.len() + 200 * self.numbers.len() + 3 * self.bytes
     }
 
-    /// The names by number.
-    fn list(&self) -> Vec<String> {
-        let mut list = vec![String::new(); self.numbers.len()];
-        for (name, &number) in &self.numbers {
-            list[number as usize] = String::from_utf8_lossy(name).into_owned();
+    fn labels(self) -> Labels {
+        let mut names = vec![String::new(); self.numbers.len()];
+        for (name, number) in self.numbers {
+            names[number as usize] = String::from_utf8_lossy(&name).into_owned();
         }
-        list
+        Labels { names, ranges: self.ranges }
     }
 }
 
@@ -160,9 +161,11 @@ impl Reader<'_> {
                 let end = self.triangles.len() as u32;
                 self.materials.cover(end);
                 self.groups.cover(end);
+                self.objects.cover(end);
             }
             b"usemtl" => self.materials.begin(&line.trim_ascii_start()[keyword.len()..]),
-            b"g" | b"o" => self.groups.begin(&line.trim_ascii_start()[keyword.len()..]),
+            b"o" => self.objects.begin(&line.trim_ascii_start()[keyword.len()..]),
+            b"g" => self.groups.begin(&line.trim_ascii_start()[keyword.len()..]),
             _ => {}
         }
         Ok(())
@@ -246,7 +249,7 @@ impl Reader<'_> {
             + 12 * self.normals.len()
             + 16 * self.vertices.len()
             + 12 * self.triangles.len();
-        let names = self.materials.memory() + self.groups.memory();
+        let names = self.materials.memory() + self.groups.memory() + self.objects.memory();
         (3 * lists + 44 * self.vertices.len() + names) as u64
     }
 
@@ -265,10 +268,9 @@ impl Reader<'_> {
             colors: with(!colors.is_empty()).map(|vertex| of(&colors, vertex.position)).collect(),
             ..Vertices::default()
         };
-        let (materials, groups) = (self.materials.list(), self.groups.list());
-        let (ranges, group_ranges) = (self.materials.ranges, self.groups.ranges);
-        let ignored = BTreeSet::new();
-        Mesh { vertices, triangles, materials, ranges, groups, group_ranges, ignored }
+        let groups = [self.groups.labels(), self.objects.labels()];
+        let (materials, ignored) = (self.materials.labels(), BTreeSet::new());
+        Mesh { vertices, triangles, materials, groups, ignored }
     }
 }
 
@@ -307,8 +309,15 @@ mod tests {
         let triangles: Vec<_> = mesh.triangles.iter().map(|t| at(*t)).collect();
         assert_eq!(triangles, [[a, b, c], [a, b, c], [a, c, d]]);
         assert!(mesh.vertices.normals.is_empty() && mesh.vertices.uvs.is_empty());
-        assert_eq!(mesh.groups, ["one", "two"]);
-        assert_eq!((mesh.ranges, mesh.group_ranges), (vec![(3, 0)], vec![(1, 0), (3, 1)]));
+        let [groups, objects] = &mesh.groups;
+        assert_eq!(
+            (&groups.names[..], &objects.names[..]),
+            (&["two".into()][..], &["one".into()][..])
+        );
+        assert_eq!((&groups.ranges[1], &objects.ranges[..]), (&(3, 0), &[(3, 0)][..]));
+        assert_eq!(mesh.materials, Labels { names: vec!["red".into()], ranges: vec![(3, 0)] });
+        assert_eq!(mesh.group("one").unwrap().triangles.len(), 3);
+        assert_eq!(mesh.group("two").unwrap().triangles.len(), 2);
         // The other vertices are white.
         assert_eq!(mesh.vertices.colors[2].to_array(), [0.1, 0.2, 0.3]);
         assert_eq!(mesh.vertices.colors[0], Vec3::ONE);
@@ -321,10 +330,13 @@ mod tests {
         let mesh = read(text.as_bytes()).unwrap();
         let a = mesh.group("a").unwrap();
         assert_eq!(a.vertices.positions, [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y]);
-        assert_eq!((a.triangles, a.ranges), (vec![[0, 1, 2], [1, 2, 3]], vec![(1, 0), (2, 1)]));
+        assert_eq!(
+            (a.triangles, a.materials.ranges),
+            (vec![[0, 1, 2], [1, 2, 3]], vec![(1, 0), (2, 1)])
+        );
         let b = mesh.group("b").unwrap();
-        assert_eq!((b.triangles.len(), b.ranges), (3, vec![(1, 0), (3, 1)]));
-        assert_eq!(b.materials, ["red", "blue"]);
+        assert_eq!((b.triangles.len(), b.materials.ranges), (3, vec![(1, 0), (3, 1)]));
+        assert_eq!(b.materials.names, ["red", "blue"]);
         let error = mesh.group("c").unwrap_err();
         assert!(error.starts_with("no triangle belongs to a group `c`"), "{error}");
     }

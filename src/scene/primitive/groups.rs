@@ -196,7 +196,9 @@ impl<'a> Builder<'a> {
                         if self.materials.shine[material as usize] {
                             triangles = triangles.saturating_add(list.len() as u64);
                             vertices = vertices.saturating_add(list.vertex_count() as u64);
-                            group.lights.push((list.into_owned(), material));
+                            let mut list = list.into_owned();
+                            list.drop_textures();
+                            group.lights.push((list, material));
                         } else {
                             still.append(&list);
                             ranges.push((still.len(), material));

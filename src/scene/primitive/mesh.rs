@@ -99,11 +99,13 @@ impl Expand for MeshFile {
             mesh.ignore_materials();
         }
         let named = |message: String| e.error(format!("{file}: {message}"));
-        let mesh = match &self.group {
-            None => Cow::Borrowed(&*mesh),
+        let (mesh, within) = match &self.group {
+            None => (Cow::Borrowed(&*mesh), to.budget.clone()),
             Some(group) => {
                 to.budget.check(2 * mesh.memory()).map_err(named)?;
-                Cow::Owned(mesh.group(group).map_err(named)?)
+                let part = mesh.group(group).map_err(named)?;
+                let within = to.budget.with(part.memory());
+                (Cow::Owned(part), within)
             }
         };
         to.budget
@@ -111,10 +113,10 @@ impl Expand for MeshFile {
             .and_then(|()| to.budget.hold_vertices(mesh.vertices.positions.len()))
             .map_err(|message| e.error(message))?;
         let transform = Transform { scale, rotation, translation };
-        let placed = mesh.transformed(&transform, smooth, to.budget);
+        let placed = mesh.transformed(&transform, smooth, &within);
         let Transformed { vertices, faces, ranges } = placed.map_err(named)?;
         let material_of = |name: u32| {
-            let Some(name) = mesh.materials.get(name as usize) else {
+            let Some(name) = mesh.materials.names.get(name as usize) else {
                 let what = "has triangles without the name of a material, so add `material`";
                 return Err(e.error(format!("{file} {what}")));
             };

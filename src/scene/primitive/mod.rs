@@ -81,6 +81,9 @@ pub(super) struct Materials<'a> {
     shine: Vec<bool>,
     /// Whether any of them has a normal map, so that smooth meshes need tangents.
     normal_maps: bool,
+    /// Whether any of them uses the colours of vertices. Otherwise, they are not stored, and are not
+    /// part of the scene's hash.
+    vertex_colors: bool,
 }
 
 impl<'a> Materials<'a> {
@@ -91,6 +94,7 @@ impl<'a> Materials<'a> {
             names: names.zip(0..).collect(),
             shine: materials.iter().map(shines).collect(),
             normal_maps: materials.iter().any(Material::has_normal_map),
+            vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }
     }
 
@@ -150,7 +154,7 @@ impl<'a> Builder<'a> {
         held.map_err(|message| e.error(message))
     }
 
-    /// Adds triangles, with tangents if materials have normal maps.
+    /// Adds triangles, with tangents and colours if materials need them.
     fn triangles(
         &mut self,
         e: &Element<'_>,
@@ -158,10 +162,13 @@ impl<'a> Builder<'a> {
         mut faces: Vec<[u32; 3]>,
         soft: bool,
     ) -> Result<()> {
+        if !self.materials.vertex_colors {
+            vertices.colors.clear();
+        }
         if self.materials.normal_maps {
             self.budget.check(TANGENTS * faces.len() as u64).map_err(|message| e.error(message))?;
             let before = vertices.positions.len();
-            add_tangents(&mut vertices, &mut faces);
+            add_tangents(&mut vertices, &mut faces).map_err(|message| e.error(message))?;
             let more = vertices.positions.len() - before;
             self.budget.hold_vertices(more).map_err(|message| e.error(message))?;
         }

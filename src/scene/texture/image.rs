@@ -83,10 +83,10 @@ impl TextureModel for Image {
     #[inline(never)]
     fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
         let (mut u, mut v) = at.uv();
-        if table.iter().any(|(_, set)| *set == 1) {
-            let set = R::each_word(index, |image| table[image as usize].1);
+        let set = R::each_word(index, |image| table[image as usize].1);
+        let first = set.eq(R::Word::splat(0));
+        if (!first).any() {
             let (second_u, second_v) = at.second_uv();
-            let first = set.eq(R::Word::splat(0));
             (u, v) = (first.select(u, second_u), first.select(v, second_v));
         }
         let color =

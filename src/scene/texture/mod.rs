@@ -62,6 +62,9 @@ pub(crate) trait TextureModel {
         None
     }
 
+    /// Whether the texture depends on the colours of vertices.
+    const USES_VERTEX_COLORS: bool = false;
+
     /// Whether the texture can be a normal map.
     fn holds_normals(&self) -> bool {
         false
@@ -102,6 +105,12 @@ macro_rules! textures {
             pub(super) fn image(&self) -> Option<Arc<Pixels>> {
                 match self {
                     $(Self::$name(texture) => texture.image(),)*
+                }
+            }
+
+            pub(super) fn uses_vertex_colors(&self) -> bool {
+                match self {
+                    $(Self::$name(_) => $name::USES_VERTEX_COLORS,)*
                 }
             }
 

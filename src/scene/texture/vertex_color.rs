@@ -17,6 +17,8 @@ pub struct VertexColor {}
 impl TextureModel for VertexColor {
     type Entry = ();
 
+    const USES_VERTEX_COLORS: bool = true;
+
     fn load(&mut self, _: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
         Ok(())
     }

@@ -181,7 +181,7 @@ pub(super) fn cases() -> Vec<Case> {
         bytes
     };
     for value in [f32::NAN, f32::INFINITY, -1.0, 1.5] {
-        cases.push(texture("t.pfm", values(value), "an albedo must be in [0, 1]"));
+        cases.push(texture("t.pfm", values(value), "the pixels of a texture must be in [0, 1]"));
     }
     let pfm = |length: usize| [&b"PF\n1280 1280\n-1\n"[..], &vec![0; length]].concat();
     cases.push(texture("t.pfm", pfm(12 * 1280 * 1280), "the limit of memory"));
