@@ -9,24 +9,21 @@ use crate::math::{Mask, Real, Word, cross, dot, normalize};
 impl<R: Real> Interaction<'_, R> {
     /// Turns the shading normals as the normal maps of the materials at `index` of `table` say.
     #[inline(always)]
-    pub(crate) fn with_normal_map<E>(
-        self,
+    pub(crate) fn map_normals<E>(
+        &mut self,
         table: &MaterialTable<E>,
         index: R::Index,
         glossy: bool,
-    ) -> Self {
+    ) {
         if table.normals.is_empty() {
-            return self;
+            return;
         }
         let code = R::pick(&table.normals, index);
         let mapped = !code.eq(R::Word::splat(0));
-        if !mapped.any() {
-            return self;
+        if mapped.any() {
+            let Shading { normal, smooth, soft } = self.turned(code, mapped, glossy);
+            (self.shading, self.smooth, self.soft) = (normal, smooth, soft);
         }
-        // A copy, so that the original can stay in registers.
-        let copy = self;
-        let Shading { normal: shading, smooth, soft } = copy.turned(code, mapped, glossy);
-        Self { shading, smooth, soft, ..self }
     }
 
     /// A map contains (n + 1) / 2, where the components of n are along the tangent, along the

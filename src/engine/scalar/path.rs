@@ -221,7 +221,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { tracer, path, shape, hit, emits, randoms } = self;
         let tables = tracer.tables;
-        let at = tables.interaction::<f32>(
+        let mut at = tables.interaction::<f32>(
             shape,
             path.ray,
             hit,
@@ -241,7 +241,9 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             return false;
         }
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
-        let at = at.with_normal_map(table, entry, M::GLOSSY);
+        if M::TEXTURED && table.textured {
+            at.map_normals(table, entry, M::GLOSSY);
+        }
         let bsdf = at.smoothed(M::bsdf::<f32>(&table.entries, entry, &at));
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)

@@ -55,7 +55,7 @@ impl Shading<'_> {
             let rows = &table.entries[..];
             let entries = self.tables.looks.entries::<Float>(shape, hit.primitive, rows.len());
             if TEXTURES == NORMALS {
-                at = at.with_normal_map(table, entries, M::GLOSSY);
+                at.map_normals(table, entries, M::GLOSSY);
             }
             let bsdf = at.smoothed(M::bsdf::<Float>(rows, entries, &at));
             self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
