@@ -15,7 +15,7 @@ use crate::limits::Limit;
 pub use indexed::Smooth;
 pub(super) use indexed::{Mesh, Transform, Transformed};
 pub(super) use normals::{add_normals, unit};
-pub(super) use tangents::add_tangents;
+pub(super) use tangents::{add_tangents, lacks_tangents};
 
 /// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file,
 /// the names of materials and groups, and ignores the rest. Polygons become fans of triangles.

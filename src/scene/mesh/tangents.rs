@@ -8,8 +8,13 @@ use glam::Vec3;
 use crate::geometry::Vertices;
 use crate::math::trig::acos;
 
-/// Sets the tangents of vertices that have normals and texture coordinates but no tangents, as
-/// MikkTSpace defines them (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"): programs
+/// Whether vertices have all that their tangents depend on, and no tangents yet.
+pub(in crate::scene) fn lacks_tangents(vertices: &Vertices) -> bool {
+    let Vertices { normals, uvs, tangents, .. } = vertices;
+    !normals.is_empty() && !uvs.is_empty() && tangents.is_empty()
+}
+
+/// Sets the tangents of vertices that have normals and texture coordinates, as MikkTSpace defines them (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"): programs
 /// that make normal maps use these. Where triangles with one vertex disagree, as along the seam of a
 /// mirrored texture, each gets a vertex of its own.
 ///
@@ -19,10 +24,6 @@ pub(in crate::scene) fn add_tangents(
     vertices: &mut Vertices,
     triangles: &mut [[u32; 3]],
 ) -> Result<(), String> {
-    let Vertices { normals, uvs, tangents, .. } = &*vertices;
-    if normals.is_empty() || uvs.is_empty() || !tangents.is_empty() {
-        return Ok(());
-    }
     check_points(&vertices.positions, triangles)?;
     let corners = vec![[Vec3::ZERO; 3]; triangles.len()];
     let mut mesh = Corners { vertices, triangles, tangents: corners };

@@ -22,7 +22,7 @@ pub use self::named_mesh::NamedMesh;
 use super::budget::Budget;
 use super::material::Material;
 pub use super::mesh::Smooth;
-use super::mesh::{Mesh, add_tangents};
+use super::mesh::{Mesh, add_tangents, lacks_tangents};
 use super::named::Named;
 use super::place::{Element, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
@@ -165,7 +165,7 @@ impl<'a> Builder<'a> {
         if !self.materials.vertex_colors {
             vertices.colors.clear();
         }
-        if self.materials.normal_maps {
+        if self.materials.normal_maps && lacks_tangents(&vertices) {
             self.budget.check(TANGENTS * faces.len() as u64).map_err(|message| e.error(message))?;
             let before = vertices.positions.len();
             add_tangents(&mut vertices, &mut faces).map_err(|message| e.error(message))?;
