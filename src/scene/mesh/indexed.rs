@@ -253,6 +253,6 @@ pub(in crate::scene) fn in_range(vertex: Vec3) -> bool {
 }
 
 /// Returns the triangles of the polygon with these corners, as a fan about the first corner.
-pub(in crate::scene) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
 }

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 
 use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{BeginList, Encoding, Header, Property, PropertyAccess, PropertyAccessResult};
 
 use self::most::Most;
 use super::indexed::{Mesh, fan, in_range};
@@ -30,7 +30,8 @@ struct Row {
     /// The texture coordinates by each of [`UVS`].
     uvs: [Vec2; UVS.len()],
     color: Vec3,
-    corners: Vec<i64>,
+    /// Indices of vertices. Those that no `i32` can hold are -1.
+    corners: Vec<i32>,
 }
 
 /// The names of the components of normals.
@@ -52,17 +53,9 @@ impl PropertyAccess for Row {
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        let is_name = |one: &&str| *one == name;
-        let axis = ["x", "y", "z"].iter().position(is_name);
-        let normal = NORMAL.iter().position(is_name);
-        let color = COLOR.iter().position(is_name);
-        let uv = (0..UVS.len()).find_map(|i| Some((i, UVS[i].iter().position(is_name)?)));
-        if let (Some(axis), Some(number)) = (axis, value.to_f32_lossy()) {
-            self.position[axis] = number;
-        } else if let (Some(axis), Some(number)) = (normal, value.to_f32_lossy()) {
-            self.normal[axis] = number;
-        } else if let (Some((names, axis)), Some(number)) = (uv, value.to_f32_lossy()) {
-            self.uvs[names][axis] = number;
+        let color = COLOR.iter().position(|channel| *channel == name);
+        if let (Some(place), Some(number)) = (self.number(name), value.to_f32_lossy()) {
+            *place = number;
         } else if let (Some(i), Some(channel)) = (color, channel(&value)) {
             self.color[i] = channel;
         } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
@@ -71,6 +64,39 @@ impl PropertyAccess for Row {
             return PropertyAccessResult::Ignored;
         }
         PropertyAccessResult::Set
+    }
+
+    fn set_float(&mut self, name: &str, value: f32) -> PropertyAccessResult {
+        match self.number(name) {
+            Some(place) => *place = value,
+            None => return self.set_property(name, Property::Float(value)),
+        }
+        PropertyAccessResult::Set
+    }
+
+    fn begin_list_int(&mut self, name: &str, _length: usize) -> BeginList<'_, i32> {
+        match name {
+            "vertex_indices" | "vertex_index" => BeginList::Fill(&mut self.corners),
+            _ => BeginList::UseSetter,
+        }
+    }
+}
+
+impl Row {
+    /// The number that a property of this name sets.
+    fn number(&mut self, name: &str) -> Option<&mut f32> {
+        Some(match name {
+            "x" => &mut self.position.x,
+            "y" => &mut self.position.y,
+            "z" => &mut self.position.z,
+            "nx" => &mut self.normal.x,
+            "ny" => &mut self.normal.y,
+            "nz" => &mut self.normal.z,
+            _ => {
+                let names = UVS.iter().position(|names| names.contains(&name))?;
+                &mut self.uvs[names][usize::from(UVS[names][1] == name)]
+            }
+        })
     }
 }
 
@@ -83,14 +109,16 @@ fn channel(value: &Property) -> Option<f32> {
     }
 }
 
-fn integers(list: Property) -> Option<Vec<i64>> {
+fn integers(list: Property) -> Option<Vec<i32>> {
     Some(match list {
-        Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
-        Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
-        Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
-        Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
-        Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
-        Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
+        Property::ListChar(list) => list.into_iter().map(i32::from).collect(),
+        Property::ListUChar(list) => list.into_iter().map(i32::from).collect(),
+        Property::ListShort(list) => list.into_iter().map(i32::from).collect(),
+        Property::ListUShort(list) => list.into_iter().map(i32::from).collect(),
+        Property::ListInt(list) => list,
+        Property::ListUInt(list) => {
+            list.into_iter().map(|index| i32::try_from(index).unwrap_or(-1)).collect()
+        }
         _ => return None,
     })
 }
@@ -207,13 +235,13 @@ fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, 
             let message = "a face needs a list `vertex_indices` of three or more";
             return Err((number, message.to_owned()));
         }
-        let vertex = |&c: &i64| u32::try_from(c).ok().filter(|&c| (c as usize) < count);
-        let Some(corners) = corners.iter().map(vertex).collect::<Option<Vec<u32>>>() else {
+        let is_known = |&corner: &i32| usize::try_from(corner).is_ok_and(|index| index < count);
+        if !corners.iter().all(is_known) {
             let message =
                 format!("the face refers to a missing vertex, the file has {count} vertices");
             return Err((number, message));
-        };
-        mesh.triangles.extend(fan(&corners));
+        }
+        mesh.triangles.extend(fan(corners).map(|corners| corners.map(|index| index as u32)));
     }
     Ok(())
 }
