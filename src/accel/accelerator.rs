@@ -17,7 +17,7 @@ use super::setup::Extent;
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
-use super::tree::partition::{MAX_CLUSTER, Partition};
+use super::tree::partition::MAX_CLUSTER;
 use super::tree::wide::WideTree;
 use crate::geometry::{Bounds, Geometry, Hit};
 use crate::simd::LANES;
@@ -96,7 +96,7 @@ impl Base {
     fn new(geometry: &Geometry) -> Self {
         let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
-        let (spanning, others) = spanning(&boxes, geometry.len() as u32, all.half_area());
+        let (spanning, others) = spanning(&boxes, geometry.first_triangle() as u32, all.half_area());
         let union = |bounds: Bounds, &primitive: &u32| bounds.union(boxes[primitive as usize]);
         let bounds = others.iter().fold(Bounds::EMPTY, union).without_subnormals();
         let mut blocks = Blocks::default();
@@ -216,8 +216,7 @@ impl Accelerator {
         let others = &self.base().others;
         self.wide.get(|| {
             let boxes = geometry.boxes();
-            let partition = Partition::new(&boxes, others.clone(), threads);
-            let tree = WideTree::of_clusters(geometry, &boxes, &partition, threads);
+            let tree = WideTree::of_clusters(geometry, &boxes, others.clone(), threads);
             tree.with_meshes(geometry, threads)
         })
     }
@@ -315,8 +314,9 @@ impl Accelerator {
 }
 
 /// Splits the elements into primitives that span the scene and the others. If more primitives span
-/// it than fit into a block, they all count as others. Elements from `end` on are instances. `scene`
-/// is half the surface area of the scene's box.
+/// it than fit into a block, they all count as others. Elements from `end` on are triangles and
+/// instances, which never span it: in a tree, a ray is tested against a whole block of triangles at
+/// once. `scene` is half the surface area of the scene's box.
 fn spanning(boxes: &[Bounds], end: u32, scene: f32) -> (Vec<u32>, Vec<u32>) {
     let share = |primitive: &u32| boxes[*primitive as usize].half_area() / scene;
     let (mut spanning, mut others): (Vec<u32>, Vec<u32>) =

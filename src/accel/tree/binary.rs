@@ -1,6 +1,7 @@
 //! The binary tree from which every layout is built, itself built by obvhs.
 
-use std::mem::take;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::time::Duration;
 
 use obvhs::BvhBuildParams;
@@ -9,7 +10,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use super::group::Groups;
-use super::partition::{MAX_CLUSTER, Part, Partition};
+use super::partition::{MAX_CLUSTER, clusters};
 use crate::accel::threads::map;
 use crate::geometry::Bounds;
 use crate::math::random::Stream;
@@ -36,6 +37,14 @@ pub(crate) enum Below {
     Primitive(u32),
 }
 
+/// What a leaf of a tree stands for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Element {
+    Primitive(u32),
+    /// A node of the wide tree that is built from this one.
+    Node(u32),
+}
+
 /// Parameters of obvhs. Leaves hold one primitive, since each layout chooses its own leaves.
 const BUILD: BvhBuildParams = BvhBuildParams {
     pre_split: false,
@@ -47,6 +56,11 @@ const BUILD: BvhBuildParams = BvhBuildParams {
 /// Above this number of boxes, the build tries to reinsert only one node in ten. Trees of a million
 /// spheres and of a million triangles were built 4 times faster and traced as fast (`profiling/`).
 const MANY: usize = 1 << 15;
+
+/// Number of subtrees of each cluster over which the tree of a large scene is built. They, and not the
+/// clusters, because the box of a cluster can be large on account of a few primitives. With 16 times
+/// as many, rays visited as many nodes (`profiling/`).
+const LARGEST: usize = 256;
 
 impl BinaryTree {
     /// Size in memory.
@@ -60,41 +74,61 @@ impl BinaryTree {
         if primitives.len() <= MAX_CLUSTER {
             return Self::of_cluster(boxes, primitives);
         }
-        let partition = Partition::new(boxes, primitives.to_vec(), threads);
-        let tasks = partition.clusters.iter().collect();
-        let mut clusters =
-            map(threads, tasks, |primitives: &Vec<u32>| Self::of_cluster(boxes, primitives));
-        let mut tree = Self::top(&partition, |cluster| clusters[cluster].nodes[0].bounds);
-        let top = tree.nodes.len();
-        tree.nodes.reserve_exact(2 * primitives.len() - 1 - top);
-        for slot in 0..top {
-            // A cluster's root takes the place of the leaf that stands for it.
-            if let Below::Primitive(cluster) = tree.nodes[slot].below {
-                let Self { nodes } = take(&mut clusters[cluster as usize]);
-                let moved = tree.nodes.len() as u32 - 1;
-                tree.nodes.extend(nodes.iter().skip(1).map(|node| node.moved(moved)));
-                tree.nodes[slot] = nodes[0].moved(moved);
+        let clusters = clusters(boxes, primitives.to_vec(), threads);
+        let trees = map(threads, clusters, |primitives| Self::of_cluster(boxes, &primitives));
+        // The tree over the largest subtrees of all clusters, each of which then takes the place of
+        // the leaf that stands for it.
+        let roots: Vec<(&Self, u32)> = trees
+            .iter()
+            .flat_map(|tree| tree.largest().into_iter().map(move |at| (tree, at)))
+            .collect();
+        let root_boxes: Vec<Bounds> =
+            roots.iter().map(|(tree, at)| tree.nodes[*at as usize].bounds).collect();
+        let all: Vec<u32> = (0..roots.len() as u32).collect();
+        let mut tree = Self::of_cluster(&root_boxes, &all);
+        tree.nodes.reserve_exact(2 * primitives.len() - 1 - tree.nodes.len());
+        for slot in 0..tree.nodes.len() {
+            if let Below::Primitive(root) = tree.nodes[slot].below {
+                let (of, at) = roots[root as usize];
+                tree.copy(slot, of, at);
             }
         }
         tree
     }
 
-    /// The tree whose primitives are the clusters of `partition`. `root` returns the box of a cluster.
-    pub(super) fn top(partition: &Partition, root: impl Fn(usize) -> Bounds) -> Self {
-        let mut nodes = vec![BinaryNode::UNKNOWN; partition.parts.len()];
-        for (index, part) in partition.parts.iter().enumerate().rev() {
-            nodes[index] = match *part {
-                Part::Cluster(cluster) => {
-                    let below = Below::Primitive(cluster as u32);
-                    BinaryNode { bounds: root(cluster), below }
-                }
-                Part::Split(first) => BinaryNode {
-                    bounds: nodes[first].bounds.union(nodes[first + 1].bounds),
-                    below: Below::Children(first as u32),
-                },
-            };
+    /// Replaces the node `slot` by the subtree of `of` from node `at` on.
+    fn copy(&mut self, slot: usize, of: &Self, at: u32) {
+        let mut open = vec![(slot, at)];
+        while let Some((slot, at)) = open.pop() {
+            self.nodes[slot] = of.nodes[at as usize];
+            if let Below::Children(first) = of.nodes[at as usize].below {
+                let children = self.nodes.len();
+                self.nodes[slot].below = Below::Children(children as u32);
+                self.nodes.extend([BinaryNode::UNKNOWN; 2]);
+                open.extend([(children + 1, first + 1), (children, first)]);
+            }
         }
-        Self { nodes }
+    }
+
+    /// The [`LARGEST`] subtrees with the largest boxes, which together have all primitives. Those of
+    /// one primitive count as well.
+    pub(super) fn largest(&self) -> Vec<u32> {
+        let largest_first = |node: u32| {
+            // The bits of numbers that are not negative order like the numbers.
+            (self.nodes[node as usize].bounds.half_area().to_bits(), Reverse(node))
+        };
+        let (mut open, mut done) = (BinaryHeap::from([largest_first(0)]), Vec::new());
+        while open.len() + done.len() < LARGEST
+            && let Some((_, Reverse(node))) = open.pop()
+        {
+            match self.nodes[node as usize].below {
+                Below::Primitive(_) => done.push(node),
+                Below::Children(first) => open.extend([first, first + 1].map(largest_first)),
+            }
+        }
+        done.extend(open.into_iter().map(|(_, Reverse(node))| node));
+        done.sort_unstable();
+        done
     }
 
     /// Builds a tree without dividing the primitives into clusters first.
@@ -193,14 +227,6 @@ impl BinaryTree {
 
 impl BinaryNode {
     const UNKNOWN: Self = Self { bounds: Bounds::EMPTY, below: Below::Primitive(u32::MAX) };
-
-    /// The node in a list in which its children come `by` places later.
-    fn moved(self, by: u32) -> Self {
-        match self.below {
-            Below::Children(first) => Self { below: Below::Children(first + by), ..self },
-            Below::Primitive(_) => self,
-        }
-    }
 }
 
 /// A part of the tree yet to be copied: a node of the builder, or some members of a group.

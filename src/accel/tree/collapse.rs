@@ -5,7 +5,7 @@
 //! Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 //! section 3). A leaf holds primitives of one shape, at most a block of them.
 
-use super::binary::{Below, BinaryTree};
+use super::binary::{Below, BinaryTree, Element};
 use crate::geometry::{Geometry, Shape};
 use crate::math::min;
 use crate::simd::LANES;
@@ -34,22 +34,21 @@ struct Subtree {
 }
 
 impl<'a> Collapse<'a> {
-    /// Finds the division of a tree over `geometry`.
-    pub(crate) fn new(geometry: &Geometry, tree: &'a BinaryTree) -> Self {
-        Self::of(tree, |primitive, costs| {
-            let kind = Some(geometry.shape(primitive));
-            Subtree { costs, count: 1, kind, is_leaf: true }
-        })
-    }
-
-    /// Finds the division of a tree whose leaves stand for trees that have a node of their own.
-    pub(crate) fn of_roots(tree: &'a BinaryTree) -> Self {
-        let count = LANES as u32 + 1;
-        Self::of(tree, |_, costs| Subtree { costs, count, kind: None, is_leaf: false })
-    }
-
-    /// Finds the division of a tree. `leaf` returns the subtree of a leaf with these costs.
-    fn of(tree: &'a BinaryTree, leaf: impl Fn(u32, [f32; SHARES]) -> Subtree) -> Self {
+    /// Finds the division of a tree over `geometry`. `element` returns what a leaf stands for.
+    pub(crate) fn new(
+        geometry: &Geometry,
+        tree: &'a BinaryTree,
+        element: impl Fn(u32) -> Element,
+    ) -> Self {
+        let leaf = |number: u32, costs: [f32; SHARES]| match element(number) {
+            Element::Primitive(primitive) => {
+                let kind = Some(geometry.shape(primitive));
+                Subtree { costs, count: 1, kind, is_leaf: true }
+            }
+            Element::Node(_) => {
+                Subtree { costs, count: LANES as u32 + 1, kind: None, is_leaf: false }
+            }
+        };
         let unknown = Subtree { costs: [0.0; SHARES], count: 0, kind: None, is_leaf: false };
         let mut collapse = Self { tree, subtrees: vec![unknown; tree.nodes.len()] };
         for (index, node) in tree.nodes.iter().enumerate().rev() {
@@ -88,6 +87,10 @@ impl<'a> Collapse<'a> {
 
     fn siblings(&self, first: u32) -> [&Subtree; 2] {
         [&self.subtrees[first as usize], &self.subtrees[first as usize + 1]]
+    }
+
+    pub(crate) fn tree(&self) -> &'a BinaryTree {
+        self.tree
     }
 
     pub(crate) fn is_leaf(&self, index: u32) -> bool {
@@ -177,7 +180,7 @@ mod tests {
             let all: Vec<u32> = (0..geometry.len() as u32).collect();
             let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds()).collect();
             let tree = BinaryTree::new(&boxes, &all, 1);
-            let collapse = Collapse::new(&geometry, &tree);
+            let collapse = Collapse::new(&geometry, &tree, Element::Primitive);
             let kind_of = |leaf: u32| {
                 let mut kinds: Vec<Shape> =
                     tree.primitives(leaf).iter().map(|&p| geometry.get(p).shape()).collect();

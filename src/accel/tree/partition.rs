@@ -13,24 +13,6 @@ pub(crate) const MAX_CLUSTER: usize = 1 << 17;
 /// Number of bins along the longest axis in which splits are compared.
 const BINS: usize = 32;
 
-/// The upper levels of a tree, as splits of a list of primitives.
-#[derive(Debug)]
-pub(crate) struct Partition {
-    /// The primitives of each cluster, in the order of the tree.
-    pub(super) clusters: Vec<Vec<u32>>,
-    /// The parts, a part before those that it was split into. The first has all primitives.
-    pub(super) parts: Vec<Part>,
-}
-
-/// A subtree of the upper levels.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
-    /// The index of a cluster.
-    Cluster(usize),
-    /// The index of the first of two parts.
-    Split(usize),
-}
-
 /// The primitives in a bin.
 #[derive(Clone, Copy)]
 struct Bin {
@@ -51,37 +33,18 @@ impl Bin {
     }
 }
 
-impl Partition {
-    /// Splits `primitives`, whose boxes are `boxes[primitive]`, until each part has at most
-    /// [`MAX_CLUSTER`]. The result does not depend on the number of threads.
-    pub(crate) fn new(boxes: &[Bounds], primitives: Vec<u32>, threads: usize) -> Self {
-        let mut partition = Self { clusters: Vec::new(), parts: vec![Part::Cluster(0)] };
-        // The parts of one level are split at once.
-        let mut level = vec![(0, primitives)];
-        while !level.is_empty() {
-            let done = map(threads, level, |(index, part): (usize, Vec<u32>)| match part.len() {
-                0..=MAX_CLUSTER => (index, Err(part)),
-                _ => (index, Ok(split(boxes, part))),
-            });
-            let mut next = Vec::new();
-            for (index, done) in done {
-                partition.parts[index] = match done {
-                    Err(cluster) => {
-                        partition.clusters.push(cluster);
-                        Part::Cluster(partition.clusters.len() - 1)
-                    }
-                    Ok(halves) => {
-                        let first = partition.parts.len();
-                        partition.parts.extend([Part::Cluster(0); 2]);
-                        next.extend((first..).zip(halves));
-                        Part::Split(first)
-                    }
-                };
-            }
-            level = next;
-        }
-        partition
+/// Splits `primitives`, whose boxes are `boxes[primitive]`, into clusters of at most
+/// [`MAX_CLUSTER`]. The result does not depend on the number of threads.
+pub(crate) fn clusters(boxes: &[Bounds], primitives: Vec<u32>, threads: usize) -> Vec<Vec<u32>> {
+    let mut parts = vec![primitives];
+    while parts.iter().any(|part| part.len() > MAX_CLUSTER) {
+        let halves = |part: Vec<u32>| match part.len() {
+            0..=MAX_CLUSTER => vec![part],
+            _ => split(boxes, part).into(),
+        };
+        parts = map(threads, parts, halves).into_iter().flatten().collect();
     }
+    parts
 }
 
 /// Splits `primitives` in two. Of the planes between bins along the longest axis, it takes the one
@@ -151,9 +114,8 @@ mod tests {
         for shape in 0..3 {
             let boxes = boxes(shape, 5 * MAX_CLUSTER + 7);
             let all: Vec<u32> = (0..boxes.len() as u32).collect();
-            let clusters = |threads| Partition::new(&boxes, all.clone(), threads).clusters;
-            let one = clusters(1);
-            assert_eq!(one, clusters(3));
+            let one = clusters(&boxes, all.clone(), 1);
+            assert_eq!(one, clusters(&boxes, all.clone(), 3));
             assert!(
                 one.len() > 5
                     && one.iter().all(|cluster| (1..=MAX_CLUSTER).contains(&cluster.len()))

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::mem::take;
 use std::sync::Mutex;
 
-use super::binary::{Below, BinaryTree};
+use super::binary::{Below, BinaryNode, BinaryTree, Element};
 use super::collapse::Collapse;
-use super::partition::{MAX_CLUSTER, Partition};
+use super::partition::{MAX_CLUSTER, clusters};
 use crate::accel::leaf::{BlockRef, Blocks};
 use crate::accel::threads::{for_each, map};
 use crate::geometry::{Bounds, Geometry, Shape};
@@ -70,26 +70,30 @@ const LARGE: usize = 1 << 20;
 struct Part {
     nodes: Vec<WideNode>,
     blocks: Blocks,
-    /// Number of nodes on the longest path from its root.
+    /// Number of nodes on the longest path to a node.
     depth: usize,
-    /// For each subtree that stands for another part: the node and the lane that refer to it, and
-    /// the number of the part.
-    parts: Vec<(usize, usize, u32)>,
 }
 
 impl Part {
-    /// Lays out `tree`, which is not empty.
+    /// Lays out the subtree of `tree` from node `root` on. Its wide node becomes `slot`. `element`
+    /// returns what a leaf stands for.
     ///
     /// Neighbouring leaves of one shape share a block if they fit. Each leaf has its own
     /// box, and a visit of one of them visits them all. Sharing blocks halves the memory for a
     /// million spheres (`profiling/`).
-    fn new(geometry: &Geometry, tree: &BinaryTree, collapse: &Collapse<'_>) -> Self {
-        let mut part = Self::default();
-        part.nodes.push(WideNode::EMPTY);
-        let mut open = vec![(0, 0, 1)];
+    fn lay_out(
+        &mut self,
+        geometry: &Geometry,
+        collapse: &Collapse<'_>,
+        slot: usize,
+        root: u32,
+        element: impl Fn(u32) -> Element,
+    ) {
+        let tree = collapse.tree();
+        let mut open = vec![(slot, root, 1)];
         let mut children = Vec::new();
         while let Some((slot, index, depth)) = open.pop() {
-            part.depth = part.depth.max(depth);
+            self.depth = self.depth.max(depth);
             children.clear();
             collapse.children(index, &mut children);
             let mut lane = 0;
@@ -97,31 +101,39 @@ impl Part {
                 let child = match tree.nodes[run[0] as usize].below {
                     _ if collapse.is_leaf(run[0]) => {
                         let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
-                        let mut primitives: Vec<u32> = leaves.collect();
-                        part.blocks.push(geometry, &mut primitives).bits()
+                        let primitive = |number: u32| match element(number) {
+                            Element::Primitive(primitive) => primitive,
+                            Element::Node(_) => unreachable!("a leaf has primitives"),
+                        };
+                        let mut primitives: Vec<u32> = leaves.map(primitive).collect();
+                        self.blocks.push(geometry, &mut primitives).bits()
                     }
-                    Below::Primitive(number) => {
-                        part.parts.push((slot, lane, number));
-                        0
-                    }
+                    Below::Primitive(number) => match element(number) {
+                        Element::Node(node) => node,
+                        Element::Primitive(_) => unreachable!("a primitive is a leaf"),
+                    },
                     Below::Children(_) => {
-                        let below = part.nodes.len();
-                        part.nodes.push(WideNode::EMPTY);
+                        let below = self.push();
                         open.push((below, run[0], depth + 1));
                         below as u32
                     }
                 };
                 for &index in run {
                     let bounds = &tree.nodes[index as usize].bounds;
-                    part.nodes[slot].set(lane, bounds, child);
+                    self.nodes[slot].set(lane, bounds, child);
                     lane += 1;
                 }
             }
         }
-        part
     }
 
-    /// Appends a part. Returns the index of its root.
+    /// Appends an empty node. Returns its index.
+    fn push(&mut self) -> usize {
+        self.nodes.push(WideNode::EMPTY);
+        self.nodes.len() - 1
+    }
+
+    /// Appends a part. Returns the index of its first node.
     fn append(&mut self, mut part: Self) -> u32 {
         let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
         reserve(&mut self.nodes, part.nodes.len());
@@ -133,27 +145,82 @@ impl Part {
             WideNode { children, ..node }
         }));
         self.blocks.append(part.blocks);
+        self.depth = self.depth.max(part.depth);
         first
     }
 }
 
-/// The parts of a wide tree, which are appended in order, whatever the order in which they are
-/// finished.
+/// The layout of a cluster: its largest subtrees and its primitives outside them, with their boxes.
+/// Each subtree begins with a node of its own.
+struct Cluster {
+    part: Part,
+    elements: Vec<(Element, Bounds)>,
+}
+
+impl Cluster {
+    fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
+        let collapse = Collapse::new(geometry, tree, Element::Primitive);
+        let (mut part, mut elements) = (Part::default(), Vec::new());
+        for root in tree.largest() {
+            // Subtrees that fit into a block are left to the tree over all clusters.
+            let mut open = vec![root];
+            while let Some(node) = open.pop() {
+                let BinaryNode { bounds, below } = tree.nodes[node as usize];
+                match below {
+                    Below::Primitive(primitive) => {
+                        elements.push((Element::Primitive(primitive), bounds));
+                    }
+                    Below::Children(first) if collapse.is_leaf(node) => {
+                        open.extend([first + 1, first]);
+                    }
+                    Below::Children(_) => {
+                        let slot = part.push();
+                        part.lay_out(geometry, &collapse, slot, node, Element::Primitive);
+                        elements.push((Element::Node(slot as u32), bounds));
+                    }
+                }
+            }
+        }
+        Self { part, elements }
+    }
+}
+
+/// A wide tree of clusters, which are appended in order, whatever the order in which they are finished.
 struct Assembly {
+    /// Its first node is the root, which is empty until all clusters are there.
     tree: Part,
-    /// Finished parts that come after unfinished ones.
-    waiting: BTreeMap<usize, Part>,
-    /// The root and the depth of each appended part.
-    roots: Vec<(u32, usize)>,
+    elements: Vec<(Element, Bounds)>,
+    /// Number of appended clusters.
+    appended: usize,
+    /// Finished clusters that come after unfinished ones.
+    waiting: BTreeMap<usize, Cluster>,
 }
 
 impl Assembly {
-    fn add(&mut self, number: usize, part: Part) {
-        self.waiting.insert(number, part);
-        while let Some(part) = self.waiting.remove(&self.roots.len()) {
-            let depth = part.depth;
-            self.roots.push((self.tree.append(part), depth));
+    fn add(&mut self, number: usize, cluster: Cluster) {
+        self.waiting.insert(number, cluster);
+        while let Some(Cluster { part, elements }) = self.waiting.remove(&self.appended) {
+            let first = self.tree.append(part);
+            self.elements.extend(elements.into_iter().map(|(element, bounds)| match element {
+                Element::Node(node) => (Element::Node(node + first), bounds),
+                primitive => (primitive, bounds),
+            }));
+            self.appended += 1;
         }
+    }
+
+    /// Builds the tree over the elements of all clusters.
+    fn finish(self, geometry: &Geometry) -> Part {
+        let Self { mut tree, elements, .. } = self;
+        let boxes: Vec<Bounds> = elements.iter().map(|(_, bounds)| *bounds).collect();
+        let all: Vec<u32> = (0..elements.len() as u32).collect();
+        let top = BinaryTree::of_cluster(&boxes, &all);
+        let element = |number: u32| elements[number as usize].0;
+        let collapse = Collapse::new(geometry, &top, element);
+        let below = take(&mut tree.depth);
+        tree.lay_out(geometry, &collapse, 0, 0, element);
+        tree.depth += below;
+        tree
     }
 }
 
@@ -168,8 +235,7 @@ impl WideTree {
         if elements.len() <= MAX_CLUSTER {
             return Self::new(geometry, &BinaryTree::new(boxes, &elements, threads));
         }
-        let partition = Partition::new(boxes, elements, threads);
-        Self::of_clusters(geometry, boxes, &partition, threads)
+        Self::of_clusters(geometry, boxes, elements, threads)
     }
 
     /// Builds the trees of the meshes that instances of `geometry` place.
@@ -191,46 +257,36 @@ impl WideTree {
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let mut all = Part::default();
         if !tree.nodes.is_empty() {
-            all = Part::new(geometry, tree, &Collapse::new(geometry, tree));
+            let collapse = Collapse::new(geometry, tree, Element::Primitive);
+            let root = all.push();
+            all.lay_out(geometry, &collapse, root, 0, Element::Primitive);
             all.nodes = settle(all.nodes);
             all.blocks.settle();
         }
         Self::of(all)
     }
 
-    /// Builds the tree over the clusters of a large scene. The binary tree of the scene is never in
+    /// Builds the tree of a large scene cluster by cluster. The binary tree of the scene is never in
     /// memory as a whole. `boxes` has the box of each primitive.
     pub(crate) fn of_clusters(
         geometry: &Geometry,
         boxes: &[Bounds],
-        partition: &Partition,
+        primitives: Vec<u32>,
         threads: usize,
     ) -> Self {
-        let clusters = &partition.clusters;
-        let top = BinaryTree::top(partition, |cluster| {
-            let boxes = clusters[cluster].iter().map(|&primitive| boxes[primitive as usize]);
-            boxes.fold(Bounds::EMPTY, Bounds::union).without_subnormals()
-        });
-        let mut tree = Part::new(geometry, &top, &Collapse::of_roots(&top));
-        let parts = take(&mut tree.parts);
-        let assembly = Mutex::new(Assembly { tree, waiting: BTreeMap::new(), roots: Vec::new() });
+        let clusters = clusters(boxes, primitives, threads);
+        let mut tree = Part::default();
+        tree.push();
+        let (elements, waiting) = (Vec::new(), BTreeMap::new());
+        let assembly = Mutex::new(Assembly { tree, elements, appended: 0, waiting });
         for_each(threads, clusters.iter().enumerate().collect(), |(number, primitives)| {
-            let tree = BinaryTree::of_cluster(boxes, primitives);
-            let part = Part::new(geometry, &tree, &Collapse::new(geometry, &tree));
-            assembly.lock().expect("no thread panicked").add(number, part);
+            let cluster = Cluster::new(geometry, &BinaryTree::of_cluster(boxes, primitives));
+            assembly.lock().expect("no thread panicked").add(number, cluster);
         });
-        let Assembly { mut tree, roots, .. } = assembly.into_inner().expect("no thread panicked");
-        let mut below = 0;
-        for (slot, lane, number) in parts {
-            let (root, depth) = roots[number as usize];
-            tree.nodes[slot].children[lane] = root;
-            below = below.max(depth);
-        }
-        tree.depth += below;
-        Self::of(tree)
+        Self::of(assembly.into_inner().expect("no thread panicked").finish(geometry))
     }
 
-    fn of(Part { nodes, blocks, depth, .. }: Part) -> Self {
+    fn of(Part { nodes, blocks, depth }: Part) -> Self {
         let bytes = size_of_val(&*nodes) + blocks.bytes();
         let is_large = bytes > LARGE;
         let in_turn = is_large && 2 * blocks.count(Shape::Triangle) > blocks.len();
@@ -272,10 +328,7 @@ mod tests {
         let geometry = Geometry { spheres, ..Geometry::default() };
         let boxes = geometry.boxes();
         let all: Vec<u32> = (0..geometry.len() as u32).collect();
-        let build = |threads| {
-            let partition = Partition::new(&boxes, all.clone(), threads);
-            WideTree::of_clusters(&geometry, &boxes, &partition, threads)
-        };
+        let build = |threads| WideTree::of_clusters(&geometry, &boxes, all.clone(), threads);
         let (one, many) = (build(1), build(3));
         assert!(one.depth > 2 && one.nodes.len() > 1000);
         assert_eq!((one.depth, one.nodes.len()), (many.depth, many.nodes.len()));
