@@ -96,7 +96,8 @@ impl Base {
     fn new(geometry: &Geometry) -> Self {
         let boxes = geometry.boxes();
         let all = boxes.iter().fold(Bounds::EMPTY, |union, b| union.union(*b));
-        let (spanning, others) = spanning(&boxes, geometry.first_triangle() as u32, all.half_area());
+        let (spanning, others) =
+            spanning(&boxes, geometry.first_triangle() as u32, all.half_area());
         let union = |bounds: Bounds, &primitive: &u32| bounds.union(boxes[primitive as usize]);
         let bounds = others.iter().fold(Bounds::EMPTY, union).without_subnormals();
         let mut blocks = Blocks::default();

@@ -46,7 +46,8 @@ pub(super) fn cases() -> Vec<Case> {
         ("v \\\n0 0 0\n", "continued lines are not supported"),
         ("\0\0\0", "the file has no faces"),
         ("\u{1b}[31m\nf \u{1b}[31m 1 2\n", "m.obj"),
-        ("f 1//\n", "a missing vertex"),
+        ("f 1//\n", "a face is `f`"),
+        ("f 1// 1// 1//\n", "a missing vertex"),
         ("mtllib /dev/zero\nusemtl a\n", "the file has no faces"),
     ] {
         cases.push(mesh("m.obj", Content::Bytes(text.into()), says));
@@ -69,8 +70,9 @@ pub(super) fn cases() -> Vec<Case> {
     };
     cases.push(mesh("m.obj", much("f 1 2 3\n", 200_000), "the limit of memory"));
     cases.push(mesh("m.obj", much("v 0 0 0\n", 1_000_000), "the limit of memory"));
+    cases.push(mesh("m.obj", much("g\n", 1_000_000), "the file has no faces"));
     let polygon = format!("{vertices}f{}\n", " 1 2 3".repeat(200_000));
-    cases.push(mesh("m.obj", Content::Bytes(polygon.into()), "the limit of memory"));
+    cases.push(mesh("m.obj", Content::Bytes(polygon.into()), "a line may have at most"));
     for (file, length, says) in [
         ("m.obj", (1 << 32) + 1, "the limit of mesh-bytes is 4.0 GiB, this needs 4.1 GiB"),
         ("m.obj", 1 << 26, "the limit of memory"),
@@ -158,7 +160,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases.push(ply("ascii", &comment, b"", "must end with `end_header` within 65536"));
     let words = [&b"ply\n"[..], &b"a ".repeat(4 << 20)].concat();
     cases.push(mesh("m.ply", Content::Bytes(words), "must end with `end_header` within 65536"));
-    cases.push(mesh("m.obj", Content::Bytes(vec![255; 8 << 20]), "the file has no faces"));
+    cases.push(mesh("m.obj", Content::Bytes(vec![255; 8 << 20]), "a line may have at most"));
     let rows = "0 0 0\n".repeat(1_000_000);
     cases.push(ply(
         "ascii",

@@ -15,9 +15,10 @@ use crate::geometry::Vertices;
 use crate::scene::budget::Budget;
 
 /// Size in bytes from which a part of a file ends with the next line.
-const PART: usize = 1 << 18;
-/// Number of parts that threads parse together.
-const PARTS: usize = 16;
+const PART: usize = 1 << 15;
+/// Number of parts that threads parse together. More would take more memory and gain little, since one
+/// thread adds them to the mesh.
+const PARTS: usize = 4;
 /// Number of vertices of one position that a corner is compared with. If none of them fits, it gets a
 /// vertex of its own.
 const MOST_COMPARED: usize = 32;
@@ -153,10 +154,10 @@ impl Reader {
             while let Some((_, kind, name)) = names.next_if(|(faces, ..)| *faces <= number) {
                 self.names(kind).begin(name);
             }
-            let counts = std::array::from_fn(|i| before[i] + face.before[i]);
-            self.face(&part.corners[first..face.end], counts)
-                .map_err(|message| (lines + face.line, message))?;
-            first = face.end;
+            let counts = std::array::from_fn(|i| before[i] + face.before[i] as usize);
+            self.face(&part.corners[first..face.end as usize], counts)
+                .map_err(|message| (lines + face.line as usize, message))?;
+            first = face.end as usize;
         }
         names.for_each(|(_, kind, name)| self.names(kind).begin(name));
         self.lines += part.lines;

@@ -14,10 +14,10 @@ pub(super) const UV: &str = "texture coordinates are `vt` and one to three finit
 pub(super) const FACE: &str = "a face is `f` and three or more vertex numbers";
 pub(super) const CONTINUED: &str =
     "continued lines are not supported, join this line with the next";
-pub(super) const LONG: &str = "a line may have at most 1048576 bytes";
+pub(super) const LONG: &str = "a line may have at most 65536 bytes";
 
 /// Largest size of a line in bytes.
-pub(super) const MAX_LINE: usize = 1 << 20;
+const MAX_LINE: usize = 1 << 16;
 /// The number of an attribute that a corner does not have.
 pub(super) const ABSENT: i32 = i32::MIN;
 
@@ -43,11 +43,11 @@ pub(super) struct Part<'a> {
 /// A polygon.
 pub(super) struct Face {
     /// Number of lines of the part before this one.
-    pub(super) line: usize,
+    pub(super) line: u32,
     /// One past its last corner in [`Part::corners`].
-    pub(super) end: usize,
+    pub(super) end: u32,
     /// Number of positions, texture coordinates and normals of the part before this line.
-    pub(super) before: [usize; 3],
+    pub(super) before: [u32; 3],
 }
 
 /// What a name stands for.
@@ -137,8 +137,9 @@ impl<'a> Part<'a> {
         if end < first + 3 {
             return Err(FACE);
         }
-        let before = [self.positions.len(), self.uvs.len(), self.normals.len()];
-        self.faces.push(Face { line: self.lines, end, before });
+        let before =
+            [self.positions.len(), self.uvs.len(), self.normals.len()].map(|len| len as u32);
+        self.faces.push(Face { line: self.lines as u32, end: end as u32, before });
         Ok(())
     }
 }

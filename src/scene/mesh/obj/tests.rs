@@ -1,3 +1,5 @@
+//! Tests of the reader.
+
 use super::part::{CONTINUED, FACE, LONG, NORMAL, RANGE, UV, VERTEX};
 use super::*;
 use crate::limits::{Limit, Limits};
