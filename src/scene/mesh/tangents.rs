@@ -14,9 +14,10 @@ pub(in crate::scene) fn lacks_tangents(vertices: &Vertices) -> bool {
     !normals.is_empty() && !uvs.is_empty() && tangents.is_empty()
 }
 
-/// Sets the tangents of vertices that have normals and texture coordinates, as MikkTSpace defines them (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"): programs
-/// that make normal maps use these. Where triangles with one vertex disagree, as along the seam of a
-/// mirrored texture, each gets a vertex of its own.
+/// Sets the tangents of vertices that have normals and texture coordinates, as MikkTSpace defines
+/// them (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"): programs that make normal
+/// maps use these. Where triangles with one vertex disagree, as along the seam of a mirrored
+/// texture, each gets a vertex of its own.
 ///
 /// # Errors
 /// If more than [`MOST_AT_POINT`] triangles meet at a point.
