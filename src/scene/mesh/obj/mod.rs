@@ -75,7 +75,6 @@ struct Names {
 impl Names {
     /// Gives the triangles that follow a name, which may contain blanks.
     fn begin(&mut self, name: &[u8]) {
-        let name = name.trim_ascii();
         let next = self.numbers.len() as u32;
         self.bytes += if self.numbers.contains_key(name) { 0 } else { name.len() };
         self.current = Some(*self.numbers.entry(name.to_vec()).or_insert(next));
