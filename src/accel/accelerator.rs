@@ -11,7 +11,7 @@ use super::kernel::beam;
 use super::kernel::flat::Flat;
 use super::kernel::job::Job;
 use super::kernel::pair_traversal;
-use super::kernel::single;
+use super::kernel::stream;
 use super::leaf::{BlockRef, Blocks};
 use super::setup::Extent;
 use super::tree::binary::BinaryTree;
@@ -81,7 +81,7 @@ impl<T> Lazy<T> {
     }
 }
 
-/// Above this number of primitives, single rays and beams were faster than packets on every ray
+/// Above this number of primitives, streams and beams were faster than packets on every ray
 /// set.
 const MOST_IN_PACKET_TREE: usize = 1 << 14;
 /// Above this number of primitives, some kernel with a tree was faster than [`Kernel::Flat`] on
@@ -133,7 +133,7 @@ impl Accelerator {
         let kernel = self.chosen(kernel);
         let (layout, seconds) = match kernel {
             Kernel::Packet => (self.pair(threads).bytes(), self.pair.seconds()),
-            Kernel::Beam | Kernel::Single => (self.wide(threads).bytes(), self.wide.seconds()),
+            Kernel::Beam | Kernel::Stream => (self.wide(threads).bytes(), self.wide.seconds()),
             Kernel::Flat => {
                 return Layout { bytes: self.flat().bytes(), seconds: self.flat.seconds() };
             }
@@ -149,7 +149,7 @@ impl Accelerator {
     /// `kernel`, or what stands in for it in scenes with instances.
     fn chosen(&self, kernel: Kernel) -> Kernel {
         match kernel {
-            Kernel::Packet | Kernel::Flat if self.has_instances() => Kernel::Single,
+            Kernel::Packet | Kernel::Flat if self.has_instances() => Kernel::Stream,
             other => other,
         }
     }
@@ -183,7 +183,7 @@ impl Accelerator {
             _ if self.chosen(kernel) != kernel => false,
             Kernel::Packet => self.geometry.len() <= MOST_IN_PACKET_TREE,
             Kernel::Flat => self.geometry.len() <= MOST_WITHOUT_TREE,
-            Kernel::Beam | Kernel::Single => true,
+            Kernel::Beam | Kernel::Stream => true,
             Kernel::Scalar => false,
         }
     }
@@ -285,7 +285,7 @@ impl Accelerator {
         let wild = match self.chosen(kernel) {
             Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(1), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(1), &job, hits, count),
-            Kernel::Single => single::trace::<ANY, C>(self.wide(1), &job, hits, count),
+            Kernel::Stream => stream::trace::<ANY, C>(self.wide(1), &job, hits, count),
             Kernel::Flat => self.flat().trace::<ANY, C>(&job, hits, count),
             Kernel::Scalar => range.collect(),
         };

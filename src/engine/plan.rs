@@ -82,7 +82,7 @@ impl Plan {
         let [first, later] = match primitives {
             0..20 => [Kernel::Flat, Kernel::Flat],
             20..0x4000 => [Kernel::Beam, Kernel::Packet],
-            _ => [Kernel::Beam, Kernel::Single],
+            _ => [Kernel::Beam, Kernel::Stream],
         };
         let ordered = later == Kernel::Packet;
         Self {

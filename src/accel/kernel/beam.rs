@@ -12,11 +12,11 @@
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
 
-use super::frames::Frame;
+use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::meshes::MeshTrees;
 use super::octants::Octants;
-use super::single::{Above, trace_each};
+use super::stream::Stream;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks, Meshes, NoMeshes};
@@ -120,7 +120,7 @@ impl<const V: usize> Beam<V> {
     #[inline(always)]
     fn visit(&self, tree: &WideTree, index: u32, limit: Float, count: &mut impl Count) -> Frame {
         let node = &tree.nodes[index as usize];
-        let plane = |index: usize| Float::new(node.planes[index]);
+        let plane = |index: usize| Float::new(node.planes[index % 3][index / 3]);
         let (near, far) = (axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])));
         let (entry, entered) = self.enter(near, far, limit);
         count.node(LANES as u32, entered.bits().count_ones());
@@ -178,19 +178,20 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let mut above = Above::new(tree, meshes);
+    let (mut above, mut stream) = (Frames::with_depth(tree.depth), Stream::new(tree, meshes));
     job.trace::<ANY, INSTANCES, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
         }
         let octants = Octants::new(packet);
         if octants.mixed {
-            trace_each::<ANY, V>(tree, packet, &mut above, count);
+            stream.trace::<ANY>(tree, &mut packet.vectors, count);
         } else if let Some(beam) = Beam::new(packet, &octants) {
             if tree.is_large && beam.is_wide() {
-                trace_each::<ANY, V>(tree, packet, &mut above, count);
+                stream.trace::<ANY>(tree, &mut packet.vectors, count);
             } else {
-                traverse::<ANY, V>(tree, packet, &beam, &mut above, count);
+                let meshes = &mut stream.meshes;
+                traverse::<ANY, V>(tree, packet, &beam, &mut above, meshes, count);
             }
         }
     })
@@ -202,10 +203,10 @@ fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
     beam: &Beam<V>,
-    above: &mut Above<impl Meshes>,
+    above: &mut Frames,
+    meshes: &mut impl Meshes,
     count: &mut impl Count,
 ) {
-    let (above, meshes) = above.first();
     let mut limit = packet.farthest(&beam.scales);
     let mut frame = beam.visit(tree, 0, limit, count);
     above.clear();

@@ -136,7 +136,7 @@ mod tests {
     /// A tree of nodes whose children are numbered from 100, 200 and so on.
     fn tree(nodes: u32) -> WideTree {
         let children = |node: u32| std::array::from_fn(|lane| 100 * node + lane as u32);
-        let node = |node| WideNode { planes: [[0.0; LANES]; 6], children: children(node) };
+        let node = |node| WideNode { planes: [[[0.0; LANES]; 2]; 3], children: children(node) };
         let (nodes, blocks) = ((1..=nodes).map(node).collect(), Blocks::default());
         WideTree { nodes, blocks, depth: 3, ..WideTree::default() }
     }

@@ -1,33 +1,24 @@
 //! Rays in the object space of an instance, which continue in the tree of its mesh.
 
-use super::enter::next_block;
-use super::frames::Frames;
+use super::stream::{Visit, search, visits};
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::best::Best;
+use crate::accel::ray::best::{Best, BestLanes};
 use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::WideTree;
-use crate::simd::{Int, LANES, Lanes};
 
 /// The trees of the meshes, and room to traverse them.
 pub(crate) struct MeshTrees<'a> {
     trees: &'a [WideTree],
     first: u32,
-    above: Frames,
-    /// The instances of the closest hits of a vector of rays.
-    instances: Lanes<u32>,
+    open: Vec<Visit>,
 }
 
 impl<'a> MeshTrees<'a> {
     pub(crate) fn new(tree: &'a WideTree) -> Self {
-        let deepest = tree.meshes.iter().map(|mesh| mesh.depth).max().unwrap_or(0);
-        Self {
-            trees: &tree.meshes,
-            first: tree.first,
-            above: Frames::with_depth(deepest),
-            instances: [0; LANES],
-        }
+        let deepest = tree.meshes.iter().max_by_key(|mesh| mesh.depth);
+        let open = deepest.map_or(Vec::new(), visits);
+        Self { trees: &tree.meshes, first: tree.first, open }
     }
 }
 
@@ -43,21 +34,6 @@ impl Meshes for MeshTrees<'_> {
     }
 
     #[inline(always)]
-    fn instance(&mut self, lane: usize) -> &mut u32 {
-        &mut self.instances[lane]
-    }
-
-    #[inline(always)]
-    fn load(&mut self, rays: &Rays) {
-        self.instances = rays.instance.to_array();
-    }
-
-    #[inline(always)]
-    fn store(&self, rays: &mut Rays) {
-        rays.instance = Int::new(self.instances);
-    }
-
-    #[inline(always)]
     fn trace<const ANY: bool>(
         &mut self,
         mesh: u32,
@@ -65,16 +41,11 @@ impl Meshes for MeshTrees<'_> {
         best: &mut Best,
         count: &mut impl Count,
     ) {
-        let (tree, above) = (&self.trees[mesh as usize], &mut self.above);
-        above.clear();
-        let mut frame = one.enter(tree, 0, best.t, count);
-        while let Some(block) =
-            next_block(&mut frame, tree, one, best.t, above, tree.is_large, count)
-        {
-            tree.blocks.test_one::<ANY>(block, one, best, &mut NoMeshes, count);
-            if ANY && best.found() {
-                return;
-            }
-        }
+        let (tree, ray) = (&self.trees[mesh as usize], 1 << one.lane);
+        let mut lanes = [BestLanes::NONE];
+        lanes[0].set(one.lane, *best);
+        let tables = std::array::from_ref(one.table);
+        search::<ANY, 1>(tree, tables, &mut lanes, ray, &mut self.open, &mut NoMeshes, count);
+        *best = lanes[0].lane(one.lane);
     }
 }

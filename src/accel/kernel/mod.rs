@@ -1,20 +1,18 @@
 //! Kernels, the algorithms that find hits. All of them return the same bits.
 
 pub(super) mod beam;
-mod descent;
-mod enter;
 pub(super) mod flat;
 mod frames;
 pub(super) mod job;
 mod meshes;
 mod octants;
 pub(super) mod pair_traversal;
-pub(super) mod single;
+pub(super) mod stream;
 
 /// An algorithm that finds the hits of rays.
 ///
 /// In scenes with instances, [`Kernel::Packet`] and [`Kernel::Flat`] do the same as
-/// [`Kernel::Single`].
+/// [`Kernel::Stream`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -23,8 +21,8 @@ pub enum Kernel {
     Packet,
     /// Tests each packet of rays as a unit, against every box of a wide node at once.
     Beam,
-    /// Tests one ray against every box of a wide node at once.
-    Single,
+    /// Tests one ray of a packet after the other, each against every box of a wide node at once.
+    Stream,
     /// Tests packets of rays against every primitive, without a tree.
     Flat,
     /// The reference, which takes one ray at a time through a binary tree.
@@ -33,14 +31,14 @@ pub enum Kernel {
 
 impl Kernel {
     /// All kernels.
-    pub const ALL: [Self; 5] = [Self::Packet, Self::Beam, Self::Single, Self::Flat, Self::Scalar];
+    pub const ALL: [Self; 5] = [Self::Packet, Self::Beam, Self::Stream, Self::Flat, Self::Scalar];
 
     /// Returns the name on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::Packet => "packet",
             Self::Beam => "beam",
-            Self::Single => "single",
+            Self::Stream => "stream",
             Self::Flat => "flat",
             Self::Scalar => "scalar",
         }

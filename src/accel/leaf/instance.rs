@@ -98,12 +98,12 @@ impl Leaf for Block {
             }
             let (mesh, instance, first) = (self.mesh[lane], self.instance[lane], meshes.first());
             // Triangles of meshes come after all other primitives.
-            let in_later = best.primitive >= first && instance < *meshes.instance(one.lane);
+            let in_later = best.primitive >= first && instance < best.instance;
             let mut within = best.before(best.found() && in_later);
             meshes.trace::<ANY>(mesh, &OneRay::new(&table, lane), &mut within, count);
             if within.found() {
-                *best = Best { t: within.t, primitive: first + within.primitive };
-                *meshes.instance(one.lane) = instance;
+                let primitive = first + within.primitive;
+                *best = Best { t: within.t, primitive, instance };
                 if ANY {
                     return;
                 }
@@ -126,7 +126,6 @@ impl Leaf for Block {
                 continue;
             }
             let (table, mut best) = (Table::new(&rays.setup), rays.best());
-            meshes.load(rays);
             for lane in Bits(looking) {
                 count.leaf(LANES as u32, lanes.count_ones());
                 let mut closest = best.lane(lane);
@@ -140,7 +139,6 @@ impl Leaf for Block {
                 best.set(lane, closest);
             }
             rays.set_best::<ANY>(&best);
-            meshes.store(rays);
         }
     }
 }

@@ -16,7 +16,6 @@ use super::counters::Count;
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
-use super::ray::rays::Rays;
 use crate::geometry::{Geometry, Shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
@@ -133,16 +132,6 @@ pub(super) trait Meshes {
     /// The number of the first triangle of a mesh among all primitives.
     fn first(&self) -> u32;
 
-    /// The instance of the closest hit of the ray in lane `lane`. It has no meaning unless the hit is
-    /// on a triangle of a mesh.
-    fn instance(&mut self, lane: usize) -> &mut u32;
-
-    /// Takes over the instances of the closest hits of `rays`.
-    fn load(&mut self, rays: &Rays);
-
-    /// Sets the instances of the closest hits of `rays`.
-    fn store(&self, rays: &mut Rays);
-
     /// Traces a ray in the object space of an instance through mesh `mesh`. Primitives are counted
     /// from the first triangle of all meshes.
     fn trace<const ANY: bool>(
@@ -165,14 +154,6 @@ impl Meshes for NoMeshes {
     fn first(&self) -> u32 {
         unreachable!("this layout has no instances")
     }
-
-    fn instance(&mut self, _: usize) -> &mut u32 {
-        unreachable!("this layout has no instances")
-    }
-
-    fn load(&mut self, _: &Rays) {}
-
-    fn store(&self, _: &mut Rays) {}
 
     fn trace<const ANY: bool>(&mut self, _: u32, _: &OneRay<'_>, _: &mut Best, _: &mut impl Count) {
         unreachable!("this layout has no instances")

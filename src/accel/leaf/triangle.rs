@@ -49,8 +49,9 @@ impl Leaf for Block {
         _: &mut impl Meshes,
         _: &mut impl Count,
     ) {
-        let origin = axes(|axis| one.splat(&one.table.origin[one.axes[axis]]));
-        let vertices = axes(|i| axes(|axis| Float::new(self.vertices[i][one.axes[axis]])));
+        let order = one.axes();
+        let origin = axes(|axis| one.splat(&one.table.origin[order[axis]]));
+        let vertices = axes(|i| axes(|axis| Float::new(self.vertices[i][order[axis]])));
         let sheared = shear(origin, one.vector(&one.table.shear), vertices);
         let candidates = sheared.candidates(valid);
         if candidates != 0 {

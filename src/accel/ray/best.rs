@@ -2,7 +2,7 @@
 
 use crate::accel::batch::HitBatch;
 use crate::geometry::ray_lanes::HitLanes;
-use crate::simd::{Bits, Float, Lanes};
+use crate::simd::{Bits, Float, LANES, Lanes};
 
 /// The closest hit so far. The ray's interval is open, so a hit at exactly `t` counts only if `t`
 /// is the distance of a hit already found and the new primitive has a lower index.
@@ -11,6 +11,8 @@ pub(crate) struct Best {
     pub(crate) t: f32,
     /// [`HitBatch::MISS`] before the first hit.
     pub(crate) primitive: u32,
+    /// The instance to which a triangle of a mesh belongs. It has no meaning for other primitives.
+    pub(crate) instance: u32,
 }
 
 impl Best {
@@ -22,7 +24,7 @@ impl Best {
     #[inline(always)]
     pub(crate) fn offer(&mut self, t: f32, primitive: u32) {
         if t < self.t || (t == self.t && self.found() && primitive < self.primitive) {
-            *self = Self { t, primitive };
+            *self = Self { t, primitive, ..*self };
         }
     }
 
@@ -30,7 +32,7 @@ impl Best {
     #[inline(always)]
     pub(crate) fn before(&self, ties: bool) -> Self {
         let t = if ties { self.t.next_up() } else { self.t };
-        Self { t, primitive: HitBatch::MISS }
+        Self { t, primitive: HitBatch::MISS, instance: 0 }
     }
 
     #[inline(always)]
@@ -50,16 +52,25 @@ impl Best {
 pub(crate) struct BestLanes {
     pub(crate) t: Lanes,
     pub(crate) primitive: Lanes<u32>,
+    pub(crate) instance: Lanes<u32>,
 }
 
 impl BestLanes {
+    pub(crate) const NONE: Self =
+        Self { t: [0.0; LANES], primitive: [0; LANES], instance: [0; LANES] };
+
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> Best {
-        Best { t: self.t[lane], primitive: self.primitive[lane] }
+        Best {
+            t: self.t[lane],
+            primitive: self.primitive[lane],
+            instance: self.instance[lane],
+        }
     }
 
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, best: Best) {
-        (self.t[lane], self.primitive[lane]) = (best.t, best.primitive);
+        let Best { t, primitive, instance } = best;
+        (self.t[lane], self.primitive[lane], self.instance[lane]) = (t, primitive, instance);
     }
 }

@@ -1,11 +1,10 @@
 //! Single rays, taken from a vector of rays.
 
 use crate::accel::setup::Setup;
-use crate::accel::slab::near_and_far;
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
-use crate::simd::{Float, Lanes, Vec3x, axes};
+use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
 
 /// A vector of prepared rays in memory, read lane by lane.
 pub(crate) struct Table {
@@ -19,20 +18,50 @@ pub(crate) struct Table {
     pub(crate) near_offset: [Lanes; 3],
     pub(crate) far_offset: [Lanes; 3],
     pub(crate) shear: [Lanes; 3],
+    /// Whether the direction is negative on each axis.
+    down: [[bool; LANES]; 3],
     longest: [u32; 2],
     negative: u32,
 }
 
 impl Table {
+    pub(crate) const NONE: Self = Self {
+        origin: [[0.0; LANES]; 3],
+        direction: [[0.0; LANES]; 3],
+        time: [0.0; LANES],
+        t_min: [0.0; LANES],
+        length2: [0.0; LANES],
+        inv_length2: [0.0; LANES],
+        inverse: [[0.0; LANES]; 3],
+        near_offset: [[0.0; LANES]; 3],
+        far_offset: [[0.0; LANES]; 3],
+        shear: [[0.0; LANES]; 3],
+        down: [[false; LANES]; 3],
+        longest: [0; 2],
+        negative: 0,
+    };
+
     #[inline(always)]
     pub(crate) fn new(setup: &Setup) -> Self {
+        let mut table = Self::NONE;
+        table.set(setup);
+        table
+    }
+
+    /// Takes over the rays of `setup`. It writes in place, since moving a large value copies it.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, setup: &Setup) {
         let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
         let (slab, offsets) = (&setup.slab, setup.offsets());
         let by_sign = |axis: usize, negative: usize, positive: usize| {
             let down = slab.inverse[axis].lt(Float::ZERO);
             down.select(offsets[negative], offsets[positive]).to_array()
         };
-        Self {
+        let down = axes(|axis| {
+            let bits = slab.inverse[axis].lt(Float::ZERO).bits();
+            std::array::from_fn(|lane| bits >> lane & 1 == 1)
+        });
+        *self = Self {
             origin: lanes(setup.ray.origin),
             direction: lanes(setup.ray.direction),
             time: setup.ray.time.to_array(),
@@ -43,9 +72,10 @@ impl Table {
             near_offset: axes(|axis| by_sign(axis, axis + 3, axis)),
             far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
             shear: lanes(setup.shear.shear),
+            down,
             longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
             negative: setup.shear.negative.bits(),
-        }
+        };
     }
 }
 
@@ -54,27 +84,32 @@ impl Table {
 pub(crate) struct OneRay<'a> {
     pub(crate) table: &'a Table,
     pub(crate) lane: usize,
-    /// Indices of the planes that the ray meets first and last on each axis.
-    pub(crate) near: [usize; 3],
-    pub(crate) far: [usize; 3],
-    /// The order of axes in which triangle tests read coordinates.
-    pub(crate) axes: [usize; 3],
 }
 
 impl<'a> OneRay<'a> {
     #[inline(always)]
     pub(crate) fn new(table: &'a Table, lane: usize) -> Self {
-        let negative = axes(|axis| table.inverse[axis][lane] < 0.0);
-        let bit = |bits: u32| bits >> lane & 1 == 1;
-        let longest = if bit(table.longest[0]) {
+        Self { table, lane }
+    }
+
+    /// Whether the direction is negative on `axis`.
+    #[inline(always)]
+    pub(crate) fn is_down(&self, axis: usize) -> bool {
+        self.table.down[axis][self.lane]
+    }
+
+    /// The order of axes in which triangle tests read coordinates.
+    #[inline(always)]
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        let bit = |bits: u32| bits >> self.lane & 1 == 1;
+        let longest = if bit(self.table.longest[0]) {
             0
-        } else if bit(table.longest[1]) {
+        } else if bit(self.table.longest[1]) {
             1
         } else {
             2
         };
-        let (near, far) = near_and_far(negative);
-        Self { table, lane, near, far, axes: shear_axes(longest, bit(table.negative)) }
+        shear_axes(longest, bit(self.table.negative))
     }
 
     #[inline(always)]

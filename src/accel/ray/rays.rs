@@ -108,7 +108,11 @@ impl Rays {
     /// The closest hits so far, in memory.
     #[inline(always)]
     pub(crate) fn best(&self) -> BestLanes {
-        BestLanes { t: self.t.to_array(), primitive: self.primitive.to_array() }
+        BestLanes {
+            t: self.t.to_array(),
+            primitive: self.primitive.to_array(),
+            instance: self.instance.to_array(),
+        }
     }
 
     /// Sets the closest hits. If any hit suffices, ends the search of the rays that have one.
@@ -119,6 +123,7 @@ impl Rays {
             self.end(!primitive.eq(Int::splat(HitBatch::MISS)));
         } else {
             (self.t, self.primitive) = (Float::new(best.t), primitive);
+            self.instance = Int::new(best.instance);
         }
     }
 

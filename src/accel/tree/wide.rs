@@ -1,4 +1,4 @@
-//! Wide trees for beams and single rays, collapsed from the binary tree: a node has up to [`LANES`]
+//! Wide trees for beams and streams, collapsed from the binary tree: a node has up to [`LANES`]
 //! children.
 
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, clusters};
 use crate::accel::leaf::{BlockRef, Blocks};
 use crate::accel::threads::{for_each, map};
-use crate::geometry::{Bounds, Geometry, Shape};
+use crate::geometry::{Bounds, Geometry};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{LANES, Lanes, prefetch};
 
@@ -18,25 +18,23 @@ use crate::simd::{LANES, Lanes, prefetch};
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct WideNode {
-    /// Lower x, y, z, then upper x, y, z. Lanes without a child hold a box that no ray enters.
-    pub(crate) planes: [Lanes; 6],
+    /// The lower and the upper plane on each axis. Lanes without a child hold a box that no ray
+    /// enters.
+    pub(crate) planes: [[Lanes; 2]; 3],
     /// Indices of nodes, or bits of [`BlockRef`]s, which are equal for leaves that share a block.
     pub(crate) children: Lanes<u32>,
 }
 
 impl WideNode {
     const EMPTY: Self = Self {
-        planes: {
-            let (low, high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-            [low, low, low, high, high, high]
-        },
+        planes: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3],
         children: [0; LANES],
     };
 
     fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
-            self.planes[axis][lane] = bounds.min[axis];
-            self.planes[axis + 3][lane] = bounds.max[axis];
+            let [low, high] = &mut self.planes[axis];
+            (low[lane], high[lane]) = (bounds.min[axis], bounds.max[axis]);
         }
         self.children[lane] = child;
     }
@@ -52,9 +50,6 @@ pub(crate) struct WideTree {
     pub(crate) depth: usize,
     /// Whether the tree is larger than the fast caches.
     pub(crate) is_large: bool,
-    /// Whether single rays take turns while they wait for their blocks. This pays for triangles,
-    /// whose blocks are long and of which a ray meets only few, but not for spheres (`profiling/`).
-    pub(crate) in_turn: bool,
     /// The trees of the meshes that instances place. Their blocks count primitives from the first
     /// triangle of all meshes.
     pub(crate) meshes: Vec<WideTree>,
@@ -289,8 +284,7 @@ impl WideTree {
     fn of(Part { nodes, blocks, depth }: Part) -> Self {
         let bytes = size_of_val(&*nodes) + blocks.bytes();
         let is_large = bytes > LARGE;
-        let in_turn = is_large && 2 * blocks.count(Shape::Triangle) > blocks.len();
-        Self { nodes, blocks, depth, is_large, in_turn, meshes: Vec::new(), first: 0 }
+        Self { nodes, blocks, depth, is_large, meshes: Vec::new(), first: 0 }
     }
 
     /// Prefetches a node or a block.

@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn interruptions_do_not_count() {
-        let (a, b) = (plan(false, Kernel::Flat), plan(false, Kernel::Single));
+        let (a, b) = (plan(false, Kernel::Flat), plan(false, Kernel::Stream));
         let tried = |plan, seconds: &[f64]| Tried {
             plan,
             waves: seconds.iter().map(|&s| wave(&[(Stage::Generate, 1, s)])).collect(),
@@ -163,8 +163,8 @@ mod tests {
         let plans = [
             plan(false, Kernel::Packet),
             plan(true, Kernel::Packet),
-            plan(false, Kernel::Single),
-            plan(true, Kernel::Single),
+            plan(false, Kernel::Stream),
+            plan(true, Kernel::Stream),
         ];
         // `seconds` are the times of `stage` with each plan. Kernel packet is faster, and ordering
         // takes time.
@@ -184,14 +184,14 @@ mod tests {
         }
         // The kernel for shadow rays is the fastest with the chosen order, or the usual one if no
         // shadow ray was traced.
-        assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Single);
+        assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Stream);
         assert_eq!(chosen(Connect, [0.1, 2.0, 0.2, 1.0]).occluded, Kernel::Packet);
         assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Flat);
     }
 
     #[test]
     fn each_segment_up_to_the_last_has_its_own_plan() {
-        let [a, b] = [plan(true, Kernel::Packet), plan(true, Kernel::Single)];
+        let [a, b] = [plan(true, Kernel::Packet), plan(true, Kernel::Stream)];
         let tried = |plan, seconds: [f64; 3]| {
             let [first, fourth, ninth] = seconds;
             let work = [(1, first), (4, fourth), (9, ninth)].map(|(n, s)| (Stage::Extend, n, s));
@@ -201,12 +201,12 @@ mod tests {
         let segment = |number| fastest_segment(&both, number, &USUAL);
         assert_eq!((segment(1).closest, segment(1).ordered), (Kernel::Packet, false));
         assert_eq!((segment(2), segment(3)), (USUAL, USUAL));
-        assert_eq!((segment(4).closest, segment(4).ordered), (Kernel::Single, true));
+        assert_eq!((segment(4).closest, segment(4).ordered), (Kernel::Stream, true));
     }
 
     #[test]
     fn plans_behind_on_every_segment_are_dropped() {
-        let plans = [plan(false, Kernel::Packet), plan(false, Kernel::Single)];
+        let plans = [plan(false, Kernel::Packet), plan(false, Kernel::Stream)];
         let left = |round: u64, slow: [f64; 2]| {
             let both = plans.iter().zip([[1.0, 1.0], slow]).map(|(plan, [extend, connect])| {
                 let works = [(Stage::Extend, 2, extend), (Stage::Connect, 2, connect)];

@@ -84,8 +84,8 @@ fn work_adds_up() {
         let accelerator = Accelerator::new(geometry.clone());
         let batch = batch(&geometry, rays);
         for (kernel, any) in [
-            (Kernel::Single, false),
-            (Kernel::Single, true),
+            (Kernel::Stream, false),
+            (Kernel::Stream, true),
             (Kernel::Scalar, false),
             (Kernel::Scalar, true),
         ] {
@@ -132,7 +132,7 @@ fn a_node_and_a_leaf() {
         assert!((1..=64).contains(&count.node_visits), "{kernel:?}: {}", count.node_visits);
     }
     assert_eq!(count(Kernel::Scalar).node_visits, 64);
-    let single = count(Kernel::Single);
+    let single = count(Kernel::Stream);
     assert_eq!((single.node_visits, single.leaf_tests), (64, 64));
     // The ray enters one of many children, whose block holds one primitive.
     assert_eq!(single.lanes_active, 128);
@@ -159,7 +159,7 @@ fn both_levels_of_instances_are_counted() {
         let origin = Vec3::new(0.001 * i as f32, 0.0, -5.0);
         batch.push(&Ray { origin, direction: Vec3::Z, time: 0.0 }, 0.0, f32::INFINITY);
     }
-    for (kernel, nodes) in [(Kernel::Single, 2 * 64), (Kernel::Scalar, 0)] {
+    for (kernel, nodes) in [(Kernel::Stream, 2 * 64), (Kernel::Scalar, 0)] {
         for any in [false, true] {
             let mut hits = HitBatch::misses(64);
             let count = accelerator.count(kernel, any, &batch, 0..64, &mut hits);
@@ -187,6 +187,6 @@ fn wide_beams_cost_little_more_than_single_rays() {
         let mut hits = HitBatch::misses(640);
         accelerator.count(kernel, false, &batch, 0..640, &mut hits).lanes_issued
     };
-    let (beam, single) = (count(Kernel::Beam), count(Kernel::Single));
+    let (beam, single) = (count(Kernel::Beam), count(Kernel::Stream));
     assert!(beam < 2 * single, "{beam} lanes as a beam, {single} lanes as single rays");
 }

@@ -142,7 +142,7 @@ fn generated_scenes() {
         }
         let geometry = &geometry;
         // Trees of more than 2^20 bytes are traced in other ways, so require 1.5 times as much.
-        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Single, 2);
+        let layout = Accelerator::new(geometry.clone()).prepare(Kernel::Stream, 2);
         assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
         let tree = Bvh2::new(geometry, 2);
         let mut random = Stream::new(17);
