@@ -3,8 +3,7 @@
 use super::stream::{Visit, search, visits};
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::best::{Best, BestLanes};
-use crate::accel::ray::one_ray::OneRay;
+use crate::accel::ray::group::Group;
 use crate::accel::tree::wide::WideTree;
 
 /// The trees of the meshes, and room to traverse them.
@@ -37,15 +36,11 @@ impl Meshes for MeshTrees<'_> {
     fn trace<const ANY: bool>(
         &mut self,
         mesh: u32,
-        one: &OneRay<'_>,
-        best: &mut Best,
+        group: &mut Group<1>,
+        ray: usize,
         count: &mut impl Count,
     ) {
-        let (tree, ray) = (&self.trees[mesh as usize], 1 << one.lane);
-        let mut lanes = [BestLanes::NONE];
-        lanes[0].set(one.lane, *best);
-        let tables = std::array::from_ref(one.table);
-        search::<ANY, 1>(tree, tables, &mut lanes, ray, &mut self.open, &mut NoMeshes, count);
-        *best = lanes[0].lane(one.lane);
+        let tree = &self.trees[mesh as usize];
+        search::<ANY, 1>(tree, group, 1 << ray, &mut self.open, &mut NoMeshes, count);
     }
 }

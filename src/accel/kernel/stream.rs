@@ -15,8 +15,8 @@ use super::meshes::MeshTrees;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Meshes, NoMeshes};
-use crate::accel::ray::best::BestLanes;
-use crate::accel::ray::one_ray::{OneRay, Table};
+use crate::accel::ray::group::{Group, Members};
+use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::VECTORS;
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::{WideNode, WideTree};
@@ -53,16 +53,14 @@ fn trace_with<const ANY: bool, const INSTANCES: bool, C: Count>(
 
 /// Rays that are traced together, and room for their traversal.
 pub(crate) struct Stream<M> {
-    tables: [Table; VECTORS],
-    best: [BestLanes; VECTORS],
+    group: Group<VECTORS>,
     open: Vec<Visit>,
     pub(crate) meshes: M,
 }
 
 impl<M: Meshes> Stream<M> {
     pub(crate) fn new(tree: &WideTree, meshes: M) -> Self {
-        let (tables, best) = ([Table::NONE; VECTORS], [BestLanes::NONE; VECTORS]);
-        Self { tables, best, open: visits(tree), meshes }
+        Self { group: Group::NONE, open: visits(tree), meshes }
     }
 
     /// Traces rays through the tree.
@@ -73,18 +71,11 @@ impl<M: Meshes> Stream<M> {
         vectors: &mut [Rays],
         count: &mut impl Count,
     ) {
-        let Self { tables, best, open, meshes } = self;
+        let Self { group, open, meshes } = self;
         for vectors in vectors.chunks_mut(VECTORS) {
-            let mut looking = 0;
-            for (vector, rays) in vectors.iter().enumerate() {
-                tables[vector].set(&rays.setup);
-                best[vector] = rays.best();
-                looking |= rays.looking() << (vector * LANES);
-            }
-            search::<ANY, VECTORS>(tree, tables, best, looking, open, meshes, count);
-            for (rays, best) in vectors.iter_mut().zip(&*best) {
-                rays.set_best::<ANY>(best);
-            }
+            let looking = group.load(vectors);
+            search::<ANY, VECTORS>(tree, group, looking, open, meshes, count);
+            group.store::<ANY>(vectors);
         }
     }
 }
@@ -105,13 +96,12 @@ pub(super) fn visits(tree: &WideTree) -> Vec<Visit> {
     Vec::with_capacity(1 + tree.depth * LANES)
 }
 
-/// Searches the tree for hits of `rays`, whose numbers count through the lanes of all vectors.
+/// Searches the tree for hits of those rays of `group` that are in the set `rays`.
 #[inline(always)]
 pub(super) fn search<const ANY: bool, const V: usize>(
     tree: &WideTree,
-    tables: &[Table; V],
-    best: &mut [BestLanes; V],
-    mut rays: u32,
+    group: &mut Group<V>,
+    rays: u32,
     open: &mut Vec<Visit>,
     meshes: &mut impl Meshes,
     count: &mut impl Count,
@@ -119,44 +109,31 @@ pub(super) fn search<const ANY: bool, const V: usize>(
     if tree.nodes.is_empty() {
         return;
     }
+    let mut looking = rays;
     open.clear();
     open.push(Visit { distance: 0.0, child: 0, rays });
-    while let Some(visit) = open.pop() {
-        if visit.child & BlockRef::LEAF == 0 {
-            let node = &tree.nodes[visit.child as usize];
-            let looking = if ANY { visit.rays & rays } else { visit.rays };
-            let (mut entering, mut nearest) = (Int::ZERO, Float::INFINITY);
-            for (vector, lane) in Members::<V>(looking) {
-                let one = OneRay::new(&tables[vector], lane);
-                let (entry, entered) = boxes(node, &one, best[vector].t[lane]);
-                count.node(LANES as u32, entered.bits().count_ones());
-                let bit = Int::splat(1 << (vector * LANES + lane));
-                entering = entering | entered.select(bit, Int::ZERO);
-                if !ANY {
-                    nearest = entered.select(nearest.min(entry), nearest);
-                }
-            }
-            if ANY {
-                push(open, node, entering);
-            } else {
-                push_in_order(open, node, entering, nearest);
-            }
-        } else {
-            let block = BlockRef::from_bits(visit.child);
-            let looking = if ANY { visit.rays & rays } else { visit.rays };
-            for (vector, lane) in Members::<V>(looking) {
-                let mut closest = best[vector].lane(lane);
-                if !ANY && visit.distance > closest.t {
-                    continue;
-                }
-                let one = OneRay::new(&tables[vector], lane);
-                tree.blocks.test_one::<ANY>(block, &one, &mut closest, meshes, count);
-                best[vector].set(lane, closest);
-                if ANY && closest.found() {
-                    rays &= !(1 << (vector * LANES + lane));
-                }
+    while let Some(Visit { distance, child, mut rays }) = open.pop() {
+        if ANY {
+            rays &= looking;
+        }
+        if child & BlockRef::LEAF != 0 {
+            let block = BlockRef::from_bits(child);
+            let found =
+                tree.blocks.test_group::<ANY, V>(block, group, rays, distance, meshes, count);
+            looking &= !found;
+            continue;
+        }
+        let node = &tree.nodes[child as usize];
+        let (mut entering, mut nearest) = (Int::ZERO, Float::INFINITY);
+        for ray in Members(rays) {
+            let (entry, entered) = boxes(node, &group.ray(ray), group.best(ray).t);
+            count.node(LANES as u32, entered.bits().count_ones());
+            entering = entering | entered.select(Int::splat(1 << ray), Int::ZERO);
+            if !ANY {
+                nearest = entered.select(nearest.min(entry), nearest);
             }
         }
+        push::<ANY>(open, tree, node, entering, nearest);
     }
 }
 
@@ -178,32 +155,33 @@ fn boxes(node: &WideNode, one: &OneRay<'_>, limit: f32) -> (Float, Mask) {
     (entry, entry.le(exit))
 }
 
-/// Pushes the children that rays enter. Each lane of `entering` has the rays that enter its child.
-/// Leaves that share a block are next to each other, and their block is visited once.
+/// Pushes the children that rays enter, the nearest last. Each lane of `entering` has the set of rays
+/// that enter its child.
 #[inline(always)]
-fn push(open: &mut Vec<Visit>, node: &WideNode, entering: Int) {
-    let entered = !entering.eq(Int::ZERO).bits();
-    let rays = entering.to_array();
-    let mut last = 0;
-    for lane in Bits(entered) {
-        let visit = Visit { distance: 0.0, child: node.children[lane], rays: rays[lane] };
-        match open.last_mut() {
-            Some(before) if visit.child == last => before.rays |= visit.rays,
-            _ => open.push(visit),
-        }
-        last = visit.child;
-    }
-}
-
-/// Pushes the children that rays enter, so that the nearest is visited next.
-#[inline(always)]
-fn push_in_order(open: &mut Vec<Visit>, node: &WideNode, entering: Int, nearest: Float) {
+fn push<const ANY: bool>(
+    open: &mut Vec<Visit>,
+    tree: &WideTree,
+    node: &WideNode,
+    entering: Int,
+    nearest: Float,
+) {
     let entered = !entering.eq(Int::ZERO).bits();
     let (rays, distance) = (entering.to_array(), nearest.to_array());
     let first = open.len();
     for lane in Bits(entered) {
-        let visit =
-            Visit { distance: distance[lane], child: node.children[lane], rays: rays[lane] };
+        let child = node.children[lane];
+        if tree.is_large {
+            tree.prefetch(child);
+        }
+        let visit = Visit { distance: distance[lane], child, rays: rays[lane] };
+        if ANY {
+            // Leaves that share a block are next to each other.
+            match open[first..].last_mut() {
+                Some(before) if before.child == child => before.rays |= visit.rays,
+                _ => open.push(visit),
+            }
+            continue;
+        }
         let mut at = open.len();
         open.push(visit);
         while at > first && open[at - 1].distance < visit.distance {
@@ -211,23 +189,5 @@ fn push_in_order(open: &mut Vec<Visit>, node: &WideNode, entering: Int, nearest:
             at -= 1;
         }
         open[at] = visit;
-    }
-}
-
-/// Iterator over the vectors and lanes of a set of rays in `V` vectors.
-struct Members<const V: usize>(u32);
-
-impl<const V: usize> Iterator for Members<V> {
-    type Item = (usize, usize);
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<(usize, usize)> {
-        if self.0 == 0 {
-            return None;
-        }
-        let ray = self.0.trailing_zeros() as usize;
-        self.0 &= self.0 - 1;
-        // The remainder shows the compiler that the vector is in range.
-        Some((ray / LANES % V, ray % LANES))
     }
 }

@@ -3,7 +3,8 @@
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
-use crate::accel::ray::one_ray::{OneRay, Table};
+use crate::accel::ray::group::{Group, Members};
+use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
 use crate::accel::setup::{ExtentLanes, Setup};
 use crate::geometry::{Geometry, ToObject};
@@ -88,7 +89,7 @@ impl Leaf for Block {
         if left == 0 {
             return;
         }
-        let table = Table::new(&setup);
+        let mut group = Group::new(&setup);
         while left != 0 {
             let nearer = |a: usize, b: usize| if entry[b] < entry[a] { b } else { a };
             let lane = Bits(left).reduce(nearer).expect("a lane is left");
@@ -99,8 +100,9 @@ impl Leaf for Block {
             let (mesh, instance, first) = (self.mesh[lane], self.instance[lane], meshes.first());
             // Triangles of meshes come after all other primitives.
             let in_later = best.primitive >= first && instance < best.instance;
-            let mut within = best.before(best.found() && in_later);
-            meshes.trace::<ANY>(mesh, &OneRay::new(&table, lane), &mut within, count);
+            group.set_best(lane, best.before(best.found() && in_later));
+            meshes.trace::<ANY>(mesh, &mut group, lane, count);
+            let within = group.best(lane);
             if within.found() {
                 let primitive = first + within.primitive;
                 *best = Best { t: within.t, primitive, instance };
@@ -120,25 +122,17 @@ impl Leaf for Block {
         meshes: &mut impl Meshes,
         count: &mut impl Count,
     ) {
+        let mut group = Group::<1>::NONE;
         for rays in &mut packet.vectors {
-            let looking = rays.looking();
-            if looking == 0 {
-                continue;
-            }
-            let (table, mut best) = (Table::new(&rays.setup), rays.best());
-            for lane in Bits(looking) {
+            let rays = std::slice::from_mut(rays);
+            let looking = group.load(rays);
+            for ray in Members(looking) {
                 count.leaf(LANES as u32, lanes.count_ones());
-                let mut closest = best.lane(lane);
-                self.test_one::<ANY>(
-                    lanes,
-                    &OneRay::new(&table, lane),
-                    &mut closest,
-                    meshes,
-                    count,
-                );
-                best.set(lane, closest);
+                let mut best = group.best(ray);
+                self.test_one::<ANY>(lanes, &group.ray(ray), &mut best, meshes, count);
+                group.set_best(ray, best);
             }
-            rays.set_best::<ANY>(&best);
+            group.store::<ANY>(rays);
         }
     }
 }

@@ -14,6 +14,7 @@ use glam::Vec3;
 
 use super::counters::Count;
 use super::ray::best::Best;
+use super::ray::group::{Group, Members};
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
 use crate::geometry::{Geometry, Shape, shapes};
@@ -132,13 +133,13 @@ pub(super) trait Meshes {
     /// The number of the first triangle of a mesh among all primitives.
     fn first(&self) -> u32;
 
-    /// Traces a ray in the object space of an instance through mesh `mesh`. Primitives are counted
-    /// from the first triangle of all meshes.
+    /// Traces one of the rays of `group`, which are in the object spaces of instances, through mesh
+    /// `mesh`. Primitives are counted from the first triangle of all meshes.
     fn trace<const ANY: bool>(
         &mut self,
         mesh: u32,
-        one: &OneRay<'_>,
-        best: &mut Best,
+        group: &mut Group<1>,
+        ray: usize,
         count: &mut impl Count,
     );
 }
@@ -155,7 +156,7 @@ impl Meshes for NoMeshes {
         unreachable!("this layout has no instances")
     }
 
-    fn trace<const ANY: bool>(&mut self, _: u32, _: &OneRay<'_>, _: &mut Best, _: &mut impl Count) {
+    fn trace<const ANY: bool>(&mut self, _: u32, _: &mut Group<1>, _: usize, _: &mut impl Count) {
         unreachable!("this layout has no instances")
     }
 }
@@ -230,23 +231,38 @@ macro_rules! blocks {
                 }
             }
 
-            /// Tests one ray against all primitives of a block.
+            /// Tests the `rays` of `group`, one after the other, against all primitives of a block.
+            /// They enter its box at a distance of at least `distance`. If `ANY` is set, returns the
+            /// set of those that hit.
             #[inline(always)]
-            pub(super) fn test_one<const ANY: bool>(
+            pub(super) fn test_group<const ANY: bool, const V: usize>(
                 &self,
                 block: BlockRef,
-                one: &OneRay<'_>,
-                best: &mut Best,
+                group: &mut Group<V>,
+                rays: u32,
+                distance: f32,
                 meshes: &mut impl Meshes,
                 count: &mut impl Count,
-            ) {
-                count.leaf(LANES as u32, block.count());
+            ) -> u32 {
+                let (mut found, valid) = (0, block.valid());
                 match block.shape_of(meshes.some()) {
                     $(Shape::$name => {
-                        let block_of_shape = &self.$module[block.index()];
-                        block_of_shape.test_one::<ANY>(block.valid(), one, best, meshes, count);
+                        let leaf = &self.$module[block.index()];
+                        for ray in Members(rays) {
+                            let mut best = group.best(ray);
+                            if !ANY && distance > best.t {
+                                continue;
+                            }
+                            count.leaf(LANES as u32, block.count());
+                            leaf.test_one::<ANY>(valid, &group.ray(ray), &mut best, meshes, count);
+                            group.set_best(ray, best);
+                            if ANY {
+                                found |= u32::from(best.found()) << ray;
+                            }
+                        }
                     })*
                 }
+                found
             }
 
             /// Tests the rays of `packet` against those primitives of a block that are in `lanes`.
