@@ -81,18 +81,6 @@ impl Int {
         self.0.to_array()
     }
 
-    /// Returns the least value of all lanes.
-    #[inline(always)]
-    pub(crate) fn least_lane(self) -> u32 {
-        let (mut least, mut apart) = (self.0, LANES / 2);
-        while apart > 0 {
-            let other = UintRegister::new(std::array::from_fn(|i| (i ^ apart) as u32));
-            least = least.min(least.shuffle(other));
-            apart /= 2;
-        }
-        least.to_array()[0]
-    }
-
     /// Returns the float nearest to each lane. Lanes must be below 2^31.
     #[inline(always)]
     pub(crate) fn to_float(self) -> Float {

@@ -12,25 +12,23 @@
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
 
-use super::frames::{Frame, Frames};
 use super::job::Job;
 use super::meshes::MeshTrees;
 use super::octants::Octants;
 use super::stream::Stream;
+use super::visits::{Child, Visits};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks, Meshes, NoMeshes};
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::rays::Rays;
-use crate::accel::slab::near_and_far;
 use crate::accel::tree::wide::WideTree;
-use crate::simd::{Float, LANES, Mask, axes};
+use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// The intervals that bound the rays of a packet. Each value is the same in every lane.
 struct Beam<const V: usize> {
-    /// Indices of the planes that the rays meet first and last on each axis.
-    near: [usize; 3],
-    far: [usize; 3],
+    /// Whether the directions of the rays are negative on each axis.
+    negative: [bool; 3],
     /// Least and largest slope, on each axis, of the distance as a function of a plane's
     /// coordinate.
     slopes: [[Float; 2]; 3],
@@ -50,10 +48,8 @@ impl<const V: usize> Beam<V> {
     fn new(packet: &Packet<V>, octants: &Octants) -> Option<Self> {
         let vectors = &packet.vectors;
         let longest = vectors.iter().find_map(Rays::longest_axis_of_first)?;
-        let (near, far) = near_and_far(octants.negative);
         let mut beam = Self {
-            near,
-            far,
+            negative: octants.negative,
             slopes: [[Float::ZERO; 2]; 3],
             near_offsets: [[Float::ZERO; 2]; 3],
             far_offsets: [[Float::ZERO; 2]; 3],
@@ -101,9 +97,12 @@ impl<const V: usize> Beam<V> {
     }
 
     /// Returns a lower bound of the distances at which any ray enters the boxes, and a mask of the
-    /// boxes that some ray may enter up to `limit`.
+    /// boxes that some ray may enter up to `limit`. `plane` returns the lower (0) or the upper (1)
+    /// planes on an axis.
     #[inline(always)]
-    fn enter(&self, near: [Float; 3], far: [Float; 3], limit: Float) -> (Float, Mask) {
+    fn enter(&self, plane: impl Fn(usize, usize) -> Float, limit: Float) -> (Float, Mask) {
+        let near = axes(|axis| plane(axis, usize::from(self.negative[axis])));
+        let far = axes(|axis| plane(axis, usize::from(!self.negative[axis])));
         let (mut entry, mut exit) = (self.t_min, limit);
         for axis in 0..3 {
             let ([low, high], [a, b]) = (self.slopes[axis], self.near_offsets[axis]);
@@ -116,15 +115,22 @@ impl<const V: usize> Beam<V> {
         (entry, entry.le(exit))
     }
 
-    /// Returns the children of a node that the beam may enter up to `limit`.
+    /// Pushes the children of a node that the beam may enter up to `limit`.
     #[inline(always)]
-    fn visit(&self, tree: &WideTree, index: u32, limit: Float, count: &mut impl Count) -> Frame {
+    fn visit(
+        &self,
+        tree: &WideTree,
+        index: u32,
+        limit: Float,
+        visits: &mut Visits,
+        count: &mut impl Count,
+    ) {
         let node = &tree.nodes[index as usize];
-        let plane = |index: usize| Float::new(node.planes[index % 3][index / 3]);
-        let (near, far) = (axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])));
-        let (entry, entered) = self.enter(near, far, limit);
+        let plane = |axis: usize, end: usize| Float::new(node.planes[axis][end]);
+        let (entry, entered) = self.enter(plane, limit);
         count.node(LANES as u32, entered.bits().count_ones());
-        Frame::new(index, entry, entered)
+        let entering = entered.select(Int::splat(1), Int::ZERO);
+        visits.push::<true>(tree, node, entering, entry);
     }
 
     /// Returns the lanes of those primitives of a block whose boxes the beam may enter up to
@@ -137,10 +143,8 @@ impl<const V: usize> Beam<V> {
         limit: Float,
         count: &mut impl Count,
     ) -> u32 {
-        let Some([low, high]) = blocks.bounds(block) else { return block.valid() };
-        let plane = |index: usize| if index < 3 { low[index] } else { high[index - 3] };
-        let (_, entered) =
-            self.enter(axes(|a| plane(self.near[a])), axes(|a| plane(self.far[a])), limit);
+        let Some(ends) = blocks.bounds(block) else { return block.valid() };
+        let (_, entered) = self.enter(|axis, end| ends[end][axis], limit);
         let candidates = entered.bits() & block.valid();
         count.boxes(LANES as u32, candidates.count_ones());
         candidates
@@ -153,7 +157,7 @@ const MANY: usize = 64 / LANES;
 const FEW: usize = 2;
 
 /// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are
-/// traced one by one. Returns the indices of the wild rays (see `Setup::load`), which are left to
+/// traced as streams. Returns the indices of the wild rays (see `Setup::load`), which are left to
 /// the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
@@ -178,7 +182,7 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let (mut above, mut stream) = (Frames::with_depth(tree.depth), Stream::new(tree, meshes));
+    let (mut visits, mut stream) = (Visits::for_tree(tree), Stream::new(tree, meshes));
     job.trace::<ANY, INSTANCES, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
@@ -191,7 +195,7 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
                 stream.trace::<ANY>(tree, &mut packet.vectors, count);
             } else {
                 let meshes = &mut stream.meshes;
-                traverse::<ANY, V>(tree, packet, &beam, &mut above, meshes, count);
+                traverse::<ANY, V>(tree, packet, &beam, &mut visits, meshes, count);
             }
         }
     })
@@ -203,25 +207,25 @@ fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,
     packet: &mut Packet<V>,
     beam: &Beam<V>,
-    above: &mut Frames,
+    visits: &mut Visits,
     meshes: &mut impl Meshes,
     count: &mut impl Count,
 ) {
     let mut limit = packet.farthest(&beam.scales);
-    let mut frame = beam.visit(tree, 0, limit, count);
-    above.clear();
-    while let Some(child) = above.next(&mut frame, tree, limit.first()) {
-        if child & BlockRef::LEAF != 0 {
-            let block = BlockRef::from_bits(child);
-            let candidates = beam.candidates(&tree.blocks, block, limit, count);
-            if candidates != 0 {
-                tree.blocks
-                    .test_packet::<V, ANY, true, false>(block, candidates, packet, meshes, count);
-                limit = packet.farthest(&beam.scales);
+    visits.start(1);
+    while let Some(visit) = visits.pop() {
+        match visit.child() {
+            _ if visit.distance > limit.first() => {}
+            Child::Node(index) => beam.visit(tree, index, limit, visits, count),
+            Child::Block(block) => {
+                let candidates = beam.candidates(&tree.blocks, block, limit, count);
+                if candidates != 0 {
+                    tree.blocks.test_packet::<V, ANY, true, false>(
+                        block, candidates, packet, meshes, count,
+                    );
+                    limit = packet.farthest(&beam.scales);
+                }
             }
-        } else {
-            above.push(&frame, tree, tree.is_large);
-            frame = beam.visit(tree, child, limit, count);
         }
     }
 }

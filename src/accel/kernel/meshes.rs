@@ -1,6 +1,7 @@
 //! Rays in the object space of an instance, which continue in the tree of its mesh.
 
-use super::stream::{Visit, search, visits};
+use super::stream::search;
+use super::visits::Visits;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
 use crate::accel::ray::group::Group;
@@ -10,14 +11,14 @@ use crate::accel::tree::wide::WideTree;
 pub(crate) struct MeshTrees<'a> {
     trees: &'a [WideTree],
     first: u32,
-    open: Vec<Visit>,
+    visits: Visits,
 }
 
 impl<'a> MeshTrees<'a> {
     pub(crate) fn new(tree: &'a WideTree) -> Self {
         let deepest = tree.meshes.iter().max_by_key(|mesh| mesh.depth);
-        let open = deepest.map_or(Vec::new(), visits);
-        Self { trees: &tree.meshes, first: tree.first, open }
+        let visits = deepest.map_or(Visits::default(), Visits::for_tree);
+        Self { trees: &tree.meshes, first: tree.first, visits }
     }
 }
 
@@ -41,6 +42,6 @@ impl Meshes for MeshTrees<'_> {
         count: &mut impl Count,
     ) {
         let tree = &self.trees[mesh as usize];
-        search::<ANY, 1>(tree, group, 1 << ray, &mut self.open, &mut NoMeshes, count);
+        search::<ANY, 1>(tree, group, 1 << ray, &mut self.visits, &mut NoMeshes, count);
     }
 }

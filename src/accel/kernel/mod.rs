@@ -2,12 +2,12 @@
 
 pub(super) mod beam;
 pub(super) mod flat;
-mod frames;
 pub(super) mod job;
 mod meshes;
 mod octants;
 pub(super) mod pair_traversal;
 pub(super) mod stream;
+mod visits;
 
 /// An algorithm that finds the hits of rays.
 ///

@@ -12,15 +12,16 @@
 
 use super::job::Job;
 use super::meshes::MeshTrees;
+use super::visits::{Child, Visits};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Meshes, NoMeshes};
+use crate::accel::leaf::{Meshes, NoMeshes};
 use crate::accel::ray::group::{Group, Members};
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::VECTORS;
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::{WideNode, WideTree};
-use crate::simd::{Bits, Float, Int, LANES, Mask, axes};
+use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// Traces rays through the tree. Returns the indices of the wild rays (see
 /// [`Rays::load`](crate::accel::ray::rays::Rays::load)), which are left to the scalar reference.
@@ -54,13 +55,13 @@ fn trace_with<const ANY: bool, const INSTANCES: bool, C: Count>(
 /// Rays that are traced together, and room for their traversal.
 pub(crate) struct Stream<M> {
     group: Group<VECTORS>,
-    open: Vec<Visit>,
+    visits: Visits,
     pub(crate) meshes: M,
 }
 
 impl<M: Meshes> Stream<M> {
     pub(crate) fn new(tree: &WideTree, meshes: M) -> Self {
-        Self { group: Group::NONE, open: visits(tree), meshes }
+        Self { group: Group::NONE, visits: Visits::for_tree(tree), meshes }
     }
 
     /// Traces rays through the tree.
@@ -71,29 +72,13 @@ impl<M: Meshes> Stream<M> {
         vectors: &mut [Rays],
         count: &mut impl Count,
     ) {
-        let Self { group, open, meshes } = self;
+        let Self { group, visits, meshes } = self;
         for vectors in vectors.chunks_mut(VECTORS) {
             let looking = group.load(vectors);
-            search::<ANY, VECTORS>(tree, group, looking, open, meshes, count);
+            search::<ANY, VECTORS>(tree, group, looking, visits, meshes, count);
             group.store::<ANY>(vectors);
         }
     }
-}
-
-/// A node or a block that rays are still to visit.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Visit {
-    /// The least distance at which one of the rays enters its box. 0 if the order does not matter.
-    distance: f32,
-    /// Index of a node, or bits of a [`BlockRef`].
-    child: u32,
-    /// Bits of the rays.
-    rays: u32,
-}
-
-/// Room for the visits that are left at any time during the traversal of `tree`.
-pub(super) fn visits(tree: &WideTree) -> Vec<Visit> {
-    Vec::with_capacity(1 + tree.depth * LANES)
 }
 
 /// Searches the tree for hits of those rays of `group` that are in the set `rays`.
@@ -102,7 +87,7 @@ pub(super) fn search<const ANY: bool, const V: usize>(
     tree: &WideTree,
     group: &mut Group<V>,
     rays: u32,
-    open: &mut Vec<Visit>,
+    visits: &mut Visits,
     meshes: &mut impl Meshes,
     count: &mut impl Count,
 ) {
@@ -110,30 +95,39 @@ pub(super) fn search<const ANY: bool, const V: usize>(
         return;
     }
     let mut looking = rays;
-    open.clear();
-    open.push(Visit { distance: 0.0, child: 0, rays });
-    while let Some(Visit { distance, child, mut rays }) = open.pop() {
-        if ANY {
-            rays &= looking;
-        }
-        if child & BlockRef::LEAF != 0 {
-            let block = BlockRef::from_bits(child);
-            let found =
-                tree.blocks.test_group::<ANY, V>(block, group, rays, distance, meshes, count);
-            looking &= !found;
-            continue;
-        }
-        let node = &tree.nodes[child as usize];
-        let (mut entering, mut nearest) = (Int::ZERO, Float::INFINITY);
-        for ray in Members(rays) {
-            let (entry, entered) = boxes(node, &group.ray(ray), group.best(ray).t);
-            count.node(LANES as u32, entered.bits().count_ones());
-            entering = entering | entered.select(Int::splat(1 << ray), Int::ZERO);
-            if !ANY {
-                nearest = entered.select(nearest.min(entry), nearest);
+    visits.start(rays);
+    while let Some(visit) = visits.pop() {
+        let rays = if ANY { visit.rays & looking } else { visit.rays };
+        match visit.child() {
+            Child::Node(index) => {
+                let node = &tree.nodes[index as usize];
+                let (mut entering, mut nearest) = (Int::ZERO, Float::INFINITY);
+                for ray in Members(rays) {
+                    let (entry, entered) = boxes(node, &group.ray(ray), group.best(ray).t);
+                    count.node(LANES as u32, entered.bits().count_ones());
+                    entering = entering | entered.select(Int::splat(1 << ray), Int::ZERO);
+                    if !ANY {
+                        nearest = entered.select(nearest.min(entry), nearest);
+                    }
+                }
+                if ANY {
+                    visits.push::<false>(tree, node, entering, nearest);
+                } else {
+                    visits.push::<true>(tree, node, entering, nearest);
+                }
+            }
+            Child::Block(block) => {
+                let found = tree.blocks.test_group::<ANY, V>(
+                    block,
+                    group,
+                    rays,
+                    visit.distance,
+                    meshes,
+                    count,
+                );
+                looking &= !found;
             }
         }
-        push::<ANY>(open, tree, node, entering, nearest);
     }
 }
 
@@ -146,48 +140,9 @@ fn boxes(node: &WideNode, one: &OneRay<'_>, limit: f32) -> (Float, Mask) {
         let plane = Float::new(node.planes[axis][usize::from(high)]);
         plane.free_mul_sub(one.splat(&table.inverse[axis]), offset)
     };
-    let [x, y, z] =
-        axes(|axis| meet(axis, one.is_down(axis), one.splat(&table.near_offset[axis])));
+    let [x, y, z] = axes(|axis| meet(axis, one.is_down(axis), one.splat(&table.near_offset[axis])));
     let entry = x.max(y).max(z.max(one.splat(&table.t_min)));
-    let [x, y, z] =
-        axes(|axis| meet(axis, !one.is_down(axis), one.splat(&table.far_offset[axis])));
+    let [x, y, z] = axes(|axis| meet(axis, !one.is_down(axis), one.splat(&table.far_offset[axis])));
     let exit = x.min(y).min(z.min(Float::splat(limit)));
     (entry, entry.le(exit))
-}
-
-/// Pushes the children that rays enter, the nearest last. Each lane of `entering` has the set of rays
-/// that enter its child.
-#[inline(always)]
-fn push<const ANY: bool>(
-    open: &mut Vec<Visit>,
-    tree: &WideTree,
-    node: &WideNode,
-    entering: Int,
-    nearest: Float,
-) {
-    let entered = !entering.eq(Int::ZERO).bits();
-    let (rays, distance) = (entering.to_array(), nearest.to_array());
-    let first = open.len();
-    for lane in Bits(entered) {
-        let child = node.children[lane];
-        if tree.is_large {
-            tree.prefetch(child);
-        }
-        let visit = Visit { distance: distance[lane], child, rays: rays[lane] };
-        if ANY {
-            // Leaves that share a block are next to each other.
-            match open[first..].last_mut() {
-                Some(before) if before.child == child => before.rays |= visit.rays,
-                _ => open.push(visit),
-            }
-            continue;
-        }
-        let mut at = open.len();
-        open.push(visit);
-        while at > first && open[at - 1].distance < visit.distance {
-            open[at] = open[at - 1];
-            at -= 1;
-        }
-        open[at] = visit;
-    }
 }

@@ -29,8 +29,6 @@ pub(super) struct BlockRef(u32);
 impl BlockRef {
     /// The bit that distinguishes a reference to a block from the index of a node.
     pub(super) const LEAF: u32 = 1 << 31;
-    /// A placeholder that refers to no block.
-    pub(super) const NONE: Self = Self(Self::LEAF);
     const SHAPE_SHIFT: u32 = 28;
     const COUNT_SHIFT: u32 = 24;
     /// The shape has 3 bits and the count 4.
@@ -189,13 +187,6 @@ macro_rules! blocks {
                 [$(self.$module.len(),)*]
             }
 
-            /// Returns the number of blocks of `shape`.
-            pub(super) fn count(&self, shape: Shape) -> usize {
-                match shape {
-                    $(Shape::$name => self.$module.len(),)*
-                }
-            }
-
             /// Appends the blocks of `other`.
             pub(super) fn append(&mut self, other: Self) {
                 $(
@@ -290,11 +281,6 @@ macro_rules! blocks {
 shapes!(blocks);
 
 impl Blocks {
-    /// Returns the total number of blocks.
-    pub(super) fn len(&self) -> usize {
-        Shape::ALL.iter().map(|&shape| self.count(shape)).sum()
-    }
-
     /// Adds blocks for any number of `primitives`, whose shapes may be mixed.
     pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
         let mut primitives = primitives.to_vec();

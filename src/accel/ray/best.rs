@@ -1,4 +1,4 @@
-//! The closest hit so far of rays that are traced one by one.
+//! The closest hits so far of rays that are tested one after the other.
 
 use crate::accel::batch::HitBatch;
 use crate::geometry::ray_lanes::HitLanes;
@@ -61,11 +61,7 @@ impl BestLanes {
 
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> Best {
-        Best {
-            t: self.t[lane],
-            primitive: self.primitive[lane],
-            instance: self.instance[lane],
-        }
+        Best { t: self.t[lane], primitive: self.primitive[lane], instance: self.instance[lane] }
     }
 
     #[inline(always)]

@@ -41,13 +41,6 @@ impl Table {
         negative: 0,
     };
 
-    #[inline(always)]
-    pub(crate) fn new(setup: &Setup) -> Self {
-        let mut table = Self::NONE;
-        table.set(setup);
-        table
-    }
-
     /// Takes over the rays of `setup`. It writes in place, since moving a large value copies it.
     #[inline(always)]
     pub(crate) fn set(&mut self, setup: &Setup) {

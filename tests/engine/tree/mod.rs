@@ -134,8 +134,7 @@ fn generated_scenes() {
         let mut geometry = Geometry::clone(scene.geometry());
         geometry.triangles.map_vertices(|vertex| vertex + shift);
         if name.starts_with("mesh") {
-            // In large meshes, the kernel `single` traces several rays in turn. These rays must
-            // also meet blocks of the other shapes.
+            // Rays must also meet blocks of the other shapes.
             let others = soup(11, 300, 0.5 * scale, shift);
             geometry.spheres.extend(others.spheres);
             geometry.quads.extend(others.quads);

@@ -132,7 +132,7 @@ fn trace_finds_a_wrong_hit() {
     let mut hits = fs::read(&path).unwrap();
     hits[8] ^= 1;
     fs::write(&path, hits).unwrap();
-    let output = ptfast(here, &["trace", "set", "--reps", "1", "--kernel", "single"]);
+    let output = ptfast(here, &["trace", "set", "--reps", "1", "--kernel", "stream"]);
     assert_eq!(output.status.code(), Some(1));
     // A notice about the build may come before the error.
     let (text, last) = (stderr(&output), "ptfast: set: 1 hits differ from those of the ray set");

@@ -1,0 +1,152 @@
+//! The nodes and blocks that rays are still to visit, the nearest first.
+
+use crate::accel::leaf::BlockRef;
+use crate::accel::tree::wide::{WideNode, WideTree};
+use crate::math::min;
+use crate::simd::{Bits, Float, Int, LANES};
+
+/// A node or a block that rays are still to visit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Visit {
+    /// The least distance at which one of the rays enters its box.
+    pub(super) distance: f32,
+    child: u32,
+    /// The set of rays.
+    pub(super) rays: u32,
+}
+
+/// What is to be visited.
+pub(super) enum Child {
+    /// The index of a node.
+    Node(u32),
+    Block(BlockRef),
+}
+
+impl Visit {
+    #[inline(always)]
+    pub(super) fn child(&self) -> Child {
+        match self.child & BlockRef::LEAF {
+            0 => Child::Node(self.child),
+            _ => Child::Block(BlockRef::from_bits(self.child)),
+        }
+    }
+}
+
+/// A stack of visits.
+#[derive(Debug, Default)]
+pub(super) struct Visits(Vec<Visit>);
+
+impl Visits {
+    /// An empty stack with room for the visits that are left at any time during the traversal of
+    /// `tree`.
+    pub(super) fn for_tree(tree: &WideTree) -> Self {
+        Self(Vec::with_capacity(1 + tree.depth * LANES))
+    }
+
+    /// Replaces all visits by one of the root.
+    #[inline(always)]
+    pub(super) fn start(&mut self, rays: u32) {
+        self.0.clear();
+        self.0.push(Visit { distance: 0.0, child: 0, rays });
+    }
+
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<Visit> {
+        self.0.pop()
+    }
+
+    /// Pushes the children of `node` that rays enter. In the lane of each child, `entering` has the
+    /// set of rays that enter it, and `nearest` their least distance. If `ORDER` is set, the nearest
+    /// child is visited next.
+    #[inline(always)]
+    pub(super) fn push<const ORDER: bool>(
+        &mut self,
+        tree: &WideTree,
+        node: &WideNode,
+        entering: Int,
+        nearest: Float,
+    ) {
+        let Self(visits) = self;
+        let entered = !entering.eq(Int::ZERO).bits();
+        let (rays, distance) = (entering.to_array(), nearest.to_array());
+        let first = visits.len();
+        for lane in Bits(entered) {
+            let visit =
+                Visit { distance: distance[lane], child: node.children[lane], rays: rays[lane] };
+            match visits[first..].last_mut() {
+                // Leaves that share a block are next to each other.
+                Some(before) if before.child == visit.child => {
+                    before.distance = min(before.distance, visit.distance);
+                    before.rays |= visit.rays;
+                }
+                _ => {
+                    if tree.is_large {
+                        tree.prefetch(visit.child);
+                    }
+                    visits.push(visit);
+                }
+            }
+        }
+        if ORDER {
+            sort(&mut visits[first..]);
+        }
+    }
+}
+
+/// Sorts a few visits by insertion, the nearest last.
+#[inline(always)]
+fn sort(visits: &mut [Visit]) {
+    for next in 1..visits.len() {
+        let visit = visits[next];
+        let mut at = next;
+        while at > 0 && visits[at - 1].distance < visit.distance {
+            visits[at] = visits[at - 1];
+            at -= 1;
+        }
+        visits[at] = visit;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::leaf::Blocks;
+    use crate::simd::Lanes;
+
+    /// A node whose children are numbered from 100, except that the blocks of lanes 2 to 4 are one.
+    fn node() -> WideNode {
+        let child = |lane| if (2..5).contains(&lane) { BlockRef::LEAF } else { 100 + lane as u32 };
+        WideNode { planes: [[[0.0; LANES]; 2]; 3], children: std::array::from_fn(child) }
+    }
+
+    /// Pushes the children of [`node`] onto a visit of the root, and returns what is then popped.
+    fn order<const ORDER: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
+        let tree = WideTree { blocks: Blocks::default(), depth: 1, ..WideTree::default() };
+        let mut visits = Visits::for_tree(&tree);
+        visits.start(9);
+        visits.push::<ORDER>(&tree, &node(), Int::new(entering), Float::new(nearest));
+        let mut popped = Vec::new();
+        while let Some(visit) = visits.pop() {
+            popped.push((visit.child, visit.distance, visit.rays));
+        }
+        assert_eq!(popped.pop(), Some((0, 0.0, 9)));
+        popped
+    }
+
+    #[test]
+    fn children_come_nearest_first_and_shared_blocks_once() {
+        let mut entering = [0; LANES];
+        let mut nearest = [f32::INFINITY; LANES];
+        let entered =
+            [(0, 1, 5.0), (1, 2, 1.0), (2, 4, 3.0), (4, 8, 0.5), (5, 3, 2.0), (7, 1, 7.0)];
+        for (lane, rays, distance) in entered {
+            (entering[lane], nearest[lane]) = (rays, distance);
+        }
+        let block = (BlockRef::LEAF, 0.5, 4 | 8);
+        let in_order = [block, (101, 1.0, 2), (105, 2.0, 3), (100, 5.0, 1), (107, 7.0, 1)];
+        assert_eq!(order::<true>(entering, nearest), in_order);
+        let by_lane = [(107, 7.0, 1), (105, 2.0, 3), block, (101, 1.0, 2), (100, 5.0, 1)];
+        assert_eq!(order::<false>(entering, nearest), by_lane);
+        assert!(order::<true>([0; LANES], nearest).is_empty());
+    }
+}
