@@ -1,10 +1,9 @@
 //! Single rays, taken from a vector of rays.
 
-use crate::accel::setup::Setup;
+use crate::accel::setup::{Setup, Shear};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
-use crate::geometry::shear_axes;
-use crate::simd::{Float, LANES, Lanes, Vec3x, axes};
+use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 
 /// A vector of prepared rays in memory, read lane by lane.
 pub(crate) struct Table {
@@ -20,8 +19,8 @@ pub(crate) struct Table {
     pub(crate) shear: [Lanes; 3],
     /// Whether the direction is negative on each axis.
     down: [[bool; LANES]; 3],
-    longest: [u32; 2],
-    negative: u32,
+    /// The order of axes in which triangle tests read coordinates.
+    axes: [Lanes<u32>; 3],
 }
 
 impl Table {
@@ -37,8 +36,7 @@ impl Table {
         far_offset: [[0.0; LANES]; 3],
         shear: [[0.0; LANES]; 3],
         down: [[false; LANES]; 3],
-        longest: [0; 2],
-        negative: 0,
+        axes: [[0; LANES]; 3],
     };
 
     /// Takes over the rays of `setup`. It writes in place, since moving a large value copies it.
@@ -54,6 +52,11 @@ impl Table {
             let bits = slab.inverse[axis].lt(Float::ZERO).bits();
             std::array::from_fn(|lane| bits >> lane & 1 == 1)
         });
+        let Shear { longest: [is_x, is_y, _], negative, .. } = &setup.shear;
+        let by_axis =
+            |x, y, z| is_x.select(Int::splat(x), is_y.select(Int::splat(y), Int::splat(z)));
+        let (next, other, last) = (by_axis(1, 2, 0), by_axis(2, 0, 1), by_axis(0, 1, 2));
+        let (first, second) = (negative.select(other, next), negative.select(next, other));
         *self = Self {
             origin: lanes(setup.ray.origin),
             direction: lanes(setup.ray.direction),
@@ -66,8 +69,7 @@ impl Table {
             far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
             shear: lanes(setup.shear.shear),
             down,
-            longest: [setup.shear.longest[0].bits(), setup.shear.longest[1].bits()],
-            negative: setup.shear.negative.bits(),
+            axes: [first, second, last].map(Int::to_array),
         };
     }
 }
@@ -94,15 +96,7 @@ impl<'a> OneRay<'a> {
     /// The order of axes in which triangle tests read coordinates.
     #[inline(always)]
     pub(crate) fn axes(&self) -> [usize; 3] {
-        let bit = |bits: u32| bits >> self.lane & 1 == 1;
-        let longest = if bit(self.table.longest[0]) {
-            0
-        } else if bit(self.table.longest[1]) {
-            1
-        } else {
-            2
-        };
-        shear_axes(longest, bit(self.table.negative))
+        axes(|axis| self.table.axes[axis][self.lane] as usize)
     }
 
     #[inline(always)]

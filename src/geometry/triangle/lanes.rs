@@ -35,12 +35,10 @@ pub(crate) fn shear(
     let most = |axis: usize| a[axis].abs().max(b[axis].abs()).max(c[axis].abs());
     let margin = Float::splat(5.0 * UNIT_ROUNDOFF);
     let error = (most(0) * most(1)).free_mul_add(margin, Float::splat(1e-36));
-    let edge = |from: [Float; 3], to: [Float; 3]| {
-        let value = from[0].free_mul_sub(to[1], from[1] * to[0]);
-        (value.gt(error), value.lt(-error))
-    };
-    let ((up, un), (vp, vn), (wp, wn)) = (edge(b, c), edge(c, a), edge(a, b));
-    let mixed = (up | vp | wp) & (un | vn | wn);
+    let edge = |from: [Float; 3], to: [Float; 3]| from[0].free_mul_sub(to[1], from[1] * to[0]);
+    let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
+    let (high, low) = (u.max(v).max(w), u.min(v).min(w));
+    let mixed = high.gt(error) & low.lt(-error);
     ShearedTriangles { vertices, candidates: !mixed }
 }
 
