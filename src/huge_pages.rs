@@ -19,13 +19,14 @@ pub(crate) fn settle<T>(values: Vec<T>) -> Vec<T> {
 }
 
 /// Makes room for `more` values in `values`, on huge pages if there are many. If there is no room,
-/// moves them to memory for half as many again, so that they are not moved often.
-pub(crate) fn reserve<T>(values: &mut Vec<T>, more: usize) {
+/// moves them to memory for `growth` times as many, and at least for half as many again, so that
+/// they are not moved often. Memory that is never written costs nothing.
+pub(crate) fn reserve<T>(values: &mut Vec<T>, more: usize, growth: f64) {
     let len = values.len() + more;
     if len <= values.capacity() {
         return;
     }
-    let capacity = len + len / 2;
+    let capacity = ((len as f64 * growth) as usize).max(len + len / 2);
     let mut moved = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]
     if size_of::<T>() * capacity >= 2 * HUGE {

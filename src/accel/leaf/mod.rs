@@ -187,10 +187,10 @@ macro_rules! blocks {
                 [$(self.$module.len(),)*]
             }
 
-            /// Appends the blocks of `other`.
-            pub(super) fn append(&mut self, other: Self) {
+            /// Appends the blocks of `other`. There will be about `growth` times as many then.
+            pub(super) fn append(&mut self, other: Self, growth: f64) {
                 $(
-                    reserve(&mut self.$module, other.$module.len());
+                    reserve(&mut self.$module, other.$module.len(), growth);
                     self.$module.extend(other.$module);
                 )*
             }

@@ -128,10 +128,11 @@ impl Part {
         self.nodes.len() - 1
     }
 
-    /// Appends a part. Returns the index of its first node.
-    fn append(&mut self, mut part: Self) -> u32 {
+    /// Appends a part, after which the whole will grow by about `growth`. Returns the index of the
+    /// part's first node.
+    fn append(&mut self, mut part: Self, growth: f64) -> u32 {
         let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
-        reserve(&mut self.nodes, part.nodes.len());
+        reserve(&mut self.nodes, part.nodes.len(), growth);
         self.nodes.extend(part.nodes.drain(..).map(|node| {
             let children = node.children.map(|child| match child & BlockRef::LEAF {
                 0 => child + first,
@@ -139,7 +140,7 @@ impl Part {
             });
             WideNode { children, ..node }
         }));
-        self.blocks.append(part.blocks);
+        self.blocks.append(part.blocks, growth);
         self.depth = self.depth.max(part.depth);
         first
     }
@@ -149,6 +150,8 @@ impl Part {
 /// Each subtree begins with a node of its own.
 struct Cluster {
     part: Part,
+    /// Number of primitives.
+    primitives: usize,
     elements: Vec<(Element, Bounds)>,
 }
 
@@ -176,7 +179,7 @@ impl Cluster {
                 }
             }
         }
-        Self { part, elements }
+        Self { part, primitives: tree.nodes.len().div_ceil(2), elements }
     }
 }
 
@@ -185,17 +188,30 @@ struct Assembly {
     /// Its first node is the root, which is empty until all clusters are there.
     tree: Part,
     elements: Vec<(Element, Bounds)>,
-    /// Number of appended clusters.
+    /// Number of appended clusters, of the primitives in them, and of all primitives.
     appended: usize,
+    primitives: usize,
+    total: usize,
     /// Finished clusters that come after unfinished ones.
     waiting: BTreeMap<usize, Cluster>,
 }
 
 impl Assembly {
+    fn new(total: usize) -> Self {
+        let mut tree = Part::default();
+        tree.push();
+        let (elements, waiting) = (Vec::new(), BTreeMap::new());
+        Self { tree, elements, appended: 0, primitives: 0, total, waiting }
+    }
+
     fn add(&mut self, number: usize, cluster: Cluster) {
         self.waiting.insert(number, cluster);
-        while let Some(Cluster { part, elements }) = self.waiting.remove(&self.appended) {
-            let first = self.tree.append(part);
+        while let Some(cluster) = self.waiting.remove(&self.appended) {
+            let Cluster { part, primitives, elements } = cluster;
+            self.primitives += primitives;
+            // Clusters differ a little in their numbers of nodes and blocks.
+            let growth = 1.05 * self.total as f64 / self.primitives as f64;
+            let first = self.tree.append(part, growth);
             self.elements.extend(elements.into_iter().map(|(element, bounds)| match element {
                 Element::Node(node) => (Element::Node(node + first), bounds),
                 primitive => (primitive, bounds),
@@ -269,11 +285,8 @@ impl WideTree {
         primitives: Vec<u32>,
         threads: usize,
     ) -> Self {
+        let assembly = Mutex::new(Assembly::new(primitives.len()));
         let clusters = clusters(boxes, primitives, threads);
-        let mut tree = Part::default();
-        tree.push();
-        let (elements, waiting) = (Vec::new(), BTreeMap::new());
-        let assembly = Mutex::new(Assembly { tree, elements, appended: 0, waiting });
         for_each(threads, clusters.iter().enumerate().collect(), |(number, primitives)| {
             let cluster = Cluster::new(geometry, &BinaryTree::of_cluster(boxes, primitives));
             assembly.lock().expect("no thread panicked").add(number, cluster);
