@@ -19,17 +19,21 @@ pub(crate) fn settle<T>(values: Vec<T>) -> Vec<T> {
 }
 
 /// Makes room for `more` values in `values`, on huge pages if there are many. If there is no room,
-/// moves them to memory for `growth` times as many, and at least for half as many again, so that
-/// they are not moved often. Memory that is never written costs nothing.
+/// moves them to memory for `growth` times as many if the system has that much, and at least for
+/// half as many again, so that they are not moved often. On Linux, pages that are never written take
+/// no memory.
 pub(crate) fn reserve<T>(values: &mut Vec<T>, more: usize, growth: f64) {
     let len = values.len() + more;
     if len <= values.capacity() {
         return;
     }
-    let capacity = ((len as f64 * growth) as usize).max(len + len / 2);
-    let mut moved = Vec::with_capacity(capacity);
+    let (expected, least) = ((len as f64 * growth) as usize, len + len / 2);
+    let mut moved = Vec::new();
+    if expected < least || moved.try_reserve_exact(expected).is_err() {
+        moved.reserve_exact(least);
+    }
     #[cfg(target_os = "linux")]
-    if size_of::<T>() * capacity >= 2 * HUGE {
+    if size_of::<T>() * moved.capacity() >= 2 * HUGE {
         request(moved.spare_capacity_mut());
     }
     moved.append(values);
@@ -60,6 +64,22 @@ fn request<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn there_is_room_whatever_growth_is_expected() {
+        for growth in [0.0, 1.0, 3.0, 1e30, f64::INFINITY, f64::NAN] {
+            let mut values = vec![7u32; 10];
+            reserve(&mut values, 90, growth);
+            assert_eq!(values, [7; 10], "{growth}");
+            assert!(values.capacity() >= 150, "{growth}: {}", values.capacity());
+        }
+        let mut values = vec![7u32; 10];
+        reserve(&mut values, 90, 3.0);
+        assert!(values.capacity() >= 300);
+        let address = values.as_ptr();
+        reserve(&mut values, 290, 1.0);
+        assert_eq!(values.as_ptr(), address, "moved although there was room");
+    }
 
     #[test]
     fn values_stay_as_they_are() {

@@ -15,7 +15,7 @@
 use super::job::Job;
 use super::meshes::MeshTrees;
 use super::octants::Octants;
-use super::stream::Stream;
+use super::stream::Tracer;
 use super::visits::{Child, Visits};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
@@ -84,8 +84,7 @@ impl<const V: usize> Beam<V> {
     }
 
     /// Returns whether the rays spread by more than a quarter of the distance. Such a beam enters
-    /// so many boxes of a large tree that it would take a thousand times as long as tracing its
-    /// rays one by one.
+    /// so many boxes of a large tree that it would take a thousand times as long as its rays alone.
     #[inline(always)]
     fn is_wide(&self) -> bool {
         let across = |slope: Float| Float::splat(1.0) / slope.abs();
@@ -129,7 +128,7 @@ impl<const V: usize> Beam<V> {
         let plane = |axis: usize, end: usize| Float::new(node.planes[axis][end]);
         let (entry, entered) = self.enter(plane, limit);
         count.node(LANES as u32, entered.bits().count_ones());
-        let entering = entered.select(Int::splat(1), Int::ZERO);
+        let entering = entered.select(Int::splat(BEAM), Int::ZERO);
         visits.push::<true>(tree, node, entering, entry);
     }
 
@@ -150,6 +149,9 @@ impl<const V: usize> Beam<V> {
         candidates
     }
 }
+
+/// In visits, a beam counts as a set of one ray.
+const BEAM: u32 = 1;
 
 /// Number of vectors in a beam of 64 rays, for trees that fit into the fast caches.
 const MANY: usize = 64 / LANES;
@@ -182,21 +184,19 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    let (mut visits, mut stream) = (Visits::for_tree(tree), Stream::new(tree, meshes));
+    let mut tracer = Tracer::new(tree, meshes);
     job.trace::<ANY, INSTANCES, V, C>(hits, count, |packet, count| {
         if tree.nodes.is_empty() {
             return;
         }
         let octants = Octants::new(packet);
-        if octants.mixed {
-            stream.trace::<ANY>(tree, &mut packet.vectors, count);
-        } else if let Some(beam) = Beam::new(packet, &octants) {
-            if tree.is_large && beam.is_wide() {
-                stream.trace::<ANY>(tree, &mut packet.vectors, count);
-            } else {
-                let meshes = &mut stream.meshes;
-                traverse::<ANY, V>(tree, packet, &beam, &mut visits, meshes, count);
+        let beam = if octants.mixed { None } else { Beam::new(packet, &octants) };
+        match beam {
+            Some(beam) if !(tree.is_large && beam.is_wide()) => {
+                let Tracer { visits, meshes, .. } = &mut tracer;
+                traverse::<ANY, V>(tree, packet, &beam, visits, meshes, count);
             }
+            _ => tracer.trace::<ANY>(tree, &mut packet.vectors, count),
         }
     })
 }
@@ -212,7 +212,7 @@ fn traverse<const ANY: bool, const V: usize>(
     count: &mut impl Count,
 ) {
     let mut limit = packet.farthest(&beam.scales);
-    visits.start(1);
+    visits.start(BEAM);
     while let Some(visit) = visits.pop() {
         match visit.child() {
             _ if visit.distance > limit.first() => {}

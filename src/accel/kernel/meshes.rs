@@ -1,6 +1,6 @@
 //! Rays in the object space of an instance, which continue in the tree of its mesh.
 
-use super::stream::search;
+use super::search::search;
 use super::visits::Visits;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};

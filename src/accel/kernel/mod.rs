@@ -6,6 +6,7 @@ pub(super) mod job;
 mod meshes;
 mod octants;
 pub(super) mod pair_traversal;
+mod search;
 pub(super) mod stream;
 mod visits;
 
@@ -21,7 +22,8 @@ pub enum Kernel {
     Packet,
     /// Tests each packet of rays as a unit, against every box of a wide node at once.
     Beam,
-    /// Tests one ray of a packet after the other, each against every box of a wide node at once.
+    /// Moves the rays of a packet through a wide tree together. At each node, tests each ray against
+    /// all boxes at once, and only the rays that enter a child continue to it.
     Stream,
     /// Tests packets of rays against every primitive, without a tree.
     Flat,

@@ -8,14 +8,14 @@ use crate::simd::{Bits, Float, Int, LANES};
 /// A node or a block that rays are still to visit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Visit {
-    /// The least distance at which one of the rays enters its box.
+    /// A lower bound of the distances at which the rays enter its box.
     pub(super) distance: f32,
     child: u32,
     /// The set of rays.
     pub(super) rays: u32,
 }
 
-/// What is to be visited.
+/// The target of a visit.
 pub(super) enum Child {
     /// The index of a node.
     Node(u32),
@@ -37,8 +37,7 @@ impl Visit {
 pub(super) struct Visits(Vec<Visit>);
 
 impl Visits {
-    /// An empty stack with room for the visits that are left at any time during the traversal of
-    /// `tree`.
+    /// Creates an empty stack whose capacity suffices for any traversal of `tree`.
     pub(super) fn for_tree(tree: &WideTree) -> Self {
         Self(Vec::with_capacity(1 + tree.depth * LANES))
     }
@@ -67,7 +66,7 @@ impl Visits {
         nearest: Float,
     ) {
         let Self(visits) = self;
-        let entered = !entering.eq(Int::ZERO).bits();
+        let entered = (!entering.eq(Int::ZERO)).bits();
         let (rays, distance) = (entering.to_array(), nearest.to_array());
         let first = visits.len();
         for lane in Bits(entered) {
@@ -111,6 +110,7 @@ fn sort(visits: &mut [Visit]) {
 mod tests {
     use super::*;
     use crate::accel::leaf::Blocks;
+    use crate::math::random::Stream;
     use crate::simd::Lanes;
 
     /// A node whose children are numbered from 100, except that the blocks of lanes 2 to 4 are one.
@@ -119,7 +119,7 @@ mod tests {
         WideNode { planes: [[[0.0; LANES]; 2]; 3], children: std::array::from_fn(child) }
     }
 
-    /// Pushes the children of [`node`] onto a visit of the root, and returns what is then popped.
+    /// Pushes the children of [`node`] onto a visit of the root, and returns the popped visits.
     fn order<const ORDER: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
         let tree = WideTree { blocks: Blocks::default(), depth: 1, ..WideTree::default() };
         let mut visits = Visits::for_tree(&tree);
@@ -148,5 +148,39 @@ mod tests {
         let by_lane = [(107, 7.0, 1), (105, 2.0, 3), block, (101, 1.0, 2), (100, 5.0, 1)];
         assert_eq!(order::<false>(entering, nearest), by_lane);
         assert!(order::<true>([0; LANES], nearest).is_empty());
+    }
+
+    #[test]
+    fn any_children_come_sorted() {
+        let mut random = Stream::new(6);
+        let tree = WideTree { depth: 1, ..WideTree::default() };
+        let mut visits = Visits::for_tree(&tree);
+        for _ in 0..2000 {
+            let nearest: Lanes = std::array::from_fn(|_| match random.bits() % 6 {
+                0 => 0.0,
+                1 => -0.0,
+                2 => f32::INFINITY,
+                3 => 1.0,
+                _ => random.uniform() * 1e6,
+            });
+            let mut node = node();
+            // Children are nodes, so that none are merged.
+            node.children = std::array::from_fn(|lane| 100 + lane as u32);
+            let entering: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32 % 3);
+            visits.start(1);
+            visits.push::<true>(&tree, &node, Int::new(entering), Float::new(nearest));
+            let mut popped = Vec::new();
+            while let Some(visit) = visits.pop() {
+                popped.push(visit);
+            }
+            assert_eq!(popped.pop().map(|root| root.child), Some(0));
+            assert!(popped.is_sorted_by_key(|visit| visit.distance));
+            let entered = entering.iter().filter(|&&rays| rays != 0).count();
+            assert_eq!(popped.len(), entered);
+            for visit in popped {
+                let lane = visit.child as usize - 100;
+                assert_eq!((visit.distance, visit.rays), (nearest[lane], entering[lane]));
+            }
+        }
     }
 }

@@ -124,6 +124,9 @@ impl Leaf for Block {
     ) {
         let mut group = Group::<1>::NONE;
         for rays in &mut packet.vectors {
+            if rays.looking() == 0 {
+                continue;
+            }
             let rays = std::slice::from_mut(rays);
             let looking = group.load(rays);
             for ray in Members(looking) {

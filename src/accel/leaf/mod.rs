@@ -187,7 +187,8 @@ macro_rules! blocks {
                 [$(self.$module.len(),)*]
             }
 
-            /// Appends the blocks of `other`. There will be about `growth` times as many then.
+            /// Appends the blocks of `other`. `growth` estimates the ratio of the final number of
+            /// blocks to the number after this call.
             pub(super) fn append(&mut self, other: Self, growth: f64) {
                 $(
                     reserve(&mut self.$module, other.$module.len(), growth);

@@ -57,7 +57,7 @@ pub(crate) struct BestLanes {
 
 impl BestLanes {
     pub(crate) const NONE: Self =
-        Self { t: [0.0; LANES], primitive: [0; LANES], instance: [0; LANES] };
+        Self { t: [0.0; LANES], primitive: [HitBatch::MISS; LANES], instance: [0; LANES] };
 
     #[inline(always)]
     pub(crate) fn lane(&self, lane: usize) -> Best {

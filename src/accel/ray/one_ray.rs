@@ -3,6 +3,7 @@
 use crate::accel::setup::{Setup, Shear};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
+use crate::geometry::shear_axes;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 
 /// A vector of prepared rays in memory, read lane by lane.
@@ -53,10 +54,10 @@ impl Table {
             std::array::from_fn(|lane| bits >> lane & 1 == 1)
         });
         let Shear { longest: [is_x, is_y, _], negative, .. } = &setup.shear;
-        let by_axis =
-            |x, y, z| is_x.select(Int::splat(x), is_y.select(Int::splat(y), Int::splat(z)));
-        let (next, other, last) = (by_axis(1, 2, 0), by_axis(2, 0, 1), by_axis(0, 1, 2));
-        let (first, second) = (negative.select(other, next), negative.select(next, other));
+        let order = |axis: usize, negative: bool| {
+            let of = |longest| Int::splat(shear_axes(longest, negative)[axis] as u32);
+            is_x.select(of(0), is_y.select(of(1), of(2)))
+        };
         *self = Self {
             origin: lanes(setup.ray.origin),
             direction: lanes(setup.ray.direction),
@@ -69,7 +70,7 @@ impl Table {
             far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
             shear: lanes(setup.shear.shear),
             down,
-            axes: [first, second, last].map(Int::to_array),
+            axes: axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array()),
         };
     }
 }

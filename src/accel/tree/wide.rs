@@ -128,8 +128,8 @@ impl Part {
         self.nodes.len() - 1
     }
 
-    /// Appends a part, after which the whole will grow by about `growth`. Returns the index of the
-    /// part's first node.
+    /// Appends a part. `growth` estimates the ratio of the final size to the size after this call.
+    /// Returns the index of the part's first node.
     fn append(&mut self, mut part: Self, growth: f64) -> u32 {
         let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
         reserve(&mut self.nodes, part.nodes.len(), growth);
@@ -179,7 +179,9 @@ impl Cluster {
                 }
             }
         }
-        Self { part, primitives: tree.nodes.len().div_ceil(2), elements }
+        // A binary tree has one node less above its leaves than leaves.
+        let primitives = tree.nodes.len().div_ceil(2);
+        Self { part, primitives, elements }
     }
 }
 
