@@ -81,8 +81,8 @@ impl<T> Lazy<T> {
     }
 }
 
-/// Above this number of primitives, streams and beams were faster than packets on every ray
-/// set.
+/// Above this number of primitives, beams and rays on their own, which streams have replaced, were
+/// faster than packets on every ray set.
 const MOST_IN_PACKET_TREE: usize = 1 << 14;
 /// Above this number of primitives, some kernel with a tree was faster than [`Kernel::Flat`] on
 /// every ray set; with 256 spheres, [`Kernel::Flat`] is still faster on bounces.

@@ -45,14 +45,10 @@ impl Table {
     pub(crate) fn set(&mut self, setup: &Setup) {
         let lanes = |v: Vec3x| axes(|axis| v[axis].to_array());
         let (slab, offsets) = (&setup.slab, setup.offsets());
+        let down = axes(|axis| slab.inverse[axis].lt(Float::ZERO));
         let by_sign = |axis: usize, negative: usize, positive: usize| {
-            let down = slab.inverse[axis].lt(Float::ZERO);
-            down.select(offsets[negative], offsets[positive]).to_array()
+            down[axis].select(offsets[negative], offsets[positive]).to_array()
         };
-        let down = axes(|axis| {
-            let bits = slab.inverse[axis].lt(Float::ZERO).bits();
-            std::array::from_fn(|lane| bits >> lane & 1 == 1)
-        });
         let Shear { longest: [is_x, is_y, _], negative, .. } = &setup.shear;
         let order = |axis: usize, negative: bool| {
             let of = |longest| Int::splat(shear_axes(longest, negative)[axis] as u32);
@@ -69,7 +65,7 @@ impl Table {
             near_offset: axes(|axis| by_sign(axis, axis + 3, axis)),
             far_offset: axes(|axis| by_sign(axis, axis, axis + 3)),
             shear: lanes(setup.shear.shear),
-            down,
+            down: down.map(|down| std::array::from_fn(|lane| down.bits() >> lane & 1 == 1)),
             axes: axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array()),
         };
     }
