@@ -55,6 +55,10 @@ impl Planning {
 /// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more,
 /// the paths no longer fit in the caches.
 const USUAL_WAVE: u32 = 1 << 14;
+/// Number of primitives from which it pays to order rays that are not traced in packets. The tree of
+/// 10⁶ triangles is much larger than the caches: renders of four scenes of that size took 5% to 11%
+/// less time, and renders of three scenes of a tenth of it took as much (`profiling/measured.md`).
+const ORDERED: usize = 1 << 18;
 /// Minimum number of waves per thread in small renders, so that all threads finish at about the
 /// same time.
 const LEAST_WAVES: u64 = 4;
@@ -84,7 +88,7 @@ impl Plan {
             20..0x4000 => [Kernel::Beam, Kernel::Packet],
             _ => [Kernel::Beam, Kernel::Stream],
         };
-        let ordered = later == Kernel::Packet;
+        let ordered = later == Kernel::Packet || primitives >= ORDERED;
         Self {
             wave_size: match wave_size {
                 0 => share.min(USUAL_WAVE.into()) as u32,

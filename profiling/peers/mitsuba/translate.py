@@ -1,6 +1,7 @@
 """Translates a scene from `ptfast scenes show --json` to a scene of Mitsuba 3."""
 
 import math
+import os
 import tempfile
 
 import mitsuba as mi
@@ -77,6 +78,11 @@ def shape(description):
         return {"type": "cube", "to_world": to_world}, values["material"]
     if kind == "triangles":
         return triangles(values), values["material"]
+    if kind == "mesh":
+        if values.get("smooth") != "off":
+            raise SystemExit(f"to be translated to Mitsuba, the mesh {values['file']} needs smooth: off")
+        _, extension = os.path.splitext(values["file"])
+        return {"type": extension[1:], "filename": values["file"], "face_normals": True}, values["material"]
     raise SystemExit(f"the primitive {kind} cannot be translated to Mitsuba")
 
 
