@@ -10,11 +10,11 @@ use super::{Camera, Medium, Scene};
 /// BLAKE3 over the camera, the background, the primitives with their materials, and the media, in a
 /// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
 pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
-    let mut hasher = Hasher(blake3::Hasher::new());
+    let mut hasher = Hasher::default();
     hasher.text("camera");
     for number in camera.numbers() {
         // Adding 0 turns −0 into 0, so that both have the same hash.
-        hasher.0.update(&(number + 0.0).to_le_bytes());
+        hasher.bytes(&(number + 0.0).to_le_bytes());
     }
     hasher.value(json!(scene.background()));
     let materials: Vec<_> =
@@ -24,7 +24,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         let primitive = scene.geometry().get(index);
         hasher.vectors(primitive.name(), &primitive.identity());
         hasher.attributes(scene.geometry().attributes(index));
-        hasher.0.update(materials[material as usize].as_bytes());
+        hasher.bytes(materials[material as usize].as_bytes());
     }
     let instances = &scene.geometry().instances;
     let first = scene.geometry().len() as u32;
@@ -35,7 +35,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
             hasher.vectors("triangle", &vertices);
             hasher.attributes(instances.triangles().attributes(triangle));
             let material = scene.material_map().get(first + triangle);
-            hasher.0.update(materials[material as usize].as_bytes());
+            hasher.bytes(materials[material as usize].as_bytes());
         }
     }
     for instance in instances.list() {
@@ -47,7 +47,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         hasher.vectors(name, &vectors);
         hasher.vectors("medium", &[Vec3::splat(*density), *albedo]);
     }
-    hasher.0.finalize().to_hex().to_string()
+    hasher.finish()
 }
 
 /// The parameters of a material. The content of its textures replaces their names and files.
@@ -62,16 +62,37 @@ fn identity(material: &Material) -> Vec<u8> {
     canonical(json!(material))
 }
 
-struct Hasher(blake3::Hasher);
+/// BLAKE3 of bytes that are collected first, because it is fast on long runs of bytes alone.
+#[derive(Default)]
+struct Hasher {
+    hash: blake3::Hasher,
+    collected: Vec<u8>,
+}
+
+/// Number of bytes from which collected bytes are hashed.
+const RUN: usize = 1 << 16;
 
 impl Hasher {
+    #[inline]
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.collected.extend_from_slice(bytes);
+        if self.collected.len() >= RUN {
+            self.hash.update(&self.collected);
+            self.collected.clear();
+        }
+    }
+
+    fn finish(mut self) -> String {
+        self.hash.update(&self.collected).finalize().to_hex().to_string()
+    }
+
     fn text(&mut self, text: &str) {
-        self.0.update(&(text.len() as u64).to_le_bytes());
-        self.0.update(text.as_bytes());
+        self.bytes(&(text.len() as u64).to_le_bytes());
+        self.bytes(text.as_bytes());
     }
 
     fn value(&mut self, value: Value) {
-        self.0.update(&canonical(value));
+        self.bytes(&canonical(value));
     }
 
     fn vectors(&mut self, name: &str, vectors: &[Vec3]) {
@@ -89,7 +110,7 @@ impl Hasher {
 
     fn numbers(&mut self, numbers: &[f32]) {
         for number in numbers {
-            self.0.update(&(number + 0.0).to_le_bytes());
+            self.bytes(&(number + 0.0).to_le_bytes());
         }
     }
 }

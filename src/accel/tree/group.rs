@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use crate::geometry::Bounds;
 
-/// Primitives sorted by group.
+/// The members of each group, one group after the other.
 pub(crate) struct Groups {
-    primitives: Vec<u32>,
+    members: Vec<u32>,
     ranges: Vec<Range<usize>>,
 }
 
@@ -24,20 +24,24 @@ impl Groups {
             let b = boxes[primitive as usize];
             (b.min + b.max).to_array().map(f32::to_bits)
         };
-        let mut primitives = primitives.to_vec();
-        primitives.sort_by_cached_key(|&primitive| middle(primitive));
-        let mut ranges = Vec::with_capacity(primitives.len());
-        let mut start = 0;
-        for run in primitives.chunk_by(|&a, &b| middle(a) == middle(b)) {
-            let end = start + run.len();
-            if run.len() > MOST_SEPARATE {
-                ranges.push(start..end);
-            } else {
-                ranges.extend((start..end).map(|i| i..i + 1));
-            }
-            start = end;
+        let mut by_middle: Vec<([u32; 3], u32)> =
+            (0..).zip(primitives).map(|(at, &primitive)| (middle(primitive), at)).collect();
+        by_middle.sort_unstable();
+        let runs = by_middle.chunk_by(|a, b| a.0 == b.0);
+        let crowds: Vec<_> = runs.filter(|run| run.len() > MOST_SEPARATE).collect();
+        let mut crowded = vec![false; primitives.len()];
+        crowds.iter().copied().flatten().for_each(|&(_, at)| crowded[at as usize] = true);
+
+        // The others keep their order, since neighbours in memory are mostly neighbours in space.
+        let separate = primitives.iter().zip(&crowded).filter(|(_, crowded)| !**crowded);
+        let mut members: Vec<u32> = separate.map(|(primitive, _)| *primitive).collect();
+        let mut ranges: Vec<Range<usize>> = (0..members.len()).map(|i| i..i + 1).collect();
+        for crowd in crowds {
+            let start = members.len();
+            members.extend(crowd.iter().map(|&(_, at)| primitives[at as usize]));
+            ranges.push(start..members.len());
         }
-        Self { primitives, ranges }
+        Self { members, ranges }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -46,7 +50,7 @@ impl Groups {
 
     /// Returns the primitives of one group.
     pub(crate) fn members(&self, group: usize) -> &[u32] {
-        &self.primitives[self.ranges[group].clone()]
+        &self.members[self.ranges[group].clone()]
     }
 }
 
