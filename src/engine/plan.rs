@@ -55,9 +55,9 @@ impl Planning {
 /// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more,
 /// the paths no longer fit in the caches.
 const USUAL_WAVE: u32 = 1 << 14;
-/// Number of primitives from which it pays to order rays that are not traced in packets. The tree of
-/// 10⁶ triangles is much larger than the caches: renders of four scenes of that size took 5% to 11%
-/// less time, and renders of three scenes of a tenth of it took as much (`profiling/measured.md`).
+/// Number of primitives from which it pays to order rays that are not traced in packets, because the
+/// tree is much larger than the caches: such scenes were rendered 0.99 to 1.12 times as fast, smaller
+/// ones 0.94 to 1.04 times (`profiling/measured.md`).
 const ORDERED: usize = 1 << 18;
 /// Minimum number of waves per thread in small renders, so that all threads finish at about the
 /// same time.
