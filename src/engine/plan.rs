@@ -57,7 +57,7 @@ impl Planning {
 const USUAL_WAVE: u32 = 1 << 14;
 /// Number of primitives from which it pays to order rays that are not traced in packets, because the
 /// tree is much larger than the caches: such scenes were rendered 0.99 to 1.12 times as fast, smaller
-/// ones 0.94 to 1.04 times (`profiling/measured.md`).
+/// ones 0.94 to 1.04 times (`profiling/measured.md`). Scenes with instances count as such.
 const ORDERED: usize = 1 << 18;
 /// Minimum number of waves per thread in small renders, so that all threads finish at about the
 /// same time.

@@ -1,5 +1,7 @@
 //! The hash that identifies a scene by its content, regardless of how its file expresses it.
 
+use std::io::{BufWriter, Write};
+
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -10,7 +12,7 @@ use super::{Camera, Medium, Scene};
 /// BLAKE3 over the camera, the background, the primitives with their materials, and the media, in a
 /// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
 pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
-    let mut hasher = Hasher::default();
+    let mut hasher = Hasher::new();
     hasher.text("camera");
     for number in camera.numbers() {
         // Adding 0 turns −0 into 0, so that both have the same hash.
@@ -62,28 +64,21 @@ fn identity(material: &Material) -> Vec<u8> {
     canonical(json!(material))
 }
 
-/// BLAKE3 of bytes that are collected first, because it is fast on long runs of bytes alone.
-#[derive(Default)]
-struct Hasher {
-    hash: blake3::Hasher,
-    collected: Vec<u8>,
-}
-
-/// Number of bytes from which collected bytes are hashed.
-const RUN: usize = 1 << 16;
+/// BLAKE3 behind a buffer, because it is fast on long runs of bytes alone.
+struct Hasher(BufWriter<blake3::Hasher>);
 
 impl Hasher {
-    #[inline]
-    fn bytes(&mut self, bytes: &[u8]) {
-        self.collected.extend_from_slice(bytes);
-        if self.collected.len() >= RUN {
-            self.hash.update(&self.collected);
-            self.collected.clear();
-        }
+    fn new() -> Self {
+        Self(BufWriter::with_capacity(1 << 16, blake3::Hasher::new()))
     }
 
-    fn finish(mut self) -> String {
-        self.hash.update(&self.collected).finalize().to_hex().to_string()
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.0.write_all(bytes).expect("a hasher takes all bytes");
+    }
+
+    fn finish(self) -> String {
+        let hasher = self.0.into_inner().expect("a hasher takes all bytes");
+        hasher.finalize().to_hex().to_string()
     }
 
     fn text(&mut self, text: &str) {

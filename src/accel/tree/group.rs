@@ -70,6 +70,8 @@ mod tests {
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
         let groups = Groups::new(&boxes, &each);
         let mut sizes: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
+        // Those that are no crowd keep their order.
+        assert!((0..3).all(|group| groups.members(group as usize) == [group]));
         sizes.sort_unstable();
         assert_eq!(sizes, [1, 1, 1, 9]);
         let mut all: Vec<u32> =
