@@ -147,7 +147,7 @@ pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
     BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile,
-    RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
+    RenderDefaults, Sampling, Scene, SceneFile, light, material, primitive, texture,
 };
 
 /// Items for the program, the benches, the tests and the fuzz targets of this package. They are not

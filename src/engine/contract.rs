@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use crate::math::{Real, max_element};
+use crate::math::{Mask, Real, max_element};
+use crate::scene::Sampling;
+use crate::scene::material::SPECULAR;
 
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
 pub const BITS: u32 = 2;
@@ -27,6 +29,22 @@ pub(super) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 pub(super) fn power_heuristic<R: Real>(of: R, other: R) -> R {
     let ratio = other / of;
     R::ONE / (R::ONE + ratio * ratio)
+}
+
+/// The weight of emitted light that a path has found by scattering in a direction of density `pdf`.
+/// Light samples find the same light with the density `light_pdf`, and contribute the rest.
+#[inline(always)]
+pub(super) fn emission_weight<R: Real>(
+    sampling: Sampling,
+    pdf: R,
+    light_pdf: impl FnOnce() -> R,
+) -> R {
+    let shared = match sampling {
+        Sampling::Bsdf => return R::ONE,
+        Sampling::Light => light_pdf().eq(R::ZERO).select(R::ONE, R::ZERO),
+        Sampling::Mis => power_heuristic(pdf, light_pdf()),
+    };
+    pdf.eq(R::splat(SPECULAR)).select(R::ONE, shared)
 }
 
 /// Returns the radiance that a sample adds to its pixel, and whether it was clamped, that is,

@@ -2,12 +2,16 @@
 
 mod compare;
 mod header;
+mod jpeg;
 mod pfm;
 mod read;
+mod texels;
 mod transfer;
 mod write;
 
 pub(crate) use compare::compare;
+pub(crate) use read::Size;
+pub(crate) use texels::Texels;
 pub use transfer::Transfer;
 pub(crate) use write::Format;
 pub use write::Metadata;
@@ -57,7 +61,7 @@ impl Image {
         Self { width, height, pixels }
     }
 
-    /// Reads PNG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
+    /// Reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
     ///
     /// 8- and 16-bit files are decoded with the transfer curve that ptfast recorded in the file, or
     /// else with sRGB. Alpha is dropped.
@@ -65,7 +69,7 @@ impl Image {
     /// # Errors
     /// If the file cannot be read, is damaged, or has another format.
     pub fn read(path: &Path) -> Result<Self> {
-        read::read(path, Encoding::Auto, &|_, _| Ok(()))
+        Self::read_where(path, &|_, _| Ok(()))
     }
 
     /// Like [`read`](Self::read), but calls `allow` with the number of pixels and the bytes of
@@ -75,16 +79,7 @@ impl Image {
     /// As for [`read`](Self::read), or if `allow` returns an error, whose message is then reported.
     #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
-        read::read(path, Encoding::Auto, allow)
-    }
-
-    /// Like [`read_where`](Self::read_where), for files of any encoding.
-    pub(crate) fn read_encoded(
-        path: &Path,
-        encoding: Encoding,
-        allow: &dyn Fn(u64, u64) -> Result<(), String>,
-    ) -> Result<Self> {
-        read::read(path, encoding, allow)
+        read::decode(path, &|size| allow(size.pixels, size.memory)).map(read::Decoded::into_image)
     }
 
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).

@@ -1,6 +1,7 @@
 //! Reads portable float maps (PFM).
 
-use super::Image;
+use image::Rgb32FImage;
+
 use crate::limits::MAX_SIDE;
 
 /// Header of a portable float map: `PF` (colour) or `Pf` (grey), the size, and a scale whose sign
@@ -60,7 +61,7 @@ impl Pfm {
     }
 
     /// Decodes the image in `bytes`, whose length must be right.
-    pub(super) fn image(&self, bytes: &[u8]) -> Image {
+    pub(super) fn image(&self, bytes: &[u8]) -> Rgb32FImage {
         let value = |b: &[u8]| {
             let b = [b[0], b[1], b[2], b[3]];
             if self.little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
@@ -70,9 +71,9 @@ impl Pfm {
             .chunks_exact(self.width as usize * channels * 4)
             .rev()
             .flat_map(|row| row.chunks_exact(channels * 4))
-            .map(|p| std::array::from_fn(|c| value(&p[4 * c.min(channels - 1)..])))
+            .flat_map(|p| [0, 1, 2].map(|c| value(&p[4 * c.min(channels - 1)..])))
             .collect();
-        Image::from_pixels(self.width, self.height, pixels)
+        Rgb32FImage::from_raw(self.width, self.height, pixels).expect("the length is right")
     }
 }
 
@@ -90,7 +91,7 @@ mod tests {
             pfm.check_length(bytes.len() as u64).map(|()| pfm.image(bytes))
         };
         let image = read_pfm(&bytes).unwrap();
-        assert_eq!(image.pixels(), [[2.0; 3], [1.0; 3]], "the bottom row comes first");
+        assert_eq!(*image.as_raw(), [2.0, 2.0, 2.0, 1.0, 1.0, 1.0], "the bottom row comes first");
         bytes.pop();
         assert!(read_pfm(&bytes).unwrap_err().contains("need 8 bytes"));
         assert!(read_pfm(b"PF\n0 1\n-1\n").unwrap_err().contains("size `0`"));

@@ -1,4 +1,4 @@
-//! Reads image files into linear f32.
+//! Reads image files, as linear f32 or in the form of textures.
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
@@ -10,8 +10,9 @@ use png::text_metadata::ITXtChunk;
 
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
+use super::texels::Texels;
 use super::transfer::TRANSFER_KEY;
-use super::{Encoding, Format, Image, Metadata, Transfer};
+use super::{Encoding, Format, Image, Metadata, Transfer, jpeg};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::limits::MAX_SIDE;
@@ -23,12 +24,28 @@ const MAX_TEXT: usize = 1 << 16;
 /// Largest size in bytes of the header of a PFM file.
 const MAX_PFM_HEADER: u64 = 1 << 10;
 
-/// Reads an image. `encoding` decides what its integers mean.
-pub(super) fn read(
-    path: &Path,
-    encoding: Encoding,
-    allow: &dyn Fn(u64, u64) -> Result<(), String>,
-) -> Result<Image> {
+/// The size of an image file, which is known before its pixels are decoded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size {
+    /// Number of pixels.
+    pub(crate) pixels: u64,
+    /// Whether channels have more than 8 bits.
+    pub(crate) deep: bool,
+    /// Bytes of memory that decoding the file takes.
+    pub(crate) memory: u64,
+}
+
+/// Checks the size of an image file. Its message is reported as an error.
+pub(super) type Allow<'a> = &'a dyn Fn(Size) -> Result<(), String>;
+
+/// The pixels of a file, and the transfer curve of its integers.
+pub(super) struct Decoded {
+    pixels: DynamicImage,
+    transfer: Transfer,
+}
+
+/// Reads and decodes an image file. `allow` is called before memory for it is allocated.
+pub(super) fn decode(path: &Path, allow: Allow<'_>) -> Result<Decoded> {
     let length = input::length(path)?;
     let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
     let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
@@ -38,14 +55,17 @@ pub(super) fn read(
         let head = open()?.take(MAX_PFM_HEADER).read_to_end(&mut begin);
         head.map_err(Error::io(path, "read"))?;
         let pfm = Pfm::parse(&begin).map_err(bad)?;
+        let (pixels, memory) = (pfm.pixels(), length + 12 * pfm.pixels());
         pfm.check_length(length)
-            .and_then(|()| allow(pfm.pixels(), length + 12 * pfm.pixels()))
+            .and_then(|()| allow(Size { pixels, deep: true, memory }))
             .map_err(bad)?;
         let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
-        return pfm.check_length(bytes.len() as u64).map(|()| pfm.image(&bytes)).map_err(bad);
+        pfm.check_length(bytes.len() as u64).map_err(bad)?;
+        return Ok(Decoded { pixels: pfm.image(&bytes).into(), transfer: Transfer::default() });
     }
     // A text header may be as long as the file, and decoders load headers into memory.
-    allow(0, length.saturating_mul(3)).map_err(bad)?;
+    let memory = length.saturating_mul(3);
+    allow(Size { pixels: 0, deep: false, memory }).map_err(bad)?;
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
     // TGA files do not start with a signature.
@@ -60,27 +80,31 @@ pub(super) fn read(
     reader.limits(limits.clone());
     header::check(reader.format(), open()?)
         .map_err(|message| bad(format!("damaged image: {message}")))?;
+    if reader.format() == Some(ImageFormat::Jpeg) {
+        let pixels = jpeg::decode(open()?, length, allow).map_err(bad)?;
+        return Ok(Decoded { pixels, transfer: Transfer::Srgb });
+    }
     let transfer = png_decoder(open()?)
         .read_info()
         .ok()
         .and_then(|png| noted_transfer(png.info()))
         .unwrap_or_default();
-    let explain = |error| {
-        match error {
+    let explain = |error| match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
         }
-        ImageError::Unsupported(error) if matches!(error.kind(), UnsupportedErrorKind::Format(_)) => bad(
-            "unsupported image: ptfast reads the lossless formats PNG, EXR, HDR, PFM, BMP, TGA and PNM"
-                .into(),
-        ),
+        ImageError::Unsupported(error)
+            if matches!(error.kind(), UnsupportedErrorKind::Format(_)) =>
+        {
+            bad("unsupported image: ptfast reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA and PNM".into())
+        }
         other => bad(format!("damaged image: {other}")),
-    }
     };
     if reader.format() == Some(ImageFormat::OpenExr) {
         let (pixels, bytes) =
             exr_size(open()?).map_err(|error| bad(format!("damaged image: {error}")))?;
-        allow(pixels, bytes.saturating_add(pixels.saturating_mul(24))).map_err(bad)?;
+        let memory = bytes.saturating_add(pixels.saturating_mul(24));
+        allow(Size { pixels, deep: true, memory }).map_err(bad)?;
     }
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();
@@ -90,15 +114,87 @@ pub(super) fn read(
     let pixels = u64::from(width) * u64::from(height);
     // Memory for the stored pixels, another copy while they are decoded, and the linear pixels.
     let decoding = decoder.total_bytes().saturating_mul(2);
-    allow(pixels, decoding.saturating_add(24 * pixels)).map_err(bad)?;
+    let deep = decoder.color_type().bytes_per_pixel() > decoder.color_type().channel_count();
+    let memory = decoding.saturating_add(24 * pixels);
+    allow(Size { pixels, deep, memory }).map_err(bad)?;
     limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
     decoder.set_limits(limits).map_err(explain)?;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(explain)?;
-    let value: &dyn Fn(f64) -> f32 = match encoding {
-        Encoding::Auto => &|display| transfer.to_linear(display),
-        Encoding::Linear => &|value| value as f32,
-    };
-    Ok(to_linear(decoded, value))
+    let pixels = DynamicImage::from_decoder(decoder).map_err(explain)?;
+    Ok(Decoded { pixels, transfer })
+}
+
+impl Decoded {
+    /// The value of a fraction of the largest integer.
+    fn value(&self, encoding: Encoding) -> impl Fn(f64) -> f32 + use<> {
+        let transfer = self.transfer;
+        move |fraction| match encoding {
+            Encoding::Auto => transfer.to_linear(fraction),
+            Encoding::Linear => fraction as f32,
+        }
+    }
+
+    /// The linear values of all integers from 0 to `most`.
+    fn table(&self, encoding: Encoding, most: u16) -> Vec<f32> {
+        let value = self.value(encoding);
+        (0..=most).map(|code| value(f64::from(code) / f64::from(most))).collect()
+    }
+
+    /// The number of bits of an integer channel, or `None` for floats.
+    fn bits(&self) -> Option<u32> {
+        match self.pixels {
+            DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => None,
+            DynamicImage::ImageRgb16(_)
+            | DynamicImage::ImageRgba16(_)
+            | DynamicImage::ImageLuma16(_)
+            | DynamicImage::ImageLumaA16(_) => Some(16),
+            _ => Some(8),
+        }
+    }
+
+    /// The colours as linear values, without alpha.
+    pub(super) fn into_image(self) -> Image {
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let pixels = match self.bits() {
+            None => self.pixels.into_rgb32f().pixels().map(|p| p.0).collect(),
+            Some(16) => {
+                let table = self.table(Encoding::Auto, u16::MAX);
+                let pixels = self.pixels.into_rgb16();
+                pixels.pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+            }
+            _ => {
+                let table = self.table(Encoding::Auto, u8::MAX.into());
+                let pixels = self.pixels.into_rgb8();
+                pixels.pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+            }
+        };
+        Image::from_pixels(width, height, pixels)
+    }
+
+    /// The pixels in the form of textures, with alpha. Channels of 8 bits are kept as they are.
+    pub(super) fn into_texels(self, encoding: Encoding) -> Texels {
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        match self.bits() {
+            None => {
+                let texels = self.pixels.into_rgba32f().into_raw().as_chunks().0.to_vec();
+                Texels::from_floats(width, height, texels)
+            }
+            Some(16) => {
+                let table = self.table(encoding, u16::MAX);
+                let value = |p: &image::Rgba<u16>| {
+                    let [r, g, b, a] = p.0.map(usize::from);
+                    [table[r], table[g], table[b], a as f32 / f32::from(u16::MAX)]
+                };
+                let texels = self.pixels.into_rgba16().pixels().map(value).collect();
+                Texels::from_floats(width, height, texels)
+            }
+            _ => {
+                let table = self.table(encoding, u8::MAX.into());
+                let values = table.try_into().expect("a byte has 256 values");
+                let codes = self.pixels.into_rgba8().into_raw().as_chunks().0.to_vec();
+                Texels::from_bytes(width, height, codes, Box::new(values))
+            }
+        }
+    }
 }
 
 impl Metadata {
@@ -170,29 +266,6 @@ fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
     Ok((pixels, bytes))
 }
 
-/// Replaces integers by `value` of their fraction of the largest one. Floats are linear.
-fn to_linear(decoded: DynamicImage, value: &dyn Fn(f64) -> f32) -> Image {
-    let (width, height) = (decoded.width(), decoded.height());
-    let table = |most: u16| (0..=most).map(move |code| value(f64::from(code) / f64::from(most)));
-    let pixels = match decoded {
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            decoded.into_rgb32f().pixels().map(|p| p.0).collect()
-        }
-        DynamicImage::ImageRgb16(_)
-        | DynamicImage::ImageRgba16(_)
-        | DynamicImage::ImageLuma16(_)
-        | DynamicImage::ImageLumaA16(_) => {
-            let table: Vec<f32> = table(u16::MAX).collect();
-            decoded.into_rgb16().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
-        }
-        _ => {
-            let table: Vec<f32> = table(u8::MAX.into()).collect();
-            decoded.into_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
-        }
-    };
-    Image::from_pixels(width, height, pixels)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,7 +277,7 @@ mod tests {
         // True colour, 1 × 1 pixel of 24 bits: blue, green, red.
         let header = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0];
         std::fs::write(&path, [&header[..], &[0, 0, 255]].concat()).unwrap();
-        let image = read(&path, Encoding::Auto, &|_, _| Ok(())).unwrap();
+        let image = Image::read(&path).unwrap();
         assert_eq!(image.pixels(), [[1.0, 0.0, 0.0]]);
     }
 
@@ -213,24 +286,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();
-        assert!(
-            read(&path, Encoding::Auto, &|_, _| Ok(()))
-                .unwrap_err()
-                .to_string()
-                .contains("damaged image")
-        );
+        assert!(Image::read(&path).unwrap_err().to_string().contains("damaged image"));
         std::fs::write(&path, b"no image at all").unwrap();
-        assert!(
-            read(&path, Encoding::Auto, &|_, _| Ok(()))
-                .unwrap_err()
-                .to_string()
-                .contains("lossless format")
-        );
-        let error = read(folder.path(), Encoding::Auto, &|_, _| Ok(())).unwrap_err();
+        assert!(Image::read(&path).unwrap_err().to_string().contains("PNG, JPEG, EXR"));
+        let error = Image::read(folder.path()).unwrap_err();
         assert_eq!(error.exit_code(), 74);
-        assert_eq!(
-            read(Path::new("nosuch.png"), Encoding::Auto, &|_, _| Ok(())).unwrap_err().exit_code(),
-            74
-        );
+        assert_eq!(Image::read(Path::new("nosuch.png")).unwrap_err().exit_code(), 74);
     }
 }

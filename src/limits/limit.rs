@@ -13,7 +13,7 @@ pub enum Limit {
     Primitives,
     /// Size of a mesh file in bytes.
     MeshBytes,
-    /// Size of a texture in memory in bytes, 12 per pixel.
+    /// Size of a texture in memory in bytes: 4 per pixel if its channels have 8 bits, else 16.
     TextureBytes,
     /// Number of pixels of an image.
     Pixels,

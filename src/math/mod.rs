@@ -38,6 +38,14 @@ pub(crate) fn clamp<R: Real>(x: R, lo: R, hi: R) -> R {
     min(max(x, lo), hi)
 }
 
+/// The integer part of `x`, which is in [0, 2^23).
+#[inline(always)]
+pub(crate) fn whole<R: Real>(x: R) -> R::Word {
+    // In [2^23, 2^24), the lowest bits of a number are those of an integer.
+    const FIRST: f32 = 8_388_608.0;
+    (x.floor() + FIRST).to_bits() & R::Word::splat(0x7F_FFFF)
+}
+
 /// `a[0] + x (a[1] + x (a[2] + …))`.
 #[inline(always)]
 fn polynomial<R: Real, const N: usize>(x: R, a: [f32; N]) -> R {
@@ -54,6 +62,13 @@ pub(crate) const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_parts_are_exact() {
+        for x in [0.0f32, 0.99, 1.0, 77.5, 4096.999, 8_388_606.5, 8_388_607.0] {
+            assert_eq!(whole(x), x as u32);
+        }
+    }
 
     #[test]
     fn min_and_max_take_the_second_argument_on_nan() {

@@ -29,3 +29,9 @@ impl Emission {
         self.radiance != Vec3::ZERO
     }
 }
+
+/// Relative luminance of a linear colour (Rec. 709).
+pub(super) fn luminance(color: Vec3) -> f64 {
+    let [r, g, b] = color.as_dvec3().to_array();
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::budget::Budget;
 use super::place::Element;
 use crate::error::{Error, Result};
-use crate::image::{Encoding, Image};
+use crate::image::{Encoding, Size, Texels};
 use crate::limits::{Limit, Limits, Refused};
 
 /// The path of `file` in `folder`. Returns an error if the file is outside the folder and the
@@ -31,7 +31,7 @@ pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) 
 pub(crate) struct Images<'a> {
     folder: &'a Path,
     budget: &'a Budget,
-    images: HashMap<(PathBuf, Encoding), Arc<Image>>,
+    images: HashMap<(PathBuf, Encoding), Arc<Texels>>,
 }
 
 impl<'a> Images<'a> {
@@ -39,35 +39,34 @@ impl<'a> Images<'a> {
         Self { folder, budget, images: HashMap::new() }
     }
 
-    /// Reads the image in `file` and checks that its pixels are in [0, 1], as albedos are.
-    pub(super) fn albedo_map(
+    /// Reads the image in `file` and checks that its values are finite and not negative.
+    pub(super) fn texels(
         &mut self,
         e: &Element<'_>,
         file: &str,
         encoding: Encoding,
-    ) -> Result<Arc<Image>> {
+    ) -> Result<Arc<Texels>> {
         let path = path(e, self.folder, file, &self.budget.limits)?;
         let key = (path, encoding);
         if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));
         }
         let budget = self.budget;
-        let allow = |pixels: u64, memory: u64| {
-            let bytes = 12 * pixels;
+        let allow = |size: Size| {
+            let bytes = Texels::bytes_of(size);
             let limited = budget.limits.check(Limit::TextureBytes, bytes);
-            limited.and_then(|()| budget.check(memory)).and_then(|()| budget.hold(bytes))
+            limited.and_then(|()| budget.check(size.memory)).and_then(|()| budget.hold(bytes))
         };
-        let image =
-            Image::read_encoded(&key.0, encoding, &allow).map_err(|error| e.error(error))?;
-        let is_albedo = |pixel: &&[f32; 3]| pixel.iter().all(|c| (0.0..=1.0).contains(c));
-        if let Some(bad) = image.pixels().iter().find(|pixel| !is_albedo(pixel)) {
-            let message =
-                format!("{file}: the pixels of a texture must be in [0, 1], but one is {bad:?}");
+        let texels = Texels::read(&key.0, encoding, &allow).map_err(|error| e.error(error))?;
+        if let Some(bad) = texels.unusable() {
+            let message = format!(
+                "{file}: the pixels of a texture must be finite and not negative, but one is {bad:?}"
+            );
             return Err(e.error(message));
         }
-        let image = Arc::new(image);
-        self.images.insert(key, Arc::clone(&image));
-        Ok(image)
+        let texels = Arc::new(texels);
+        self.images.insert(key, Arc::clone(&texels));
+        Ok(texels)
     }
 
     /// The paths of all files that were read.

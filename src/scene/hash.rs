@@ -6,10 +6,10 @@ use glam::Vec3;
 use serde_json::{Value, json};
 
 use super::material::Material;
-use super::texture::Color;
+use super::texture::TextureRef;
 use super::{Camera, Medium, Scene};
 
-/// BLAKE3 over the camera, the background, the primitives with their materials, and the media, in a
+/// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their materials, and the media, in a
 /// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
 pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     let mut hasher = Hasher::new();
@@ -18,7 +18,10 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         // Adding 0 turns −0 into 0, so that both have the same hash.
         hasher.bytes(&(number + 0.0).to_le_bytes());
     }
-    hasher.value(json!(scene.background()));
+    hasher.value(scene.background().identity());
+    if !scene.light_files().is_empty() {
+        hasher.value(json!(scene.light_files()));
+    }
     let materials: Vec<_> =
         scene.materials().iter().map(|material| blake3::hash(&identity(material))).collect();
     for index in 0..scene.geometry().len() as u32 {
@@ -55,11 +58,9 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
 /// The parameters of a material. The content of its textures replaces their names and files.
 fn identity(material: &Material) -> Vec<u8> {
     let mut material = material.clone();
-    for color in material.colors() {
-        if let Color::Texture(texture) = color {
-            let texture = canonical(texture.identity());
-            *color = Color::Named(String::from_utf8(texture).expect("JSON is UTF-8"));
-        }
+    for reference in material.textures() {
+        let texture = canonical(reference.get().identity());
+        *reference = TextureRef::Named(String::from_utf8(texture).expect("JSON is UTF-8"));
     }
     canonical(json!(material))
 }

@@ -37,6 +37,19 @@ impl<R: Real> Interaction<'_, R> {
     pub(crate) fn color(&self, row: (R::Vec3, R)) -> R::Vec3 {
         self.textures.map_or(row.0, |textures| textures.color(row, self))
     }
+
+    /// The number for two words made by [`TextureTables::number`].
+    #[inline(always)]
+    pub(crate) fn number(&self, words: [R; 2]) -> R {
+        self.textures.map_or(words[0], |textures| textures.number_at(words, self))
+    }
+
+    /// As [`number`](Self::number), for two numbers, which are often channels of one texture.
+    #[inline(always)]
+    pub(crate) fn two_numbers(&self, words: [[R; 2]; 2]) -> [R; 2] {
+        let constants = words.map(|[number, _]| number);
+        self.textures.map_or(constants, |textures| textures.two_numbers_at(words, self))
+    }
 }
 
 impl<R: Real> TexturePoint<R> for Interaction<'_, R> {

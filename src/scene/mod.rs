@@ -12,7 +12,7 @@ mod flat;
 mod generate;
 mod hash;
 mod interaction;
-mod light;
+pub mod light;
 mod load;
 mod locate;
 mod looks;
@@ -38,6 +38,7 @@ pub(crate) use camera::CameraFrame;
 pub use description::{CameraFile, RenderDefaults, Sampling, SceneFile};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
+use light::LightFile;
 pub(crate) use light::LightSample;
 pub use load::Source;
 pub(crate) use looks::{Key, Looks};
@@ -86,6 +87,7 @@ struct SceneData {
     materials: Vec<Material>,
     geometry: Arc<Geometry>,
     material_map: MaterialMap,
+    light_files: Vec<LightFile>,
     lights: u32,
     media: Vec<Medium>,
     files: BTreeSet<PathBuf>,
@@ -201,15 +203,20 @@ impl Scene {
         &self.0.material_map
     }
 
-    /// Number of pixels of all textures. A texture that several materials share counts once.
-    pub(crate) fn texels(&self) -> u64 {
+    /// Bytes of all textures. An image that several materials share counts once.
+    pub(crate) fn texture_bytes(&self) -> u64 {
         let mut images: Vec<_> = self.materials().iter().flat_map(Material::images).collect();
         images.sort_unstable_by_key(Arc::as_ptr);
         images.dedup_by_key(|image| Arc::as_ptr(image));
-        images.into_iter().map(|image| image.pixels().len() as u64).sum()
+        images.into_iter().map(|image| image.bytes()).sum()
     }
 
-    /// Number of primitives that emit light.
+    /// The lights that are not primitives.
+    fn light_files(&self) -> &[LightFile] {
+        &self.0.light_files
+    }
+
+    /// Number of lights: primitives that emit light, other lights, and an environment map.
     pub fn lights(&self) -> u32 {
         self.0.lights
     }

@@ -29,6 +29,8 @@ impl SceneTables {
         let mut lights = LightsBuilder::default();
         let shine = |primitive, emission| lights.push(geometry.get(primitive), emission);
         let looks = Looks::new(scene, &mut materials, &mut textures, shine);
+        scene.light_files().iter().for_each(|light| lights.push_free(light));
+        lights.push_background(scene.background());
         let media = Media::new(scene.media(), looks.first_medium());
         let surfaces = Surfaces::new(geometry);
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }

@@ -44,7 +44,7 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<SceneFile> {
         Color::Rgb([0.5; 3])
     } else {
         scene.add_texture("colors", VertexColor {});
-        Color::Named("colors".to_owned())
+        "colors".into()
     };
     scene.add_material("surface", Lambertian::new(albedo));
     let name = path.file_name().unwrap_or_default().to_string_lossy();

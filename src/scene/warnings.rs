@@ -1,7 +1,7 @@
 //! Reasons why the picture of a valid scene may be black or incomplete.
 
+use super::Scene;
 use super::material::Sides;
-use super::{Background, Scene};
 use crate::geometry::Primitive;
 use crate::math::length;
 
@@ -15,7 +15,7 @@ impl Scene {
         }
         if self.lights() == 0 && self.background().is_black() {
             let message =
-                "the picture will be black: no material emits light, and the background is black";
+                "the picture will be black: nothing emits light, and the background is black";
             warnings.push(message.to_owned());
         }
         warnings.extend(self.sphere_around_camera().map(|(primitive, material)| {
@@ -37,15 +37,6 @@ impl Scene {
     }
 }
 
-impl Background {
-    fn is_black(&self) -> bool {
-        match *self {
-            Self::Constant { radiance } => radiance == [0.0; 3],
-            Self::Gradient { bottom, top } => (bottom, top) == ([0.0; 3], [0.0; 3]),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use crate::scene::Scene;
@@ -62,7 +53,7 @@ mod tests {
         };
         assert!(warnings(&format!("({camera}, {sky})")).contains("no primitives"));
         let grey = sphere("lambertian(albedo: (1, 1, 1))");
-        assert!(warnings(&format!("({camera}, {grey})")).contains("no material emits"));
+        assert!(warnings(&format!("({camera}, {grey})")).contains("nothing emits light"));
         assert!(warnings(&format!("({camera}, {sky}, {grey})")).contains("inside primitive 0"));
         for open in ["dielectric(ior: 1.5)", "light(radiance: (1, 1, 1), sides: both)"] {
             assert_eq!(warnings(&format!("({camera}, {sky}, {})", sphere(open))), "", "{open}");

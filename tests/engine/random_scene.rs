@@ -1,14 +1,17 @@
 //! Random scenes that mix all features of scene files.
 
 use ptfast::internals::{Stream, min};
+use ptfast::light::{Distant, EnvironmentMap, LightFile, Mapping, Point, Spot};
 use ptfast::material::{
-    Conductor, Dielectric, Diffuse, Fresnel, Lambertian, Light, Material, Metal, RoughDielectric,
-    Sides,
+    Conductor, Dielectric, Diffuse, DiffuseTransmission, Fresnel, Lambertian, Light, Material,
+    Metal, Principled, RoughDielectric, Sides,
 };
 use ptfast::primitive::{
     BoxFile, InstanceFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile,
 };
-use ptfast::texture::{Checker, Color, Image, Solid, Texture, VertexColor};
+use ptfast::texture::{
+    Channel, Checker, Color, Filter, Image, Number, Solid, Texture, VertexColor, Wrap,
+};
 use ptfast::{
     Background, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling, SceneFile,
 };
@@ -109,6 +112,8 @@ impl Maker {
             .extend((0..instances).map(|_| self.instance(meshes, materials.len() as u64).into()));
         let mut scene = SceneFile::new(self.camera());
         scene.background = self.background();
+        let lights = if self.one_in(3) { 1 + self.below(4) } else { 0 };
+        scene.lights = (0..lights).map(|_| self.light()).collect();
         scene.render.width = 1 + self.below(20) as u32;
         scene.render.height = 1 + self.below(20) as u32;
         scene.render.spp = 1 + self.below(20) as u32;
@@ -149,10 +154,38 @@ impl Maker {
     }
 
     fn background(&mut self) -> Background {
-        match self.below(3) {
+        match self.below(4) {
             0 => Background::Constant { radiance: [0.0; 3] },
-            1 => Background::Constant { radiance: self.vector(0.0, 2.0) },
+            1 => {
+                let mut map = EnvironmentMap::from_file("tests/data/sky.pfm");
+                map.rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-180.0, 180.0) };
+                map.scale = self.0.between(0.0, 0.5);
+                map.compensated = self.one_in(2);
+                if self.one_in(2) {
+                    map.file = "tests/data/square.pfm".to_owned();
+                    map.mapping = Mapping::EqualArea;
+                }
+                Background::Image(map)
+            }
+            2 => Background::Constant { radiance: self.vector(0.0, 2.0) },
             _ => Background::Gradient { bottom: self.vector(0.0, 1.0), top: self.vector(0.0, 1.0) },
+        }
+    }
+
+    fn light(&mut self) -> LightFile {
+        let position = self.vector(-4.0, 4.0);
+        match self.below(3) {
+            0 => Point { position, intensity: self.vector(0.0, 20.0) }.into(),
+            1 => {
+                let (inner, outer) = (self.0.between(0.0, 30.0), self.0.between(31.0, 180.0));
+                let (look_at, intensity) = (self.vector(-1.0, 1.0), self.vector(0.0, 20.0));
+                Spot { position, look_at, intensity, inner, outer }.into()
+            }
+            _ => {
+                let angle = if self.one_in(2) { 0.0 } else { self.0.between(0.0, 20.0) };
+                let (direction, irradiance) = (self.vector(-1.0, 1.0), self.vector(0.0, 5.0));
+                Distant { direction, irradiance, angle }.into()
+            }
         }
     }
 
@@ -167,6 +200,15 @@ impl Maker {
             _ => {
                 let mut image = Image::from_file("tests/data/picture.png");
                 image.uv = self.below(2) as u32;
+                let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+                image.wrap_u = wraps[self.below(3) as usize];
+                image.wrap_v = wraps[self.below(3) as usize];
+                image.filter = if self.one_in(3) { Filter::Nearest } else { Filter::Bilinear };
+                if self.one_in(2) {
+                    image.rotation = self.0.between(-180.0, 180.0);
+                    image.scale = (self.0.between(-3.0, 3.0), self.0.between(0.1, 3.0));
+                    image.offset = (self.0.between(-2.0, 2.0), self.0.between(-2.0, 2.0));
+                }
                 image.into()
             }
         }
@@ -176,29 +218,54 @@ impl Maker {
         match self.below(2 + textures) {
             0 if self.one_in(4) => [0.0; 3].into(),
             0 | 1 => self.vector(0.0, 1.0).into(),
-            i => Color::Named(format!("t{}", i - 2)),
+            i => {
+                let factor = if self.one_in(2) { [1.0; 3] } else { self.vector(0.0, 1.0) };
+                Color::Texture { texture: format!("t{}", i - 2).as_str().into(), factor }
+            }
+        }
+    }
+
+    /// A number in [0, 1].
+    fn number(&mut self, textures: u64) -> Number {
+        match self.below(4 + textures) {
+            0 => 0.0.into(),
+            1..4 => self.0.uniform().into(),
+            i => {
+                let channels = [Channel::R, Channel::G, Channel::B, Channel::A];
+                let channel = channels[self.below(4) as usize];
+                let texture = format!("t{}", i - 4).as_str().into();
+                Number::Texture { texture, channel, factor: self.0.uniform() }
+            }
         }
     }
 
     fn material(&mut self, textures: u64) -> Material {
         let mut material = self.plain_material(textures);
-        let normal = self.one_in(3).then(|| Box::new(Color::Named("bumps".to_owned())));
+        let normal = self.one_in(3).then(|| "bumps".into());
         match &mut material {
             Material::Lambertian(lambertian) => lambertian.normal = normal,
             Material::Metal(metal) => metal.normal = normal,
             Material::Conductor(conductor) => conductor.normal = normal,
+            Material::Principled(principled) => principled.normal = normal,
             _ => {}
         }
         material
     }
 
     fn plain_material(&mut self, textures: u64) -> Material {
-        match self.below(8) {
+        match self.below(11) {
+            10 => {
+                let mut leaf =
+                    DiffuseTransmission::new(self.albedo(textures), self.albedo(textures));
+                leaf.scale = self.0.between(0.0, 0.5);
+                leaf.into()
+            }
+            8 | 9 => self.principled(textures).into(),
             0 => Diffuse { albedo: self.albedo(textures) }.into(),
             1 | 2 => Lambertian::new(self.albedo(textures)).into(),
             3 => {
                 let albedo = self.albedo(textures);
-                Metal::new(albedo, if self.one_in(3) { 0.0 } else { self.0.uniform() }).into()
+                Metal::new(albedo, self.number(textures)).into()
             }
             4 => {
                 let ior = self.0.between(1.0, 2.5);
@@ -211,8 +278,7 @@ impl Maker {
             }
             6 => {
                 let (eta, k) = (self.vector(0.0, 2.0), self.vector(0.1, 5.0));
-                let alpha = if self.one_in(3) { 0.0 } else { self.0.between(0.001, 1.0) };
-                Conductor::new(eta, k, alpha).into()
+                Conductor::new(eta, k, self.number(textures)).into()
             }
             _ => {
                 let radiance = if self.one_in(6) { [0.0; 3] } else { self.vector(0.0, 8.0) };
@@ -220,6 +286,32 @@ impl Maker {
                 Light { radiance, sides }.into()
             }
         }
+    }
+
+    fn principled(&mut self, textures: u64) -> Principled {
+        let mut principled = Principled::default();
+        principled.base_color = self.albedo(textures);
+        principled.roughness = self.number(textures);
+        if self.one_in(2) {
+            principled.metalness = self.number(textures);
+            principled.specular = self.number(textures);
+        }
+        if self.one_in(2) {
+            principled.transmission = self.number(textures);
+            principled.ior = self.0.between(1.02, 3.0);
+            principled.thin = self.one_in(3);
+            principled.attenuation_color = self.vector(0.1, 1.0);
+            principled.attenuation_distance = self.0.between(0.1, 4.0);
+        }
+        if self.one_in(2) {
+            principled.coat = self.number(textures);
+            principled.coat_roughness = self.number(textures);
+            principled.coat_color = self.vector(0.0, 1.0);
+        }
+        if self.one_in(6) {
+            principled.emission = self.vector(0.0, 3.0);
+        }
+        principled
     }
 
     fn primitive(&mut self, materials: u64) -> PrimitiveFile {

@@ -9,9 +9,10 @@ use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
-    Bsdf, Conductor, Diffuse, Lambertian, Material, MaterialModel, MaterialTable, MaterialVisitor,
-    Metal, RoughDielectric, Scatter,
+    Bsdf, Conductor, Diffuse, DiffuseTransmission, Lambertian, Material, MaterialModel,
+    MaterialTable, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
 };
+use crate::scene::texture::{Color, Number};
 use crate::scene::{Interaction, Isotropic, MaterialTables};
 
 /// Scattering by a surface or a medium, with the type of its BSDF erased.
@@ -94,7 +95,12 @@ fn cases() -> Vec<Case> {
     let frosted = |ior, alpha| {
         (format!("rough_dielectric {ior} {alpha}"), RoughDielectric { ior, alpha }.into())
     };
-    let materials: [(String, Material); 12] = [
+    let principled = |name: &str, edit: fn(&mut Principled)| {
+        let mut material = Principled { base_color: ALBEDO.into(), ..Principled::default() };
+        edit(&mut material);
+        (format!("principled {name}"), material.into())
+    };
+    let materials: [(String, Material); 21] = [
         ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
         ("lambertian".to_owned(), Lambertian::new(ALBEDO).into()),
         metal(0.1),
@@ -107,6 +113,24 @@ fn cases() -> Vec<Case> {
         frosted(1.5, 0.5),
         frosted(1.5, 1.0),
         frosted(0.7, 0.3),
+        (
+            "diffuse_transmission".to_owned(),
+            DiffuseTransmission::new([0.5, 0.3, 0.2], [0.3, 0.6, 0.1]).into(),
+        ),
+        principled("plastic", |_| ()),
+        principled("rough plastic", |p| p.roughness = 1.0.into()),
+        principled("metal", |p| (p.metalness, p.roughness) = (1.0.into(), 0.4.into())),
+        principled("half metal", |p| (p.metalness, p.specular) = (0.5.into(), 0.3.into())),
+        principled("coated", |p| {
+            (p.coat, p.coat_roughness, p.coat_color) = (0.8.into(), 0.4.into(), [0.9, 0.8, 0.7]);
+            p.roughness = 0.8.into();
+        }),
+        principled("glass", |p| p.transmission = 1.0.into()),
+        principled("thin glass", |p| (p.transmission, p.thin) = (1.0.into(), true)),
+        principled("milky, coated glass", |p| {
+            (p.transmission, p.coat, p.coat_roughness) = (0.5.into(), 0.5.into(), 0.5.into());
+            (p.attenuation_color, p.attenuation_distance) = ([0.5, 0.6, 0.9], 2.0);
+        }),
     ];
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));
     let mut cases = Vec::new();
@@ -114,7 +138,7 @@ fn cases() -> Vec<Case> {
         for cos in [0.99f32, 0.6, 0.15] {
             let sin = (1.0 - cos * cos).sqrt();
             let direction = -Frame::new(normal).world(Vec3::new(0.6 * sin, 0.8 * sin, cos));
-            let glass = matches!(material, Material::RoughDielectric(_));
+            let glass = material.transmits();
             for front in [true, false] {
                 if !front && !glass {
                     continue;
@@ -194,8 +218,17 @@ fn weights_are_what_is_scattered() {
 fn scattering_is_reciprocal() {
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));
     let frame = Frame::new(normal);
-    for alpha in [0.1, 0.4, 1.0] {
-        for material in [conductor(alpha), RoughDielectric { ior: 1.5, alpha }.into()] {
+    for alpha in [0.1f32, 0.4, 1.0] {
+        let roughness: Number = alpha.sqrt().into();
+        let base_color = Color::from(ALBEDO);
+        let plastic = Principled { roughness, base_color, ..Principled::default() };
+        let coat = Principled { coat: 0.7.into(), coat_roughness: 0.5.into(), ..plastic.clone() };
+        let glass = Principled { transmission: 0.6.into(), ..plastic.clone() };
+        let opaque = [conductor(alpha), plastic.into(), coat.into()];
+        let glasses = [RoughDielectric { ior: 1.5, alpha }.into(), glass.into()];
+        for (material, transmits) in
+            opaque.map(|m| (m, false)).into_iter().chain(glasses.map(|m| (m, true)))
+        {
             let f = |from: Vec3, to: Vec3, front: bool| {
                 let normal = if front { normal } else { -normal };
                 let bsdf = scattering(&material, -from, normal, front);
@@ -209,7 +242,7 @@ fn scattering_is_reciprocal() {
                 let (a, b) = (upwards(u, v), upwards(s, t));
                 let (there, back) = (f(a, b, true), f(b, a, true));
                 assert!((there - back).abs() < 1e-3 * (there + back) + 1e-6, "{there} {back}");
-                if matches!(material, Material::RoughDielectric(_)) {
+                if transmits {
                     // Radiance is not scaled, so f of a path that enters the glass from above is η²
                     // times f of the reversed path.
                     let (down, up) = (f(a, -b, true), f(-b, a, false));

@@ -3,7 +3,9 @@
 use glam::Vec3;
 
 use super::intersect::Intersect;
-use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH, power_heuristic};
+use crate::engine::contract::{
+    ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic,
+};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
 use crate::geometry::{Hit, Ray, Shape, Surface};
@@ -84,7 +86,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
-                path.radiance += path.beta * self.scene.background().radiance(|| ray.direction);
+                path.radiance += path.beta * self.background(path);
                 self.endings.background += 1;
                 false
             }
@@ -159,7 +161,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let time = path.ray.time;
         let light = self.tables.lights.choose(randoms);
         let sample = light.sample(surface.spawn(normal), time, randoms.two(Dimension::LIGHT));
-        let emitted = light.radiance(sample.front);
+        let emitted = light.radiance(sample.front) * sample.tint;
         if !sample.visible || emitted == Vec3::ZERO {
             return None;
         }
@@ -177,11 +179,23 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         }
         let pdf = sample.pdf * light.chance();
         let weight = match self.settings.sampling {
-            Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
+            Sampling::Mis if !light.unseen() => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
         };
         let crossing = self.tables.media.transmittance(&shadow, sample.distance);
         Some(f_cos * emitted * (weight / pdf * crossing))
+    }
+
+    /// Returns the radiance that arrives along `path` from outside the scene, times its weight.
+    fn background(&self, path: &Path) -> Vec3 {
+        let direction = path.ray.direction;
+        let Some((map, light)) = self.tables.lights.environment::<f32>() else {
+            return self.scene.background().radiance(|| direction);
+        };
+        let (radiance, pdf) = map.look::<f32>(direction);
+        let light_pdf = || pdf * light.chance();
+        let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
+        radiance * light.radiance(true) * weight
     }
 
     /// Returns the radiance that the surface at the end of the segment emits towards `path`, and
@@ -192,14 +206,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             return (Vec3::ZERO, 1.0);
         }
         let light = self.tables.lights.get::<f32>(light);
-        let weight = match self.settings.sampling {
-            _ if path.pdf == SPECULAR => 1.0,
-            Sampling::Bsdf => 1.0,
-            Sampling::Light => 0.0,
-            Sampling::Mis => {
-                power_heuristic(path.pdf, light.pdf(&path.ray, hit.t) * light.chance())
-            }
-        };
+        let light_pdf = || light.pdf(&path.ray, hit.t) * light.chance();
+        let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
         (light.radiance(front), weight)
     }
 }

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+use super::light::LightFile;
 use super::material::Material;
 use super::medium::MediumFile;
 use super::named::Named;
@@ -37,6 +38,9 @@ pub struct SceneFile {
     /// The primitives, and groups of primitives.
     #[serde(default)]
     pub primitives: Vec<PrimitiveFile>,
+    /// Lights that are not primitives.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<LightFile>,
     /// Participating media, which must not overlap.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub media: Vec<MediumFile>,
@@ -53,6 +57,7 @@ impl SceneFile {
             materials: Named::default(),
             meshes: Named::default(),
             primitives: Vec::new(),
+            lights: Vec::new(),
             media: Vec::new(),
         }
     }

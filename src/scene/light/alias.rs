@@ -1,6 +1,7 @@
 //! Weighted random choice in constant time, with integers only (the alias method, Walker 1974; the
 //! table is built as in Vose 1991).
 
+use super::shares::shares;
 use crate::math::{Mask, Real, Row, Word};
 
 /// A table that maps 32 random bits to an entry. Each entry is chosen by exactly
@@ -18,7 +19,7 @@ pub(crate) struct AliasTable {
 impl AliasTable {
     /// Builds the table for at most 2^31 weights, which must be finite, non-negative and not all 0.
     ///
-    /// Every entry receives a share of at least 1, even if its weight is 0.
+    /// Every entry whose weight is not 0 receives a share of at least 1.
     ///
     /// # Panics
     /// If `weights` is empty.
@@ -27,7 +28,7 @@ impl AliasTable {
         // At least two cells, so that a position within a cell needs fewer than 32 bits.
         let count = weights.len().next_power_of_two().max(2);
         let rest = 32 - count.ilog2();
-        let shares = shares(weights);
+        let shares = shares(weights, 1 << 32);
         let size = 1u64 << rest;
         let mut left: Vec<u64> =
             shares.iter().copied().chain(std::iter::repeat(0)).take(count).collect();
@@ -66,22 +67,6 @@ impl AliasTable {
     }
 }
 
-/// Splits 2^32 in proportion to `weights` into parts of at least 1.
-fn shares(weights: &[f64]) -> Vec<u64> {
-    let all = 1u64 << 32;
-    let total: f64 = weights.iter().sum();
-    let (mut sum, mut end) = (0.0, 0);
-    let share = |(index, weight): (usize, &f64)| {
-        sum += weight;
-        let after = (weights.len() - 1 - index) as u64;
-        let begin = end;
-        let wanted = (sum / total * all as f64).round() as u64;
-        end = if after == 0 { all } else { wanted.clamp(begin + 1, all - after) };
-        end - begin
-    };
-    weights.iter().enumerate().map(share).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,7 +102,7 @@ mod tests {
             let total: f64 = weights.iter().sum();
             for (entry, counted) in counted(&table).into_iter().enumerate() {
                 let share = u64::from(table.share(entry as u32));
-                assert!(share == counted && share > 0, "{entry} of {count}");
+                assert!(share == counted && (share > 0) == (weights[entry] > 0.0), "{entry}");
                 let want = weights[entry] / total * 4_294_967_296.0;
                 // The sums are rounded, and each entry without weight shifts the others by one.
                 assert!((share as f64 - want).abs() <= 2.0 + count as f64, "{share} {want}");

@@ -3,11 +3,17 @@
 //! The list in `lights!` generates the kinds, the tables and the dispatch.
 
 mod alias;
+mod distant;
+mod environment;
+mod file;
+mod point;
 mod quad;
 mod sample;
+mod shares;
 mod sphere;
 mod spherical_rectangle;
 mod spherical_triangle;
+mod spot;
 mod triangle;
 
 use std::fmt::Debug;
@@ -15,8 +21,17 @@ use std::fmt::Debug;
 use glam::Vec3;
 
 use self::alias::AliasTable;
+pub use self::distant::Distant;
+pub(crate) use self::environment::Environment;
+pub use self::environment::Mapping;
+pub use self::file::LightFile;
+use self::file::{FreeLight, FreeLightModel};
+pub use self::point::Point;
 pub(crate) use self::sample::LightSample;
-use super::emission::{Emission, Sides};
+pub use self::spot::Spot;
+use super::background::Background;
+pub use super::background::EnvironmentMap;
+use super::emission::{Emission, Sides, luminance};
 use crate::geometry::{Primitive, Ray};
 use crate::math::{Mask, Real, Row, Vector, Word, row};
 use crate::sampler::{Dimension, Randoms};
@@ -24,10 +39,15 @@ use crate::sampler::{Dimension, Randoms};
 /// A kind of light. The implementing type is an entry in the table of that kind.
 ///
 /// Samples are uniform in the light's solid angle whenever that can be computed.
-pub(crate) trait LightModel: Copy + Debug {
+pub(crate) trait LightModel: Debug + Sized {
+    /// Whether only light samples find lights of this kind: no path can hit them.
+    const UNSEEN: bool = false;
+
     /// Returns the primitive as a light of this kind, and its area. Returns `None` if the primitive
     /// has another shape. Kinds of lights that are not primitives always return `None`.
-    fn of(primitive: Primitive) -> Option<(Self, f64)>;
+    fn of(_primitive: Primitive) -> Option<(Self, f64)> {
+        None
+    }
 
     /// Samples directions from `from` to the entries at `index`.
     fn sample<R: Real>(
@@ -92,6 +112,7 @@ macro_rules! lights {
                     direction: from,
                     distance: R::ZERO,
                     pdf: R::ZERO,
+                    tint: R::Vec3::gray(R::ONE),
                     front: R::Mask::NONE,
                     visible: R::Mask::NONE,
                 };
@@ -122,6 +143,16 @@ macro_rules! lights {
                 )*
                 pdf
             }
+
+            /// Returns which of the lights only light samples find.
+            #[inline(always)]
+            pub(crate) fn unseen(&self) -> R::Mask {
+                let mut unseen = R::Mask::NONE;
+                $(if $module::$name::UNSEEN {
+                    unseen = unseen | self.is(LightKind::$name);
+                })*
+                unseen
+            }
         }
     };
 }
@@ -130,14 +161,21 @@ lights! {
     SphereLight in sphere,
     QuadLight in quad,
     TriangleLight in triangle,
+    PointLight in point,
+    SpotLight in spot,
+    DistantLight in distant,
+    Environment in environment,
 }
 
-/// The lights of a scene, in the order of their primitives.
+/// The lights of a scene: those of primitives in their order, then those of the list of lights, then
+/// the environment map.
 #[derive(Debug, Default)]
 pub(crate) struct Lights {
     rows: Vec<LightRows>,
     tables: LightTables,
     choice: Option<AliasTable>,
+    /// Index of the environment map.
+    environment: Option<u32>,
 }
 
 /// A chosen light, or one per lane.
@@ -153,7 +191,8 @@ pub(crate) struct Chosen<'a, R: Real> {
 #[derive(Default)]
 pub(super) struct LightsBuilder {
     lights: Lights,
-    powers: Vec<f64>,
+    /// The power of each light, or `None` for light from outside the scene.
+    powers: Vec<Option<f64>>,
 }
 
 impl LightsBuilder {
@@ -162,15 +201,62 @@ impl LightsBuilder {
         let Emission { radiance, sides } = emission;
         let (kind, place, area) = self.lights.tables.push(primitive);
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
-        let flags = (kind as u32) << KIND_SHIFT | one_sided;
-        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, place, 0, 0]]);
-        self.powers.push(power(radiance, sides, area));
+        let faces = if sides == Sides::Both { 2.0 } else { 1.0 };
+        let power = luminance(radiance) * area * faces;
+        self.add(kind, place as usize, radiance, one_sided, Some(power));
     }
 
+    /// Adds a light that is not a primitive, unless it is black.
+    pub(super) fn push_free(&mut self, light: &LightFile) {
+        let tables = &mut self.lights.tables;
+        let (kind, place, FreeLight { radiance, power }) = match light {
+            LightFile::Point(light) => file::push(light, LightKind::PointLight, &mut tables.point),
+            LightFile::Spot(light) => file::push(light, LightKind::SpotLight, &mut tables.spot),
+            LightFile::Distant(light) => {
+                file::push(light, LightKind::DistantLight, &mut tables.distant)
+            }
+        };
+        if radiance != Vec3::ZERO {
+            self.add(kind, place, radiance, 0, power);
+        }
+    }
+
+    /// Adds the environment map, if the background is one and is not black.
+    pub(super) fn push_background(&mut self, background: &Background) {
+        if let Background::Image(map) = background
+            && let Some(light) = Environment::new(map)
+        {
+            self.lights.environment = Some(self.powers.len() as u32);
+            self.lights.tables.environment.push(light);
+            self.add(LightKind::Environment, 0, Vec3::splat(map.scale), 0, None);
+        }
+    }
+
+    /// Adds the row of a light whose entry is at `place` in the table of its kind.
+    fn add(
+        &mut self,
+        kind: LightKind,
+        place: usize,
+        radiance: Vec3,
+        flags: u32,
+        power: Option<f64>,
+    ) {
+        let flags = (kind as u32) << KIND_SHIFT | flags;
+        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, place as u32, 0, 0]]);
+        // Above 0 even for the dimmest light.
+        self.powers.push(power.map(|power| if power > 1e-300 { power } else { 1e-300 }));
+    }
+
+    /// Chooses the probabilities of the lights: in proportion to their power, but each light from
+    /// outside, whose power depends on the size of the scene, is as probable as all others together.
     pub(super) fn finish(self) -> Lights {
         let Self { mut lights, powers } = self;
         if !powers.is_empty() {
-            let table = AliasTable::new(&powers);
+            let inside: f64 = powers.iter().flatten().sum();
+            let outside = if inside > 0.0 { inside } else { 1.0 };
+            let weights: Vec<f64> =
+                powers.into_iter().map(|power| power.unwrap_or(outside)).collect();
+            let table = AliasTable::new(&weights);
             for ([_, chance], index) in lights.rows.iter_mut().zip(0..) {
                 chance[0] = (table.share(index) as f32 * (1.0 / 4_294_967_296.0)).to_bits();
             }
@@ -198,6 +284,20 @@ impl Lights {
             }
             _ => self.get(R::Word::splat(0)),
         }
+    }
+
+    /// Returns the environment map and its light.
+    #[inline(always)]
+    pub(crate) fn environment<R: Real>(&self) -> Option<(&Environment, Chosen<'_, R>)> {
+        let light = self.get(R::Word::splat(self.environment?));
+        Some((&self.tables.environment[0], light))
+    }
+
+    /// Whether there are lights that only light samples find.
+    #[inline(always)]
+    pub(crate) fn has_unseen(&self) -> bool {
+        let tables = &self.tables;
+        !(tables.point.is_empty() && tables.spot.is_empty() && tables.distant.is_empty())
     }
 
     /// Returns the lights at the indices `light`.
@@ -240,13 +340,4 @@ impl<R: Real> Chosen<'_, R> {
         let one_sided = (self.flags & R::Word::splat(FRONT_ONLY)).eq(R::Word::splat(FRONT_ONLY));
         (one_sided & !front).select(R::Vec3::zero(), self.emission)
     }
-}
-
-/// Returns the relative power of a light: the luminance (Rec. 709) of its radiance, times its area
-/// and the number of sides that emit. It is above 0 even for the dimmest light.
-fn power(radiance: Vec3, sides: Sides, area: f64) -> f64 {
-    let [r, g, b] = radiance.as_dvec3().to_array();
-    let sides = if sides == Sides::Both { 2.0 } else { 1.0 };
-    let power = (0.2126 * r + 0.7152 * g + 0.0722 * b) * area * sides;
-    if power > 1e-300 { power } else { 1e-300 }
 }

@@ -1,6 +1,6 @@
 //! Light samples, and the sampling of flat lights.
 
-use crate::math::{Mask, Real, Select, dot};
+use crate::math::{Mask, Real, Select, Vector, dot};
 
 /// A sampled direction from a point to a light.
 #[derive(Clone, Copy)]
@@ -11,6 +11,8 @@ pub(crate) struct LightSample<R: Real> {
     pub(crate) distance: R,
     /// Density of the direction per unit solid angle.
     pub(crate) pdf: R,
+    /// Factor of the light's radiance in this direction.
+    pub(crate) tint: R::Vec3,
     /// Whether the direction hits the light's front side.
     pub(crate) front: R::Mask,
     /// Whether the light can be visible at all. If not, the other fields are meaningless.
@@ -24,6 +26,7 @@ impl<R: Real> Select<R::Mask> for LightSample<R> {
             direction: mask.select(yes.direction, no.direction),
             distance: mask.select(yes.distance, no.distance),
             pdf: mask.select(yes.pdf, no.pdf),
+            tint: mask.select(yes.tint, no.tint),
             front: mask.select(yes.front, no.front),
             visible: mask.select(yes.visible, no.visible),
         }
@@ -56,6 +59,7 @@ impl<R: Real> Plane<R> {
             direction,
             distance,
             pdf,
+            tint: R::Vec3::gray(R::ONE),
             front: slope.lt(R::ZERO),
             visible: positive(distance) & positive(pdf),
         }

@@ -6,7 +6,7 @@ use super::LightModel;
 use super::sample::LightSample;
 use crate::geometry::{Primitive, Ray, sphere_distance};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
-use crate::math::{Mask, Real, Row, dot, length, normalize, row};
+use crate::math::{Mask, Real, Row, Vector, dot, length, normalize, row};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SphereLight {
@@ -78,7 +78,8 @@ impl LightModel for SphereLight {
         // point nearest to the centre.
         let distance = hit.select(t, dot(cone.to_center, direction));
         let (pdf, front) = (cone.pdf(), cone.outside);
-        LightSample { direction, distance, pdf, front, visible: R::Mask::ALL }
+        let tint = R::Vec3::gray(R::ONE);
+        LightSample { direction, distance, pdf, tint, front, visible: R::Mask::ALL }
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, 
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::{Color, TextureTables};
+use crate::scene::texture::{Number, TextureRef, TextureTables};
 
 /// A metal with a complex index of refraction, smooth or with GGX microfacets.
 ///
@@ -25,41 +25,43 @@ pub struct Conductor {
     /// Imaginary part of the index per channel, 0 to 100. Must be at least 0.001 in channels whose
     /// `eta` is below 0.001.
     pub k: [f32; 3],
-    /// GGX roughness α: 0 (mirror), or 0.001 to 1.
-    #[serde(default)]
-    pub alpha: f32,
+    /// GGX roughness α, 0 to 1, or a texture. Below 0.001, the metal is a mirror.
+    #[serde(default = "Number::zero")]
+    pub alpha: Number,
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal: Option<Box<Color>>,
+    pub normal: Option<TextureRef>,
 }
 
 impl Conductor {
     /// Creates the material without a normal map.
-    pub fn new(eta: [f32; 3], k: [f32; 3], alpha: f32) -> Self {
-        Self { eta, k, alpha, normal: None }
+    pub fn new(eta: [f32; 3], k: [f32; 3], alpha: impl Into<Number>) -> Self {
+        Self { eta, k, alpha: alpha.into(), normal: None }
     }
 }
 
+/// Smallest α of a rough metal.
+const LEAST_ALPHA: f32 = 0.001;
+
 impl MaterialModel for Conductor {
-    /// (`eta`, `alpha`), (`k`, 0).
+    /// `eta` and `k`, each with a word of `alpha`.
     type Entry = [Row; 2];
     type Bsdf<R: Real> = ConductorBsdf<R>;
 
     const GLOSSY: bool = true;
     const TEXTURED: bool = true;
 
-    fn colors(&mut self) -> Vec<&mut Color> {
-        self.normal.as_deref_mut().into_iter().collect()
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.alpha.reference().into_iter().chain(&mut self.normal).collect()
     }
 
-    fn normal(&self) -> Option<&Color> {
-        self.normal.as_deref()
+    fn normal(&self) -> Option<&TextureRef> {
+        self.normal.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
-        let Self { eta, k, alpha, .. } = *self;
-        let smooth_or_rough = alpha == 0.0 || (0.001..=1.0).contains(&alpha);
-        e.check(smooth_or_rough, "alpha", "0 or in [0.001, 1]", alpha)?;
+        let Self { eta, k, .. } = *self;
+        self.alpha.check(e, "alpha", 0.0..=1.0)?;
         e.color("eta", eta, 100.0)?;
         e.color("k", k, 100.0)?;
         // If both are 0, the Fresnel equations yield 0/0 at normal incidence.
@@ -67,8 +69,9 @@ impl MaterialModel for Conductor {
         e.check(known, "k", "at least 0.001 in channels whose eta is below 0.001", k)
     }
 
-    fn entry(&self, _: &mut TextureTables) -> [Row; 2] {
-        [row(Vec3::from(self.eta), self.alpha), row(Vec3::from(self.k), 0.0)]
+    fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
+        let [alpha, code] = textures.number(&self.alpha).map(f32::from_bits);
+        [row(Vec3::from(self.eta), alpha), row(Vec3::from(self.k), code)]
     }
 
     #[inline(always)]
@@ -78,7 +81,9 @@ impl MaterialModel for Conductor {
         at: &Interaction<'_, R>,
     ) -> ConductorBsdf<R> {
         let (eta, alpha) = R::gather(table, index, |entry| &entry[0]);
-        let (k, _) = R::gather(table, index, |entry| &entry[1]);
+        let (k, code) = R::gather(table, index, |entry| &entry[1]);
+        let alpha = at.number([alpha, code]);
+        let alpha = alpha.lt(R::splat(LEAST_ALPHA)).select(R::ZERO, alpha);
         let (frame, ggx) = (Frame::new(at.shading), Ggx { alpha });
         let wo = frame.local(-at.ray.direction);
         ConductorBsdf { frame, wo, eta, k, ggx, bound: ggx.bound(wo) }

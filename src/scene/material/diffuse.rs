@@ -11,7 +11,7 @@ use crate::math::{Mask, Real, Row, dot};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::{Color, TextureTables};
+use crate::scene::texture::{Color, TextureRef, TextureTables};
 
 /// A surface that scatters light uniformly over the hemisphere: f·cos θ = ρ/2π.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,8 +28,8 @@ impl MaterialModel for Diffuse {
 
     const TEXTURED: bool = true;
 
-    fn colors(&mut self) -> Vec<&mut Color> {
-        vec![&mut self.albedo]
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.albedo.reference().into_iter().collect()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::math::Real;
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::{Color, TextureTables};
+use crate::scene::texture::{TextureRef, TextureTables};
 
 /// A Lambertian surface that emits light on both sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,8 +29,8 @@ impl MaterialModel for Glow {
 
     const TEXTURED: bool = true;
 
-    fn colors(&mut self) -> Vec<&mut Color> {
-        self.base.colors()
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.base.textures()
     }
 
     fn emission(&self) -> Option<Emission> {

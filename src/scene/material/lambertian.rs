@@ -11,7 +11,7 @@ use crate::math::{Mask, Real, Row, dot};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::{Color, TextureTables};
+use crate::scene::texture::{Color, TextureRef, TextureTables};
 
 /// A matte surface that follows Lambert's law: f = ρ/π, sampled in proportion to the cosine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,7 +22,7 @@ pub struct Lambertian {
     pub albedo: Color,
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal: Option<Box<Color>>,
+    pub normal: Option<TextureRef>,
 }
 
 impl Lambertian {
@@ -39,12 +39,12 @@ impl MaterialModel for Lambertian {
 
     const TEXTURED: bool = true;
 
-    fn colors(&mut self) -> Vec<&mut Color> {
-        [Some(&mut self.albedo), self.normal.as_deref_mut()].into_iter().flatten().collect()
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.albedo.reference().into_iter().chain(&mut self.normal).collect()
     }
 
-    fn normal(&self) -> Option<&Color> {
-        self.normal.as_deref()
+    fn normal(&self) -> Option<&TextureRef> {
+        self.normal.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

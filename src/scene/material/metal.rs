@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
 use crate::error::Result;
 use crate::math::warp::uniform_ball;
-use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect, row};
+use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::{Color, TextureTables};
+use crate::scene::texture::{Color, Number, TextureRef, TextureTables};
 
 /// A mirror that offsets the reflected direction by `fuzz` times a uniformly distributed
 /// random point of the unit ball. Paths whose direction then points below the surface are absorbed.
@@ -21,50 +21,57 @@ use crate::scene::texture::{Color, TextureTables};
 pub struct Metal {
     /// Reflectance, a colour with each channel in [0, 1] or a texture.
     pub albedo: Color,
-    /// Size of the blur, 0 (mirror) to 1.
-    #[serde(default)]
-    pub fuzz: f32,
+    /// Size of the blur, 0 (mirror) to 1, or a texture.
+    #[serde(default = "Number::zero")]
+    pub fuzz: Number,
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normal: Option<Box<Color>>,
+    pub normal: Option<TextureRef>,
 }
 
 impl Metal {
     /// Creates the material without a normal map.
-    pub fn new(albedo: impl Into<Color>, fuzz: f32) -> Self {
-        Self { albedo: albedo.into(), fuzz, normal: None }
+    pub fn new(albedo: impl Into<Color>, fuzz: impl Into<Number>) -> Self {
+        Self { albedo: albedo.into(), fuzz: fuzz.into(), normal: None }
     }
 }
 
 impl MaterialModel for Metal {
-    /// Row of the albedo, and (0, `fuzz`).
+    /// Row of the albedo, and the two words of `fuzz`.
     type Entry = [Row; 2];
     type Bsdf<R: Real> = MetalBsdf<R>;
 
     const GLOSSY: bool = true;
     const TEXTURED: bool = true;
 
-    fn colors(&mut self) -> Vec<&mut Color> {
-        [Some(&mut self.albedo), self.normal.as_deref_mut()].into_iter().flatten().collect()
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.albedo
+            .reference()
+            .into_iter()
+            .chain(self.fuzz.reference())
+            .chain(&mut self.normal)
+            .collect()
     }
 
-    fn normal(&self) -> Option<&Color> {
-        self.normal.as_deref()
+    fn normal(&self) -> Option<&TextureRef> {
+        self.normal.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")?;
-        e.check((0.0..=1.0).contains(&self.fuzz), "fuzz", "in [0, 1]", self.fuzz)
+        self.fuzz.check(e, "fuzz", 0.0..=1.0)
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
-        [textures.row(&self.albedo), row(glam::Vec3::ZERO, self.fuzz)]
+        let [fuzz, code] = textures.number(&self.fuzz);
+        [textures.row(&self.albedo), [fuzz, code, 0, 0]]
     }
 
     #[inline(always)]
     fn bsdf<R: Real>(table: &[[Row; 2]], index: R::Index, at: &Interaction<'_, R>) -> MetalBsdf<R> {
         let albedo = at.color(R::gather(table, index, |entry| &entry[0]));
-        let (_, fuzz) = R::gather(table, index, |entry| &entry[1]);
+        let (fuzz, _) = R::gather(table, index, |entry| &entry[1]);
+        let fuzz = at.number([fuzz[0], fuzz[1]]);
         let mirror = reflect(at.ray.direction, at.shading);
         MetalBsdf { normal: at.shading, mirror, albedo, fuzz }
     }

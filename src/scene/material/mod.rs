@@ -6,14 +6,17 @@
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod diffuse_transmission;
 #[cfg(test)]
 mod glow;
 mod lambertian;
 mod light;
 mod metal;
+mod principled;
 mod rough_dielectric;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -23,8 +26,9 @@ pub use dielectric::Fresnel;
 
 use super::interaction::Interaction;
 use super::place::Element;
-use super::texture::{Color, TextureTables};
+use super::texture::{TextureRef, TextureTables};
 use crate::error::Result;
+use crate::image::Texels;
 use crate::math::Real;
 
 /// A kind of material: its parameters, its table and its physics.
@@ -43,13 +47,17 @@ pub(crate) trait MaterialModel {
     /// Whether a parameter may be a texture.
     const TEXTURED: bool = false;
 
-    /// Returns the colours and the normal map, all of which may be textures.
-    fn colors(&mut self) -> Vec<&mut Color> {
+    /// Whether a single loop shades materials with and without textures, because the code is large or
+    /// rarely without them.
+    const LARGE: bool = false;
+
+    /// Returns all references to textures.
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
         Vec::new()
     }
 
     /// Returns the normal map.
-    fn normal(&self) -> Option<&Color> {
+    fn normal(&self) -> Option<&TextureRef> {
         None
     }
 
@@ -129,16 +137,16 @@ macro_rules! materials {
         }
 
         impl Material {
-            pub(super) fn colors(&mut self) -> Vec<&mut Color> {
+            pub(super) fn textures(&mut self) -> Vec<&mut TextureRef> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.colors(),)*
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.textures(),)*
                 }
             }
 
             pub(super) fn check(&self, e: &Element<'_>) -> Result<()> {
                 match self {
                     $($(#[cfg($cfg)])? Self::$name(material) => {
-                        material.normal().map_or(Ok(()), |normal| normal.check_normals(e))?;
+                        material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
                         material.check(e)
                     })*
                 }
@@ -217,6 +225,8 @@ macro_rules! materials {
 materials! {
     /// The report's ideal diffuse material.
     Diffuse in diffuse,
+    /// A thin matte surface that also lets light through.
+    DiffuseTransmission in diffuse_transmission,
     /// A matte surface that follows Lambert's law.
     Lambertian in lambertian,
     /// The report's metal.
@@ -227,6 +237,8 @@ materials! {
     RoughDielectric in rough_dielectric,
     /// A metal with a complex index of refraction.
     Conductor in conductor,
+    /// A surface between matte, metal and glass, with a clear coat.
+    Principled in principled,
     /// A surface that emits light and absorbs all light that hits it.
     Light in light,
     /// A surface that both scatters and emits light, for tests.
@@ -234,16 +246,26 @@ materials! {
     Glow in glow,
 }
 
+/// Checks that a normal map is a texture that contains normals.
+fn check_normals(normal: &TextureRef, e: &Element<'_>) -> Result<()> {
+    match normal.get().holds_normals() {
+        true => Ok(()),
+        false => Err(e.error(
+            "normal must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
+        )),
+    }
+}
+
 impl Material {
     /// Whether a texture of the material depends on the colours of vertices.
     pub(super) fn uses_vertex_colors(&self) -> bool {
-        let uses = |color: &mut Color| matches!(color, Color::Texture(texture) if texture.uses_vertex_colors());
-        self.clone().colors().into_iter().any(uses)
+        let uses = |texture: &mut TextureRef| matches!(texture, TextureRef::Texture(texture) if texture.uses_vertex_colors());
+        self.clone().textures().into_iter().any(uses)
     }
 
-    /// Returns the images of the material's textures. They are available once the material is part
-    /// of a scene.
-    pub(super) fn images(&self) -> Vec<std::sync::Arc<crate::image::Image>> {
-        self.clone().colors().into_iter().filter_map(|color| color.image()).collect()
+    /// Returns the images of the material's textures, once they are loaded.
+    pub(super) fn images(&self) -> Vec<Arc<Texels>> {
+        let image = |texture: &mut TextureRef| texture.get().texels().cloned();
+        self.clone().textures().into_iter().filter_map(image).collect()
     }
 }

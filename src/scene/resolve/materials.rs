@@ -7,7 +7,7 @@ use super::Resolver;
 use crate::error::{Result, suggestion};
 use crate::scene::files::Images;
 use crate::scene::material::Material;
-use crate::scene::texture::{Color, Texture};
+use crate::scene::texture::{Texture, TextureRef};
 
 impl Resolver<'_> {
     /// Checks the materials and returns them with their texture names replaced by the textures.
@@ -17,22 +17,22 @@ impl Resolver<'_> {
         for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
             let e = self.element(self.places.material(index, name), "material");
             let mut material = material.clone();
-            for color in material.colors() {
-                *color = match color {
-                    Color::Rgb(rgb) => Color::Rgb(*rgb),
-                    Color::Named(name) => match textures.get(name.as_str()) {
-                        Some(texture) => Color::Texture(Arc::clone(texture)),
+            for reference in material.textures() {
+                let texture = match reference {
+                    TextureRef::Named(name) => match textures.get(name.as_str()) {
+                        Some(texture) => Arc::clone(texture),
                         None => {
                             let known = suggestion(name, self.file.textures.names());
                             return Err(e.error(format!("unknown texture `{name}`{known}")));
                         }
                     },
-                    Color::Texture(texture) => {
+                    TextureRef::Texture(texture) => {
                         let mut texture = Texture::clone(texture);
                         texture.load(&e, images)?;
-                        texture.into()
+                        Arc::new(texture)
                     }
                 };
+                *reference = TextureRef::Texture(texture);
             }
             material.check(&e)?;
             materials.push(material);

@@ -8,10 +8,12 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::background::Background;
 use super::budget::Budget;
 use super::camera::Camera;
 use super::description::SceneFile;
 use super::files::Images;
+use super::light::LightFile;
 use super::medium::Medium;
 use super::place::{Element, Places};
 use super::{Scene, SceneData};
@@ -30,7 +32,6 @@ pub(super) fn resolve(
     let resolver = Resolver { name, file, places, budget };
     let e = resolver.element(Places::section(places.camera), "camera");
     let camera = Camera::new(&e, &file.camera)?;
-    file.background.check(&resolver.element(Places::section(places.background), "background"))?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
     resolver.check_names("texture", file.textures.names())?;
@@ -40,6 +41,9 @@ pub(super) fn resolve(
     room.map_err(|message| Error::input(name, "", message))?;
     let mut images = Images::new(folder, &resolver.budget);
     let materials = resolver.materials(&mut images)?;
+    let mut background = file.background.clone();
+    background
+        .load(&resolver.element(Places::section(places.background), "background"), &mut images)?;
     let images = images.files();
     let (geometry, material_map, meshes) = resolver.primitives(&materials, folder)?;
     let media = resolver.media()?;
@@ -47,18 +51,22 @@ pub(super) fn resolve(
         let material = &materials[material_map.get(*primitive) as usize];
         material.emission().is_some_and(|emission| emission.shines())
     };
-    let lights = (0..geometry.len() as u32).filter(shines).count() as u32;
-    let room = resolver.budget.hold(LIGHT_BYTES * u64::from(lights));
+    let free = resolver.lights()?;
+    let lights = (0..geometry.len() as u32).filter(shines).count()
+        + free.iter().filter(|light| light.shines()).count()
+        + usize::from(matches!(background, Background::Image(_)) && !background.is_black());
+    let room = resolver.budget.hold(LIGHT_BYTES * lights as u64);
     room.map_err(|message| Error::input(name, "", message))?;
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
         camera,
-        background: file.background,
+        background,
         defaults: file.render.clone(),
         materials,
         geometry: Arc::new(geometry),
         material_map,
-        lights,
+        light_files: free,
+        lights: lights as u32,
         media,
         ignored: meshes.iter().filter_map(|(file, mesh)| mesh.ignored(file)).collect(),
         files: images.chain(meshes.into_keys()).collect(),
@@ -106,6 +114,14 @@ impl<'a> Resolver<'a> {
             .map_err(|message| {
                 self.element(Places::section(self.places.render), "render").error(message)
             })
+    }
+
+    /// Returns the lights that are not primitives after checking them.
+    fn lights(&self) -> Result<Vec<LightFile>> {
+        for (index, light) in self.file.lights.iter().enumerate() {
+            light.check(&self.element(format!("lights[{index}]"), light.name()))?;
+        }
+        Ok(self.file.lights.clone())
     }
 
     /// Returns the media after checking that they do not overlap.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
 use crate::scene::files::Images;
@@ -46,7 +46,7 @@ impl TextureModel for Checker {
     /// The product of sines is negative exactly if the sum of the cell's three integer coordinates
     /// is odd.
     #[inline(always)]
-    fn color<R: Real>(table: &[[Row; 2]], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
+    fn value<R: Real>(table: &[[Row; 2]], index: R::Word, at: &impl TexturePoint<R>) -> Rgba<R> {
         let index = R::index_of_few(index, table.len());
         let (odd_color, frequency) = R::gather(table, index, |entry| &entry[0]);
         let (even_color, _) = R::gather(table, index, |entry| &entry[1]);
@@ -55,7 +55,8 @@ impl TextureModel for Checker {
             !(cell - (cell * 0.5).floor() * 2.0).eq(R::ZERO)
         };
         let point = at.point();
-        (odd(point[0]) ^ odd(point[1]) ^ odd(point[2])).select(odd_color, even_color)
+        let is_odd = odd(point[0]) ^ odd(point[1]) ^ odd(point[2]);
+        (is_odd.select(odd_color, even_color), R::ONE)
     }
 }
 
@@ -100,7 +101,7 @@ mod tests {
                 continue;
             }
             let want = if sines.iter().product::<f64>() < 0.0 { checker.odd } else { checker.even };
-            assert_eq!(Checker::color::<f32>(&table, 0, &Point(p)).to_array(), want, "{p}");
+            assert_eq!(Checker::value::<f32>(&table, 0, &Point(p)).0.to_array(), want, "{p}");
         }
     }
 }

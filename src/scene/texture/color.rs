@@ -1,54 +1,66 @@
 //! Colours of materials, each a constant colour or a texture.
 
 use std::fmt;
-use std::sync::Arc;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
-use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value;
 
-use super::Texture;
+use super::{Product, Texture, TextureRef};
 use crate::error::Result;
-use crate::image::Image;
 use crate::scene::place::Element;
 
-/// A constant colour, a texture, or the name of a texture.
+/// A constant colour, or a texture times a constant colour.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Color {
     /// A constant colour in linear RGB.
     Rgb([f32; 3]),
-    /// A texture's name, a key of [`SceneFile::textures`](crate::scene::SceneFile::textures).
-    Named(String),
-    /// A texture.
-    Texture(Arc<Texture>),
+    /// A texture, multiplied by a colour in linear RGB.
+    Texture {
+        /// The texture.
+        texture: TextureRef,
+        /// The colour by which it is multiplied, with channels of 0 or more.
+        factor: [f32; 3],
+    },
 }
 
 impl Color {
-    /// Checks that a constant colour is an albedo, with each channel in [0, 1].
+    /// The texture as it is.
+    pub fn texture(texture: impl Into<TextureRef>) -> Self {
+        Self::Texture { texture: texture.into(), factor: [1.0; 3] }
+    }
+
+    /// Checks that the colour is an albedo, with each channel in [0, 1]. The texture, if there is
+    /// one, must be loaded.
     pub(in crate::scene) fn check(&self, e: &Element<'_>, name: &str) -> Result<()> {
+        self.check_within(e, name, 1.0)
+    }
+
+    /// Checks that each channel is in [0, `most`].
+    pub(in crate::scene) fn check_within(
+        &self,
+        e: &Element<'_>,
+        name: &str,
+        most: f32,
+    ) -> Result<()> {
         match self {
-            Self::Rgb(rgb) => e.color(name, *rgb, 1.0).map(|_| ()),
-            Self::Named(_) | Self::Texture(_) => Ok(()),
+            Self::Rgb(rgb) => e.color(name, *rgb, most).map(|_| ()),
+            Self::Texture { texture, factor } => {
+                e.color(&format!("the factor of {name}"), *factor, most)?;
+                let largest = texture.get().largest();
+                let product = factor.map(|factor| factor * largest);
+                let ok = product.iter().all(|&value| value <= most);
+                let range = format!("textures and factors with products in [0, {most}]");
+                e.check(ok, name, &range, format!("at most {product:?}"))
+            }
         }
     }
 
-    /// Checks that a normal map is a texture that contains normals.
-    pub(in crate::scene) fn check_normals(&self, e: &Element<'_>) -> Result<()> {
+    /// The reference to the texture, if there is one.
+    pub(in crate::scene) fn reference(&mut self) -> Option<&mut TextureRef> {
         match self {
-            Self::Texture(texture) if texture.holds_normals() => Ok(()),
-            _ => Err(e.error(
-                "normal must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
-            )),
-        }
-    }
-
-    /// Returns the image of the texture, if it has one.
-    pub(in crate::scene) fn image(&self) -> Option<Arc<Image>> {
-        match self {
-            Self::Texture(texture) => texture.image(),
-            _ => None,
+            Self::Rgb(_) => None,
+            Self::Texture { texture, .. } => Some(texture),
         }
     }
 }
@@ -59,9 +71,15 @@ impl From<[f32; 3]> for Color {
     }
 }
 
+impl From<&str> for Color {
+    fn from(name: &str) -> Self {
+        Self::texture(name)
+    }
+}
+
 impl From<Texture> for Color {
     fn from(texture: Texture) -> Self {
-        Self::Texture(Arc::new(texture))
+        Self::texture(texture)
     }
 }
 
@@ -69,10 +87,10 @@ impl Serialize for Color {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
             Self::Rgb(rgb) => rgb.serialize(serializer),
-            Self::Named(name) => name.serialize(serializer),
-            // Becomes a map in any format, as `visit_map` expects.
-            Self::Texture(texture) => {
-                serde_json::to_value(&**texture).map_err(S::Error::custom)?.serialize(serializer)
+            Self::Texture { texture, factor: [1.0, 1.0, 1.0] } => texture.serialize(serializer),
+            Self::Texture { texture, factor } => {
+                Product { texture: texture.clone(), channel: None, factor: Some(*factor) }
+                    .serialize(serializer)
             }
         }
     }
@@ -86,17 +104,25 @@ impl<'de> Deserialize<'de> for Color {
             type Value = Color;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a colour of three numbers or the name of a texture in quotes")
+                f.write_str(
+                    "a colour of three numbers, the name of a texture in quotes, or (texture: \
+                     NAME, factor: COLOUR)",
+                )
             }
 
-            // Reads a texture without a name, as `Serialize` writes it.
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Color, A::Error> {
-                let value = Value::deserialize(MapAccessDeserializer::new(map))?;
-                serde_json::from_value(value).map(Texture::into).map_err(A::Error::custom)
+                let product = Product::<[f32; 3]>::read(MapAccessDeserializer::new(map))?;
+                match product.channel {
+                    Some(_) => Err(A::Error::custom("a colour has no `channel`")),
+                    None => Ok(Color::Texture {
+                        texture: product.texture,
+                        factor: product.factor.unwrap_or([1.0; 3]),
+                    }),
+                }
             }
 
             fn visit_str<E: Error>(self, name: &str) -> std::result::Result<Color, E> {
-                Ok(Color::Named(name.to_owned()))
+                Ok(name.into())
             }
 
             fn visit_seq<A: SeqAccess<'de>>(

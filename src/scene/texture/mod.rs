@@ -5,22 +5,31 @@
 mod checker;
 mod color;
 mod image;
+mod number;
+mod product;
+mod reference;
 mod solid;
 mod vertex_color;
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use crate::image::Encoding;
 pub use color::Color;
+pub use image::{Filter, Wrap};
+pub use number::{Channel, Number};
+pub use reference::TextureRef;
+
+use product::Product;
 
 use super::files::Images;
 use super::place::Element;
 use crate::error::Result;
-use crate::image::Image as Pixels;
+use crate::image::Texels;
 use crate::math::{Mask, Real, Row, Vector, Word, row};
 
 /// The properties of a surface point, or of one per lane, that textures depend on.
@@ -37,6 +46,9 @@ pub(crate) trait TexturePoint<R: Real>: Copy {
     /// The colour of the surface itself, or white if it has none.
     fn vertex_color(&self) -> R::Vec3;
 }
+
+/// A linear colour and alpha, or one per lane.
+pub(crate) type Rgba<R> = (<R as Real>::Vec3, R);
 
 /// A kind of texture: its parameters, its table and its evaluation.
 pub(crate) trait TextureModel {
@@ -57,8 +69,13 @@ pub(crate) trait TextureModel {
         None
     }
 
+    /// Returns a bound on all its colours and alpha values, none of which is negative.
+    fn largest(&self) -> f32 {
+        1.0
+    }
+
     /// Returns the texture's image, if it has one and it is loaded.
-    fn image(&self) -> Option<Arc<Pixels>> {
+    fn texels(&self) -> Option<&Arc<Texels>> {
         None
     }
 
@@ -73,8 +90,8 @@ pub(crate) trait TextureModel {
     /// Returns the parameters for the table.
     fn entry(&self) -> Self::Entry;
 
-    /// Returns the colours of the entries at `index` at the point `at`.
-    fn color<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> R::Vec3;
+    /// Returns the colours and alpha of the entries at `index` at the point `at`.
+    fn value<R: Real>(table: &[Self::Entry], index: R::Word, at: &impl TexturePoint<R>) -> Rgba<R>;
 }
 
 macro_rules! textures {
@@ -102,9 +119,15 @@ macro_rules! textures {
                 }
             }
 
-            pub(super) fn image(&self) -> Option<Arc<Pixels>> {
+            pub(super) fn texels(&self) -> Option<&Arc<Texels>> {
                 match self {
-                    $(Self::$name(texture) => texture.image(),)*
+                    $(Self::$name(texture) => TextureModel::texels(texture),)*
+                }
+            }
+
+            pub(super) fn largest(&self) -> f32 {
+                match self {
+                    $(Self::$name(texture) => texture.largest(),)*
                 }
             }
 
@@ -138,7 +161,7 @@ macro_rules! textures {
             $($module: Vec<<$name as TextureModel>::Entry>,)*
             /// The textures in the tables, with their codes.
             known: Vec<(Arc<Texture>, u32)>,
-            /// Number of rows that hold a texture's code.
+            /// Number of parameters that are textures.
             uses: usize,
         }
 
@@ -158,26 +181,30 @@ macro_rules! textures {
                 }
             }
 
+            /// Returns `value`, but the colour and alpha of the texture in the lanes whose `code`
+            /// is of one.
             #[inline(always)]
             fn textured<R: Real>(
                 &self,
-                mut color: R::Vec3,
+                mut value: Rgba<R>,
                 code: R::Word,
                 at: &impl TexturePoint<R>,
-            ) -> R::Vec3 {
+            ) -> Rgba<R> {
                 $(if !$name::CONSTANT {
                     let kind = R::Word::splat(TextureKind::$name as u32 + 1);
                     let here = (code >> KIND_SHIFT).eq(kind);
                     if here.any() {
-                        let entry = code & R::Word::splat((1 << KIND_SHIFT) - 1);
+                        let entry = code & R::Word::splat((1 << CHANNEL_SHIFT) - 1);
                         let entry = here.select(entry, R::Word::splat(0));
                         // Pass a copy: if the original were passed by reference, the compiler would
                         // always keep it in memory instead of in registers.
                         let at = *at;
-                        color = here.select($name::color(&self.$module, entry, &at), color);
+                        let found = $name::value(&self.$module, entry, &at);
+                        value.0 = here.select(found.0, value.0);
+                        value.1 = here.select(found.1, value.1);
                     }
                 })*
-                color
+                value
             }
         }
     };
@@ -194,50 +221,69 @@ textures! {
     VertexColor in vertex_color,
 }
 
-/// Number of low bits in a texture's code, which hold its index in its table. The bits above them
-/// hold its kind plus 1, so that code 0 means no texture.
+/// Number of low bits in a texture's code that hold its index in its table and the channel. The
+/// bits above them hold its kind plus 1, so that code 0 means no texture.
 const KIND_SHIFT: u32 = 28;
+/// Number of low bits that hold the index. The bits from here to the kind hold the channel.
+const CHANNEL_SHIFT: u32 = 26;
 
 impl TextureTables {
-    /// Returns the number of rows that hold a texture's code.
+    /// Returns the number of parameters that are textures.
     pub(super) fn uses(&self) -> usize {
         self.uses
     }
 
-    /// Returns the row of a colour: (the colour, 0), or (0, code) for a texture.
-    ///
-    /// # Panics
-    /// If the colour is still a name.
-    pub(super) fn row(&mut self, color: &Color) -> Row {
-        let texture = match color {
-            Color::Rgb(rgb) => return row((*rgb).into(), 0.0),
-            Color::Texture(texture) => texture,
-            Color::Named(name) => unreachable!("the name `{name}` is not resolved"),
-        };
+    /// Returns the code of a texture, or its colour as `Ok` if that is the same everywhere.
+    fn code(&mut self, texture: &TextureRef) -> std::result::Result<[f32; 3], u32> {
+        let texture = texture.get();
         let known = self.known.iter().find(|(known, _)| Arc::ptr_eq(known, texture));
         let code = match known {
             Some((_, code)) => *code,
             None => match self.push(texture) {
-                Ok(color) => return row(color.into(), 0.0),
+                Ok(color) => return Ok(color),
                 Err(code) => {
+                    let entry = code & ((1 << KIND_SHIFT) - 1);
+                    assert!(entry < 1 << CHANNEL_SHIFT, "too many textures of one kind");
                     self.known.push((Arc::clone(texture), code));
                     code
                 }
             },
         };
         self.uses += 1;
-        [0, 0, 0, code]
+        Err(code)
+    }
+
+    /// Returns the row of a colour: (the colour, 0), or (the factor, code) for a texture.
+    pub(super) fn row(&mut self, color: &Color) -> Row {
+        match color {
+            Color::Rgb(rgb) => row((*rgb).into(), 0.0),
+            Color::Texture { texture, factor } => match self.code(texture) {
+                Ok(color) => row(Vec3::from(color) * Vec3::from(*factor), 0.0),
+                Err(code) => row((*factor).into(), f32::from_bits(code)),
+            },
+        }
+    }
+
+    /// Returns two words for a number: the number and 0, or the factor and the code for a texture.
+    pub(super) fn number(&mut self, number: &Number) -> [u32; 2] {
+        match number {
+            Number::Value(value) => [value.to_bits(), 0],
+            Number::Texture { texture, channel, factor } => match self.code(texture) {
+                Ok([r, g, b]) => [([r, g, b, 1.0][*channel as usize] * factor).to_bits(), 0],
+                Err(code) => [factor.to_bits(), code | (*channel as u32) << CHANNEL_SHIFT],
+            },
+        }
     }
 
     /// Returns the code of a normal map, or 0 without one.
-    pub(super) fn normal_code(&mut self, normal: Option<&Color>) -> u32 {
-        normal.map_or(0, |normal| self.row(normal)[3])
+    pub(super) fn normal_code(&mut self, normal: Option<&TextureRef>) -> u32 {
+        normal.map_or(0, |normal| self.code(normal).expect_err("a normal map is an image"))
     }
 
     /// Returns the colours of the normal maps with these codes at the point `at`. Code 0 gives black.
     #[inline(always)]
     pub(super) fn normal<R: Real>(&self, code: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
-        self.textured(R::Vec3::zero(), code, at)
+        self.textured((R::Vec3::zero(), R::ZERO), code, at).0
     }
 
     /// Returns the colour of a row at the point `at`.
@@ -249,6 +295,56 @@ impl TextureTables {
     ) -> R::Vec3 {
         let code = code.to_bits();
         let plain = code.eq(R::Word::splat(0));
-        if (!plain).any() { self.textured(color, code, at) } else { color }
+        if !(!plain).any() {
+            return color;
+        }
+        let white = (R::Vec3::gray(R::ONE), R::ONE);
+        color * self.textured(white, code, at).0
     }
+
+    /// Returns the number for two words of [`TextureTables::number`] at the point `at`.
+    #[inline(always)]
+    pub(super) fn number_at<R: Real>(
+        &self,
+        [number, code]: [R; 2],
+        at: &impl TexturePoint<R>,
+    ) -> R {
+        let code = code.to_bits();
+        let plain = code.eq(R::Word::splat(0));
+        if !(!plain).any() {
+            return number;
+        }
+        let white = (R::Vec3::gray(R::ONE), R::ONE);
+        let texture = code & R::Word::splat(!(3 << CHANNEL_SHIFT));
+        number * channel(self.textured(white, texture, at), code)
+    }
+
+    /// As [`number_at`](Self::number_at), for two numbers. If they are channels of the same
+    /// textures, these are evaluated once.
+    #[inline(always)]
+    pub(super) fn two_numbers_at<R: Real>(
+        &self,
+        numbers: [[R; 2]; 2],
+        at: &impl TexturePoint<R>,
+    ) -> [R; 2] {
+        let [[first, code], [second, other]] = numbers;
+        let texture = |code: R| code.to_bits() & R::Word::splat(!(3 << CHANNEL_SHIFT));
+        let (one, two) = (texture(code), texture(other));
+        let plain = (one | two).eq(R::Word::splat(0));
+        if (!one.eq(two)).any() || !(!plain).any() {
+            return [self.number_at([first, code], at), self.number_at([second, other], at)];
+        }
+        let white = (R::Vec3::gray(R::ONE), R::ONE);
+        let value = self.textured(white, one, at);
+        [first * channel(value, code.to_bits()), second * channel(value, other.to_bits())]
+    }
+}
+
+/// The channel of `value` that the code of a number names.
+#[inline(always)]
+fn channel<R: Real>((color, alpha): Rgba<R>, code: R::Word) -> R {
+    let named = (code >> CHANNEL_SHIFT) & R::Word::splat(3);
+    let is = |c: Channel| named.eq(R::Word::splat(c as u32));
+    let red_or_alpha = is(Channel::A).select(alpha, color[0]);
+    is(Channel::G).select(color[1], is(Channel::B).select(color[2], red_or_alpha))
 }

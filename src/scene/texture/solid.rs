@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::scene::files::Images;
@@ -38,7 +38,7 @@ impl TextureModel for Solid {
     fn entry(&self) {}
 
     /// Never called, because the material's row holds the colour.
-    fn color<R: Real>(_: &[()], _: R::Word, _: &impl TexturePoint<R>) -> R::Vec3 {
-        R::Vec3::zero()
+    fn value<R: Real>(_: &[()], _: R::Word, _: &impl TexturePoint<R>) -> Rgba<R> {
+        (R::Vec3::zero(), R::ZERO)
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TexturePoint};
 use crate::error::Result;
 use crate::math::Real;
 use crate::scene::files::Images;
@@ -30,7 +30,7 @@ impl TextureModel for VertexColor {
     fn entry(&self) {}
 
     #[inline(never)]
-    fn color<R: Real>(_: &[()], _: R::Word, at: &impl TexturePoint<R>) -> R::Vec3 {
-        at.vertex_color()
+    fn value<R: Real>(_: &[()], _: R::Word, at: &impl TexturePoint<R>) -> Rgba<R> {
+        (at.vertex_color(), R::ONE)
     }
 }

@@ -111,12 +111,23 @@ fn materials_scatter_what_they_should() {
     let gold = |cos| conductor(cos, 0.9, 2.4);
     let glass = |cos| dielectric(cos, 1.5);
     let schlick = 0.04 + 0.96 * (1.0 - COS).powi(5);
+    let thin = "principled(base_color: (1, 1, 1), transmission: 1, thin: true, roughness: 0.6)";
     compare(
         "furnace",
         &[
             known("diffuse(albedo: (0.8, 0.8, 0.8))", 0.8),
+            known(
+                "diffuse_transmission(reflectance: (0.5, 0.5, 0.5), transmittance: (0.2, 0.2, 0.2))",
+                0.7,
+            ),
+            known(thin, microfacets(0.36, |_| 1.0, None)),
             known("lambertian(albedo: (0.8, 0.8, 0.8))", 0.8),
             known("metal(albedo: (0.9, 0.9, 0.9))", 0.9),
+            // Whatever the microfacets of plastic do not reflect, a white base scatters, and white
+            // metal loses nothing between microfacets.
+            known("principled(base_color: (1, 1, 1), roughness: 0.3)", 1.0),
+            known("principled(base_color: (1, 1, 1), roughness: 0.9, ior: 2)", 1.0),
+            known("principled(base_color: (1, 1, 1), metalness: 1, roughness: 0.7)", 1.0),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.5)", 0.9),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.9)", 0.9 * (1.0 - cap)),
             known("dielectric(ior: 1.5)", 1.0),

@@ -14,10 +14,11 @@ mod lamps;
 mod media;
 mod mitsuba;
 mod normal_maps;
+mod sky;
 mod smooth;
 mod tiles;
 
-use ptfast::{Engine, RenderSettings, Renderer, Sampler, Scene};
+use ptfast::{Engine, RenderSettings, Renderer, Sampler, Sampling, Scene};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The probability of a false alarm of one test, over all its comparisons.
@@ -62,14 +63,18 @@ impl Known {
 /// in each scene for the first combination of engine and sampler, and in all scenes together for the
 /// others.
 fn compare(what: &str, known: &[Known]) {
+    compare_in(&crate::common::SAMPLINGS, what, known);
+}
+
+/// As [`compare`], in these sampling modes.
+fn compare_in(modes: &[Sampling], what: &str, known: &[Known]) {
     let n = known.len() as f64;
     let ways = [
         (Engine::Wavefront, Sampler::Sobol, 0.005),
         (Engine::Wavefront, Sampler::Independent, 0.005 * n.sqrt()),
         (Engine::Scalar, Sampler::Sobol, 0.005 * n.sqrt()),
     ];
-    let modes = crate::common::SAMPLINGS.into_iter();
-    let ways: Vec<_> = modes.flat_map(|mode| ways.map(|way| (mode, way))).collect();
+    let ways: Vec<_> = modes.iter().flat_map(|&mode| ways.map(|way| (mode, way))).collect();
     let student = StudentsT::new(0.0, 1.0, PICTURES as f64 - 1.0).expect("degrees above 0");
     // Each scene is one comparison, and all scenes together are another.
     let limit = farthest((known.len() + 1) * ways.len(), &student);

@@ -30,17 +30,20 @@ impl Shading<'_> {
         }
         let (from, time) = (surface.spawn(normal), vertex.segment.ray.time);
         let light = self.tables.lights.choose(&vertex.randoms);
-        let LightSample { direction, distance, pdf, front, visible } =
+        let LightSample { direction, distance, pdf, tint, front, visible } =
             light.sample(from, time, vertex.randoms.two(Dimension::LIGHT));
-        let emitted = light.radiance(front);
+        let emitted = light.radiance(front) * tint;
         let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
         let some = |light: Vec3x| max_element(light).gt(Float::ZERO);
         let lit = rough & (visible & some(f_cos) & some(emitted)).bits();
         let pdf = pdf * light.chance();
-        let weight = match self.settings.sampling {
+        let mut weight = match self.settings.sampling {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => Float::ONE,
         };
+        if self.tables.lights.has_unseen() {
+            weight = light.unseen().select(Float::ONE, weight);
+        }
         let origin = if B::TRANSMITS {
             // A light behind the surface is sampled from the front but needs a shadow ray from the
             // back. Both origins have the same distance to the light, up to rounding errors.

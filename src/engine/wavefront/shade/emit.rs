@@ -1,13 +1,11 @@
 //! Emitted light: the background, and surfaces that emit light towards the paths.
 
 use super::{Shaded, Shading};
-use crate::engine::contract::power_heuristic;
+use crate::engine::contract::emission_weight;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Hit, Shape};
 use crate::math::Real;
-use crate::scene::Sampling;
-use crate::scene::material::SPECULAR;
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
@@ -16,8 +14,19 @@ impl Shading<'_> {
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
-            let direction = || shaded.paths.segments(&path).ray.direction;
-            let seen = self.scene.background().radiance(direction);
+            let seen = match self.tables.lights.environment::<Float>() {
+                None => {
+                    let direction = || shaded.paths.segments(&path).ray.direction;
+                    self.scene.background().radiance(direction)
+                }
+                Some((map, light)) => {
+                    let Segment { ray, pdf } = shaded.paths.segments(&path);
+                    let (radiance, light_pdf) = map.look::<Float>(ray.direction);
+                    let light_pdf = || light_pdf * light.chance();
+                    let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
+                    radiance * light.radiance(Mask::ALL) * weight
+                }
+            };
             let mut history = shaded.paths.histories(&path);
             history.radiance = history.radiance + history.beta * seen;
             shaded.paths.set_radiance(&path, &history);
@@ -38,15 +47,9 @@ impl Shading<'_> {
             let at = self.tables.interaction(shape, ray, vertex.hit, false, false, false);
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, primitive);
             let light = self.tables.lights.get::<Float>(light);
-            let weight = match self.settings.sampling {
-                Sampling::Bsdf => Float::ONE,
-                Sampling::Light => Float::ZERO,
-                Sampling::Mis => power_heuristic(pdf, light.pdf(&ray, t) * light.chance()),
-            };
-            // The weight applies only to emission that light samples could also find. Light samples
-            // contribute the rest.
-            let sampled: Mask = is_light & !pdf.eq(Float::splat(SPECULAR));
-            let weight = sampled.select(weight, Float::ONE);
+            let light_pdf = || light.pdf(&ray, t) * light.chance();
+            let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
+            let weight = is_light.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
             let mut history = vertex.history;
             history.radiance = history.radiance + history.beta * emitted * weight;

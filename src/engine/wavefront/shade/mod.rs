@@ -107,7 +107,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
             shaded.endings.light += queue.len() as u64;
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
-        } else if M::TEXTURED && !table.normals.is_empty() {
+        } else if M::LARGE || M::TEXTURED && !table.normals.is_empty() {
             shading.scatter_on::<M, NORMALS>(table, shape, queue, shaded);
         } else if M::TEXTURED && table.textured {
             shading.scatter_on::<M, COLORS>(table, shape, queue, shaded);

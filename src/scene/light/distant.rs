@@ -1,0 +1,86 @@
+//! Lights so far away that their rays are parallel, such as the sun.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::sample::LightSample;
+use super::{FreeLight, FreeLightModel, LightModel};
+use crate::error::Result;
+use crate::geometry::Ray;
+use crate::math::precise::sin_cos_degrees;
+use crate::math::warp::uniform_cone;
+use crate::math::{Mask, Real, Row, Vector, normalize, row};
+use crate::scene::place::{Element, MAX_RADIANCE};
+
+/// Light from outside the scene that comes from a disk in the sky, or from a single direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Distant {
+    /// The direction in which the light travels, of any length but 0.
+    pub direction: [f32; 3],
+    /// Irradiance of a surface that faces the light, in linear RGB, 0 to 1e30.
+    pub irradiance: [f32; 3],
+    /// Angle across the disk in degrees, at least 0 and below 180. The sun has 0.53.
+    #[serde(default)]
+    pub angle: f32,
+}
+
+#[derive(Debug)]
+pub(super) struct DistantLight {
+    /// (direction to the middle of the disk, 1 − cosine of its angular radius).
+    middle: Row,
+}
+
+impl FreeLightModel for Distant {
+    type Light = DistantLight;
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        e.point("direction", self.direction)?;
+        if !normalize(Vec3::from(self.direction)).is_finite() {
+            return Err(e.error("direction must not be zero"));
+        }
+        e.color("irradiance", self.irradiance, MAX_RADIANCE)?;
+        e.check((0.0..180.0).contains(&self.angle), "angle", "in [0, 180) degrees", self.angle)
+    }
+
+    fn light(&self) -> (DistantLight, FreeLight) {
+        // 1 − cos a = 2 sin² a/2, without the cancellation.
+        let (sin, _) = sin_cos_degrees(f64::from(self.angle) / 4.0);
+        let one_minus_cos = 2.0 * sin * sin;
+        let middle = -normalize(Vec3::from(self.direction));
+        let light = DistantLight { middle: row(middle, one_minus_cos as f32) };
+        // A disk of uniform radiance L and angular radius a causes the irradiance π L sin² a, and
+        // has the solid angle 2π (1 − cos a). Samples have the density 1, so that this radiance
+        // stands for L times the solid angle.
+        let radiance = Vec3::from(self.irradiance) * (2.0 / (2.0 - one_minus_cos)) as f32;
+        (light, FreeLight { radiance, power: None })
+    }
+}
+
+impl LightModel for DistantLight {
+    const UNSEEN: bool = true;
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        table: &[Self],
+        index: R::Index,
+        _: R::Vec3,
+        _: R,
+        (u, v): (R, R),
+    ) -> LightSample<R> {
+        let (middle, one_minus_cos) = R::gather(table, index, |light| &light.middle);
+        LightSample {
+            direction: uniform_cone(middle, one_minus_cos, u, v),
+            distance: R::INFINITY,
+            pdf: R::ONE,
+            tint: R::Vec3::gray(R::ONE),
+            front: R::Mask::ALL,
+            visible: R::Mask::ALL,
+        }
+    }
+
+    #[inline(always)]
+    fn pdf<R: Real>(_: &[Self], _: R::Index, _: &Ray<R>, _: R) -> R {
+        R::ZERO
+    }
+}

@@ -1,0 +1,152 @@
+//! Random choice of the cell of a grid, by the inversion of tables, which keeps the stratification
+//! of Sobol' points (Pharr et al., *Physically Based Rendering*, 4th ed., section A.5).
+
+use rayon::prelude::*;
+
+use crate::math::{Mask, Real, Word, min, whole};
+use crate::scene::light::shares::shares;
+
+/// Numbers that the cells of a row, or the rows, divide among them.
+const ALL: u32 = 1 << 23;
+/// Largest position in a cell.
+const LAST: f32 = 1.0 - 1.0 / (1 << 24) as f32;
+
+/// A distribution over the cells of a grid that is constant in each cell.
+#[derive(Debug)]
+pub(super) struct CellTable {
+    width: u32,
+    /// For each row, the numbers that choose this row or those before it.
+    rows: Vec<u32>,
+    /// The same for the cells of each row, in which all numbers choose a cell of the row. It is 0
+    /// in rows that are never chosen.
+    cells: Vec<u32>,
+}
+
+/// A chosen cell, and a position in it.
+pub(super) struct Cell<R: Real> {
+    pub(super) row: R::Word,
+    pub(super) column: R::Word,
+    /// Position along the row and across it, in [0, 1).
+    pub(super) position: (R, R),
+}
+
+impl CellTable {
+    /// Creates a table in which the cells of row `i` have the weights `weights(i)`, of which there
+    /// are `width`. Weights above 0 are never rounded to a probability of 0. Returns `None` if all
+    /// are 0.
+    pub(super) fn new(
+        width: u32,
+        height: u32,
+        weights: impl Fn(u32) -> Vec<f64> + Sync,
+    ) -> Option<Self> {
+        let row = |index| {
+            let weights = weights(index);
+            let sum: f64 = weights.iter().sum();
+            (sum, if sum > 0.0 { ends(&weights) } else { vec![0; width as usize] })
+        };
+        let rows: Vec<(f64, Vec<u32>)> = (0..height).into_par_iter().map(row).collect();
+        let sums: Vec<f64> = rows.iter().map(|(sum, _)| *sum).collect();
+        if !sums.iter().any(|&sum| sum > 0.0) {
+            return None;
+        }
+        let cells = rows.into_iter().flat_map(|(_, ends)| ends).collect();
+        Some(Self { width, rows: ends(&sums), cells })
+    }
+
+    /// Chooses a cell by two uniform numbers in [0, 1).
+    #[inline(always)]
+    pub(super) fn choose<R: Real>(&self, (u, v): (R, R)) -> Cell<R> {
+        let (row, y) = self.find(&self.rows, R::Word::splat(0), self.rows.len() as u32, v);
+        let first = row.wrapping_mul(R::Word::splat(self.width));
+        let (column, x) = self.find(&self.cells, first, self.width, u);
+        Cell { row, column, position: (x, y) }
+    }
+
+    /// Finds the number `u` in the `count` ends that begin at index `first`. Returns the position
+    /// in this list, and that of `u` in the found range of numbers.
+    #[inline(always)]
+    fn find<R: Real>(&self, ends: &[u32], first: R::Word, count: u32, u: R) -> (R::Word, R) {
+        let number = u * ALL as f32;
+        let (value, one) = (whole(number), R::Word::splat(1));
+        let end = |index: R::Word| R::pick(ends, R::index(first.wrapping_add(index), ends.len()));
+        // The number of ends that are at most `value`, bit by bit from the highest one. The last end
+        // is above all values.
+        let mut found = R::Word::splat(0);
+        for bit in (0..32 - (count - 1).leading_zeros()).rev() {
+            let more = found.wrapping_add(R::Word::splat(1 << bit));
+            let inside = more.le(R::Word::splat(count - 1));
+            let before = inside.select(more, one).wrapping_sub(one);
+            found = (inside & end(before).le(value)).select(more, found);
+        }
+        let (begin, share) = self.range::<R>(ends, first, found);
+        let within = (number - R::from_word(begin)) / R::from_word(share);
+        (found, min(within, R::splat(LAST)))
+    }
+
+    /// The first number of the entry `index` of the list that begins at index `first`, and how many
+    /// numbers choose the entry.
+    #[inline(always)]
+    fn range<R: Real>(&self, ends: &[u32], first: R::Word, index: R::Word) -> (R::Word, R::Word) {
+        let zero = R::Word::splat(0);
+        let at = |index: R::Word| R::pick(ends, R::index(index, ends.len()));
+        let place = first.wrapping_add(index);
+        let is_first = index.eq(zero);
+        let before = is_first.select(place, place.wrapping_sub(R::Word::splat(1)));
+        let begin = is_first.select(zero, at(before));
+        (begin, at(place).wrapping_sub(begin))
+    }
+
+    /// The probability of a cell.
+    #[inline(always)]
+    pub(super) fn probability<R: Real>(&self, row: R::Word, column: R::Word) -> R {
+        let first = row.wrapping_mul(R::Word::splat(self.width));
+        let (_, row) = self.range::<R>(&self.rows, R::Word::splat(0), row);
+        let (_, cell) = self.range::<R>(&self.cells, first, column);
+        R::from_word(row) * (1.0 / ALL as f32) * (R::from_word(cell) * (1.0 / ALL as f32))
+    }
+}
+
+/// The sums of the shares of `weights` up to each of them.
+fn ends(weights: &[f64]) -> Vec<u32> {
+    let sum = |sum: &mut u32, share: u64| {
+        *sum += share as u32;
+        Some(*sum)
+    };
+    shares(weights, ALL.into()).into_iter().scan(0, sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    #[test]
+    fn cells_are_chosen_with_their_probability() {
+        let weights = [[0.0, 1.0, 3.0], [0.0, 0.0, 0.0], [0.0, 1e-12, 0.0], [5.0, 0.0, 7.0]];
+        let table = CellTable::new(3, 4, |row| weights[row as usize].to_vec()).unwrap();
+        let mut random = Stream::new(1);
+        let mut counts = [[0u32; 3]; 4];
+        const SAMPLES: u32 = 1_000_000;
+        for _ in 0..SAMPLES {
+            let (u, v) = (random.uniform(), random.uniform());
+            let Cell { row, column, position: (x, y) } = table.choose::<f32>((u, v));
+            counts[row as usize][column as usize] += 1;
+            assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y), "{x} {y}");
+        }
+        for row in 0..4 {
+            for column in 0..3 {
+                let p: f32 = table.probability::<f32>(row, column);
+                let weight = weights[row as usize][column as usize];
+                assert_eq!(p > 0.0, weight > 0.0, "{row} {column}");
+                assert!((f64::from(p) - weight / 16.0).abs() < 1e-6);
+                let (n, p) = (f64::from(SAMPLES), f64::from(p));
+                let count = f64::from(counts[row as usize][column as usize]);
+                assert!((count - n * p).abs() < 5.0 * (n * p).sqrt() + 2.0, "{row} {column}");
+            }
+        }
+        assert!(CellTable::new(2, 2, |_| vec![0.0; 2]).is_none());
+        let single = CellTable::new(1, 1, |_| vec![2.0]).unwrap();
+        assert_eq!(single.probability::<f32>(0, 0), 1.0);
+        assert_eq!(single.choose::<f32>((0.25, 0.75)).position, (0.25, 0.75));
+    }
+}

@@ -1,0 +1,113 @@
+//! Spotlights.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::point::sample_point;
+use super::sample::LightSample;
+use super::{FreeLight, FreeLightModel, LightModel};
+use crate::error::Result;
+use crate::geometry::Ray;
+use crate::math::precise::sin_cos_degrees;
+use crate::math::{Real, Row, Vector, clamp, dot, normalize, row};
+use crate::scene::emission::luminance;
+use crate::scene::place::{Element, MAX_RADIANCE};
+
+/// A point that emits light into a cone.
+///
+/// The intensity falls from the inner to the outer cone by a smooth step in the cosine of the angle
+/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 12.2.1).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spot {
+    /// The position.
+    pub position: [f32; 3],
+    /// A point on the axis of the cone.
+    pub look_at: [f32; 3],
+    /// Radiant intensity (power per solid angle) in the inner cone in linear RGB, 0 to 1e30.
+    pub intensity: [f32; 3],
+    /// Angle between the axis and the rim of the outer cone in degrees, above 0 and at most 180.
+    pub outer: f32,
+    /// Angle between the axis and the rim of the inner cone in degrees, at least 0 and below `outer`.
+    #[serde(default)]
+    pub inner: f32,
+}
+
+#[derive(Debug)]
+pub(super) struct SpotLight {
+    /// (position, cosine of the outer angle).
+    position: Row,
+    /// (axis, reciprocal of the difference of the cosines).
+    axis: Row,
+}
+
+impl Spot {
+    fn axis(&self) -> Vec3 {
+        normalize(Vec3::from(self.look_at) - Vec3::from(self.position))
+    }
+
+    /// Cosines of the inner and the outer angle.
+    fn cosines(&self) -> [f64; 2] {
+        [self.inner, self.outer].map(|angle| sin_cos_degrees(angle.into()).1)
+    }
+}
+
+impl FreeLightModel for Spot {
+    type Light = SpotLight;
+
+    fn check(&self, e: &Element<'_>) -> Result<()> {
+        let Self { inner, outer, .. } = *self;
+        e.point("position", self.position)?;
+        e.point("look_at", self.look_at)?;
+        if !self.axis().is_finite() {
+            return Err(e.error("position and look_at must differ, or the cone has no axis"));
+        }
+        e.color("intensity", self.intensity, MAX_RADIANCE)?;
+        e.check(outer > 0.0 && outer <= 180.0, "outer", "in (0, 180] degrees", outer)?;
+        let [inner_cos, outer_cos] = self.cosines();
+        let ok = (0.0..outer).contains(&inner) && inner_cos - outer_cos > 1e-9;
+        e.check(ok, "inner", "at least 0 and below `outer`", inner)
+    }
+
+    fn light(&self) -> (SpotLight, FreeLight) {
+        let radiance = self.intensity.into();
+        let [inner, outer] = self.cosines();
+        let light = SpotLight {
+            position: row(self.position.into(), outer as f32),
+            axis: row(self.axis(), (1.0 / (inner - outer)) as f32),
+        };
+        // The smooth step is 1/2 on average.
+        let power = luminance(radiance) * (2.0 - inner - outer);
+        (light, FreeLight { radiance, power: Some(power) })
+    }
+}
+
+impl LightModel for SpotLight {
+    const UNSEEN: bool = true;
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        table: &[Self],
+        index: R::Index,
+        from: R::Vec3,
+        _: R,
+        _: (R, R),
+    ) -> LightSample<R> {
+        let (position, outer) = R::gather(table, index, |light| &light.position);
+        let (axis, slope) = R::gather(table, index, |light| &light.axis);
+        let sample = sample_point(position, from);
+        let cos = -dot(sample.direction, axis);
+        let x = clamp((cos - outer) * slope, R::ZERO, R::ONE);
+        let step = x * x * (R::splat(3.0) - x * 2.0);
+        LightSample {
+            tint: R::Vec3::gray(step),
+            visible: sample.visible & step.gt(R::ZERO),
+            ..sample
+        }
+    }
+
+    #[inline(always)]
+    fn pdf<R: Real>(_: &[Self], _: R::Index, _: &Ray<R>, _: R) -> R {
+        R::ZERO
+    }
+}
