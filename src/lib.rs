@@ -162,8 +162,8 @@ pub mod internals {
     pub use crate::engine::{BITS, Stage};
     pub use crate::film::{Film, Tile};
     pub use crate::geometry::{
-        Bounds, Geometry, Hit, Instance, Instances, Quad, Ray, Sphere, Triangle, Triangles,
-        Vertices,
+        Bounds, Cutouts, Geometry, Hit, Holes, Instance, Instances, Quad, Ray, Sphere, Triangle,
+        Triangles, Vertices,
     };
     pub use crate::isa::missing_feature;
     pub use crate::math::random::Stream;

@@ -146,10 +146,14 @@ impl Accelerator {
         Layout { bytes: base + tree + layout, seconds }
     }
 
-    /// `kernel`, or what stands in for it in scenes with instances.
+    /// `kernel`, or what stands in for it in scenes with instances or holes.
     fn chosen(&self, kernel: Kernel) -> Kernel {
         match kernel {
-            Kernel::Packet | Kernel::Flat if self.has_instances() => Kernel::Stream,
+            Kernel::Packet | Kernel::Flat
+                if self.has_instances() || self.geometry.has_cutouts() =>
+            {
+                Kernel::Stream
+            }
             other => other,
         }
     }

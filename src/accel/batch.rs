@@ -181,6 +181,11 @@ impl HitBatch {
         batch
     }
 
+    /// Whether the hits name instances.
+    pub(crate) fn has_instances(&self) -> bool {
+        !self.instance.is_empty()
+    }
+
     /// Replaces the contents with `count` misses, for scenes without instances unless `instanced`
     /// is set.
     pub fn reset(&mut self, count: usize, instanced: bool) {

@@ -7,6 +7,7 @@
 //! acceleration structure.
 
 mod bounds;
+mod cutouts;
 mod instance;
 mod primitive;
 pub(crate) mod quad;
@@ -19,6 +20,7 @@ mod triangles;
 mod volume;
 
 pub use bounds::Bounds;
+pub use cutouts::{Cutouts, Holes};
 pub use instance::Instance;
 pub(crate) use instance::ToObject;
 pub use primitive::*;

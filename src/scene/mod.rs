@@ -21,6 +21,7 @@ mod medium;
 mod mesh;
 mod named;
 mod normal_map;
+mod opacity;
 mod parse;
 mod place;
 pub mod primitive;

@@ -4,7 +4,7 @@ use ptfast::internals::{Stream, min};
 use ptfast::light::{Distant, EnvironmentMap, LightFile, Mapping, Point, Spot};
 use ptfast::material::{
     Conductor, Dielectric, Diffuse, DiffuseTransmission, Fresnel, Lambertian, Light, Material,
-    Metal, Principled, RoughDielectric, Sides,
+    Metal, Opacity, Principled, RoughDielectric, Sides,
 };
 use ptfast::primitive::{
     BoxFile, InstanceFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile,
@@ -94,6 +94,7 @@ impl Maker {
         let materials: Vec<_> = (0..1 + self.below(8))
             .map(|i| (format!("m{i}"), self.material(textures.0.len() as u64)))
             .collect();
+        let holed = self.holed(textures.0.len() as u64);
         textures
             .0
             .push(("bumps".to_owned(), Image::normals_from_file("tests/data/bumps.png").into()));
@@ -120,7 +121,7 @@ impl Maker {
         scene.render.depth = if self.one_in(8) { 1 } else { 1 + self.below(12) as u32 };
         scene.render.sampling = Some(Sampling::ALL[self.below(3) as usize]);
         scene.textures = textures;
-        scene.materials = Named(materials);
+        scene.materials = Named(materials.into_iter().chain(holed).collect());
         scene.meshes = Named(named);
         scene.primitives = primitives;
         scene.media = (0..self.below(3)).map(|i| self.medium(i as f32)).collect();
@@ -354,8 +355,35 @@ impl Maker {
                 let rotation = if self.one_in(2) { [0.0; 3] } else { self.vector(-90.0, 90.0) };
                 BoxFile { min, max, rotation, material }.into()
             }
-            _ => self.triangles(material).into(),
+            _ => {
+                let material = self.with_holes(material);
+                self.triangles(material).into()
+            }
         }
+    }
+
+    /// The material of triangles, some of which have holes.
+    fn with_holes(&mut self, material: String) -> String {
+        if self.one_in(3) { format!("h{}", self.below(3)) } else { material }
+    }
+
+    /// Materials with holes, for triangles.
+    fn holed(&mut self, textures: u64) -> [(String, Material); 3] {
+        let [first, second, third] = [(); 3].map(|()| {
+            let (alpha, threshold) = (self.number(textures), self.0.uniform());
+            Some(match self.one_in(2) {
+                true => Opacity::Mask { alpha, threshold },
+                false => Opacity::Blend { alpha },
+            })
+        });
+        let mut card = Lambertian::new([0.5; 3]);
+        card.opacity = first;
+        let mut leaf = DiffuseTransmission::new([0.3; 3], [0.4; 3]);
+        leaf.opacity = second;
+        let mut glass = Principled::default();
+        (glass.opacity, glass.transmission) = (third, 0.5.into());
+        let named = |name: &str, material: Material| (name.to_owned(), material);
+        [named("h0", card.into()), named("h1", leaf.into()), named("h2", glass.into())]
     }
 
     fn triangles(&mut self, material: String) -> TrianglesFile {
@@ -388,6 +416,7 @@ impl Maker {
             1.. if self.one_in(3) => self.instance(number, materials).into(),
             _ => {
                 let material = format!("m{}", self.below(materials));
+                let material = self.with_holes(material);
                 self.triangles(material).into()
             }
         });

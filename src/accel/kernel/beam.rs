@@ -168,7 +168,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    match (tree.is_large, tree.meshes.is_empty()) {
+    match (tree.is_large, tree.is_plain()) {
         (true, true) => trace_beams::<ANY, false, FEW, C>(tree, NoMeshes, job, hits, count),
         (false, true) => trace_beams::<ANY, false, MANY, C>(tree, NoMeshes, job, hits, count),
         (_, false) => {

@@ -45,7 +45,7 @@ impl Job<'_> {
             }
             self.search_all::<ANY, V, C>(&mut packet, count, &mut search);
             packet.store::<ANY>(first, end, hits);
-            if INSTANCES && !ANY {
+            if INSTANCES && !ANY && hits.has_instances() {
                 let end = end.min(first + V * LANES);
                 packet.store_instances(first, end, self.meshes, hits);
             }

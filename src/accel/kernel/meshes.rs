@@ -1,4 +1,4 @@
-//! Rays in the object space of an instance, which continue in the tree of its mesh.
+//! Rays in the object space of an instance, which continue in the tree of its mesh, and holes.
 
 use super::search::search;
 use super::visits::Visits;
@@ -6,19 +6,22 @@ use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
 use crate::accel::ray::group::Group;
 use crate::accel::tree::wide::WideTree;
+use crate::geometry::{Geometry, Ray};
 
-/// The trees of the meshes, and room to traverse them.
+/// The trees of the meshes, room to traverse them, and the holes of triangles.
 pub(crate) struct MeshTrees<'a> {
     trees: &'a [WideTree],
     first: u32,
     visits: Visits,
+    /// The geometry, if its triangles or those of the meshes may have holes.
+    cut: Option<&'a Geometry>,
 }
 
 impl<'a> MeshTrees<'a> {
     pub(crate) fn new(tree: &'a WideTree) -> Self {
         let deepest = tree.meshes.iter().max_by_key(|mesh| mesh.depth);
         let visits = deepest.map_or(Visits::default(), Visits::for_tree);
-        Self { trees: &tree.meshes, first: tree.first, visits }
+        Self { trees: &tree.meshes, first: tree.first, visits, cut: tree.cut.as_deref() }
     }
 }
 
@@ -34,14 +37,63 @@ impl Meshes for MeshTrees<'_> {
     }
 
     #[inline(always)]
+    fn cut(&self) -> bool {
+        self.cut.is_some()
+    }
+
+    #[inline(always)]
+    fn is_solid(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
+        self.cut.is_none_or(|geometry| geometry.is_solid(primitive, 0, &ray(), t))
+    }
+
+    #[inline(always)]
     fn trace<const ANY: bool>(
         &mut self,
-        mesh: u32,
+        (mesh, instance): (u32, u32),
         group: &mut Group<1>,
         ray: usize,
         count: &mut impl Count,
     ) {
         let tree = &self.trees[mesh as usize];
-        search::<ANY, 1>(tree, group, 1 << ray, &mut self.visits, &mut NoMeshes, count);
+        let cut = self.cut.map(|geometry| &**geometry.instances.triangles());
+        let mut within = WithinInstance { cut, instance };
+        search::<ANY, 1>(tree, group, 1 << ray, &mut self.visits, &mut within, count);
+    }
+}
+
+/// The holes of the triangles of an instance. They contain no other instances.
+struct WithinInstance<'a> {
+    cut: Option<&'a Geometry>,
+    instance: u32,
+}
+
+impl Meshes for WithinInstance<'_> {
+    #[inline(always)]
+    fn some(&self) -> bool {
+        false
+    }
+
+    fn first(&self) -> u32 {
+        NoMeshes.first()
+    }
+
+    #[inline(always)]
+    fn cut(&self) -> bool {
+        self.cut.is_some()
+    }
+
+    #[inline(always)]
+    fn is_solid(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
+        self.cut.is_none_or(|geometry| geometry.is_solid(primitive, self.instance, &ray(), t))
+    }
+
+    fn trace<const ANY: bool>(
+        &mut self,
+        mesh: (u32, u32),
+        group: &mut Group<1>,
+        ray: usize,
+        count: &mut impl Count,
+    ) {
+        NoMeshes.trace::<ANY>(mesh, group, ray, count);
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
-    if tree.meshes.is_empty() {
+    if tree.is_plain() {
         trace_with::<ANY, false, C>(tree, NoMeshes, job, hits, count)
     } else {
         trace_with::<ANY, true, C>(tree, MeshTrees::new(tree), job, hits, count)

@@ -101,7 +101,7 @@ impl Leaf for Block {
             // Triangles of meshes come after all other primitives.
             let in_later = best.primitive >= first && instance < best.instance;
             group.set_best(lane, best.before(best.found() && in_later));
-            meshes.trace::<ANY>(mesh, &mut group, lane, count);
+            meshes.trace::<ANY>((mesh, instance), &mut group, lane, count);
             let within = group.best(lane);
             if within.found() {
                 let primitive = first + within.primitive;

@@ -17,7 +17,7 @@ use super::ray::best::Best;
 use super::ray::group::{Group, Members};
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
-use crate::geometry::{Geometry, Shape, shapes};
+use crate::geometry::{Geometry, Ray, Shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
 
@@ -122,7 +122,7 @@ trait Leaf: Sized {
     );
 }
 
-/// The meshes that instances place.
+/// The meshes that instances place, and the holes of triangles.
 pub(super) trait Meshes {
     /// Whether there can be instances. Kernels are compiled for both cases, because a call that
     /// gets a reference to a packet keeps all of it in memory.
@@ -131,18 +131,30 @@ pub(super) trait Meshes {
     /// The number of the first triangle of a mesh among all primitives.
     fn first(&self) -> u32;
 
-    /// Traces one of the rays of `group`, which are in the object spaces of instances, through mesh
-    /// `mesh`. Primitives are counted from the first triangle of all meshes.
+    /// Whether triangles may have holes.
+    #[inline(always)]
+    fn cut(&self) -> bool {
+        false
+    }
+
+    /// Whether a hit of triangle `primitive` at distance `t` along `ray` counts: it is not in a hole.
+    #[inline(always)]
+    fn is_solid(&self, _primitive: u32, _ray: impl FnOnce() -> Ray, _t: f32) -> bool {
+        true
+    }
+
+    /// Traces one of the rays of `group`, which are in the object spaces of instances, through the mesh
+    /// and the instance of `place`. Primitives are counted from the first triangle of all meshes.
     fn trace<const ANY: bool>(
         &mut self,
-        mesh: u32,
+        place: (u32, u32),
         group: &mut Group<1>,
         ray: usize,
         count: &mut impl Count,
     );
 }
 
-/// The meshes of a layout without instances.
+/// The meshes of a layout without instances and holes.
 pub(super) struct NoMeshes;
 
 impl Meshes for NoMeshes {
@@ -154,7 +166,13 @@ impl Meshes for NoMeshes {
         unreachable!("this layout has no instances")
     }
 
-    fn trace<const ANY: bool>(&mut self, _: u32, _: &mut Group<1>, _: usize, _: &mut impl Count) {
+    fn trace<const ANY: bool>(
+        &mut self,
+        _: (u32, u32),
+        _: &mut Group<1>,
+        _: usize,
+        _: &mut impl Count,
+    ) {
         unreachable!("this layout has no instances")
     }
 }

@@ -46,7 +46,7 @@ impl Leaf for Block {
         valid: u32,
         one: &OneRay<'_>,
         best: &mut Best,
-        _: &mut impl Meshes,
+        meshes: &mut impl Meshes,
         _: &mut impl Count,
     ) {
         let order = one.axes();
@@ -57,8 +57,9 @@ impl Leaf for Block {
         if candidates != 0 {
             let t_min = one.table.t_min[one.lane];
             sheared.decide(candidates, |lane, t| {
-                if t > t_min {
-                    best.offer(t, self.primitive[lane]);
+                let primitive = self.primitive[lane];
+                if t > t_min && (t > best.t || meshes.is_solid(primitive, || one.scalar_ray(), t)) {
+                    best.offer(t, primitive);
                 }
             });
         }
@@ -70,13 +71,13 @@ impl Leaf for Block {
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
-        _: &mut impl Meshes,
+        meshes: &mut impl Meshes,
         count: &mut impl Count,
     ) {
         for lane in Bits(lanes) {
             let primitive = self.primitive[lane];
             for rays in &mut packet.vectors {
-                test_rays::<ANY>(rays, &self.vertices, lane, primitive, count);
+                test_rays::<ANY>(rays, &self.vertices, lane, primitive, meshes, count);
             }
         }
     }
@@ -89,6 +90,7 @@ fn test_rays<const ANY: bool>(
     vertices: &[[Lanes; 3]; 3],
     lane: usize,
     primitive: u32,
+    meshes: &impl Meshes,
     count: &mut impl Count,
 ) {
     let looking = rays.looking();
@@ -106,6 +108,8 @@ fn test_rays<const ANY: bool>(
     }
     if decided != 0 {
         let hit = Mask::from_bits(decided) & t.gt(rays.setup.ray.t_min);
+        let solid = |ray, t| meshes.is_solid(primitive, || ray, t);
+        let hit = if meshes.cut() { rays.filter(t, hit, solid) } else { hit };
         rays.offer::<ANY>(HitLanes { t, hit }, primitive);
     }
 }

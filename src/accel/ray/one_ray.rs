@@ -1,5 +1,7 @@
 //! Single rays, taken from a vector of rays.
 
+use glam::Vec3;
+
 use crate::accel::setup::{Setup, Shear};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
@@ -110,6 +112,12 @@ impl<'a> OneRay<'a> {
     pub(crate) fn full_ray(&self) -> Ray<Float> {
         let RayLanes { origin, direction, time, .. } = self.ray();
         Ray { origin, direction, time }
+    }
+
+    pub(crate) fn scalar_ray(&self) -> Ray {
+        let Table { origin, direction, time, .. } = self.table;
+        let vector = |lanes: &[Lanes; 3]| Vec3::from_array(axes(|axis| lanes[axis][self.lane]));
+        Ray { origin: vector(origin), direction: vector(direction), time: time[self.lane] }
     }
 
     #[inline(always)]

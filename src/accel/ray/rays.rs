@@ -1,11 +1,13 @@
 //! A vector of rays and their closest hits so far.
 
+use glam::Vec3;
+
 use super::best::BestLanes;
 use crate::accel::batch::{HitBatch, RayVector};
 use crate::accel::setup::{Extent, Setup};
-use crate::geometry::ray_lanes::HitLanes;
-use crate::geometry::shear_axes;
-use crate::simd::{Bits, Float, Int, Mask, axes};
+use crate::geometry::ray_lanes::{HitLanes, RayLanes};
+use crate::geometry::{Ray, shear_axes};
+use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};
 
 /// A vector of rays and their closest hits so far.
 #[derive(Clone, Copy)]
@@ -132,6 +134,21 @@ impl Rays {
     pub(crate) fn end(&mut self, hit: Mask) {
         // Whether any ray has hit is unpredictable, so there is no branch on it.
         self.t = hit.select(Float::splat(f32::NEG_INFINITY), self.t);
+    }
+
+    /// The lanes of `hit` whose hit at distance `t` is not farther than the closest so far, and for
+    /// which `keep` returns true.
+    #[inline(always)]
+    pub(crate) fn filter(&self, t: Float, hit: Mask, keep: impl Fn(Ray, f32) -> bool) -> Mask {
+        let RayLanes { origin, direction, time, .. } = self.setup.ray;
+        let (mut left, distances) = ((hit & t.le(self.t)).bits(), t.to_array());
+        for lane in Bits(left) {
+            let vector = |v: Vec3x| Vec3::from_array(axes(|axis| v[axis].to_array()[lane]));
+            let (origin, direction) = (vector(origin), vector(direction));
+            let ray = Ray { origin, direction, time: time.to_array()[lane] };
+            left &= !(u32::from(!keep(ray, distances[lane])) << lane);
+        }
+        Mask::from_bits(left)
     }
 
     /// Keeps the hits that are closer than the closest so far, or equally close with a lower index.

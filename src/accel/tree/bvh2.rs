@@ -31,18 +31,20 @@ pub struct Bvh2 {
 struct Within<'a> {
     tree: &'a Bvh2,
     triangles: &'a Geometry,
+    instance: u32,
     ray: Ray,
 }
 
 impl Within<'_> {
     #[inline(never)] // traversal within traversal
     fn closest(&self, range: (f32, f32), count: &mut impl Count) -> Option<Hit> {
-        self.tree.closest_primitive(self.triangles, &self.ray, range, count)
+        self.tree.closest_primitive(self.triangles, self.instance, &self.ray, range, count)
     }
 
     #[inline(never)]
     fn occluded(&self, (t_min, t_max): (f32, f32), count: &mut impl Count) -> bool {
-        self.tree.count_occluded(self.triangles, &self.ray, t_min, t_max, count)
+        let Self { tree, triangles, instance, ray } = self;
+        tree.any_occluded(triangles, *instance, ray, (t_min, t_max), count)
     }
 }
 
@@ -158,7 +160,7 @@ impl Bvh2 {
         count: &mut impl Count,
     ) -> Option<Hit> {
         if self.meshes.is_empty() {
-            return self.closest_primitive(geometry, ray, (t_min, t_max), count);
+            return self.closest_primitive(geometry, 0, ray, (t_min, t_max), count);
         }
         let (prepared, first) = (PreparedRay::new(ray), geometry.len() as u32);
         let mut best: Option<Hit> = None;
@@ -167,7 +169,7 @@ impl Bvh2 {
             let limit_or_tie = best.map_or(limit, |best| best.t.next_up());
             let hit = match element.checked_sub(first) {
                 None => {
-                    let t = geometry.get(element).intersect(&prepared, t_min, limit_or_tie);
+                    let t = geometry.intersect(element, 0, &prepared, t_min, limit_or_tie);
                     t.map(|t| Hit::of(element, t))
                 }
                 Some(instance) => self
@@ -188,11 +190,12 @@ impl Bvh2 {
         best
     }
 
-    /// Finds the closest hit in a tree without instances.
+    /// Finds the closest hit in a tree without instances, which may be that of instance `instance`.
     #[inline]
     fn closest_primitive(
         &self,
         geometry: &Geometry,
+        instance: u32,
         ray: &Ray,
         (t_min, t_max): (f32, f32),
         count: &mut impl Count,
@@ -205,7 +208,7 @@ impl Bvh2 {
                 Some((t, primitive)) => (t.next_up(), primitive),
                 None => (limit, u32::MAX),
             };
-            match geometry.get(primitive).intersect(&prepared, t_min, limit_or_tie) {
+            match geometry.intersect(primitive, instance, &prepared, t_min, limit_or_tie) {
                 Some(t) if t < limit || primitive < best_primitive => {
                     best = Some((t, primitive));
                     t
@@ -219,9 +222,9 @@ impl Bvh2 {
     /// The ray in the object space of an instance.
     fn enter<'a>(&'a self, geometry: &'a Geometry, instance: u32, ray: &Ray) -> Within<'a> {
         let instances = &geometry.instances;
-        let instance = &instances.list()[instance as usize];
-        let tree = &self.meshes[instance.mesh()];
-        Within { tree, triangles: instances.triangles(), ray: instance.world_to_object().ray(ray) }
+        let placed = &instances.list()[instance as usize];
+        let (tree, ray) = (&self.meshes[placed.mesh()], placed.world_to_object().ray(ray));
+        Within { tree, triangles: instances.triangles(), instance, ray }
     }
 
     /// Size in memory.
@@ -240,11 +243,23 @@ impl Bvh2 {
         t_max: f32,
         count: &mut impl Count,
     ) -> bool {
+        self.any_occluded(geometry, 0, ray, (t_min, t_max), count)
+    }
+
+    #[inline]
+    fn any_occluded(
+        &self,
+        geometry: &Geometry,
+        instance: u32,
+        ray: &Ray,
+        (t_min, t_max): (f32, f32),
+        count: &mut impl Count,
+    ) -> bool {
         let (prepared, first) = (PreparedRay::new(ray), geometry.len() as u32);
         let mut occluded = false;
         self.traverse(ray, (t_min, t_max), count, |element, limit, count| {
             occluded |= if self.meshes.is_empty() || element < first {
-                geometry.get(element).intersect(&prepared, t_min, t_max).is_some()
+                geometry.intersect(element, instance, &prepared, t_min, t_max).is_some()
             } else {
                 self.enter(geometry, element - first, ray).occluded((t_min, t_max), count)
             };

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::mem::take;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use super::binary::{Below, BinaryNode, BinaryTree, Element};
 use super::collapse::Collapse;
@@ -55,6 +55,8 @@ pub(crate) struct WideTree {
     pub(crate) meshes: Vec<WideTree>,
     /// The number of that triangle among all primitives.
     pub(crate) first: u32,
+    /// The geometry, if its triangles or those of the meshes may have holes.
+    pub(crate) cut: Option<Arc<Geometry>>,
 }
 
 /// Size in bytes above which a tree is larger than the fast caches.
@@ -252,7 +254,8 @@ impl WideTree {
     }
 
     /// Builds the trees of the meshes that instances of `geometry` place.
-    pub(crate) fn with_meshes(mut self, geometry: &Geometry, threads: usize) -> Self {
+    pub(crate) fn with_meshes(mut self, geometry: &Arc<Geometry>, threads: usize) -> Self {
+        self.cut = geometry.has_cutouts().then(|| Arc::clone(geometry));
         let instances = &geometry.instances;
         let triangles = instances.triangles();
         let boxes = triangles.boxes();
@@ -264,6 +267,11 @@ impl WideTree {
         self.first = geometry.len() as u32;
         self.meshes = map(at_once, meshes, build);
         self
+    }
+
+    /// Whether the tree has neither instances nor holes.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.meshes.is_empty() && self.cut.is_none()
     }
 
     /// Lays out `tree`.
@@ -299,7 +307,7 @@ impl WideTree {
     fn of(Part { nodes, blocks, depth }: Part) -> Self {
         let bytes = size_of_val(&*nodes) + blocks.bytes();
         let is_large = bytes > LARGE;
-        Self { nodes, blocks, depth, is_large, meshes: Vec::new(), first: 0 }
+        Self { nodes, blocks, depth, is_large, meshes: Vec::new(), first: 0, cut: None }
     }
 
     /// Prefetches a node or a block.

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
-use super::{Geometry, PrimitiveModel};
+use super::Geometry;
 use crate::geometry::instance::Placement;
-use crate::geometry::{Bounds, Hit, Instance, PreparedRay, Ray, Triangles};
+use crate::geometry::{Bounds, Cutouts, Hit, Instance, PreparedRay, Ray, Triangles};
 use crate::math::Real;
 
 /// Meshes in spaces of their own, and their instances.
@@ -91,6 +91,13 @@ impl Instances {
         self.meshes.last().map_or(0, |mesh| mesh.end as usize)
     }
 
+    /// Sets which triangles of the meshes may have holes.
+    pub fn set_cutouts(&mut self, cutouts: Cutouts) {
+        if let Some(triangles) = &mut self.triangles {
+            Arc::make_mut(triangles).cutouts = cutouts;
+        }
+    }
+
     /// [`Geometry::settle`] of the meshes.
     pub(super) fn settle(&mut self) {
         if let Some(triangles) = &mut self.triangles {
@@ -132,10 +139,8 @@ impl Instances {
             let ray = PreparedRay::new(&ray);
             for triangle in self.range(instance.mesh()) {
                 let limit = best.map_or(t_max, |hit| hit.t);
-                let found = triangles.triangles.get(triangle as usize);
-                let found = found.and_then(|found| found.intersect(&ray, t_min, limit));
-                if let Some(t) = found {
-                    let instance = index as u32;
+                let instance = index as u32;
+                if let Some(t) = triangles.intersect(triangle, instance, &ray, t_min, limit) {
                     best = Some(Hit { t, primitive: first + triangle, instance });
                 }
             }

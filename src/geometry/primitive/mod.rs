@@ -5,7 +5,7 @@ mod instances;
 use glam::Vec3;
 
 pub use self::instances::Instances;
-use super::{Bounds, Hit, Instance, PreparedRay, Ray, Triangles};
+use super::{Bounds, Cutouts, Hit, Instance, PreparedRay, Ray, Triangles};
 use crate::math::max;
 
 /// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
@@ -103,6 +103,9 @@ macro_rules! primitive {
             $($(#[doc = $doc])* pub $list: $many,)*
             /// Meshes placed any number of times.
             pub instances: Instances,
+            /// The triangles that may have holes.
+            #[doc(hidden)]
+            pub cutouts: Cutouts,
         }
 
         /// One primitive.
@@ -217,7 +220,7 @@ impl Geometry {
 
     /// Size of the lists in memory.
     pub(crate) fn bytes(&self) -> u64 {
-        let Self { spheres, quads, triangles, instances } = self;
+        let Self { spheres, quads, triangles, instances, .. } = self;
         let solids = size_of_val(&**spheres) + size_of_val(&**quads);
         solids as u64 + triangles.bytes() + instances.bytes()
     }
@@ -280,7 +283,7 @@ impl Geometry {
         let mut best: Option<Hit> = None;
         for primitive in 0..self.len() as u32 {
             let limit = best.map_or(t_max, |hit| hit.t);
-            if let Some(t) = self.get(primitive).intersect(&ray, t_min, limit) {
+            if let Some(t) = self.intersect(primitive, 0, &ray, t_min, limit) {
                 best = Some(Hit::of(primitive, t));
             }
         }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::{Partials, SurfaceTable};
 use crate::geometry::triangle::surface;
 use crate::geometry::triangles::{COLORED, MAPPED, MAPPED_TWICE, Rows, SMOOTH, SOFT, TANGENT};
-use crate::geometry::{Geometry, Hit, Ray, Shading, Surface};
+use crate::geometry::{Geometry, Hit, Ray, Shading, Surface, Triangles};
 use crate::math::{Mask, Real, Vector, Word, dot, normalize};
 use crate::simd::axes;
 
@@ -15,6 +17,14 @@ pub(super) struct Table {
     /// The number of the first triangle among all primitives.
     first: u32,
     geometry: Arc<Geometry>,
+}
+
+/// A list of triangles.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    /// The number of the first triangle among all primitives.
+    first: u32,
+    triangles: &'a Triangles,
 }
 
 /// The corners of triangles: the indices of their vertices, and the triangles' flags.
@@ -55,8 +65,15 @@ impl Table {
     }
 
     #[inline(always)]
-    fn rows(&self) -> Rows<'_> {
-        self.geometry.triangles.rows()
+    fn view(&self) -> View<'_> {
+        View { first: self.first, triangles: &self.geometry.triangles }
+    }
+}
+
+impl<'a> View<'a> {
+    #[inline(always)]
+    fn rows(&self) -> Rows<'a> {
+        self.triangles.rows()
     }
 
     #[inline(always)]
@@ -99,25 +116,11 @@ impl Table {
         let normal = smooth.select(normalize(mean), normal);
         Shading { normal, smooth, soft: smooth & corners.have(SOFT) }
     }
-}
-
-impl SurfaceTable for Table {
-    fn new(geometry: &Arc<Geometry>) -> Self {
-        Self::with_first(geometry.first_triangle() as u32, Arc::clone(geometry))
-    }
-
-    #[inline(always)]
-    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
-        let corners = self.corners::<R>(hit.primitive);
-        let positions = corners.gather(self.rows().positions).map(|(position, _)| position);
-        let (surface, at) = surface(positions, ray, hit.t);
-        Surface { shading: self.shading(&corners, surface.normal, at), ..surface }
-    }
 
     /// The interpolated texture coordinates, or without these the barycentric coordinates for the
     /// second and the third vertex.
     #[inline(always)]
-    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> (R, R) {
         let (corners, at) = self.locate::<R>(ray, hit);
         let mapped = corners.have(MAPPED);
         if !mapped.any() {
@@ -127,8 +130,8 @@ impl SurfaceTable for Table {
         (mapped.select(u, at[0]), mapped.select(v, at[1]))
     }
 
-    fn second_uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, surface: &Surface<R>) -> (R, R) {
-        let (first_u, first_v) = self.uv(ray, hit, surface);
+    fn second_uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> (R, R) {
+        let (first_u, first_v) = self.uv(ray, hit);
         let (corners, at) = self.locate::<R>(ray, hit);
         let mapped = corners.have(MAPPED_TWICE);
         if !mapped.any() {
@@ -149,17 +152,61 @@ impl SurfaceTable for Table {
         let color = interpolate(corners.gather(self.rows().colors).map(|(color, _)| color), at);
         colored.select(color, white)
     }
+}
+
+impl Triangles {
+    /// Texture coordinates where `ray` hits triangle `triangle` at distance `t`.
+    pub(crate) fn uv(&self, triangle: u32, ray: &Ray, t: f32) -> (f32, f32) {
+        View { first: 0, triangles: self }.uv(ray, Hit::of(triangle, t))
+    }
+
+    /// As [`uv`](Self::uv), for the second set, or the first if there is only one.
+    pub(crate) fn second_uv(&self, triangle: u32, ray: &Ray, t: f32) -> (f32, f32) {
+        View { first: 0, triangles: self }.second_uv(ray, Hit::of(triangle, t))
+    }
+
+    /// The interpolated colour of the vertices, or white.
+    pub(crate) fn color(&self, triangle: u32, ray: &Ray, t: f32) -> Vec3 {
+        View { first: 0, triangles: self }.color(ray, Hit::of(triangle, t))
+    }
+}
+
+impl SurfaceTable for Table {
+    fn new(geometry: &Arc<Geometry>) -> Self {
+        Self::with_first(geometry.first_triangle() as u32, Arc::clone(geometry))
+    }
+
+    #[inline(always)]
+    fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
+        let corners = self.view().corners::<R>(hit.primitive);
+        let positions = corners.gather(self.view().rows().positions).map(|(position, _)| position);
+        let (surface, at) = surface(positions, ray, hit.t);
+        Surface { shading: self.view().shading(&corners, surface.normal, at), ..surface }
+    }
+
+    #[inline(always)]
+    fn uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
+        self.view().uv(ray, hit)
+    }
+
+    fn second_uv<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> (R, R) {
+        self.view().second_uv(ray, hit)
+    }
+
+    fn color<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> R::Vec3 {
+        self.view().color(ray, hit)
+    }
 
     /// Solves the two equations that the edges and the differences of texture coordinates along them
     /// define.
     fn partials<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>, _: &Surface<R>) -> Partials<R> {
-        let (corners, at) = self.locate::<R>(ray, hit);
-        let [a, b, c] = corners.gather(self.rows().positions).map(|(position, _)| position);
+        let (corners, at) = self.view().locate::<R>(ray, hit);
+        let [a, b, c] = corners.gather(self.view().rows().positions).map(|(position, _)| position);
         let edges = [b - a, c - a];
         let mut partials = Partials::new(edges[0], edges[1]);
         let mapped = corners.have(MAPPED);
         if mapped.any() {
-            let [u, v] = self.uvs(&corners).map(|[a, b, c]| [b - a, c - a]);
+            let [u, v] = self.view().uvs(&corners).map(|[a, b, c]| [b - a, c - a]);
             let inverse = R::ONE / (u[0] * v[1] - u[1] * v[0]);
             let along_u = (edges[0] * v[1] - edges[1] * v[0]) * inverse;
             let along_v = (edges[1] * u[0] - edges[0] * u[1]) * inverse;
@@ -168,7 +215,7 @@ impl SurfaceTable for Table {
         }
         let has_tangent = corners.have(TANGENT);
         if has_tangent.any() {
-            let tangents = corners.gather(self.rows().tangents).map(|(tangent, _)| tangent);
+            let tangents = corners.gather(self.view().rows().tangents).map(|(tangent, _)| tangent);
             partials.tangent = has_tangent.select(interpolate(tangents, at), partials.tangent);
         }
         partials

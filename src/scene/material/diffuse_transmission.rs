@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, Scatter};
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Mask, Real, Row, dot, max};
@@ -32,6 +32,9 @@ pub struct DiffuseTransmission {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
 fn one() -> f32 {
@@ -42,7 +45,7 @@ impl DiffuseTransmission {
     /// Creates the material without a normal map.
     pub fn new(reflectance: impl Into<Color>, transmittance: impl Into<Color>) -> Self {
         let (reflectance, transmittance) = (reflectance.into(), transmittance.into());
-        Self { reflectance, transmittance, scale: 1.0, normal: None }
+        Self { reflectance, transmittance, scale: 1.0, normal: None, opacity: None }
     }
 }
 
@@ -56,12 +59,22 @@ impl MaterialModel for DiffuseTransmission {
     const LARGE: bool = true;
 
     fn textures(&mut self) -> Vec<&mut TextureRef> {
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         let colors = [&mut self.reflectance, &mut self.transmittance];
-        colors.into_iter().filter_map(Color::reference).chain(&mut self.normal).collect()
+        colors
+            .into_iter()
+            .filter_map(Color::reference)
+            .chain(&mut self.normal)
+            .chain(opacity)
+            .collect()
     }
 
     fn normal(&self) -> Option<&TextureRef> {
         self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

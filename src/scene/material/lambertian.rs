@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, Scatter};
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Mask, Real, Row, dot};
@@ -23,12 +23,15 @@ pub struct Lambertian {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
 impl Lambertian {
     /// Creates the material without a normal map.
     pub fn new(albedo: impl Into<Color>) -> Self {
-        Self { albedo: albedo.into(), normal: None }
+        Self { albedo: albedo.into(), normal: None, opacity: None }
     }
 }
 
@@ -40,11 +43,16 @@ impl MaterialModel for Lambertian {
     const TEXTURED: bool = true;
 
     fn textures(&mut self) -> Vec<&mut TextureRef> {
-        self.albedo.reference().into_iter().chain(&mut self.normal).collect()
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        self.albedo.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
     }
 
     fn normal(&self) -> Option<&TextureRef> {
         self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

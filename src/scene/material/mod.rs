@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use super::bsdf::{Bsdf, SPECULAR, Scatter};
 pub use super::emission::{Emission, Sides};
+pub use super::opacity::Opacity;
 pub use dielectric::Fresnel;
 
 use super::interaction::Interaction;
@@ -63,6 +64,11 @@ pub(crate) trait MaterialModel {
 
     /// Returns the light that the material emits, if any.
     fn emission(&self) -> Option<Emission> {
+        None
+    }
+
+    /// Returns where the surface has holes, if anywhere.
+    fn opacity(&self) -> Option<&Opacity> {
         None
     }
 
@@ -147,6 +153,7 @@ macro_rules! materials {
                 match self {
                     $($(#[cfg($cfg)])? Self::$name(material) => {
                         material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
+                        material.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
                         material.check(e)
                     })*
                 }
@@ -163,6 +170,13 @@ macro_rules! materials {
             pub fn emission(&self) -> Option<Emission> {
                 match self {
                     $($(#[cfg($cfg)])? Self::$name(material) => material.emission(),)*
+                }
+            }
+
+            /// Returns where the surface has holes, if anywhere.
+            pub(super) fn opacity(&self) -> Option<&Opacity> {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.opacity(),)*
                 }
             }
 

@@ -15,6 +15,7 @@ use super::description::SceneFile;
 use super::files::Images;
 use super::light::LightFile;
 use super::medium::Medium;
+use super::opacity::cut_out;
 use super::place::{Element, Places};
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
@@ -46,6 +47,8 @@ pub(super) fn resolve(
         .load(&resolver.element(Places::section(places.background), "background"), &mut images)?;
     let images = images.files();
     let (geometry, material_map, meshes) = resolver.primitives(&materials, folder)?;
+    let mut geometry = geometry;
+    cut_out(&mut geometry, &materials, &material_map);
     let media = resolver.media()?;
     let shines = |primitive: &u32| {
         let material = &materials[material_map.get(*primitive) as usize];

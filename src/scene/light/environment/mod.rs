@@ -89,9 +89,9 @@ impl Environment {
         let [x, y, z] = self.axes.map(along);
         let (u, v) = self.mapping.place(R::Vec3::new(x, y, z));
         let size = [self.texels.width(), self.texels.height()];
-        let inside = |x: R, size: u32| clamp(x * size as f32, R::ZERO, R::splat(size as f32 - 0.5));
-        let (x, y) = (inside(u, size[0]), inside(v, size[1]));
-        let (row, column) = (whole(y), whole(x));
+        let (x, y) = (u * size[0] as f32, v * size[1] as f32);
+        let cell = |x: R, size: u32| whole(clamp(x, R::ZERO, R::splat(size as f32 - 0.5)));
+        let (row, column) = (cell(y, size[1]), cell(x, size[0]));
         (self.radiance(x, y), self.pdf_of(row, column))
     }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use self::layered::{LayeredBsdf, Parameters};
-use super::{Emission, MaterialModel, Sides};
+use super::{Emission, MaterialModel, Opacity, Sides};
 use crate::error::Result;
 use crate::math::{Real, Row, row};
 use crate::scene::interaction::Interaction;
@@ -55,6 +55,9 @@ pub struct Principled {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles and emit no light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
 impl Default for Principled {
@@ -75,6 +78,7 @@ impl Default for Principled {
             coat_color: [1.0; 3],
             emission: [0.0; 3],
             normal: None,
+            opacity: None,
         }
     }
 }
@@ -101,11 +105,22 @@ impl MaterialModel for Principled {
             &mut self.coat_roughness,
         ];
         let numbers = numbers.into_iter().filter_map(Number::reference);
-        self.base_color.reference().into_iter().chain(numbers).chain(&mut self.normal).collect()
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        self.base_color
+            .reference()
+            .into_iter()
+            .chain(numbers)
+            .chain(&mut self.normal)
+            .chain(opacity)
+            .collect()
     }
 
     fn normal(&self) -> Option<&TextureRef> {
         self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
     }
 
     fn emission(&self) -> Option<Emission> {
@@ -133,7 +148,9 @@ impl MaterialModel for Principled {
         let distance = self.attenuation_distance;
         e.check(distance > 0.0, "attenuation_distance", "above 0", distance)?;
         e.color("coat_color", self.coat_color, 1.0)?;
-        e.color("emission", self.emission, MAX_RADIANCE).map(|_| ())
+        e.color("emission", self.emission, MAX_RADIANCE)?;
+        let emits = self.emission != [0.0; 3];
+        e.check(!(emits && self.opacity.is_some()), "emission", "0 with opacity", self.emission)
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {

@@ -1,0 +1,91 @@
+//! Holes in triangles, such as those between the leaves on a picture of foliage.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::{Geometry, PreparedRay, Ray, Triangles};
+
+/// Decides where triangles have holes.
+pub trait Holes: Debug + Send + Sync {
+    /// Whether triangle `triangle` of `triangles` has a hole where `ray` hits it at distance `t`. The
+    /// ray is in the space of the triangles. `instance` is 0 for triangles that no instance places.
+    ///
+    /// The answer may depend on nothing else, so that hits are defined without a tree.
+    fn is_hole(
+        &self,
+        triangles: &Triangles,
+        triangle: u32,
+        instance: u32,
+        ray: &Ray,
+        t: f32,
+    ) -> bool;
+}
+
+/// The triangles that may have holes.
+#[derive(Clone, Debug, Default)]
+pub struct Cutouts(Option<Arc<Marked>>);
+
+#[derive(Debug)]
+struct Marked {
+    /// A bit for each triangle.
+    bits: Vec<u64>,
+    holes: Arc<dyn Holes>,
+}
+
+/// Always equal: holes follow from the materials of a scene, which are compared on their own.
+impl PartialEq for Cutouts {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Cutouts {
+    /// The triangles among the first `count` for which `has_holes` returns true.
+    pub fn new(count: usize, has_holes: impl Fn(usize) -> bool, holes: Arc<dyn Holes>) -> Self {
+        let mut bits = vec![0; count.div_ceil(64)];
+        for triangle in (0..count).filter(|&triangle| has_holes(triangle)) {
+            bits[triangle / 64] |= 1 << (triangle % 64);
+        }
+        let some = bits.iter().any(|&word| word != 0);
+        Self(some.then(|| Arc::new(Marked { bits, holes })))
+    }
+
+    /// Whether any triangle may have holes.
+    pub(crate) fn any(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+impl Geometry {
+    /// Whether triangles, including those of meshes, may have holes.
+    pub(crate) fn has_cutouts(&self) -> bool {
+        self.cutouts.any() || self.instances.triangles().cutouts.any()
+    }
+
+    /// Whether a hit of primitive `primitive` at distance `t` counts: it is not in a hole.
+    #[inline]
+    pub(crate) fn is_solid(&self, primitive: u32, instance: u32, ray: &Ray, t: f32) -> bool {
+        let Some(marked) = &self.cutouts.0 else { return true };
+        let Some(triangle) = (primitive as usize).checked_sub(self.first_triangle()) else {
+            return true;
+        };
+        let has_holes = marked.bits[triangle / 64] >> (triangle % 64) & 1 == 1;
+        let is_hole = || marked.holes.is_hole(&self.triangles, triangle as u32, instance, ray, t);
+        !(has_holes && is_hole())
+    }
+
+    /// Distance of the first hit of a primitive in the open interval `(t_min, t_max)` that is not in
+    /// a hole.
+    #[inline(always)]
+    pub(crate) fn intersect(
+        &self,
+        primitive: u32,
+        instance: u32,
+        ray: &PreparedRay,
+        t_min: f32,
+        t_max: f32,
+    ) -> Option<f32> {
+        let t = self.get(primitive).intersect(ray, t_min, t_max)?;
+        self.is_solid(primitive, instance, &ray.ray, t).then_some(t)
+    }
+}
