@@ -11,7 +11,7 @@ use super::rays::{Bundles, adversarial, soup, vector};
 
 /// The kinds of matrices.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+pub(super) enum Kind {
     /// Rotations.
     Rigid,
     /// Rotations and reflections with a scale for each axis.
@@ -49,7 +49,7 @@ fn linear(random: &mut Stream, kind: Kind, scale: f32, size: f32) -> Mat3 {
 
 /// A soup with instances of meshes, among them equal ones, and the same triangles in world space,
 /// at which rays are aimed.
-fn instanced(seed: u64, kind: Kind, scale: f32, shift: Vec3) -> (Geometry, Geometry) {
+pub(super) fn instanced(seed: u64, kind: Kind, scale: f32, shift: Vec3) -> (Geometry, Geometry) {
     let mut random = Stream::new(seed);
     let mut geometry = soup(seed, 20, scale, shift);
     let mut placed = geometry.clone();

@@ -6,6 +6,7 @@
 
 mod check;
 mod counters;
+mod cutouts;
 mod instances;
 mod odd_geometry;
 mod odd_rays;

@@ -87,7 +87,7 @@ impl Environment {
     pub(crate) fn look<R: Real>(&self, direction: R::Vec3) -> (R::Vec3, R) {
         let along = |axis: Vec3| dot(R::Vec3::splat(axis), direction);
         let [x, y, z] = self.axes.map(along);
-        let (u, v) = self.mapping.place(R::Vec3::new(x, y, z));
+        let (u, v) = self.mapping.place::<R>(R::Vec3::new(x, y, z));
         let size = [self.texels.width(), self.texels.height()];
         let (x, y) = (u * size[0] as f32, v * size[1] as f32);
         let cell = |x: R, size: u32| whole(clamp(x, R::ZERO, R::splat(size as f32 - 0.5)));

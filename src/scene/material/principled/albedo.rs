@@ -6,9 +6,10 @@ use std::sync::LazyLock;
 use glam::Vec3;
 
 use crate::math::microfacet::Ggx;
-use crate::math::{Mask, Real, Row, clamp, dot, whole};
+use crate::math::{Mask, Real, Row, Word, clamp, dot, max, whole};
 
-/// Number of cosines and of roughnesses in the table, each evenly spaced from 0 to 1.
+/// Number of cosines and of roughnesses in the table. The cosines are evenly spaced from 0 to 1, and so
+/// are the square roots of the roughnesses.
 const NODES: usize = 32;
 /// Samples along each axis for each entry.
 const STEPS: u16 = 24;
@@ -56,7 +57,7 @@ static MEANS: LazyLock<Vec<Row>> = LazyLock::new(|| {
 
 fn node(i: usize, j: usize) -> [f32; 2] {
     let at = |node: usize| node as f32 / (NODES - 1) as f32;
-    integrate(crate::math::max(at(i), 1e-3), crate::math::max(at(j), 1e-3), STEPS)
+    integrate(max(at(i), 1e-3), max(at(j) * at(j), 1e-3), STEPS)
 }
 
 /// [`Shares`] for the cosine `cos` and the roughness `alpha`, by the midpoint rule over the visible
@@ -100,8 +101,7 @@ impl<R: Real> Shares<R> {
     /// The shares for light that leaves or arrives at the cosine `cos` to the normal.
     #[inline(always)]
     pub(super) fn at(cos: R, alpha: R) -> Self {
-        use crate::math::Word as _;
-        let ((i, fx), (j, fy)) = (position(cos), position(alpha));
+        let ((i, fx), (j, fy)) = (position(cos), position(alpha.sqrt()));
         let table = &TABLE[..];
         let last = R::Word::splat(NODES as u32 - 1);
         let next = j.wrapping_add(R::Word::splat(1));
@@ -120,7 +120,7 @@ impl<R: Real> Shares<R> {
     /// [`Shares::at`], without further approximation.
     #[inline(always)]
     pub(super) fn mean(alpha: R) -> Self {
-        let (j, fy) = position(alpha);
+        let (j, fy) = position(alpha.sqrt());
         let (first, last) = R::gather(&MEANS, R::index(j, NODES), |row| row);
         let blend = |a: R, b: R| a + (b - a) * fy;
         Self { low: blend(first[0], first[2]), high: blend(first[1], last) }
@@ -130,7 +130,6 @@ impl<R: Real> Shares<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::max;
     use crate::math::random::Stream;
 
     #[test]
