@@ -6,7 +6,7 @@ use super::select::Selection;
 use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
@@ -32,8 +32,13 @@ pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
 /// scene is traced twice: once to count the rays, and once to keep the selected ones.
 ///
 /// # Errors
-/// If a setting is out of range.
+/// If a setting is out of range, or if triangles have holes, which the files cannot describe.
 pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<RaySets> {
+    if scene.geometry().has_cutouts() {
+        let message =
+            "ray sets cannot describe holes in triangles: remove `opacity` from the materials";
+        return Err(Error::input(scene.name(), "", message));
+    }
     let recorder = PathRecorder::new(scene, settings.clone())?;
     let mut totals = [0; 3];
     for_each_ray(&recorder, settings, |kind, _| totals[kind as usize] += 1);

@@ -1,5 +1,6 @@
 //! The light that reaches a scene from outside.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -55,6 +56,9 @@ pub struct EnvironmentMap {
     /// then weigh more (Karlík et al. 2019, "MIS Compensation").
     #[serde(default, skip_serializing_if = "is_default")]
     pub compensated: bool,
+    /// Whether the file may be outside the folder of the scene, because the user named it.
+    #[serde(skip)]
+    outside: bool,
     /// The image, once it is read.
     #[serde(skip)]
     texels: Option<Arc<Texels>>,
@@ -82,8 +86,16 @@ impl EnvironmentMap {
             rotation: [0.0; 3],
             scale: 1.0,
             compensated: false,
+            outside: false,
             texels: None,
         }
+    }
+
+    /// Creates a latitude-longitude map from the image at `path`, which may be in any folder and is
+    /// relative to the current one.
+    pub(super) fn from_path(path: &Path) -> Self {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        Self { outside: true, ..Self::from_file(path.to_string_lossy()) }
     }
 
     /// The image.
@@ -104,7 +116,7 @@ impl EnvironmentMap {
         e.rotation(self.rotation)?;
         let scale = self.scale;
         e.check((0.0..=MAX_RADIANCE).contains(&scale), "scale", "in [0, 1e30]", scale)?;
-        let texels = images.texels(e, &self.file, Encoding::Auto)?;
+        let texels = images.texels(e, &self.file, Encoding::Auto, self.outside)?;
         let ok = scale * texels.largest() <= MAX_RADIANCE;
         e.check(ok, "scale", "so small that all radiances are at most 1e30", scale)?;
         let square = texels.width() == texels.height();

@@ -39,14 +39,19 @@ impl<'a> Images<'a> {
         Self { folder, budget, images: HashMap::new() }
     }
 
-    /// Reads the image in `file` and checks that its values are finite and not negative.
+    /// Reads the image in `file` and checks that its values are finite and not negative. With
+    /// `outside`, it may be outside the folder of the scene.
     pub(super) fn texels(
         &mut self,
         e: &Element<'_>,
         file: &str,
         encoding: Encoding,
+        outside: bool,
     ) -> Result<Arc<Texels>> {
-        let path = path(e, self.folder, file, &self.budget.limits)?;
+        let path = match outside {
+            true => self.folder.join(file),
+            false => path(e, self.folder, file, &self.budget.limits)?,
+        };
         let key = (path, encoding);
         if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));

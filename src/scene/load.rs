@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use super::background::{Background, EnvironmentMap};
 use super::budget::Budget;
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
@@ -155,6 +156,13 @@ fn folder_of(file: &Path) -> PathBuf {
 impl Parsed {
     fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
         Self { name, folder, file, places: Places::default(), budget, text: None }
+    }
+
+    /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder.
+    #[must_use]
+    pub fn with_environment(mut self, path: &Path) -> Self {
+        self.file.background = Background::Image(EnvironmentMap::from_path(path));
+        self
     }
 
     /// Checks every value and resolves every name.

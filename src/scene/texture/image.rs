@@ -134,7 +134,7 @@ impl TextureModel for Image {
         e.check(within(scale.0) && within(scale.1), "scale", "within ±1e9", scale)?;
         e.check(within(rotation), "rotation", "within ±1e9", rotation)?;
         e.check(within(offset.0) && within(offset.1), "offset", "within ±1e9", offset)?;
-        self.texels = Some(images.texels(e, &self.file, self.encoding)?);
+        self.texels = Some(images.texels(e, &self.file, self.encoding, false)?);
         Ok(())
     }
 

@@ -14,6 +14,7 @@ mod lamps;
 mod media;
 mod mitsuba;
 mod normal_maps;
+mod opacity;
 mod sky;
 mod smooth;
 mod tiles;
