@@ -131,12 +131,14 @@ fn samples_and_hits_agree() {
 fn lights_are_chosen_by_their_power() {
     let (scene, mut table) = (scene(), Table::new("choice of lights"));
     let tables = SceneTables::new(&scene);
-    let chance = |light: u32| tables.lights.get::<f32>(light).chance();
+    let chance = |light: u32| tables.lights.get::<f32>(light).chance(Vec3::ZERO);
     let chances: Vec<f64> = (0..scene.lights()).map(|light| f64::from(chance(light))).collect();
     let mut counts = vec![0; chances.len()];
     for sample in 0..SAMPLES {
         // Every light has a different chance, which identifies it.
-        let chosen = f64::from(tables.lights.choose::<f32>(&randoms(77, sample)).chance());
+        let chosen = f64::from(
+            tables.lights.choose::<f32>(&randoms(77, sample), Vec3::ZERO).chance(Vec3::ZERO),
+        );
         counts[chances.iter().position(|&chance| chance == chosen).unwrap()] += 1;
     }
     let whole: f64 = chances.iter().sum();

@@ -159,8 +159,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     fn direct<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &Path) -> Option<Vec3> {
         let Vertex { surface, normal, randoms } = *vertex;
         let time = path.ray.time;
-        let light = self.tables.lights.choose(randoms);
-        let sample = light.sample(surface.spawn(normal), time, randoms.two(Dimension::LIGHT));
+        let from = surface.spawn(normal);
+        let light = self.tables.lights.choose(randoms, from);
+        let sample = light.sample(from, time, randoms.two(Dimension::LIGHT));
         let emitted = light.radiance(sample.front) * sample.tint;
         if !sample.visible || emitted == Vec3::ZERO {
             return None;
@@ -177,7 +178,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         if self.intersect.occluded(&shadow, sample.distance * SHADOW_REACH, path.segment) {
             return None;
         }
-        let pdf = sample.pdf * light.chance();
+        let pdf = sample.pdf * light.chance(from);
         let weight = match self.settings.sampling {
             Sampling::Mis if !light.unseen() => power_heuristic(pdf, bsdf_pdf),
             _ => 1.0,
@@ -193,7 +194,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             return self.scene.background().radiance(|| direction);
         };
         let (radiance, pdf) = map.look::<f32>(direction);
-        let light_pdf = || pdf * light.chance();
+        let light_pdf = || pdf * light.chance(path.ray.origin);
         let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
         radiance * light.radiance(true) * weight
     }
@@ -206,7 +207,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             return (Vec3::ZERO, 1.0);
         }
         let light = self.tables.lights.get::<f32>(light);
-        let light_pdf = || light.pdf(&path.ray, hit.t) * light.chance();
+        let light_pdf = || light.pdf(&path.ray, hit.t) * light.chance(path.ray.origin);
         let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
         (light.radiance(front), weight)
     }

@@ -53,7 +53,7 @@ impl FreeLightModel for Distant {
         // has the solid angle 2π (1 − cos a). Samples have the density 1, so that this radiance
         // stands for L times the solid angle.
         let radiance = Vec3::from(self.irradiance) * (2.0 / (2.0 - one_minus_cos)) as f32;
-        (light, FreeLight { radiance, power: None })
+        (light, FreeLight { radiance, inside: None })
     }
 }
 

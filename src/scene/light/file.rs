@@ -7,6 +7,7 @@ use super::LightModel;
 use super::distant::Distant;
 use super::point::Point;
 use super::spot::Spot;
+use super::tree::LightBounds;
 use crate::error::Result;
 use crate::scene::place::Element;
 
@@ -35,12 +36,13 @@ pub(super) trait FreeLightModel {
     fn light(&self) -> (Self::Light, FreeLight);
 }
 
-/// The radiance and the power of a light.
+/// The radiance of a light, and its place.
 pub(super) struct FreeLight {
     /// Radiance, or whatever is divided by the density of samples.
     pub(super) radiance: Vec3,
-    /// Luminance of the power, divided by π. `None` for light from outside the scene.
-    pub(super) power: Option<f64>,
+    /// Where the light is. Its power is the luminance, divided by π. `None` for light from outside
+    /// the scene.
+    pub(super) inside: Option<LightBounds>,
 }
 
 /// Adds `light` to the table of its kind, and returns its index there.

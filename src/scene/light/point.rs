@@ -1,11 +1,13 @@
 //! Lights of one point.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::sample::LightSample;
+use super::tree::LightBounds;
 use super::{FreeLight, FreeLightModel, LightModel};
 use crate::error::Result;
-use crate::geometry::Ray;
+use crate::geometry::{Bounds, Ray};
 use crate::math::{Mask, Real, Row, Vector, dot, row};
 use crate::scene::emission::luminance;
 use crate::scene::place::{Element, MAX_RADIANCE};
@@ -37,7 +39,14 @@ impl FreeLightModel for Point {
     fn light(&self) -> (PointLight, FreeLight) {
         let radiance = self.intensity.into();
         let light = PointLight { position: row(self.position.into(), 0.0) };
-        (light, FreeLight { radiance, power: Some(4.0 * luminance(radiance)) })
+        let inside = LightBounds {
+            bounds: Bounds::of([self.position.into()]),
+            axis: DVec3::Z,
+            cos: -1.0,
+            two_sided: false,
+            power: 4.0 * luminance(radiance),
+        };
+        (light, FreeLight { radiance, inside: Some(inside) })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Quad lights. Rectangles are sampled uniformly in solid angle, other parallelograms by area.
 
-use super::LightModel;
 use super::sample::{LightSample, Plane};
 use super::spherical_rectangle::{Rectangle, SphericalRectangle};
+use super::{LightModel, PrimitiveLight};
 use crate::geometry::{Primitive, Ray};
 use crate::math::{Mask, Real, Row, normalize, row};
 
@@ -31,7 +31,7 @@ fn shape<R: Real>(table: &[QuadLight], index: R::Index) -> (Rectangle<R>, Plane<
 }
 
 impl LightModel for QuadLight {
-    fn of(primitive: Primitive) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<PrimitiveLight<Self>> {
         let Primitive::Quad(quad) = primitive else { return None };
         let (u, v) = (quad.u.as_dvec3(), quad.v.as_dvec3());
         let (width, height) = (u.dot(u).sqrt(), v.dot(v).sqrt());
@@ -41,7 +41,8 @@ impl LightModel for QuadLight {
             y: row((v / height).as_vec3(), height as f32),
             normal: row(quad.normal, quad.area()),
         };
-        Some((light, f64::from(quad.area())))
+        let normal = Some(quad.normal.as_dvec3());
+        Some(PrimitiveLight { light, area: f64::from(quad.area()), normal })
     }
 
     #[inline(always)]

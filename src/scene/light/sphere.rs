@@ -2,8 +2,8 @@
 
 use std::f32::consts::PI;
 
-use super::LightModel;
 use super::sample::LightSample;
+use super::{LightModel, PrimitiveLight};
 use crate::geometry::{Primitive, Ray, sphere_distance};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{Mask, Real, Row, Vector, dot, length, normalize, row};
@@ -50,12 +50,13 @@ impl<R: Real> Cone<R> {
 }
 
 impl LightModel for SphereLight {
-    fn of(primitive: Primitive) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<PrimitiveLight<Self>> {
         let Primitive::Sphere(sphere) = primitive else { return None };
         let radius = f64::from(sphere.radius);
         let light =
             Self { center: row(sphere.center, sphere.radius), motion: row(sphere.motion(), 0.0) };
-        Some((light, 4.0 * std::f64::consts::PI * radius * radius))
+        let area = 4.0 * std::f64::consts::PI * radius * radius;
+        Some(PrimitiveLight { light, area, normal: None })
     }
 
     #[inline(always)]

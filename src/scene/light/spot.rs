@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::point::sample_point;
 use super::sample::LightSample;
+use super::tree::LightBounds;
 use super::{FreeLight, FreeLightModel, LightModel};
 use crate::error::Result;
-use crate::geometry::Ray;
+use crate::geometry::{Bounds, Ray};
 use crate::math::precise::sin_cos_degrees;
 use crate::math::{Real, Row, Vector, clamp, dot, normalize, row};
 use crate::scene::emission::luminance;
@@ -76,9 +77,17 @@ impl FreeLightModel for Spot {
             position: row(self.position.into(), outer as f32),
             axis: row(self.axis(), (1.0 / (inner - outer)) as f32),
         };
-        // The smooth step is 1/2 on average.
-        let power = luminance(radiance) * (2.0 - inner - outer);
-        (light, FreeLight { radiance, power: Some(power) })
+        // A surface that emits to up to 90° from normals in this cone would reach the outer angle.
+        let wide = f64::from(self.outer) - 90.0;
+        let inside = LightBounds {
+            bounds: Bounds::of([self.position.into()]),
+            axis: self.axis().as_dvec3(),
+            cos: if wide > 0.0 { sin_cos_degrees(wide).1 } else { 1.0 },
+            two_sided: false,
+            // The smooth step is 1/2 on average.
+            power: luminance(radiance) * (2.0 - inner - outer),
+        };
+        (light, FreeLight { radiance, inside: Some(inside) })
     }
 }
 

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::LightModel;
 use super::sample::{LightSample, Plane};
 use super::spherical_triangle::SphericalTriangle;
+use super::{LightModel, PrimitiveLight};
 use crate::geometry::{Primitive, Ray};
 use crate::math::{Mask, Real, Row, normalize, row};
 
@@ -25,15 +25,16 @@ fn shape<R: Real>(table: &[TriangleLight], index: R::Index) -> ([R::Vec3; 3], Pl
 }
 
 impl LightModel for TriangleLight {
-    fn of(primitive: Primitive) -> Option<(Self, f64)> {
+    fn of(primitive: Primitive) -> Option<PrimitiveLight<Self>> {
         let Primitive::Triangle(triangle) = primitive else { return None };
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
         let normal: DVec3 = (b - a).cross(c - a);
         let twice = normal.dot(normal).sqrt();
         let area = (0.5 * twice) as f32;
         let vertices = triangle.vertices.map(|vertex| row(vertex, 0.0));
-        let light = Self { vertices, normal: row((normal / twice).as_vec3(), area) };
-        Some((light, f64::from(area)))
+        let normal = normal / twice;
+        let light = Self { vertices, normal: row(normal.as_vec3(), area) };
+        Some(PrimitiveLight { light, area: f64::from(area), normal: Some(normal) })
     }
 
     #[inline(always)]

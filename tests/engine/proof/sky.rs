@@ -100,12 +100,13 @@ fn floors_under_distant_lights_and_points_are_lit_as_they_should() {
     // 4 above the floor and 3 aside: cos θ = 0.8 at a distance of 5.
     let point = "point(position: (3, 3, 0), intensity: (50, 50, 50))";
     let point_irradiance = 50.0 / 25.0 * 0.8;
-    // The floor is 60° from the axis, half-way between the cosines of 0.8 and 0.2.
-    let (inner, outer) = (0.8f64.acos().to_degrees(), 0.2f64.acos().to_degrees());
+    // The floor is 60° from the axis, at 3/7 of the way from a cosine of 0.2 to one of 0.9.
+    let (inner, outer) = (0.9f64.acos().to_degrees(), 0.2f64.acos().to_degrees());
     let spot = format!(
         "spot(position: (0, 3, 0), look_at: (3.4641016, 1, 0), intensity: (48, 48, 48), inner: {inner}, outer: {outer})"
     );
-    let spot_irradiance = 48.0 / 16.0 * 0.5;
+    let x = 3.0 / 7.0;
+    let spot_irradiance = 48.0 / 16.0 * x * x * (3.0 - 2.0 * x);
     let sun = "distant(direction: (-0.6, -0.8, 0), irradiance: (4, 4, 4))";
     let disk = "distant(direction: (-6, -8, 0), irradiance: (4, 4, 4), angle: 30)";
     let all = format!("{point}, {spot}, {sun}");

@@ -29,14 +29,14 @@ impl Shading<'_> {
             return;
         }
         let (from, time) = (surface.spawn(normal), vertex.segment.ray.time);
-        let light = self.tables.lights.choose(&vertex.randoms);
+        let light = self.tables.lights.choose(&vertex.randoms, from);
         let LightSample { direction, distance, pdf, tint, front, visible } =
             light.sample(from, time, vertex.randoms.two(Dimension::LIGHT));
         let emitted = light.radiance(front) * tint;
         let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
         let some = |light: Vec3x| max_element(light).gt(Float::ZERO);
         let lit = rough & (visible & some(f_cos) & some(emitted)).bits();
-        let pdf = pdf * light.chance();
+        let pdf = pdf * light.chance(from);
         let mut weight = match self.settings.sampling {
             Sampling::Mis => power_heuristic(pdf, bsdf_pdf),
             _ => Float::ONE,

@@ -22,7 +22,7 @@ impl Shading<'_> {
                 Some((map, light)) => {
                     let Segment { ray, pdf } = shaded.paths.segments(&path);
                     let (radiance, light_pdf) = map.look::<Float>(ray.direction);
-                    let light_pdf = || light_pdf * light.chance();
+                    let light_pdf = || light_pdf * light.chance(ray.origin);
                     let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
                     radiance * light.radiance(Mask::ALL) * weight
                 }
@@ -47,7 +47,7 @@ impl Shading<'_> {
             let at = self.tables.interaction(shape, ray, vertex.hit, false, false, false);
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, primitive);
             let light = self.tables.lights.get::<Float>(light);
-            let light_pdf = || light.pdf(&ray, t) * light.chance();
+            let light_pdf = || light.pdf(&ray, t) * light.chance(ray.origin);
             let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
             let weight = is_light.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
