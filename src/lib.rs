@@ -146,8 +146,8 @@ pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile,
-    RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
+    BUILTIN_NAMES, Background, Camera, CameraFile, Filter, MediumFile, Named, NamedMesh,
+    PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, material, primitive, texture,
 };
 
 /// Items for the program, the benches, the tests and the fuzz targets of this package. They are not

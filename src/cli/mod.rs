@@ -10,6 +10,7 @@ mod bench;
 mod bench_args;
 mod bench_options;
 mod bench_table;
+mod camera_args;
 mod checkpoint_args;
 mod checkpoint_file;
 mod checkpointing;

@@ -56,8 +56,9 @@ impl<'a> Job<'a> {
         let loading = Instant::now();
         let scene = args.limits.load(args.sample.scene.name())?;
         let load = loading.elapsed().as_secs_f64();
-        scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
         let settings = settings(args, &scene)?;
+        let warnings = scene.warnings_with(&settings.camera);
+        warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
         settings.check()?;
         let part = args.share.part(&scene, &settings)?;
         let film = Film::memory(part.identity.area(), part.samples.clone());
@@ -206,7 +207,13 @@ impl<'a> Job<'a> {
             notice(format_args!(
                 "{} samples were not finite and count as black; to trace the first again: {}",
                 non_finite.count,
-                path::command(args.sample.scene.name(), settings, (x, y), sample)
+                path::command(
+                    args.sample.scene.name(),
+                    &args.sample.camera,
+                    settings,
+                    (x, y),
+                    sample
+                )
             ));
         }
         if settings.clamp < f32::INFINITY {
@@ -232,8 +239,9 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
-    let plan = args.plan.as_deref().map(|file| plan::read(file, scene)).transpose()?;
-    let of_samples = args.sample.settings(scene);
+    let of_samples = args.sample.settings(scene)?;
+    let plan = |file| plan::read(file, scene, &of_samples.camera);
+    let plan = args.plan.as_deref().map(plan).transpose()?;
     Ok(RenderSettings {
         spp: args.spp.unwrap_or(of_samples.spp),
         clamp: args.clamp.unwrap_or(of_samples.clamp),

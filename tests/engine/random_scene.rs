@@ -10,7 +10,8 @@ use ptfast::primitive::{
 };
 use ptfast::texture::{Checker, Color, Image, Solid, Texture, VertexColor};
 use ptfast::{
-    Background, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling, SceneFile,
+    Background, CameraFile, Filter, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling,
+    SceneFile,
 };
 
 /// Returns the random scene for `seed`. Some scenes are tiny, others huge.
@@ -145,7 +146,19 @@ impl Maker {
         camera.defocus_angle = if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) };
         camera.focus_distance = self.0.between(1.0, 8.0);
         camera.shutter = if self.one_in(3) { (open, open) } else { (open, open + length) };
+        camera.filter = self.filter();
         camera
+    }
+
+    fn filter(&mut self) -> Filter {
+        let radius = self.0.between(0.1, 3.0);
+        match self.below(8) {
+            0 => Filter::Triangle { radius },
+            1 => Filter::Gaussian { radius, sigma: radius * self.0.between(0.25, 2.0) },
+            2 => Filter::Mitchell { radius, b: self.0.uniform(), c: self.0.uniform() },
+            3 => Filter::BlackmanHarris { radius },
+            _ => Filter::Box,
+        }
     }
 
     fn background(&mut self) -> Background {

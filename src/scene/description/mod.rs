@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+use super::filter::Filter;
 use super::material::Material;
 use super::medium::MediumFile;
 use super::named::Named;
@@ -19,6 +20,9 @@ use super::texture::Texture;
 pub struct SceneFile {
     /// The camera.
     pub camera: CameraFile,
+    /// More cameras by name, which a render can choose instead.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub cameras: Named<CameraFile>,
     /// Light that arrives along rays that leave the scene.
     #[serde(default)]
     pub background: Background,
@@ -47,6 +51,7 @@ impl SceneFile {
     pub fn new(camera: CameraFile) -> Self {
         Self {
             camera,
+            cameras: Named::default(),
             background: Background::default(),
             render: RenderDefaults::default(),
             textures: Named::default(),
@@ -55,6 +60,11 @@ impl SceneFile {
             primitives: Vec::new(),
             media: Vec::new(),
         }
+    }
+
+    /// Adds a camera that a render can choose by its name, which no other camera may have.
+    pub fn add_camera(&mut self, name: impl Into<String>, camera: CameraFile) {
+        self.cameras.0.push((name.into(), camera));
     }
 
     /// Adds a texture. Materials refer to it by its name, which no other texture may have.
@@ -117,6 +127,9 @@ pub struct CameraFile {
     /// Times at which the shutter opens and closes, within [0, 1].
     #[serde(default)]
     pub shutter: (f32, f32),
+    /// The filter of the pixels.
+    #[serde(default, skip_serializing_if = "Filter::is_box")]
+    pub filter: Filter,
 }
 
 impl CameraFile {
@@ -131,6 +144,7 @@ impl CameraFile {
             defocus_angle: 0.0,
             focus_distance: Self::default_focus_distance(),
             shutter: (0.0, 0.0),
+            filter: Filter::Box,
         }
     }
 

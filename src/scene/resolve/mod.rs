@@ -30,6 +30,10 @@ pub(super) fn resolve(
     let resolver = Resolver { name, file, places, budget };
     let e = resolver.element(Places::section(places.camera), "camera");
     let camera = Camera::new(&e, &file.camera)?;
+    resolver.check_names("camera", file.cameras.names())?;
+    for (name, camera) in &file.cameras.0 {
+        Camera::new(&resolver.element(format!("cameras.{name}"), "camera"), camera)?;
+    }
     file.background.check(&resolver.element(Places::section(places.background), "background"))?;
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
@@ -53,6 +57,8 @@ pub(super) fn resolve(
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
         camera,
+        camera_file: file.camera.clone(),
+        cameras: file.cameras.clone(),
         background: file.background,
         defaults: file.render.clone(),
         materials,
