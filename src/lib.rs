@@ -141,7 +141,7 @@ pub use engine::{
 };
 pub use error::{Error, Result};
 pub use glam;
-pub use image::{Image, Metadata, Transfer};
+pub use image::{Display, Image, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;

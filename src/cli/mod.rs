@@ -18,6 +18,7 @@ mod compare;
 mod console;
 mod converge;
 mod dashboard;
+mod display_args;
 mod figures;
 mod files;
 mod folder;

@@ -75,7 +75,12 @@ impl<'a> Job<'a> {
     fn is_complete(&self) -> Result<bool> {
         let reports = [&self.args.json, &self.args.trace];
         let exist = reports.into_iter().flatten().all(|file| file.exists());
-        Ok(exist && self.output.is_complete(&self.part, self.args.gamma, self.scene.limits())?)
+        Ok(exist
+            && self.output.is_complete(
+                &self.part,
+                self.args.display.display(),
+                self.scene.limits(),
+            )?)
     }
 
     fn report_complete(&self) -> Result<()> {
@@ -120,7 +125,14 @@ impl<'a> Job<'a> {
             time_limit: args.checkpoint.time_limit,
             start: self.start,
         };
-        checkpointing::render(&renderer, &mut checkpoint, &file, &schedule, args.gamma, &progress)?;
+        checkpointing::render(
+            &renderer,
+            &mut checkpoint,
+            &file,
+            &schedule,
+            args.display.display(),
+            &progress,
+        )?;
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
@@ -168,14 +180,15 @@ impl<'a> Job<'a> {
     /// Writes the image or the film.
     fn write(&self, checkpoint: &Checkpoint, render: &Render, hash: Option<&str>) -> Result<()> {
         let metadata = || checkpoint.identity.metadata(hash.unwrap_or_default());
+        let display = self.args.display.display();
         match &self.output {
             Target::Film(path) => checkpoint.write(path),
-            Target::Image(path) => render.image.write(path, self.args.gamma, &metadata()),
+            Target::Image(path) => render.image.write(path, display, &metadata()),
             Target::StandardOutput => {
                 let write = || {
                     // Encode to memory first: the encoder would hide the kind of a write error.
                     let mut png = Vec::new();
-                    render.image.write_png(&mut png, self.args.gamma, &metadata())?;
+                    render.image.write_png(&mut png, display, &metadata())?;
                     let mut out = io::stdout().lock();
                     out.write_all(&png).and_then(|()| out.flush())
                 };

@@ -8,9 +8,9 @@ use image::error::UnsupportedErrorKind;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use png::text_metadata::ITXtChunk;
 
+use super::display::{GRADE_KEYS, TRANSFER_KEY};
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
-use super::transfer::TRANSFER_KEY;
 use super::{Encoding, Format, Image, Metadata, Transfer};
 use crate::error::{Error, Result};
 use crate::input;
@@ -60,11 +60,17 @@ pub(super) fn read(
     reader.limits(limits.clone());
     header::check(reader.format(), open()?)
         .map_err(|message| bad(format!("damaged image: {message}")))?;
-    let transfer = png_decoder(open()?)
-        .read_info()
-        .ok()
-        .and_then(|png| noted_transfer(png.info()))
-        .unwrap_or_default();
+    let png = png_decoder(open()?).read_info().ok();
+    let texts = png.as_ref().map_or(&[][..], |png| &png.info().utf8_text);
+    let transfer = noted_transfer(texts).unwrap_or_default();
+    let is_graded = texts.iter().any(|text| GRADE_KEYS.contains(&text.keyword.as_str()));
+    if is_graded && encoding == Encoding::Auto {
+        return Err(bad(
+            "has no linear values, because it was written with an exposure or a tone map: \
+             use an .exr, .hdr or .pfm file of the same render"
+                .to_owned(),
+        ));
+    }
     let explain = |error| {
         match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
@@ -140,8 +146,8 @@ fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
     png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES as usize })
 }
 
-fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {
-    let note = info.utf8_text.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
+fn noted_transfer(texts: &[ITXtChunk]) -> Option<Transfer> {
+    let note = texts.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
     Transfer::from_name(&text(note)?)
 }
 

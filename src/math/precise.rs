@@ -1,6 +1,6 @@
 //! f64 functions for values that are computed once per scene and rounded once to f32.
 //!
-//! Such values are the camera frame, pixel filters, rotations and transfer curves. The
+//! Such values are the camera frame, pixel filters, rotations, transfer curves and tone maps. The
 //! functions use only `+ - * / %`, `round` and operations on bits, so every platform agrees.
 
 use std::f64::consts::{LN_2, LOG2_E, PI};
@@ -98,6 +98,22 @@ pub(crate) fn exp(x: f64) -> f64 {
     exp2(x * LOG2_E)
 }
 
+/// Logarithm of `x` to base 2, within an absolute error of (1 + |log2 x|)·1e-15. `x` must be a
+/// normal number above 0.
+pub(crate) fn log2(x: f64) -> f64 {
+    const SQRT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    // x = m 2^e with m in [√½, √2).
+    let biased = (x.to_bits() + 1f64.to_bits() - SQRT_HALF) >> 52;
+    let m = f64::from_bits(x.to_bits() + 1f64.to_bits() - (biased << 52));
+    let s = (m - 1.0) / (m + 1.0);
+    // The series of ln((1 + s)/(1 − s)): |s| < 0.172, so the first omitted term is below 1e-19.
+    let mut sum = 0.0;
+    for k in (0..12).rev() {
+        sum = sum * (s * s) + 2.0 / (2.0 * f64::from(k) + 1.0);
+    }
+    biased as f64 - 1023.0 + s * sum * LOG2_E
+}
+
 #[cfg(test)]
 #[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
@@ -124,15 +140,20 @@ mod tests {
     }
 
     #[test]
-    fn powers_agree_with_libm() {
+    fn powers_and_logarithms_agree_with_libm() {
         for i in -100_000..=100_000 {
             let x = f64::from(i) * 0.007;
             let error = (exp2(x) - x.exp2()).abs() / x.exp2();
             assert!(error <= 1e-15, "exp2({x}): {error}");
             let error = (exp(x) - x.exp()).abs() / x.exp();
             assert!(error <= (5.0 + x.abs()) * 2e-16, "exp({x}): {error}");
+            let error = (log2(x.exp2()) - x.exp2().log2()).abs();
+            assert!(error <= (1.0 + x.abs()) * 1e-15, "log2(2^{x}): {error}");
+            let y = 1.0 + f64::from(i) * 9e-6;
+            assert!((log2(y) - y.log2()).abs() <= (1.0 + y.log2().abs()) * 1e-15, "log2({y})");
         }
         assert_eq!((exp2(0.0), exp2(-1.0), exp2(10.0), exp2(-2000.0)), (1.0, 0.5, 1024.0, 0.0));
+        assert_eq!((log2(1.0), log2(0.25), log2(8.0)), (0.0, -2.0, 3.0));
     }
 
     #[test]
