@@ -141,13 +141,13 @@ pub use engine::{
 };
 pub use error::{Error, Result};
 pub use glam;
-pub use image::{Image, Metadata, Transfer};
+pub use image::{Display, Image, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile,
-    RenderDefaults, Sampling, Scene, SceneFile, light, material, primitive, texture,
+    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PixelFilter,
+    PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, light, material, primitive, texture,
 };
 
 /// Items for the program, the benches, the tests and the fuzz targets of this package. They are not

@@ -9,6 +9,7 @@ use super::checkpoint_args::CheckpointArgs;
 use super::compare::CompareArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
+use super::display_args::DisplayArgs;
 use super::figures::FiguresArgs;
 use super::limits::SceneLimitArgs;
 use super::merge::MergeArgs;
@@ -20,7 +21,6 @@ use super::sample_args::{IMAGE, SampleArgs, SceneArg};
 use super::share::ShareArgs;
 use super::trace::TraceArgs;
 use crate::engine::{Engine, Pin};
-use crate::image::Transfer;
 use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
 
 const EXAMPLES: &str = "\
@@ -85,9 +85,8 @@ pub(super) struct RenderArgs {
     /// standard output [default: SCENE.png, or .film for a part]
     #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]
     pub(super) output: Option<PathBuf>,
-    /// Transfer curve of 8-bit files
-    #[arg(long, value_name = "GAMMA", help_heading = IMAGE, default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
-    pub(super) gamma: Transfer,
+    #[command(flatten)]
+    pub(super) display: DisplayArgs,
     /// Do nothing if the output file is complete and has the same scene, settings and seed
     #[arg(long, help_heading = IMAGE)]
     pub(super) skip_complete: bool,

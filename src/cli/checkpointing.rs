@@ -10,7 +10,7 @@ use super::watch::{Schedule, Watch};
 use crate::checkpoint::Checkpoint;
 use crate::engine::Renderer;
 use crate::error::{Error, Result};
-use crate::image::{Metadata, Transfer};
+use crate::image::{Display, Metadata};
 use crate::interrupt;
 
 /// Minimum gap between checkpoints, as a multiple of the time that the last one took to write.
@@ -28,7 +28,7 @@ pub(super) fn render(
     checkpoint: &mut Checkpoint,
     file: &CheckpointFile,
     schedule: &Schedule,
-    transfer: Transfer,
+    display: Display,
     progress: &ProgressReport,
 ) -> Result<()> {
     let mut gap = Duration::ZERO;
@@ -51,7 +51,7 @@ pub(super) fn render(
         interrupt::take_request();
         if watch.ends().is_some() {
             progress.finish();
-            return Err(stop(checkpoint, file, transfer, progress));
+            return Err(stop(checkpoint, file, display, progress));
         }
         let start = Instant::now();
         let written = file.write(checkpoint);
@@ -69,7 +69,7 @@ pub(super) fn render(
 fn stop(
     checkpoint: &Checkpoint,
     file: &CheckpointFile,
-    transfer: Transfer,
+    display: Display,
     progress: &ProgressReport,
 ) -> Error {
     let (signal, so_far) = (interrupt::signal(), checkpoint.rendering.progress());
@@ -80,7 +80,7 @@ fn stop(
             let again = format!("run the same command again to continue from {path}");
             match file
                 .own_picture()
-                .map(|picture| (picture, write_picture(checkpoint, picture, transfer)))
+                .map(|picture| (picture, write_picture(checkpoint, picture, display)))
             {
                 None => again,
                 Some((picture, Ok(()))) => {
@@ -122,12 +122,8 @@ fn with_earlier(error: Error, checkpoint: &Checkpoint, file: &CheckpointFile) ->
 }
 
 /// Writes the image of the samples that are done.
-pub(super) fn write_picture(
-    checkpoint: &Checkpoint,
-    path: &Path,
-    transfer: Transfer,
-) -> Result<()> {
+pub(super) fn write_picture(checkpoint: &Checkpoint, path: &Path, display: Display) -> Result<()> {
     let samples = checkpoint.rendering.progress().samples;
     let metadata = Metadata::of_partial(samples);
-    checkpoint.rendering.image()?.write(path, transfer, &metadata)
+    checkpoint.rendering.image()?.write(path, display, &metadata)
 }

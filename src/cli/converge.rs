@@ -7,6 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
+use super::camera_args::CameraArgs;
 use super::console::{notice, say, say_lines};
 use super::files;
 use super::limits::SceneLimitArgs;
@@ -25,6 +26,8 @@ use crate::scene::{Sampling, Scene};
 pub(super) struct ConvergeArgs {
     #[command(flatten)]
     scene: SceneArg,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// Sampling of light; may be repeated [default: all, or only bsdf if the scene has no lights]
     #[arg(long = "sampling", value_name = "SAMPLING", value_parser = named(&Sampling::ALL, Sampling::name))]
     samplings: Vec<Sampling>,
@@ -79,7 +82,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
         )));
     }
     let scene = args.limits.load(args.scene.name())?;
-    let options = options(args, &scene);
+    let options = options(args, &scene)?;
     let written = [("the record", &args.json), ("the plot", &args.plot)];
     let written: Vec<_> =
         written.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?))).collect();
@@ -114,7 +117,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
     print(&scene, &options, &curves, seconds)
 }
 
-fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
+fn options(args: &ConvergeArgs, scene: &Scene) -> Result<Options> {
     let or = |given: &[Sampling], all: &[Sampling]| {
         if given.is_empty() { all.to_vec() } else { given.to_vec() }
     };
@@ -130,15 +133,16 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Options {
             }
         }
     }
-    let base = RenderSettings { pin: Pin::Auto, ..RenderSettings::of(scene) }
+    let camera = args.camera.camera(scene)?;
+    let base = RenderSettings { camera, pin: Pin::Auto, ..RenderSettings::of(scene) }
         .with_size(Some(args.width), None);
-    Options {
+    Ok(Options {
         settings: RenderSettings { seed: args.seed, threads: args.threads.unwrap_or(0), ..base },
         ways,
         most: args.spp,
         rounds: args.rounds,
         reference: args.reference.unwrap_or(args.spp.saturating_mul(32).min(MAX_SPP)).div_ceil(2),
-    }
+    })
 }
 
 /// The longest time that all curves reach.
@@ -165,7 +169,7 @@ fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> V
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
-        "scene_hash": scene.hash(),
+        "scene_hash": scene.hash_with(&options.settings.camera),
         "width": width,
         "height": height,
         "depth": depth,

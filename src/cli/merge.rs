@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::console::say;
+use super::display_args::DisplayArgs;
 use super::files;
 use super::limits::LimitArgs;
-use super::named::named;
 use super::target::Target;
 use crate::checkpoint::{Checkpoint, PartialRender, merge, merge_partial};
 use crate::error::{Error, Result};
-use crate::image::{Metadata, Transfer};
+use crate::image::Metadata;
 
 #[derive(Debug, Args)]
 pub(super) struct MergeArgs {
@@ -25,9 +25,8 @@ pub(super) struct MergeArgs {
     /// missing
     #[arg(long)]
     partial: bool,
-    /// Transfer curve of 8-bit files
-    #[arg(long, value_name = "GAMMA", default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
-    gamma: Transfer,
+    #[command(flatten)]
+    display: DisplayArgs,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -57,7 +56,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     let image = rendering.image()?;
     let hash = image.hash();
     if let Target::Image(path) = output {
-        image.write(path, args.gamma, &identity.metadata(&hash))?;
+        image.write(path, args.display.display(), &identity.metadata(&hash))?;
     }
     say(format_args!(
         "scene   {scene}, {} x {}, {} spp, seed {}, of {} parts",
@@ -76,7 +75,7 @@ fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
     let PartialRender { scene, image, samples, spp } =
         merge_partial(&args.parts, &args.limits.limits())?;
     let metadata = Metadata::of_partial(samples);
-    image.write(&args.output, args.gamma, &metadata)?;
+    image.write(&args.output, args.display.display(), &metadata)?;
     let (width, height) = (image.width(), image.height());
     let per_pixel = samples as f64 / (f64::from(width) * f64::from(height));
     say(format_args!(

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::camera_args::{CameraArgs, quoted};
 use super::console::say;
 use super::limits::SceneLimitArgs;
 use super::sample_args::SampleArgs;
@@ -35,19 +36,15 @@ fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
 /// The command that traces this sample again. `given` is the scene as the user named it.
 pub(super) fn command(
     given: &str,
+    camera: &CameraArgs,
     settings: &RenderSettings,
     (x, y): (u32, u32),
     sample: u32,
 ) -> String {
     let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
-    // Quote the name if a shell would not take it literally.
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
-    let scene = match given.chars().all(plain) {
-        true => given.to_owned(),
-        false => format!("'{}'", given.replace('\'', r"'\''")),
-    };
+    let (scene, camera) = (quoted(given), camera.words());
     format!(
-        "ptfast path {scene} --width {width} --height {height} --depth {depth} --seed {seed} \
+        "ptfast path {scene}{camera} --width {width} --height {height} --depth {depth} --seed {seed} \
          --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
         sampling.name(),
         sampler.name(),
@@ -57,7 +54,7 @@ pub(super) fn command(
 
 pub(super) fn run(args: &PathArgs) -> Result<()> {
     let scene = args.limits.load(args.of.scene.name())?;
-    let settings = args.of.settings(&scene);
+    let settings = args.of.settings(&scene)?;
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {
         return Err(Error::Usage(format!(
@@ -115,7 +112,7 @@ mod tests {
     fn commands_can_be_pasted() {
         let scene = Scene::load("cornell").unwrap();
         let settings = RenderSettings { seed: 7, ..RenderSettings::of(&scene) };
-        let command = command("it's.ron", &settings, (3, 4), 5);
+        let command = command("it's.ron", &CameraArgs::default(), &settings, (3, 4), 5);
         assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
         assert!(command.ends_with("--roulette on --pixel 3,4 --sample 5"), "{command}");
         assert_eq!(

@@ -7,11 +7,11 @@ use crate::engine::{Plan, SegmentPlan};
 use crate::error::{Error, Result};
 use crate::input::read_json;
 use crate::limits::MAX_PLAN;
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 
 /// Reads a plan from a file that contains just the plan, or the record of a render. Prints a notice
-/// if the record is of another scene.
-pub(super) fn read(path: &Path, scene: &Scene) -> Result<Plan> {
+/// if the record is of another scene or camera.
+pub(super) fn read(path: &Path, scene: &Scene, camera: &Camera) -> Result<Plan> {
     let bad = |message| Error::input(path.display().to_string(), "plan", message);
     let record: serde_json::Value = read_json(path, "a plan", MAX_PLAN)?;
     let plan = record.get("plan").unwrap_or(&record);
@@ -24,9 +24,9 @@ pub(super) fn read(path: &Path, scene: &Scene) -> Result<Plan> {
     let plan: Plan =
         serde_json::from_value(plan.clone()).map_err(|error| bad(error.to_string()))?;
     plan.check().map_err(bad)?;
-    if record.get("scene_hash").is_some_and(|hash| *hash != *scene.hash()) {
+    if record.get("scene_hash").is_some_and(|hash| *hash != *scene.hash_with(camera)) {
         notice(format_args!(
-            "{}: the plan is of another scene and may be slow for this one",
+            "{}: the plan is of another scene or camera and may be slow for this one",
             path.display()
         ));
     }

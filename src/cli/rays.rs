@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::camera_args::CameraArgs;
 use super::console::say;
 use super::folder;
 use super::limits::SceneLimitArgs;
@@ -19,6 +20,8 @@ use crate::rayset;
 pub(super) struct RaysArgs {
     #[command(flatten)]
     scene: SceneArg,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// Folder for the ray set; created if missing
     #[arg(short, long, visible_alias = "out", value_name = "DIR")]
     output: PathBuf,
@@ -41,7 +44,8 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
     let is_set = rayset::is_set(&args.output);
     folder::check_unrelated(&rayset::files(&args.output), |_| is_set)?;
     let scene = args.limits.load(args.scene.name())?;
-    let mut settings = RenderSettings { seed: args.seed, ..RenderSettings::of(&scene) };
+    let camera = args.camera.camera(&scene)?;
+    let mut settings = RenderSettings { camera, seed: args.seed, ..RenderSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let enough = args.max_rays.div_ceil(pixels).min(u64::from(MAX_SPP));
     settings.spp = args.spp.unwrap_or(enough as u32);

@@ -36,7 +36,7 @@ pub(super) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
-        "scene_hash": scene.hash(),
+        "scene_hash": scene.hash_with(&settings.camera),
         "engine": settings.engine.name(),
         "sampling": settings.sampling.name(),
         "sampler": settings.sampler.name(),

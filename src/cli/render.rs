@@ -56,8 +56,9 @@ impl<'a> Job<'a> {
         let loading = Instant::now();
         let scene = args.limits.load(args.sample.scene.name())?;
         let load = loading.elapsed().as_secs_f64();
-        scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
         let settings = settings(args, &scene)?;
+        let warnings = scene.warnings_with(&settings.camera);
+        warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
         settings.check()?;
         let part = args.share.part(&scene, &settings)?;
         let film = Film::memory(part.identity.area(), part.samples.clone());
@@ -74,7 +75,12 @@ impl<'a> Job<'a> {
     fn is_complete(&self) -> Result<bool> {
         let reports = [&self.args.json, &self.args.trace];
         let exist = reports.into_iter().flatten().all(|file| file.exists());
-        Ok(exist && self.output.is_complete(&self.part, self.args.gamma, self.scene.limits())?)
+        Ok(exist
+            && self.output.is_complete(
+                &self.part,
+                self.args.display.display(),
+                self.scene.limits(),
+            )?)
     }
 
     fn report_complete(&self) -> Result<()> {
@@ -119,7 +125,14 @@ impl<'a> Job<'a> {
             time_limit: args.checkpoint.time_limit,
             start: self.start,
         };
-        checkpointing::render(&renderer, &mut checkpoint, &file, &schedule, args.gamma, &progress)?;
+        checkpointing::render(
+            &renderer,
+            &mut checkpoint,
+            &file,
+            &schedule,
+            args.display.display(),
+            &progress,
+        )?;
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
@@ -167,14 +180,15 @@ impl<'a> Job<'a> {
     /// Writes the image or the film.
     fn write(&self, checkpoint: &Checkpoint, render: &Render, hash: Option<&str>) -> Result<()> {
         let metadata = || checkpoint.identity.metadata(hash.unwrap_or_default());
+        let display = self.args.display.display();
         match &self.output {
             Target::Film(path) => checkpoint.write(path),
-            Target::Image(path) => render.image.write(path, self.args.gamma, &metadata()),
+            Target::Image(path) => render.image.write(path, display, &metadata()),
             Target::StandardOutput => {
                 let write = || {
                     // Encode to memory first: the encoder would hide the kind of a write error.
                     let mut png = Vec::new();
-                    render.image.write_png(&mut png, self.args.gamma, &metadata())?;
+                    render.image.write_png(&mut png, display, &metadata())?;
                     let mut out = io::stdout().lock();
                     out.write_all(&png).and_then(|()| out.flush())
                 };
@@ -206,7 +220,13 @@ impl<'a> Job<'a> {
             notice(format_args!(
                 "{} samples were not finite and count as black; to trace the first again: {}",
                 non_finite.count,
-                path::command(args.sample.scene.name(), settings, (x, y), sample)
+                path::command(
+                    args.sample.scene.name(),
+                    &args.sample.camera,
+                    settings,
+                    (x, y),
+                    sample
+                )
             ));
         }
         if settings.clamp < f32::INFINITY {
@@ -232,8 +252,9 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     if args.plan.is_some() && args.engine == Engine::Scalar {
         return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
     }
-    let plan = args.plan.as_deref().map(|file| plan::read(file, scene)).transpose()?;
-    let of_samples = args.sample.settings(scene);
+    let of_samples = args.sample.settings(scene)?;
+    let plan = |file| plan::read(file, scene, &of_samples.camera);
+    let plan = args.plan.as_deref().map(plan).transpose()?;
     Ok(RenderSettings {
         spp: args.spp.unwrap_or(of_samples.spp),
         clamp: args.clamp.unwrap_or(of_samples.clamp),

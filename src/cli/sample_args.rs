@@ -2,8 +2,10 @@
 
 use clap::{Args, ValueEnum};
 
+use super::camera_args::CameraArgs;
 use super::named::named;
 use crate::engine::{Pin, RenderSettings};
+use crate::error::Result;
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
@@ -35,6 +37,8 @@ impl SceneArg {
 pub(super) struct SampleArgs {
     #[command(flatten)]
     pub(super) scene: SceneArg,
+    #[command(flatten)]
+    pub(super) camera: CameraArgs,
     /// Width in pixels [default: the scene's, or in proportion to --height]
     #[arg(long, value_name = "PIXELS", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub(super) width: Option<u32>,
@@ -67,9 +71,13 @@ pub(super) enum Switch {
 
 impl SampleArgs {
     /// These settings, and the scene's defaults for the others.
-    pub(super) fn settings(&self, scene: &Scene) -> RenderSettings {
+    ///
+    /// # Errors
+    /// As [`CameraArgs::camera`].
+    pub(super) fn settings(&self, scene: &Scene) -> Result<RenderSettings> {
         let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
-        RenderSettings {
+        Ok(RenderSettings {
+            camera: self.camera.camera(scene)?,
             depth: self.depth.unwrap_or(defaults.depth),
             seed: self.seed,
             sampling: self.sampling.unwrap_or(defaults.sampling),
@@ -77,6 +85,6 @@ impl SampleArgs {
             roulette: self.roulette == Switch::On,
             pin: Pin::Auto,
             ..defaults
-        }
+        })
     }
 }

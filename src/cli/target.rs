@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::share::suffix;
 use crate::checkpoint::{Checkpoint, Identity, Part};
 use crate::error::{Error, Result};
-use crate::image::{Format, Image, Metadata, Transfer};
+use crate::image::{Display, Encoding, Format, Image, Metadata};
 use crate::limits::Limits;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,21 +74,21 @@ impl Target {
         }
     }
 
-    /// Whether the file exists, is complete, and has this render with this transfer curve.
+    /// Whether the file exists, is complete, and has this render with this appearance.
     ///
     /// # Errors
     /// [`Error::Usage`] for formats without metadata.
     pub(super) fn is_complete(
         &self,
         part: &Part,
-        curve: Transfer,
+        display: Display,
         limits: &Limits,
     ) -> Result<bool> {
         Ok(match self {
             Self::Film(path) => Checkpoint::read(path, limits)
                 .is_ok_and(|there| there.part() == *part && there.is_complete()),
             Self::Image(path) if Format::of_path(path)?.has_metadata() => {
-                is_image_of(path, &part.identity, curve, limits)
+                is_image_of(path, &part.identity, display, limits)
             }
             Self::Image(_) | Self::StandardOutput => {
                 return Err(Error::Usage(format!(
@@ -99,20 +99,22 @@ impl Target {
     }
 }
 
-fn is_image_of(path: &Path, identity: &Identity, curve: Transfer, limits: &Limits) -> bool {
+fn is_image_of(path: &Path, identity: &Identity, display: Display, limits: &Limits) -> bool {
     let Ok(there) = Metadata::read(path) else { return false };
     // The hash is unknown before the render.
     let wanted = identity.metadata("");
     let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
-    let transfer = there.get("ptfast:transfer");
+    let is_png = Format::of_path(path).is_ok_and(|format| format == Format::Png);
     if !["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
-        || transfer.is_some_and(|name| name != curve.name())
+        || is_png && !display.is_noted_in(&there)
     {
         return false;
     }
-    // Formats without a curve store the linear values.
-    Image::read_where(path, &|pixels, memory| limits.check_image(pixels, memory))
-        .is_ok_and(|image| transfer.is_some() || there.get("ptfast:hash") == Some(&image.hash()))
+    // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
+    Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
+        limits.check_image(pixels, memory)
+    })
+    .is_ok_and(|image| is_png || there.get("ptfast:hash") == Some(&image.hash()))
 }
 
 /// The name of output files for a scene: `spheres` for `spheres` and `folder/spheres.ron`.

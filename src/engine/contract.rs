@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::{Mask, Real, max_element};
+use crate::math::{Mask, Real, Vector, max_element};
 use crate::scene::Sampling;
 use crate::scene::material::SPECULAR;
 
@@ -48,14 +48,15 @@ pub(super) fn emission_weight<R: Real>(
 }
 
 /// Returns the radiance that a sample adds to its pixel, and whether it was clamped, that is,
-/// scaled down so that its largest component is `clamp`. Returns `None` if the radiance is not
+/// scaled down so that the magnitude of its largest component is `clamp`. Returns `None` if the radiance is not
 /// finite.
 #[inline]
 pub(super) fn counted(radiance: Vec3, clamp: f32) -> Option<(Vec3, bool)> {
     if !radiance.is_finite() {
         return None;
     }
-    let most = max_element(radiance);
+    // Samples are negative where the pixel filter is.
+    let most = max_element(Vector::abs(radiance));
     Some(if most > clamp { (radiance * (clamp / most), true) } else { (radiance, false) })
 }
 
@@ -67,6 +68,7 @@ mod tests {
     fn samples_are_clamped_as_a_whole() {
         let v = Vec3::new;
         assert_eq!(counted(v(1.0, 8.0, 4.0), 2.0), Some((v(0.25, 2.0, 1.0), true)));
+        assert_eq!(counted(v(-1.0, -8.0, -4.0), 2.0), Some((v(-0.25, -2.0, -1.0), true)));
         assert_eq!(counted(v(1.0, 2.0, 0.0), 2.0), Some((v(1.0, 2.0, 0.0), false)));
         assert_eq!(counted(v(1.0, 2e30, 0.0), f32::INFINITY), Some((v(1.0, 2e30, 0.0), false)));
         assert_eq!(counted(v(1.0, f32::NAN, 0.0), 2.0), None);

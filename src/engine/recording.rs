@@ -41,7 +41,8 @@ pub(crate) struct TracedRay {
 pub(crate) struct TracedPath {
     /// The rays in the order in which they were traced.
     pub rays: Vec<TracedRay>,
-    /// The radiance before clamping. It may be non-finite.
+    /// The radiance before clamping, multiplied by the weight of the pixel filter. It may be
+    /// non-finite, and negative for filters with negative lobes.
     pub radiance: Vec3,
 }
 
@@ -62,8 +63,8 @@ impl PathRecorder {
     /// Traces the path of sample `sample` of pixel `(x, y)`.
     pub(crate) fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
         let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
-        let (ray, key) = self.0.camera_ray(x, y, sample);
-        let radiance = tracer.radiance(ray, key);
+        let (ray, weight, key) = self.0.camera_ray(x, y, sample);
+        let radiance = tracer.radiance(ray, key) * weight;
         TracedPath { rays: tracer.intersect.rays, radiance }
     }
 }

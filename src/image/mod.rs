@@ -1,20 +1,26 @@
 //! Linear images, their hash, and the image files that ptfast reads and writes.
 
 mod compare;
+mod display;
 mod header;
 mod jpeg;
+mod metadata;
 mod pfm;
 mod read;
 mod texels;
+mod tone_map;
 mod transfer;
 mod write;
 
 pub(crate) use compare::compare;
+pub use display::Display;
+pub(crate) use display::MAX_STOPS;
+pub use metadata::Metadata;
 pub(crate) use read::Size;
 pub(crate) use texels::Texels;
+pub use tone_map::ToneMap;
 pub use transfer::Transfer;
 pub(crate) use write::Format;
-pub use write::Metadata;
 
 use std::io;
 use std::path::Path;
@@ -67,7 +73,8 @@ impl Image {
     /// else with sRGB. Alpha is dropped.
     ///
     /// # Errors
-    /// If the file cannot be read, is damaged, or has another format.
+    /// If the file cannot be read, is damaged, has another format, or is an 8-bit file that ptfast
+    /// wrote with an exposure or a tone map.
     pub fn read(path: &Path) -> Result<Self> {
         Self::read_where(path, &|_, _| Ok(()))
     }
@@ -79,16 +86,31 @@ impl Image {
     /// As for [`read`](Self::read), or if `allow` returns an error, whose message is then reported.
     #[doc(hidden)]
     pub fn read_where(path: &Path, allow: &dyn Fn(u64, u64) -> Result<(), String>) -> Result<Self> {
-        read::decode(path, &|size| allow(size.pixels, size.memory)).map(read::Decoded::into_image)
+        Self::read_encoded(path, Encoding::Auto, allow)
     }
 
-    /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM).
-    /// The file is written atomically: it appears complete or not at all.
+    /// Like [`read_where`](Self::read_where), for files of any encoding.
+    pub(crate) fn read_encoded(
+        path: &Path,
+        encoding: Encoding,
+        allow: &dyn Fn(u64, u64) -> Result<(), String>,
+    ) -> Result<Self> {
+        read::decode(path, encoding, &|size| allow(size.pixels, size.memory))
+            .map(|decoded| decoded.into_image(encoding))
+    }
+
+    /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`,
+    /// a [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written atomically: it appears complete or not at all.
     ///
     /// # Errors
     /// If no writer supports the extension, or the file cannot be written.
-    pub fn write(&self, path: &Path, transfer: Transfer, metadata: &Metadata) -> Result<()> {
-        write::write(self, path, transfer, metadata)
+    pub fn write(
+        &self,
+        path: &Path,
+        display: impl Into<Display>,
+        metadata: &Metadata,
+    ) -> Result<()> {
+        write::write(self, path, display.into(), metadata)
     }
 
     /// Writes the image to `out` as PNG.
@@ -98,10 +120,10 @@ impl Image {
     pub(crate) fn write_png(
         &self,
         out: impl io::Write,
-        transfer: Transfer,
+        display: Display,
         metadata: &Metadata,
     ) -> io::Result<()> {
-        write::write_png(self, out, transfer, metadata)
+        write::write_png(self, out, display, metadata)
     }
 
     /// Width in pixels.

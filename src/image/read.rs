@@ -8,10 +8,10 @@ use image::error::UnsupportedErrorKind;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use png::text_metadata::ITXtChunk;
 
+use super::display::{GRADE_KEYS, TRANSFER_KEY};
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
 use super::texels::Texels;
-use super::transfer::TRANSFER_KEY;
 use super::{Encoding, Format, Image, Metadata, Transfer, jpeg};
 use crate::error::{Error, Result};
 use crate::input;
@@ -44,8 +44,8 @@ pub(super) struct Decoded {
     transfer: Transfer,
 }
 
-/// Reads and decodes an image file. `allow` is called before memory for it is allocated.
-pub(super) fn decode(path: &Path, allow: Allow<'_>) -> Result<Decoded> {
+/// Reads and decodes an image file, whose integers will be read as `encoding` says. `allow` is called before memory for it is allocated.
+pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Decoded> {
     let length = input::length(path)?;
     let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
     let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
@@ -84,11 +84,17 @@ pub(super) fn decode(path: &Path, allow: Allow<'_>) -> Result<Decoded> {
         let pixels = jpeg::decode(open()?, length, allow).map_err(bad)?;
         return Ok(Decoded { pixels, transfer: Transfer::Srgb });
     }
-    let transfer = png_decoder(open()?)
-        .read_info()
-        .ok()
-        .and_then(|png| noted_transfer(png.info()))
-        .unwrap_or_default();
+    let png = png_decoder(open()?).read_info().ok();
+    let texts = png.as_ref().map_or(&[][..], |png| &png.info().utf8_text);
+    let transfer = noted_transfer(texts).unwrap_or_default();
+    let is_graded = texts.iter().any(|text| GRADE_KEYS.contains(&text.keyword.as_str()));
+    if is_graded && encoding == Encoding::Auto {
+        return Err(bad(
+            "has no linear values, because it was written with an exposure or a tone map: \
+             use an .exr, .hdr or .pfm file of the same render"
+                .to_owned(),
+        ));
+    }
     let explain = |error| match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
@@ -151,18 +157,18 @@ impl Decoded {
         }
     }
 
-    /// The colours as linear values, without alpha.
-    pub(super) fn into_image(self) -> Image {
+    /// The colours without alpha, as `encoding` says.
+    pub(super) fn into_image(self, encoding: Encoding) -> Image {
         let (width, height) = (self.pixels.width(), self.pixels.height());
         let pixels = match self.bits() {
             None => self.pixels.into_rgb32f().pixels().map(|p| p.0).collect(),
             Some(16) => {
-                let table = self.table(Encoding::Auto, u16::MAX);
+                let table = self.table(encoding, u16::MAX);
                 let pixels = self.pixels.into_rgb16();
                 pixels.pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
             }
             _ => {
-                let table = self.table(Encoding::Auto, u8::MAX.into());
+                let table = self.table(encoding, u8::MAX.into());
                 let pixels = self.pixels.into_rgb8();
                 pixels.pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
             }
@@ -236,8 +242,8 @@ fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
     png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES as usize })
 }
 
-fn noted_transfer(info: &png::Info<'_>) -> Option<Transfer> {
-    let note = info.utf8_text.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
+fn noted_transfer(texts: &[ITXtChunk]) -> Option<Transfer> {
+    let note = texts.iter().find(|chunk| chunk.keyword == TRANSFER_KEY)?;
     Transfer::from_name(&text(note)?)
 }
 

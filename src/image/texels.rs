@@ -37,7 +37,7 @@ impl Texels {
     /// # Errors
     /// If the file cannot be read, is damaged, or has another format, or if `allow` fails.
     pub(crate) fn read(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Self> {
-        read::decode(path, allow).map(|decoded| decoded.into_texels(encoding))
+        read::decode(path, encoding, allow).map(|decoded| decoded.into_texels(encoding))
     }
 
     /// Bytes of the texels of an image of this size.

@@ -6,9 +6,6 @@ use std::sync::LazyLock;
 use crate::math::precise::pow_12_5;
 use crate::math::{max, min};
 
-/// PNG text key under which ptfast records the transfer curve.
-pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
-
 /// Curve that maps linear values to display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transfer {

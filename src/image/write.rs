@@ -5,46 +5,9 @@
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use super::{Image, Transfer, row_bytes};
+use super::{Display, Image, Metadata, Transfer, row_bytes};
 use crate::error::{Error, Result};
 use crate::output::write_atomically;
-
-/// The metadata key of the number of samples, used only for pictures of unfinished renders.
-const PARTIAL: &str = "ptfast:partial";
-
-/// Text entries of a file's header. Equal renders have equal entries.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Metadata(pub Vec<(String, String)>);
-
-impl Metadata {
-    /// Metadata that names the program and its version.
-    pub fn of_program() -> Self {
-        Self::default().with("Software", concat!("ptfast ", env!("CARGO_PKG_VERSION")))
-    }
-
-    /// Metadata of the picture of an unfinished render that has `samples` samples.
-    pub(crate) fn of_partial(samples: u64) -> Self {
-        Self::of_program().with(PARTIAL, samples)
-    }
-
-    /// Whether the file is the picture of an unfinished render.
-    pub(crate) fn is_partial(&self) -> bool {
-        self.get(PARTIAL).is_some()
-    }
-
-    /// Adds one entry.
-    #[must_use]
-    pub fn with(mut self, key: &str, value: impl ToString) -> Self {
-        self.0.push((key.to_owned(), value.to_string()));
-        self
-    }
-
-    /// The value of the entry `key`.
-    pub fn get(&self, key: &str) -> Option<&str> {
-        let entry = self.0.iter().find(|(name, _)| name == key);
-        entry.map(|(_, value)| value.as_str())
-    }
-}
 
 /// The image formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,12 +50,12 @@ impl Format {
 pub(super) fn write(
     image: &Image,
     path: &Path,
-    transfer: Transfer,
+    display: Display,
     metadata: &Metadata,
 ) -> Result<()> {
     let format = Format::of_path(path)?;
     write_atomically(path, |file| match format {
-        Format::Png => write_png(image, file, transfer, metadata),
+        Format::Png => write_png(image, file, display, metadata),
         Format::Exr => write_exr(image, file, metadata),
         Format::Hdr => write_hdr(image, file),
         Format::Pfm => write_pfm(image, file),
@@ -102,7 +65,7 @@ pub(super) fn write(
 pub(super) fn write_png(
     image: &Image,
     file: impl Write,
-    transfer: Transfer,
+    display: Display,
     metadata: &Metadata,
 ) -> io::Result<()> {
     let mut encoder = png::Encoder::new(file, image.width(), image.height());
@@ -111,18 +74,15 @@ pub(super) fn write_png(
     // Fast compression takes a quarter of the time of the default, and compresses noisy images
     // equally well.
     encoder.set_compression(png::Compression::Fast);
-    match transfer {
+    match display.transfer {
         Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
         Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),
     }
-    for (key, value) in &metadata.0 {
+    for (key, value) in &display.noted(metadata.clone()).0 {
         encoder.add_itxt_chunk(key.clone(), value.clone())?;
     }
-    encoder.add_itxt_chunk(super::transfer::TRANSFER_KEY.into(), transfer.name().into())?;
-    let codes: Vec<u8> =
-        image.pixels().iter().flatten().map(|&value| transfer.encode(value)).collect();
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&codes)?;
+    writer.write_image_data(&display.encode(image.pixels()))?;
     writer.finish()?;
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! f64 functions for values that are computed once per scene and rounded once to f32.
 //!
-//! Such values are the camera frame, rotations and the transfer curves. The functions use only
-//! `+ - * / %` and `round`, so every platform agrees.
+//! Such values are the camera frame, pixel filters, rotations, transfer curves and tone maps. The
+//! functions use only `+ - * / %`, `round` and operations on bits, so every platform agrees.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, LOG2_E, PI};
 
 /// `(sin, cos)` of an angle in degrees, within 4 ulp of f64; exact at multiples of 90°.
 ///
@@ -78,6 +78,42 @@ pub(crate) fn cbrt(x: f64) -> f64 {
     }
 }
 
+/// 2 to the power `x` for `x` up to 1023, within a relative error of 1e-15; 0 for `x` below −1022.
+pub(crate) fn exp2(x: f64) -> f64 {
+    if x < -1022.0 {
+        return 0.0;
+    }
+    let whole = x.round();
+    let r = (x - whole) * LN_2;
+    // Taylor series: |r| < 0.35, so the first omitted term is below 2e-19.
+    let mut sum = 1.0;
+    for k in (1..=14).rev() {
+        sum = 1.0 + sum * r / f64::from(k);
+    }
+    sum * f64::from_bits(((whole as i64 + 1023) as u64) << 52)
+}
+
+/// e to the power `x` for `x` up to 700, within a relative error of (5 + |x|)·2e-16.
+pub(crate) fn exp(x: f64) -> f64 {
+    exp2(x * LOG2_E)
+}
+
+/// Logarithm of `x` to base 2, within an absolute error of (1 + |log2 x|)·1e-15. `x` must be a
+/// normal number above 0.
+pub(crate) fn log2(x: f64) -> f64 {
+    const SQRT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    // x = m 2^e with m in [√½, √2).
+    let biased = (x.to_bits() + 1f64.to_bits() - SQRT_HALF) >> 52;
+    let m = f64::from_bits(x.to_bits() + 1f64.to_bits() - (biased << 52));
+    let s = (m - 1.0) / (m + 1.0);
+    // The series of ln((1 + s)/(1 − s)): |s| < 0.172, so the first omitted term is below 1e-19.
+    let mut sum = 0.0;
+    for k in (0..12).rev() {
+        sum = sum * (s * s) + 2.0 / (2.0 * f64::from(k) + 1.0);
+    }
+    biased as f64 - 1023.0 + s * sum * LOG2_E
+}
+
 #[cfg(test)]
 #[allow(clippy::disallowed_methods)] // the reference is libm in f64
 mod tests {
@@ -101,6 +137,23 @@ mod tests {
         for x in [0.0, 1e-300, 1e-6, 0.001, 0.5, 1.0, 8.0, 27.0, 1e6, 16.777216, 1e300] {
             assert!((cbrt(x) - x.cbrt()).abs() <= 1e-15 * x.cbrt(), "{x}");
         }
+    }
+
+    #[test]
+    fn powers_and_logarithms_agree_with_libm() {
+        for i in -100_000..=100_000 {
+            let x = f64::from(i) * 0.007;
+            let error = (exp2(x) - x.exp2()).abs() / x.exp2();
+            assert!(error <= 1e-15, "exp2({x}): {error}");
+            let error = (exp(x) - x.exp()).abs() / x.exp();
+            assert!(error <= (5.0 + x.abs()) * 2e-16, "exp({x}): {error}");
+            let error = (log2(x.exp2()) - x.exp2().log2()).abs();
+            assert!(error <= (1.0 + x.abs()) * 1e-15, "log2(2^{x}): {error}");
+            let y = 1.0 + f64::from(i) * 9e-6;
+            assert!((log2(y) - y.log2()).abs() <= (1.0 + y.log2().abs()) * 1e-15, "log2({y})");
+        }
+        assert_eq!((exp2(0.0), exp2(-1.0), exp2(10.0), exp2(-2000.0)), (1.0, 0.5, 1024.0, 0.0));
+        assert_eq!((log2(1.0), log2(0.25), log2(8.0)), (0.0, -2.0, 3.0));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::description::CameraFile;
+use super::filter::{FilterTable, PixelFilter};
 use super::place::{Element, MAX_COORDINATE};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
@@ -26,6 +27,8 @@ pub struct Camera {
     pub(super) focus_distance: f64,
     /// Times at which the shutter opens and closes.
     pub(super) shutter: (f32, f32),
+    /// The filter of the pixels.
+    pub(super) filter: PixelFilter,
 }
 
 /// A camera for one image size, which generates rays. Its values are rounded once, from f64.
@@ -40,6 +43,8 @@ pub(crate) struct CameraFrame {
     pub(crate) lens: Option<(Vec3, Vec3)>,
     shutter_open: f32,
     shutter_duration: f32,
+    /// The table of the pixel filter; `None` for the box.
+    filter: Option<FilterTable>,
 }
 
 impl TryFrom<&CameraFile> for Camera {
@@ -68,6 +73,7 @@ impl Camera {
         let (open, close) = camera.shutter;
         let shutter_ok = (0.0..=close).contains(&open) && close <= 1.0;
         e.check(shutter_ok, "shutter", "two times with 0 <= open <= close <= 1", (open, close))?;
+        camera.filter.check(e)?;
         let unit = |v: DVec3| v / v.dot(v).sqrt();
         let back = unit(from - at);
         if !back.is_finite() {
@@ -85,6 +91,7 @@ impl Camera {
             defocus_angle: f64::from(defocus),
             focus_distance: f64::from(focus),
             shutter: camera.shutter,
+            filter: camera.filter,
         })
     }
 
@@ -108,10 +115,11 @@ impl Camera {
                 .then(|| ((right * lens_radius).as_vec3(), (up * lens_radius).as_vec3())),
             shutter_open: self.shutter.0,
             shutter_duration: self.shutter.1 - self.shutter.0,
+            filter: FilterTable::new(&self.filter),
         }
     }
 
-    /// All numbers that the camera's rays depend on, for the scene's hash.
+    /// All numbers that the camera's rays depend on besides the filter, for the scene's hash.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let Self { look_from, frame: [right, up, back], shutter: (open, close), .. } = *self;
         let vectors = [look_from, right, up, back].into_iter().flat_map(|v| v.to_array());
@@ -126,10 +134,22 @@ impl Camera {
 }
 
 impl CameraFrame {
-    /// A random ray through pixel `(x, y)`, with a direction of unit length.
+    /// Whether samples have weights other than 1.
+    pub(crate) fn is_weighted(&self) -> bool {
+        self.filter.is_some()
+    }
+
+    /// A random ray for pixel `(x, y)`, with a direction of unit length, and its weight: the value
+    /// of the pixel filter divided by the density. The weight is 1 with the box, and may be
+    /// negative with other filters.
     #[inline(always)]
-    pub(crate) fn ray<R: Real>(&self, x: R, y: R, randoms: &Randoms<R>) -> Ray<R> {
-        let (dx, dy) = randoms.two(Dimension::PIXEL);
+    pub(crate) fn ray<R: Real>(&self, x: R, y: R, randoms: &Randoms<R>) -> (Ray<R>, R) {
+        let (mut dx, mut dy) = randoms.two(Dimension::PIXEL);
+        let mut weight = R::ONE;
+        if let Some(filter) = &self.filter {
+            let (across, down) = (filter.sample(dx), filter.sample(dy));
+            (dx, dy, weight) = (across.0, down.0, across.1 * down.1);
+        }
         let lens = match self.lens {
             None => R::Vec3::zero(),
             Some((u, v)) => {
@@ -138,7 +158,7 @@ impl CameraFrame {
                 vector::<R>(u) * a + vector::<R>(v) * b
             }
         };
-        self.ray_through(x + dx, y + dy, lens, randoms.one(Dimension::TIME))
+        (self.ray_through(x + dx, y + dy, lens, randoms.one(Dimension::TIME)), weight)
     }
 
     /// The ray through the point `(x, y)` of the image, in pixels, and the point of the lens at
@@ -173,6 +193,7 @@ mod tests {
             defocus_angle: 0.0,
             focus_distance: 2.0,
             shutter: (0.25, 0.75),
+            filter: PixelFilter::Box,
         }
     }
 

@@ -18,6 +18,10 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         // Adding 0 turns −0 into 0, so that both have the same hash.
         hasher.bytes(&(number + 0.0).to_le_bytes());
     }
+    // Without the box, hashes are those of files from before there were filters.
+    if !camera.filter.is_box() {
+        hasher.value(json!({ "filter": camera.filter }));
+    }
     hasher.value(scene.background().identity());
     if !scene.light_files().is_empty() {
         hasher.value(json!(scene.light_files()));

@@ -8,6 +8,7 @@ mod camera;
 mod description;
 mod emission;
 mod files;
+mod filter;
 mod flat;
 mod generate;
 mod hash;
@@ -37,6 +38,9 @@ pub use builtin::BUILTIN_NAMES;
 pub use camera::Camera;
 pub(crate) use camera::CameraFrame;
 pub use description::{CameraFile, RenderDefaults, Sampling, SceneFile};
+#[cfg(test)]
+pub(crate) use filter::FilterTable;
+pub use filter::PixelFilter;
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
 use light::LightFile;
@@ -83,6 +87,8 @@ impl PartialEq for Scene {
 struct SceneData {
     name: String,
     camera: Camera,
+    camera_file: CameraFile,
+    cameras: Named<CameraFile>,
     background: Background,
     defaults: RenderDefaults,
     materials: Vec<Material>,
@@ -172,6 +178,16 @@ impl Scene {
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.0.camera
+    }
+
+    /// The camera as written in the scene file.
+    pub fn camera_file(&self) -> &CameraFile {
+        &self.0.camera_file
+    }
+
+    /// The named cameras as written in the scene file. All their values are in range.
+    pub fn cameras(&self) -> &Named<CameraFile> {
+        &self.0.cameras
     }
 
     /// The light that rays see when they leave the scene.

@@ -1,7 +1,7 @@
 //! Reasons why the picture of a valid scene may be black or incomplete.
 
-use super::Scene;
 use super::material::Sides;
+use super::{Camera, Scene};
 use crate::geometry::Primitive;
 use crate::math::length;
 
@@ -9,6 +9,11 @@ impl Scene {
     /// Returns the reasons why the picture may be black, and the data in the scene's files that
     /// ptfast ignores, one line each.
     pub fn warnings(&self) -> Vec<String> {
+        self.warnings_with(self.camera())
+    }
+
+    /// [`Scene::warnings`] for another camera.
+    pub(crate) fn warnings_with(&self, camera: &Camera) -> Vec<String> {
         let mut warnings = self.0.ignored.clone();
         if self.geometry().is_empty() {
             warnings.push("the scene has no primitives".to_owned());
@@ -18,15 +23,14 @@ impl Scene {
                 "the picture will be black: nothing emits light, and the background is black";
             warnings.push(message.to_owned());
         }
-        warnings.extend(self.sphere_around_camera().map(|(primitive, material)| {
+        warnings.extend(self.sphere_around(camera).map(|(primitive, material)| {
             format!("the camera is inside primitive {primitive}, an opaque sphere of {material}")
         }));
         warnings
     }
 
     /// The first opaque sphere that contains the camera when the shutter opens, and its material.
-    fn sphere_around_camera(&self) -> Option<(u32, &'static str)> {
-        let camera = self.camera();
+    fn sphere_around(&self, camera: &Camera) -> Option<(u32, &'static str)> {
         (0..self.geometry().spheres.len() as u32).find_map(|primitive| {
             let Primitive::Sphere(sphere) = self.geometry().get(primitive) else { return None };
             let (center, material) = (sphere.center_at(camera.shutter.0), self.material(primitive));

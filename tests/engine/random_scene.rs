@@ -13,7 +13,8 @@ use ptfast::texture::{
     Channel, Checker, Color, Filter, Image, Number, Solid, Texture, VertexColor, Wrap,
 };
 use ptfast::{
-    Background, CameraFile, MediumFile, Named, NamedMesh, PrimitiveFile, Sampling, SceneFile,
+    Background, CameraFile, MediumFile, Named, NamedMesh, PixelFilter, PrimitiveFile, Sampling,
+    SceneFile,
 };
 
 /// Returns the random scene for `seed`. Some scenes are tiny, others huge.
@@ -151,7 +152,19 @@ impl Maker {
         camera.defocus_angle = if self.one_in(2) { 0.0 } else { self.0.between(0.1, 5.0) };
         camera.focus_distance = self.0.between(1.0, 8.0);
         camera.shutter = if self.one_in(3) { (open, open) } else { (open, open + length) };
+        camera.filter = self.filter();
         camera
+    }
+
+    fn filter(&mut self) -> PixelFilter {
+        let radius = self.0.between(0.1, 3.0);
+        match self.below(8) {
+            0 => PixelFilter::Triangle { radius },
+            1 => PixelFilter::Gaussian { radius, sigma: radius * self.0.between(0.25, 2.0) },
+            2 => PixelFilter::Mitchell { radius, b: self.0.uniform(), c: self.0.uniform() },
+            3 => PixelFilter::BlackmanHarris { radius },
+            _ => PixelFilter::Box,
+        }
     }
 
     fn background(&mut self) -> Background {

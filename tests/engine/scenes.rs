@@ -10,7 +10,8 @@ use ptfast::internals::Source;
 use ptfast::material::Lambertian;
 use ptfast::texture::{Checker, Image, Texture};
 use ptfast::{
-    BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, RenderSettings, Sampling, Scene, SceneFile,
+    BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, PixelFilter, RenderSettings, Sampling, Scene,
+    SceneFile,
 };
 
 /// The built-in scenes contain exactly the primitives, materials and camera of the flat files that other
@@ -93,6 +94,35 @@ fn cameras_are_made_in_code() {
     file.vfov = 180.0;
     let error = Camera::try_from(&file).unwrap_err().to_string();
     assert_eq!(error, "scene: camera: vfov must be in (0, 180) degrees, is 180.0");
+}
+
+#[test]
+fn filters_are_written_and_belong_to_the_identity() {
+    let mut file = SceneFile::new(CameraFile::new([3.0, 2.0, 4.0], [0.0; 3], 40.0));
+    let mut hashes = std::collections::HashSet::new();
+    for (filter, text) in [
+        (PixelFilter::Box, "box"),
+        (PixelFilter::Gaussian { radius: 1.5, sigma: 0.5 }, "gaussian()"),
+        (PixelFilter::Gaussian { radius: 1.5, sigma: 0.75 }, "gaussian(sigma: 0.75)"),
+        (PixelFilter::Triangle { radius: 1.0 }, "triangle()"),
+        (PixelFilter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 }, "mitchell()"),
+        (PixelFilter::BlackmanHarris { radius: 1.5 }, "blackman_harris(radius: 1.5)"),
+    ] {
+        file.camera.filter = filter;
+        let scene = Scene::from_file(&file).unwrap();
+        let ron = "(camera: (look_from: (3, 2, 4), look_at: (0, 0, 0), vfov: 40, filter: FILTER))";
+        assert_eq!(Scene::from_ron(&ron.replace("FILTER", text)).unwrap(), scene, "{text}");
+        let json = serde_json::to_string(&file).unwrap();
+        assert_eq!(json.contains("filter"), filter != PixelFilter::Box, "{json}");
+        assert_eq!(serde_json::from_str::<SceneFile>(&json).unwrap(), file);
+        assert!(hashes.insert(scene.hash()), "{text} has the hash of another filter");
+    }
+    let hash = Scene::from_file(&file).unwrap().hash();
+    file.add_camera("other", CameraFile::new([1.0; 3], [0.0; 3], 40.0));
+    assert_eq!(Scene::from_file(&file).unwrap().hash(), hash, "unused cameras do not matter");
+    file.add_camera("other", CameraFile::new([1.0; 3], [0.0; 3], 40.0));
+    let refused = Scene::from_file(&file).unwrap_err().to_string();
+    assert_eq!(refused, "scene:cameras: camera: the name `other` is used twice");
 }
 
 /// Mean linear RGB from two independent path tracers that use Embree, without direct light

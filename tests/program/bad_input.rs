@@ -144,6 +144,18 @@ fn values_out_of_range() {
     ron("vfov: 40", "vfov: 180", "", &["camera: vfov must be in (0, 180) degrees"]);
     ron("vfov: 40", "vfov: 40, shutter: (1, 0)", "", &["camera: shutter must be"]);
     ron("vfov: 40", "vfov: 40, focus_distance: 0", "", &["camera: focus_distance must be"]);
+    for (filter, message) in [
+        ("triangle(radius: 0)", "camera: filter: radius must be in [0.1, 16], is 0.0"),
+        ("gaussian(sigma: NaN)", "camera: filter: sigma must be in [radius/4, 16], is NaN"),
+        ("mitchell(b: -1)", "camera: filter: b must be in [0, 1], is -1.0"),
+        ("mitchell(c: 2)", "camera: filter: c must be in [0, 1], is 2.0"),
+        ("blackman_harris(radius: 17)", "camera: filter: radius must be in [0.1, 16], is 17.0"),
+        ("gausian()", "unknown kind `gausian`, did you mean `gaussian`?"),
+        ("gaussian(width: 1)", "unknown field `width`"),
+    ] {
+        let with = format!("vfov: 40, filter: {filter}");
+        refused("a.ron", GOOD, "vfov: 40", &with, ":2:", &[message]);
+    }
     ron("(0.5, 0.5, 0.5)", "(0.5, 1.5, 0.5)", ":4:", &["albedo must be in [0, 1]"]);
     let metal = "metal(albedo: (1, 1, 1), fuzz: 2)";
     ron("lambertian(albedo: (0.5, 0.5, 0.5))", metal, ":4:", &["fuzz must be in"]);

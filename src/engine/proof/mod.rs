@@ -8,6 +8,7 @@
 
 mod bsdf;
 mod camera;
+mod filter;
 mod glow;
 mod light;
 mod medium;

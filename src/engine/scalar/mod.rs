@@ -33,12 +33,14 @@ impl ScalarEngine {
         Tree { tree: self.0.prepared.accelerator().scalar(), geometry: self.0.scene().geometry() }
     }
 
-    /// The camera ray of sample `sample` of pixel `(x, y)`, and the key of the path's random
-    /// numbers.
-    pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, PathKey) {
+    /// The camera ray of sample `sample` of pixel `(x, y)`, the sample's weight, and the key of the
+    /// path's random numbers.
+    pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, f32, PathKey) {
         let View { settings, camera, .. } = &self.0;
         let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
-        (camera.ray(x as f32, y as f32, &Randoms::new(settings.sampler, key, 0)), key)
+        let randoms = Randoms::new(settings.sampler, key, 0);
+        let (ray, weight) = camera.ray(x as f32, y as f32, &randoms);
+        (ray, weight, key)
     }
 
     /// Creates a path tracer for the scene, with `intersect` to answer ray queries.
@@ -86,8 +88,8 @@ impl ScalarEngine {
             let (x, y) = unit.tile.pixel(pixel);
             let mut sum = task.open_sum(pixel);
             for sample in unit.first..unit.end {
-                let (ray, key) = self.camera_ray(x, y, sample);
-                let radiance = tracer.radiance(ray, key);
+                let (ray, weight, key) = self.camera_ray(x, y, sample);
+                let radiance = tracer.radiance(ray, key) * weight;
                 sum += tally.counted(radiance, clamp, (x, y, sample));
             }
             sums.push(sum.to_array());

@@ -28,12 +28,13 @@ pub(super) fn generate(
         let sampled = samples.next_lanes();
         let keys = settings.sampler.path(sampled.pixel_key, sampled.sample);
         let randoms = Randoms::new(settings.sampler, keys, 0);
-        let ray = camera.ray(sampled.x.to_float(), sampled.y.to_float(), &randoms);
+        let (ray, weights) = camera.ray(sampled.x.to_float(), sampled.y.to_float(), &randoms);
         let indices = paths.indices(rays.paths(first));
         paths.set_segments(&indices, &Segment { ray, pdf: Float::splat(SPECULAR) });
         let history = History { beta: Vec3x([Float::ONE; 3]), radiance: Vec3x::ZERO, keys };
         paths.set_beta(&indices, &history);
         paths.set_radiance(&indices, &history);
+        paths.set_weights(first, weights);
         rays.batch.extend(&RayVector::unbounded(ray), LANES.min(count - first));
     }
 }

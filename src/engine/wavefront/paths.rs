@@ -14,8 +14,15 @@ use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 /// A path is a cache line of four rows: origin and time; direction and density; throughput and the
 /// first word of the key; radiance and the second word. Vectors of paths are read by transposing
 /// rows, which takes one cache line per path in any order of paths.
+///
+/// The weights of the pixel filter have a list of their own, which only *generate* and *accumulate*
+/// touch, and which is empty with the box. They multiply finished samples: the throughput stays
+/// positive, as Russian roulette needs it, and the line has no room for them.
 #[derive(Debug)]
-pub(super) struct Paths(Vec<Line>);
+pub(super) struct Paths {
+    lines: Vec<Line>,
+    weights: Vec<f32>,
+}
 
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
@@ -45,28 +52,45 @@ pub(super) struct History {
 }
 
 impl Paths {
-    /// Creates storage for `capacity` paths.
-    pub(super) fn new(capacity: usize) -> Self {
+    /// Creates storage for `capacity` paths, which may have weights.
+    pub(super) fn new(capacity: usize, weighted: bool) -> Self {
         // The capacity is rounded up because whole vectors are written.
-        Self(vec![Line([[0; 4]; 4]); capacity.next_multiple_of(LANES)])
+        let capacity = capacity.next_multiple_of(LANES);
+        let weights = vec![1.0; if weighted { capacity } else { 0 }];
+        Self { lines: vec![Line([[0; 4]; 4]); capacity], weights }
+    }
+
+    /// Sets the weights of the paths from `first` on, if paths have weights.
+    #[inline(always)]
+    pub(super) fn set_weights(&mut self, first: usize, weights: Float) {
+        if let Some(lanes) = self.weights.get_mut(first..first + LANES) {
+            lanes.copy_from_slice(&weights.to_array());
+        }
+    }
+
+    /// Multiplies the radiance of the first `count` paths by their weights, if paths have weights.
+    pub(super) fn apply_weights(&mut self, count: usize) {
+        for (Line([.., row]), weight) in self.lines.iter_mut().zip(&self.weights).take(count) {
+            row[..3].iter_mut().for_each(|c| *c = (f32::from_bits(*c) * weight).to_bits());
+        }
     }
 
     /// Reads row `row` of the paths `indices`: a vector and a number.
     #[inline(always)]
     fn gather(&self, row: usize, indices: &Indices) -> (Vec3x, Float) {
-        indices.gather(&self.0, |line| &line.0[row])
+        indices.gather(&self.lines, |line| &line.0[row])
     }
 
     /// Writes row `row` of the paths `indices`. Lanes with the same path must have the same values.
     #[inline(always)]
     fn scatter(&mut self, row: usize, indices: &Indices, columns: (Vec3x, Float)) {
-        indices.scatter(&mut self.0, |line| &mut line.0[row], columns);
+        indices.scatter(&mut self.lines, |line| &mut line.0[row], columns);
     }
 
     /// Creates indices of the paths in `lanes`, which must all exist.
     #[inline(always)]
     pub(super) fn indices(&self, lanes: Int) -> Indices {
-        Indices::new(lanes, self.0.len())
+        Indices::new(lanes, self.lines.len())
     }
 
     /// The segments of the paths `indices`.
@@ -114,7 +138,7 @@ impl Paths {
 
     /// The radiance of each path in `range`.
     pub(super) fn radiances(&self, range: Range<usize>) -> impl Iterator<Item = Vec3> + Clone {
-        self.0[range]
+        self.lines[range]
             .iter()
             .map(|Line([.., [r, g, b, _]])| Vec3::from_array([*r, *g, *b].map(f32::from_bits)))
     }

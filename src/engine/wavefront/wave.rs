@@ -42,7 +42,7 @@ impl Wave {
         let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
         let keys = view.prepared.tables().looks.keys().len();
         Self {
-            paths: Paths::new(capacity),
+            paths: Paths::new(capacity, view.camera.is_weighted()),
             rays: Rays::with_capacity(capacity),
             hits: HitBatch::default(),
             queues: Queues::new(keys, capacity, view.prepared.accelerator().has_instances()),
@@ -127,6 +127,7 @@ impl<'a> Worker<'a> {
             watch.lap(Stage::Order, segment + 1, StageWork::of(rays.len()));
         }
 
+        paths.apply_weights(unit.paths() as usize);
         let part = accumulate(paths, task, settings, &mut tally);
         watch.lap(Stage::Accumulate, 1, StageWork::of(unit.paths() as usize));
         let (waves, laps) = watch.take();

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+use super::filter::PixelFilter;
 use super::light::LightFile;
 use super::material::Material;
 use super::medium::MediumFile;
@@ -20,6 +21,9 @@ use super::texture::Texture;
 pub struct SceneFile {
     /// The camera.
     pub camera: CameraFile,
+    /// More cameras by name, which a render can choose instead.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub cameras: Named<CameraFile>,
     /// Light that arrives along rays that leave the scene.
     #[serde(default)]
     pub background: Background,
@@ -51,6 +55,7 @@ impl SceneFile {
     pub fn new(camera: CameraFile) -> Self {
         Self {
             camera,
+            cameras: Named::default(),
             background: Background::default(),
             render: RenderDefaults::default(),
             textures: Named::default(),
@@ -60,6 +65,11 @@ impl SceneFile {
             lights: Vec::new(),
             media: Vec::new(),
         }
+    }
+
+    /// Adds a camera that a render can choose by its name, which no other camera may have.
+    pub fn add_camera(&mut self, name: impl Into<String>, camera: CameraFile) {
+        self.cameras.0.push((name.into(), camera));
     }
 
     /// Adds a texture. Materials refer to it by its name, which no other texture may have.
@@ -122,6 +132,9 @@ pub struct CameraFile {
     /// Times at which the shutter opens and closes, within [0, 1].
     #[serde(default)]
     pub shutter: (f32, f32),
+    /// The filter of the pixels.
+    #[serde(default, skip_serializing_if = "PixelFilter::is_box")]
+    pub filter: PixelFilter,
 }
 
 impl CameraFile {
@@ -136,6 +149,7 @@ impl CameraFile {
             defocus_angle: 0.0,
             focus_distance: Self::default_focus_distance(),
             shutter: (0.0, 0.0),
+            filter: PixelFilter::Box,
         }
     }
 

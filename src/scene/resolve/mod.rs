@@ -33,6 +33,10 @@ pub(super) fn resolve(
     let resolver = Resolver { name, file, places, budget };
     let e = resolver.element(Places::section(places.camera), "camera");
     let camera = Camera::new(&e, &file.camera)?;
+    resolver.check_names("camera", file.cameras.names())?;
+    for (name, camera) in &file.cameras.0 {
+        Camera::new(&resolver.element(format!("cameras.{name}"), "camera"), camera)?;
+    }
     resolver.render_defaults()?;
     let entries = file.textures.0.len() + file.materials.0.len();
     resolver.check_names("texture", file.textures.names())?;
@@ -63,6 +67,8 @@ pub(super) fn resolve(
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
         camera,
+        camera_file: file.camera.clone(),
+        cameras: file.cameras.clone(),
         background,
         defaults: file.render.clone(),
         materials,

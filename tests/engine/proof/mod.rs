@@ -8,6 +8,7 @@
 #![allow(clippy::disallowed_methods)] // expected values are computed in f64 with libm
 
 mod exact;
+mod filters;
 mod furnace;
 mod instances;
 mod lamps;

@@ -1,5 +1,7 @@
 //! Tests of the command line, as users and scripts see it.
 
+mod camera;
+mod display;
 mod inspect;
 mod newcomer;
 mod rays;
