@@ -81,7 +81,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
             plot.display()
         )));
     }
-    let scene = args.limits.load(args.scene.name())?;
+    let scene = args.limits.read(&args.scene)?.resolve()?;
     let options = options(args, &scene)?;
     let written = [("the record", &args.json), ("the plot", &args.plot)];
     let written: Vec<_> =

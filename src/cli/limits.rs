@@ -3,9 +3,10 @@
 use bytesize::ByteSize;
 use clap::Args;
 
+use super::sample_args::SceneArg;
 use crate::error::Result;
 use crate::limits::{Limit, Limits, Refused};
-use crate::scene::{Scene, Source};
+use crate::scene::{Parsed, Scene, Source};
 
 const HEADING: &str = "Limits";
 
@@ -69,6 +70,15 @@ impl SceneLimitArgs {
     /// Loads the scene `name` within these limits.
     pub(super) fn load(&self, name: &str) -> Result<Scene> {
         self.source(name)?.read(&self.limits())?.resolve()
+    }
+
+    /// Reads the scene that these arguments name.
+    pub(super) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
+        let parsed = self.source(scene.name())?.read(&self.limits())?;
+        Ok(match scene.env() {
+            Some(path) => parsed.with_environment(path),
+            None => parsed,
+        })
     }
 }
 

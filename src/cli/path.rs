@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::camera_args::{CameraArgs, quoted};
+use super::camera_args::CameraArgs;
 use super::console::say;
 use super::limits::SceneLimitArgs;
-use super::sample_args::SampleArgs;
+use super::sample_args::{SampleArgs, SceneArg};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Hit;
@@ -33,16 +33,16 @@ fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
     })
 }
 
-/// The command that traces this sample again. `given` is the scene as the user named it.
+/// The command that traces this sample again.
 pub(super) fn command(
-    given: &str,
+    scene: &SceneArg,
     camera: &CameraArgs,
     settings: &RenderSettings,
     (x, y): (u32, u32),
     sample: u32,
 ) -> String {
     let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
-    let (scene, camera) = (quoted(given), camera.words());
+    let (scene, camera) = (scene.words(), camera.words());
     format!(
         "ptfast path {scene}{camera} --width {width} --height {height} --depth {depth} --seed {seed} \
          --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
@@ -53,7 +53,7 @@ pub(super) fn command(
 }
 
 pub(super) fn run(args: &PathArgs) -> Result<()> {
-    let scene = args.limits.load(args.of.scene.name())?;
+    let scene = args.limits.read(&args.of.scene)?.resolve()?;
     let settings = args.of.settings(&scene)?;
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {
@@ -112,7 +112,8 @@ mod tests {
     fn commands_can_be_pasted() {
         let scene = Scene::load("cornell").unwrap();
         let settings = RenderSettings { seed: 7, ..RenderSettings::of(&scene) };
-        let command = command("it's.ron", &CameraArgs::default(), &settings, (3, 4), 5);
+        let command =
+            command(&SceneArg::of("it's.ron"), &CameraArgs::default(), &settings, (3, 4), 5);
         assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
         assert!(command.ends_with("--roulette on --pixel 3,4 --sample 5"), "{command}");
         assert_eq!(

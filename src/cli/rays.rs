@@ -43,7 +43,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
     check_folder(&args.output)?;
     let is_set = rayset::is_set(&args.output);
     folder::check_unrelated(&rayset::files(&args.output), |_| is_set)?;
-    let scene = args.limits.load(args.scene.name())?;
+    let scene = args.limits.read(&args.scene)?.resolve()?;
     let camera = args.camera.camera(&scene)?;
     let mut settings = RenderSettings { camera, seed: args.seed, ..RenderSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);

@@ -54,7 +54,7 @@ impl<'a> Job<'a> {
         // A wrong extension is reported before a large scene is loaded.
         args.output.clone().map(Target::of_path).transpose()?;
         let loading = Instant::now();
-        let scene = args.limits.load(args.sample.scene.name())?;
+        let scene = args.limits.read(&args.sample.scene)?.resolve()?;
         let load = loading.elapsed().as_secs_f64();
         let settings = settings(args, &scene)?;
         let warnings = scene.warnings_with(&settings.camera);
@@ -220,13 +220,7 @@ impl<'a> Job<'a> {
             notice(format_args!(
                 "{} samples were not finite and count as black; to trace the first again: {}",
                 non_finite.count,
-                path::command(
-                    args.sample.scene.name(),
-                    &args.sample.camera,
-                    settings,
-                    (x, y),
-                    sample
-                )
+                path::command(&args.sample.scene, &args.sample.camera, settings, (x, y), sample)
             ));
         }
         if settings.clamp < f32::INFINITY {

@@ -1,8 +1,10 @@
 //! The arguments that name a scene, and those that decide the value of a sample.
 
+use std::path::{Path, PathBuf};
+
 use clap::{Args, ValueEnum};
 
-use super::camera_args::CameraArgs;
+use super::camera_args::{CameraArgs, quoted};
 use super::named::named;
 use crate::engine::{Pin, RenderSettings};
 use crate::error::Result;
@@ -23,12 +25,31 @@ pub(super) struct SceneArg {
     /// The same as SCENE
     #[arg(long, value_name = "SCENE", hide = true)]
     scene: Option<String>,
+    /// Environment map instead of the scene's background: a latitude-longitude image (.hdr, .exr, ...)
+    #[arg(long, value_name = "FILE", help_heading = IMAGE)]
+    env: Option<PathBuf>,
 }
 
 impl SceneArg {
+    #[cfg(test)]
+    pub(super) fn of(name: &str) -> Self {
+        Self { positional: Some(name.to_owned()), scene: None, env: None }
+    }
+
     /// The scene as the user named it.
     pub(super) fn name(&self) -> &str {
         self.positional.as_deref().or(self.scene.as_deref()).expect("clap requires one")
+    }
+
+    /// The environment map that replaces the background.
+    pub(super) fn env(&self) -> Option<&Path> {
+        self.env.as_deref()
+    }
+
+    /// These arguments on a command line.
+    pub(super) fn words(&self) -> String {
+        let env = self.env.iter().map(|path| format!(" --env {}", quoted(&path.to_string_lossy())));
+        quoted(self.name()) + &env.collect::<String>()
     }
 }
 

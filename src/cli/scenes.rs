@@ -11,13 +11,13 @@ pub(super) fn run(command: &ScenesCommand) -> Result<()> {
             .iter()
             .try_for_each(|name| say(format_args!("{}", summary(&Scene::load(name)?)))),
         ScenesCommand::Show { scene, json, limits } => {
-            let parsed = limits.source(scene.name())?.read(&limits.limits())?;
+            let parsed = limits.read(scene)?;
             parsed.resolve()?;
             let text = if *json { parsed.to_json() } else { parsed.to_ron() };
             say_lines(text.trim_end())
         }
         ScenesCommand::Check { scene, limits } => {
-            let scene = limits.load(scene.name())?;
+            let scene = limits.read(scene)?.resolve()?;
             scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
             say(format_args!("{}", summary(&scene)))
         }

@@ -45,6 +45,7 @@ pub use filter::PixelFilter;
 pub(crate) use interaction::Interaction;
 use light::LightFile;
 pub(crate) use light::LightSample;
+pub(crate) use load::Parsed;
 pub use load::Source;
 pub(crate) use looks::{Key, Looks};
 pub(crate) use material::Material;

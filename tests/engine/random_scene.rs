@@ -114,7 +114,12 @@ impl Maker {
             .extend((0..instances).map(|_| self.instance(meshes, materials.len() as u64).into()));
         let mut scene = SceneFile::new(self.camera());
         scene.background = self.background();
-        let lights = if self.one_in(3) { 1 + self.below(4) } else { 0 };
+        // Many lights are chosen by a light tree.
+        let lights = match self.below(6) {
+            0 | 1 => 1 + self.below(4),
+            2 => 60 + self.below(100),
+            _ => 0,
+        };
         scene.lights = (0..lights).map(|_| self.light()).collect();
         scene.render.width = 1 + self.below(20) as u32;
         scene.render.height = 1 + self.below(20) as u32;

@@ -33,6 +33,27 @@ fn floors_are_lit_as_they_should() {
     // The same rectangle as two triangles.
     let triangles = r#"triangles(vertices: [(0, 0.5, 0), (3, 0.5, 0), (0, 0.5, 2), (3, 0.5, 2)],
                                  indices: [(0, 1, 2), (1, 3, 2)], material: "front")"#;
+    // Many triangles are chosen by a light tree.
+    let (columns, rows) = (12, 8);
+    let place = |i: u32, n: u32, size: f32| i as f32 * size / n as f32;
+    let vertices: String = (0..(columns + 1) * (rows + 1))
+        .map(|i| {
+            let (x, z) =
+                (place(i % (columns + 1), columns, 3.0), place(i / (columns + 1), rows, 2.0));
+            format!("({x}, 0.5, {z}),")
+        })
+        .collect();
+    let indices: String = (0..columns * rows)
+        .map(|i| {
+            let a = i / columns * (columns + 1) + i % columns;
+            let [b, c, d] = [a + 1, a + columns + 1, a + columns + 2];
+            format!("({a}, {b}, {c}), ({b}, {d}, {c}),")
+        })
+        .collect();
+    let many =
+        format!(r#"triangles(vertices: [{vertices}], indices: [{indices}], material: "front")"#);
+    let many_and_sphere =
+        format!("{many}, {}", r#"sphere(center: (-3, 3, 0), radius: 1, material: "lamp")"#);
     let both = format!("{quad}, {}", r#"sphere(center: (-3, 3, 0), radius: 1, material: "lamp")"#);
     let known = |name: &str, material: &str, lamps: &str, want: f64| {
         Known::new(name, &floor(material, lamps), want)
@@ -46,6 +67,14 @@ fn floors_are_lit_as_they_should() {
             known("diffuse, rectangle", "diffuse", quad, diffuse_quad),
             known("lambertian, triangles", "lambertian", triangles, lambert_quad),
             known("diffuse, triangles", "diffuse", triangles, diffuse_quad),
+            known("lambertian, 192 triangles", "lambertian", &many, lambert_quad),
+            known("diffuse, 192 triangles", "diffuse", &many, diffuse_quad),
+            known(
+                "lambertian, 192 triangles and a sphere",
+                "lambertian",
+                &many_and_sphere,
+                lambert_quad + lambert_sphere,
+            ),
             known("lambertian, two lamps", "lambertian", &both, lambert_quad + lambert_sphere),
             known(
                 "behind a one-sided lamp",

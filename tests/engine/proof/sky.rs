@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use ptfast::Sampling;
+use ptfast::internals::Source;
+use ptfast::{Limits, Sampling};
 
 use super::{Known, compare, compare_in};
 
@@ -57,8 +58,12 @@ fn floors_under_environment_maps_are_lit_as_they_should() {
     let both = write("both", size, |x, y| if [x, y] == [5, 1] { 501.0 } else { 1.0 });
     let map = |file: &str, more: &str| format!(r#"background: image(file: "{file}"{more})"#);
     let texel = |power: i32| 500.0 * irradiance_of_texel(size, [5, 1], power);
+    // The maps are outside the folder of the scene.
+    let limits = Limits::default().with_outside_files(true);
     let known = |name: &str, material: &str, light: &str, want: f64| {
-        Known::new(name, &floor(material, light), want)
+        let text = floor(material, light);
+        let parsed = Source::from_reader(text.as_bytes(), &limits).unwrap().read(&limits).unwrap();
+        Known { name: name.to_owned(), scene: parsed.resolve().unwrap(), want }
     };
     let compensated = map(&both, ", compensated: true");
     // The radiance falls from 2 to 0 between the centres of the last row of the sky and the first row
