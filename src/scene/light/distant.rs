@@ -3,8 +3,9 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::LightModel;
+use super::file::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
-use super::{FreeLight, FreeLightModel, LightModel};
 use crate::error::Result;
 use crate::geometry::Ray;
 use crate::math::precise::sin_cos_degrees;

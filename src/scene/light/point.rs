@@ -3,9 +3,10 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::LightModel;
+use super::file::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use super::tree::LightBounds;
-use super::{FreeLight, FreeLightModel, LightModel};
 use crate::error::Result;
 use crate::geometry::{Bounds, Ray};
 use crate::math::{Mask, Real, Row, Vector, dot, row};

@@ -3,10 +3,11 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::LightModel;
+use super::file::{FreeLight, FreeLightModel};
 use super::point::sample_point;
 use super::sample::LightSample;
 use super::tree::LightBounds;
-use super::{FreeLight, FreeLightModel, LightModel};
 use crate::error::Result;
 use crate::geometry::{Bounds, Ray};
 use crate::math::precise::sin_cos_degrees;
