@@ -3,8 +3,8 @@
 use ptfast::internals::{Stream, min};
 use ptfast::light::{Distant, EnvironmentMap, LightFile, Mapping, Point, Spot};
 use ptfast::material::{
-    Conductor, Dielectric, Diffuse, DiffuseTransmission, Fresnel, Lambertian, Light, Material,
-    Metal, Opacity, Principled, RoughDielectric, Sides,
+    CoatedDiffuse, Conductor, Dielectric, Diffuse, DiffuseTransmission, Fresnel, Lambertian, Light,
+    Material, Metal, Opacity, Principled, RoughDielectric, Sides,
 };
 use ptfast::primitive::{
     BoxFile, InstanceFile, MovingSphereFile, QuadFile, SphereFile, TrianglesFile,
@@ -265,6 +265,7 @@ impl Maker {
             Material::Lambertian(lambertian) => lambertian.normal = normal,
             Material::Metal(metal) => metal.normal = normal,
             Material::Conductor(conductor) => conductor.normal = normal,
+            Material::CoatedDiffuse(coated) => coated.normal = normal,
             Material::Principled(principled) => principled.normal = normal,
             _ => {}
         }
@@ -272,7 +273,12 @@ impl Maker {
     }
 
     fn plain_material(&mut self, textures: u64) -> Material {
-        match self.below(11) {
+        match self.below(12) {
+            11 => {
+                let mut coated = CoatedDiffuse::new(self.albedo(textures), self.number(textures));
+                coated.ior = self.0.between(1.02, 3.0);
+                coated.into()
+            }
             10 => {
                 let mut leaf =
                     DiffuseTransmission::new(self.albedo(textures), self.albedo(textures));

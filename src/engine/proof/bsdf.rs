@@ -9,8 +9,8 @@ use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
-    Bsdf, Conductor, Diffuse, DiffuseTransmission, Lambertian, Material, MaterialModel,
-    MaterialTable, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
+    Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, Material,
+    MaterialModel, MaterialTable, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
 };
 use crate::scene::texture::{Color, Number};
 use crate::scene::{Interaction, Isotropic, MaterialTables};
@@ -100,7 +100,7 @@ fn cases() -> Vec<Case> {
         edit(&mut material);
         (format!("principled {name}"), material.into())
     };
-    let materials: [(String, Material); 21] = [
+    let materials: [(String, Material); 23] = [
         ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
         ("lambertian".to_owned(), Lambertian::new(ALBEDO).into()),
         metal(0.1),
@@ -117,6 +117,8 @@ fn cases() -> Vec<Case> {
             "diffuse_transmission".to_owned(),
             DiffuseTransmission::new([0.5, 0.3, 0.2], [0.3, 0.6, 0.1]).into(),
         ),
+        ("coated_diffuse 0.2".to_owned(), CoatedDiffuse::new(ALBEDO, 0.2).into()),
+        ("coated_diffuse 0.7".to_owned(), CoatedDiffuse::new(ALBEDO, 0.7).into()),
         principled("plastic", |_| ()),
         principled("rough plastic", |p| p.roughness = 1.0.into()),
         principled("metal", |p| (p.metalness, p.roughness) = (1.0.into(), 0.4.into())),
@@ -251,4 +253,51 @@ fn scattering_is_reciprocal() {
             }
         }
     }
+}
+
+/// Follows light at random through a coat to a diffuse base and back, as pbrt does, and compares the
+/// share of the light that comes back with that of `coated_diffuse`.
+#[test]
+fn coats_scatter_about_as_much_as_a_random_walk() {
+    const WALKS: u32 = 20_000;
+    let mut worst = 0.0;
+    println!("\nroughness  rho  cosine    walk  coated");
+    for roughness in [0.1f32, 0.4, 0.7] {
+        let glass: Material = RoughDielectric { ior: 1.5, alpha: roughness * roughness }.into();
+        for rho in [0.2f32, 0.5, 0.9] {
+            let coated: Material = CoatedDiffuse::new([rho; 3], roughness).into();
+            for cos in [0.95f32, 0.6, 0.3] {
+                let down = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, -cos);
+                let walk = |sample: u32| {
+                    let (mut direction, mut weight, mut outside) = (down, 1.0, true);
+                    for step in 0..100 {
+                        let normal = if outside { Vec3::Z } else { -Vec3::Z };
+                        let bsdf = scattering(&glass, direction, normal, outside);
+                        let randoms = randoms(step, sample);
+                        let Some(scatter) = bsdf.sample(&randoms) else { return 0.0 };
+                        weight *= scatter.weight.y;
+                        if scatter.direction.z > 0.0 {
+                            return weight;
+                        }
+                        weight *= rho;
+                        let (u, v) = randoms.two(Dimension::LIGHT);
+                        direction = crate::math::warp::cosine_hemisphere(Vec3::Z, u, v).0;
+                        outside = false;
+                    }
+                    0.0
+                };
+                let albedo = |sample: u32| {
+                    let bsdf = scattering(&coated, down, Vec3::Z, true);
+                    bsdf.sample(&randoms(0, sample)).map_or(0.0, |scatter| scatter.weight.y)
+                };
+                let mean = |f: &dyn Fn(u32) -> f32| {
+                    (0..WALKS).map(|sample| f64::from(f(sample))).sum::<f64>() / f64::from(WALKS)
+                };
+                let (walked, modelled) = (mean(&walk), mean(&albedo));
+                println!("{roughness:>9}{rho:>5}{cos:>8}{walked:>8.3}{modelled:>8.3}");
+                worst = f64::max(worst, (walked - modelled).abs());
+            }
+        }
+    }
+    assert!(worst < 0.05, "{worst}");
 }

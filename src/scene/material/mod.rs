@@ -3,6 +3,7 @@
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
 //! the tables and the dispatch.
 
+mod coated_diffuse;
 mod conductor;
 mod dielectric;
 mod diffuse;
@@ -251,6 +252,8 @@ materials! {
     RoughDielectric in rough_dielectric,
     /// A metal with a complex index of refraction.
     Conductor in conductor,
+    /// A matte surface below a clear coat.
+    CoatedDiffuse in coated_diffuse,
     /// A surface between matte, metal and glass, with a clear coat.
     Principled in principled,
     /// A surface that emits light and absorbs all light that hits it.

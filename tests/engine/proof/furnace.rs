@@ -126,6 +126,7 @@ fn materials_scatter_what_they_should() {
             // Whatever the microfacets of plastic do not reflect, a white base scatters, and white
             // metal loses nothing between microfacets.
             known("principled(base_color: (1, 1, 1), roughness: 0.3)", 1.0),
+            known("coated_diffuse(reflectance: (1, 1, 1), roughness: 0.5)", 1.0),
             known("principled(base_color: (1, 1, 1), roughness: 0.9, ior: 2)", 1.0),
             known("principled(base_color: (1, 1, 1), metalness: 1, roughness: 0.7)", 1.0),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.5)", 0.9),

@@ -18,11 +18,11 @@ const STEPS: u16 = 24;
 /// reflectance: F = f0 (1 − w) + f90 w, where w = (1 − cosine)⁵. The share of reflected light is
 /// f0 `low` + f90 `high` (Karis 2013, "Real Shading in Unreal Engine 4").
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shares<R> {
+pub(in crate::scene::material) struct Shares<R> {
     /// Integral of 1 − w.
-    pub(super) low: R,
+    pub(in crate::scene::material) low: R,
     /// Integral of w.
-    pub(super) high: R,
+    pub(in crate::scene::material) high: R,
 }
 
 /// Entries (cosine `i`, roughness `j`) and (cosine `i + 1`, roughness `j`) at index `NODES j + i`.
@@ -119,7 +119,7 @@ impl<R: Real> Shares<R> {
     /// The means over the hemisphere, weighted with the cosine. They are those of
     /// [`Shares::at`], without further approximation.
     #[inline(always)]
-    pub(super) fn mean(alpha: R) -> Self {
+    pub(in crate::scene::material) fn mean(alpha: R) -> Self {
         let (j, fy) = position(alpha.sqrt());
         let (first, last) = R::gather(&MEANS, R::index(j, NODES), |row| row);
         let blend = |a: R, b: R| a + (b - a) * fy;

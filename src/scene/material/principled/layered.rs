@@ -17,19 +17,19 @@ const LEAST_ALPHA: f32 = 0.001;
 const COAT_F0: f32 = 0.04;
 
 /// The parameters of the material at a point.
-pub(super) struct Parameters<R: Real> {
-    pub(super) base_color: R::Vec3,
-    pub(super) metalness: R,
-    pub(super) roughness: R,
-    pub(super) specular: R,
-    pub(super) transmission: R,
-    pub(super) thin: R::Mask,
-    pub(super) ior: R,
-    pub(super) coat: R,
-    pub(super) coat_roughness: R,
-    pub(super) coat_color: R::Vec3,
+pub(in crate::scene::material) struct Parameters<R: Real> {
+    pub(in crate::scene::material) base_color: R::Vec3,
+    pub(in crate::scene::material) metalness: R,
+    pub(in crate::scene::material) roughness: R,
+    pub(in crate::scene::material) specular: R,
+    pub(in crate::scene::material) transmission: R,
+    pub(in crate::scene::material) thin: R::Mask,
+    pub(in crate::scene::material) ior: R,
+    pub(in crate::scene::material) coat: R,
+    pub(in crate::scene::material) coat_roughness: R,
+    pub(in crate::scene::material) coat_color: R::Vec3,
     /// Absorption per unit of length inside the surface.
-    pub(super) absorption: R::Vec3,
+    pub(in crate::scene::material) absorption: R::Vec3,
 }
 
 /// The scattering of the material. Directions are in the frame of the surface.
@@ -66,16 +66,20 @@ pub(crate) struct LayeredBsdf<R: Real> {
 }
 
 impl<R: Real> LayeredBsdf<R> {
+    /// The GGX roughness.
     #[inline(always)]
-    pub(super) fn new(p: &Parameters<R>, at: &Interaction<'_, R>) -> Self {
+    pub(in crate::scene::material) fn alpha(roughness: R) -> R {
+        max(roughness * roughness, R::splat(LEAST_ALPHA))
+    }
+
+    #[inline(always)]
+    pub(in crate::scene::material) fn new(p: &Parameters<R>, at: &Interaction<'_, R>) -> Self {
         let frame = Frame::new(at.shading);
         let wo = frame.local(-at.ray.direction);
-        let alpha = |roughness: R| max(roughness * roughness, R::splat(LEAST_ALPHA));
         let (ggx, coat_ggx) =
-            (Ggx { alpha: alpha(p.roughness) }, Ggx { alpha: alpha(p.coat_roughness) });
+            (Ggx { alpha: Self::alpha(p.roughness) }, Ggx { alpha: Self::alpha(p.coat_roughness) });
         let not_metal = R::ONE - p.metalness;
-        let slope = (p.ior - R::ONE) / (p.ior + R::ONE);
-        let dielectric_f0 = slope * slope * p.specular;
+        let dielectric_f0 = reflectance_at_normal(p.ior) * p.specular;
         let f0 = R::Vec3::gray(dielectric_f0 * not_metal) + p.base_color * p.metalness;
         let f90 = p.specular * not_metal + p.metalness;
 
@@ -247,6 +251,13 @@ impl<R: Real> LayeredBsdf<R> {
         }
         (light * self.arriving, density)
     }
+}
+
+/// Reflectance of a dielectric at normal incidence.
+#[inline(always)]
+pub(in crate::scene::material) fn reflectance_at_normal<R: Real>(ior: R) -> R {
+    let slope = (ior - R::ONE) / (ior + R::ONE);
+    slope * slope
 }
 
 /// Share of the light that a coat of this strength reflects at the cosine `cos`.

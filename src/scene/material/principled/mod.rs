@@ -6,7 +6,8 @@ mod layered;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use self::layered::{LayeredBsdf, Parameters};
+pub(super) use self::albedo::Shares;
+pub(super) use self::layered::{LayeredBsdf, Parameters, reflectance_at_normal};
 use super::{Emission, MaterialModel, Opacity, Sides};
 use crate::error::Result;
 use crate::math::{Real, Row, row};
