@@ -199,13 +199,71 @@ fn values_of_materials_and_media_are_checked() {
         ("dielectric(ior: 1.5, fresnel: fast)", "unknown kind `fast`, known: `schlick`"),
         ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
         ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
-        ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be 0 or in [0.001, 1]"),
+        ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be in [0, 1], is 2.0"),
         ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
+        ("principled(ior: 1)", "ior must be in [1.01, 10]"),
+        ("principled(metalness: -1)", "metalness must be in [0, 1]"),
+        ("principled(base_color: (2, 0, 0))", "base_color must be in [0, 1]"),
+        ("principled(attenuation_color: (0, 1, 1))", "attenuation_color must be in (0, 1] per"),
+        ("principled(attenuation_distance: 0)", "attenuation_distance must be above 0"),
+        ("principled(roughness: (texture: \"t\", channel: q))", "unknown variant `q`"),
+        ("principled(roughness: (texture: \"t\"))", "unknown texture `t`"),
+        ("coated_diffuse(reflectance: (1, 1, 1), ior: 0.5)", "ior must be in [1.01, 10]"),
+        (
+            "diffuse_transmission(reflectance: (1, 0, 0), transmittance: (0.1, 0, 0))",
+            "the sum of reflectance and transmittance must be at most 1 per channel",
+        ),
+        (
+            "lambertian(albedo: (1, 1, 1), opacity: mask(alpha: 0.5, threshold: 2))",
+            "threshold must be in [0, 1]",
+        ),
+        ("lambertian(albedo: (1, 1, 1), opacity: blend(alpha: 7))", "alpha must be in [0, 1]"),
     ] {
         let place = if message.starts_with("unknown") { ":4" } else { ":4:15: materials.grey" };
         refused("s.ron", GOOD, "lambertian(albedo: (0.5, 0.5, 0.5))", material, place, &[message]);
+    }
+    let holes = "lambertian(albedo: (1, 1, 1), opacity: blend(alpha: 0.5))";
+    let message = "a material with `opacity` can only be that of triangles";
+    let grey = "lambertian(albedo: (0.5, 0.5, 0.5))";
+    refused("s.ron", GOOD, grey, holes, ":7:9: primitives[0]", &[message]);
+    for (light, message) in [
+        ("point(position: (0, inf, 0), intensity: (1, 1, 1))", "position must be finite"),
+        ("point(position: (0, 0, 0), intensity: (1, -1, 1))", "intensity must be in [0, 1e30]"),
+        (
+            "spot(position: (0, 1, 0), look_at: (0, 1, 0), intensity: (1, 1, 1), outer: 9)",
+            "position and look_at must differ",
+        ),
+        (
+            "spot(position: (0, 1, 0), look_at: (0, 0, 0), intensity: (1, 1, 1), outer: 9, inner: 9)",
+            "inner must be at least 0 and below `outer`",
+        ),
+        ("distant(direction: (0, 0, 0), irradiance: (1, 1, 1))", "direction must not be zero"),
+        (
+            "distant(direction: (0, 1, 0), irradiance: (1, 1, 1), angle: 180)",
+            "angle must be in [0, 180) degrees",
+        ),
+    ] {
+        let lights = format!("lights: [{light}], materials:");
+        refused("s.ron", GOOD, "materials:", &lights, "lights[0]", &[message]);
+    }
+    for (image, message) in [
+        ("image(file: \"p.png\", wrap_u: fold)", "unknown variant `fold`"),
+        ("image(file: \"p.png\", scale: (inf, 1))", "scale must be within ±1e9"),
+        ("image(file: \"p.png\", uv: 2)", "uv must be 0 or 1"),
+    ] {
+        let textures = format!("textures: {{\"p\": {image}}}, materials:");
+        refused("s.ron", GOOD, "materials:", &textures, ":3:", &[message]);
+    }
+    for (sky, message) in [
+        ("image(file: \"nosuch.hdr\")", "nosuch.hdr: cannot read"),
+        ("image(file: \"nosuch.hdr\", scale: -1)", "scale must be in [0, 1e30]"),
+        ("image(file: \"nosuch.hdr\", rotation: (0, inf, 0))", "rotation must be finite"),
+        ("image(file: \"nosuch.hdr\", mapping: cube)", "unknown variant `cube`"),
+    ] {
+        let background = format!("background: {sky}, materials:");
+        refused("s.ron", GOOD, "materials:", &background, "", &[message]);
     }
     let ball_of_fog = "sphere(center: (0, 0, 0), radius: 1, density: 0.5, albedo: (1, 1, 1))";
     for (media, place, message) in [

@@ -12,17 +12,52 @@ def only(tagged):
     return next(iter(tagged.items()))
 
 
-def color(value, textures):
+def color(value, textures, folder="", raw=False):
+    """Returns a colour or a texture. A texture must show a mesh with texture coordinates of its own."""
+    if isinstance(value, (int, float)):
+        return value
     if isinstance(value, str):
         kind, texture = only(textures[value])
+        if kind == "image":
+            wrap = texture.get("wrap_u", "repeat")
+            if texture.get("wrap_v", "repeat") != wrap or "rotation" in texture or "offset" in texture:
+                raise SystemExit(f"the texture {value} cannot be translated to Mitsuba")
+            scale = [*texture.get("scale", [1, 1]), 1]
+            return {"type": "bitmap", "filename": os.path.join(folder, texture["file"]), "wrap_mode": wrap,
+                    "filter_type": texture.get("filter", "bilinear"), "to_uv": mi.ScalarTransform4f().scale(scale),
+                    "raw": raw or texture.get("encoding") == "linear"}
         if kind == "checker":
             value = [0.5 * (a + b) for a, b in zip(texture["odd"], texture["even"])]
         else:
-            raise SystemExit(f"{kind} textures cannot be translated to Mitsuba, only checkers")
+            raise SystemExit(f"{kind} textures cannot be translated to Mitsuba, only checkers and images")
     return {"type": "rgb", "value": value}
 
 
-def material(description, textures, exact):
+def environment(values, folder):
+    """Returns an environment map. Mitsuba's shows +z in the middle, that of ptfast -z."""
+    if values.get("mapping", "lat_long") != "lat_long":
+        raise SystemExit("only latitude-longitude maps can be translated to Mitsuba")
+    to_world = mi.ScalarTransform4f()
+    for axis in (2, 1, 0):
+        angle = values.get("rotation", [0, 0, 0])[axis]
+        to_world = to_world.rotate([float(axis == i) for i in range(3)], angle)
+    to_world = to_world.rotate([0, 1, 0], 180)
+    return {"type": "envmap", "filename": os.path.join(folder, values["file"]), "scale": values.get("scale", 1.0),
+            "to_world": to_world}
+
+
+def free_light(description):
+    kind, values = only(description)
+    if kind == "point":
+        return {"type": "point", "position": values["position"],
+                "intensity": {"type": "rgb", "value": values["intensity"]}}
+    if kind == "distant" and values.get("angle", 0) == 0:
+        return {"type": "directional", "direction": values["direction"],
+                "irradiance": {"type": "rgb", "value": values["irradiance"]}}
+    raise SystemExit(f"the light {description} cannot be translated to Mitsuba")
+
+
+def material(description, textures, exact, folder=""):
     """Returns a material for Mitsuba, or None for a light. If `exact`, rejects materials that Mitsuba does not have."""
     kind, values = only(description)
     fuzzy = kind == "metal" and values.get("fuzz", 0.0) > 0
@@ -30,13 +65,18 @@ def material(description, textures, exact):
     if exact and (kind == "diffuse" or fuzzy or by_schlick):
         raise SystemExit(f"Mitsuba has no material like {description}")
     if kind in ("lambertian", "diffuse"):
-        plain = {"type": "diffuse", "reflectance": color(values["albedo"], textures)}
+        plain = {"type": "diffuse", "reflectance": color(values["albedo"], textures, folder)}
     elif kind == "conductor":
         plain = {"type": "roughconductor", "distribution": "ggx", "alpha": values["alpha"],
                  "eta": {"type": "rgb", "value": values["eta"]}, "k": {"type": "rgb", "value": values["k"]}}
         if values["alpha"] == 0:
             plain = {**plain, "type": "conductor"}
             del plain["alpha"], plain["distribution"]
+    elif kind == "coated_diffuse":
+        plain = {"type": "plastic", "int_ior": values["ior"], "ext_ior": 1.0, "nonlinear": True,
+                 "diffuse_reflectance": color(values["reflectance"], textures, folder)}
+        if values["roughness"] > 0:
+            plain.update(type="roughplastic", distribution="ggx", alpha=values["roughness"] ** 2)
     elif kind == "rough_dielectric":
         return {"type": "roughdielectric", "distribution": "ggx", "alpha": values["alpha"],
                 "int_ior": values["ior"], "ext_ior": 1.0}
@@ -60,7 +100,7 @@ def rectangle(q, u, v):
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f(rows + [[0, 0, 0, 1]])}
 
 
-def shape(description):
+def shape(description, folder=""):
     kind, values = only(description)
     if kind == "sphere":
         if values.get("center1", values["center"]) != values["center"]:
@@ -79,10 +119,13 @@ def shape(description):
     if kind == "triangles":
         return triangles(values), values["material"]
     if kind == "mesh":
-        if values.get("smooth") != "off":
-            raise SystemExit(f"to be translated to Mitsuba, the mesh {values['file']} needs smooth: off")
+        flat = values.get("smooth") == "off"
+        if not flat and values.get("soft_terminator", True):
+            raise SystemExit(f"to be translated to Mitsuba, the mesh {values['file']} needs smooth: off, or "
+                             "normals and soft_terminator: false")
         _, extension = os.path.splitext(values["file"])
-        return {"type": extension[1:], "filename": values["file"], "face_normals": True}, values["material"]
+        file = os.path.join(folder, values["file"])
+        return {"type": extension[1:], "filename": file, "face_normals": flat}, values["material"]
     raise SystemExit(f"the primitive {kind} cannot be translated to Mitsuba")
 
 
@@ -93,10 +136,13 @@ def triangles(values):
     with tempfile.NamedTemporaryFile("w", suffix=".obj", delete=False) as file:
         for vertex in values["vertices"]:
             print("v", *vertex, file=file)
+        for u, v in values.get("uvs", []):
+            print("vt", u, v, file=file)
         for normal in normals:
             print("vn", *normal, file=file)
         for face in values["indices"]:
-            print("f", *(f"{i + 1}//{i + 1}" if normals else i + 1 for i in face), file=file)
+            corner = "{0}" + ("/{0}" if "uvs" in values else "/" if normals else "") + ("/{0}" if normals else "")
+            print("f", *(corner.format(i + 1) for i in face), file=file)
     return {"type": "obj", "filename": file.name, "face_normals": not normals}
 
 
@@ -111,7 +157,8 @@ def medium(description):
     return inside
 
 
-def translate(scene, width, height, exact, sampler="independent"):
+def translate(scene, width, height, exact, sampler="independent", folder=""):
+    """Returns the scene for Mitsuba. Paths of files are relative to `folder`."""
     camera, textures = scene["camera"], scene.get("textures", {})
     sensor = {
         "type": "perspective", "fov": camera["vfov"], "fov_axis": "y", "near_clip": 1e-3, "far_clip": 1e5,
@@ -126,15 +173,20 @@ def translate(scene, width, height, exact, sampler="independent"):
     world = {"type": "scene", "sensor": sensor,
              "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": 5}}
     kind, background = only(scene["background"])
-    if kind != "constant":
-        raise SystemExit(f"{kind} backgrounds cannot be translated to Mitsuba, only constant ones")
-    if max(background["radiance"]) > 0:
+    if kind == "image":
+        world["background"] = environment(background, folder)
+    elif kind != "constant":
+        raise SystemExit(f"{kind} backgrounds cannot be translated to Mitsuba, only constant ones and images")
+    elif max(background["radiance"]) > 0:
         world["background"] = {"type": "constant", "radiance": {"type": "rgb", "value": background["radiance"]}}
-    made = {name: material(description, textures, exact) for name, description in scene["materials"].items()}
+    for number, description in enumerate(scene.get("lights", [])):
+        world[f"light{number}"] = free_light(description)
+    made = {name: material(description, textures, exact, folder)
+            for name, description in scene["materials"].items()}
     for name, parts in scene.get("meshes", {}).items():
         group = {"type": "shapegroup"}
         for number, description in enumerate(parts):
-            translated, material_name = shape(description)
+            translated, material_name = shape(description, folder)
             group[f"part{number}"] = {**translated, "bsdf": made[material_name]}
         world[f"group_{name}"] = group
     for number, description in enumerate(scene["primitives"]):
@@ -144,7 +196,7 @@ def translate(scene, width, height, exact, sampler="independent"):
             group = {"type": "ref", "id": f"group_{values['mesh']}"}
             world[f"shape{number}"] = {"type": "instance", "to_world": to_world, "group": group}
             continue
-        translated, name = shape(description)
+        translated, name = shape(description, folder)
         if made[name] is None:
             radiance, sides = (only(scene["materials"][name])[1].get(key) for key in ("radiance", "sides"))
             if exact and sides != "front" and only(description)[0] != "sphere":

@@ -119,6 +119,36 @@ pub(super) fn cases() -> Vec<Case> {
     let huge = [&b"\x89PNG\r\n\x1a\n"[..], &u32::MAX.to_be_bytes(), b"IHDR"].concat();
     cases.push(texture("t.png", huge, "damaged image"));
 
+    // JPEG: no headers, a size without pixels, and a size beyond the limits.
+    let jpeg = |width: u16, height: u16| {
+        let size = [height.to_be_bytes(), width.to_be_bytes()].concat();
+        let frame = [&b"\xff\xd8\xff\xc0\0\x0b\x08"[..], &size, b"\x01\x01\x11\0"].concat();
+        [&frame[..], b"\xff\xda\0\x08\x01\x01\0\0\x3f\0"].concat()
+    };
+    cases.push(texture("t.jpg", b"\xff\xd8\xff\xe0".to_vec(), "damaged image"));
+    cases.push(texture("t.jpg", jpeg(0, 5), "damaged image"));
+    cases.push(texture("t.jpg", jpeg(9, 9), "damaged image"));
+    cases.push(texture("t.jpg", jpeg(65_535, 65_535), "t.jpg"));
+    let photo = include_bytes!("../../data/photo.jpg");
+    cases.push(texture("t.jpg", photo[..photo.len() / 2].to_vec(), "damaged image"));
+
+    // Pixels and sizes that environment maps cannot have.
+    let sky = |bytes: Vec<u8>, more: &str, says: &str| {
+        let camera = "camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40)";
+        let scene = format!("({camera}, background: image(file: \"s.pfm\"{more}))");
+        Case::scene("a.ron", scene, says).with("s.pfm", Content::Bytes(bytes))
+    };
+    let pfm = |width: usize, height: usize, value: f32| {
+        let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
+        (0..3 * width * height).for_each(|_| bytes.extend(value.to_le_bytes()));
+        bytes
+    };
+    cases.push(sky(pfm(4, 2, f32::NAN), "", "must be finite and not negative"));
+    cases.push(sky(pfm(4, 2, -1.0), "", "must be finite and not negative"));
+    cases.push(sky(pfm(4, 2, f32::INFINITY), "", "must be finite and not negative"));
+    cases.push(sky(pfm(4, 2, 1.0), ", mapping: equal_area", "an equal-area map must be square"));
+    cases.push(sky(pfm(4, 2, 1e20), ", scale: 1e20", "so small that all radiances"));
+
     // Headers of other formats with huge or empty sizes.
     let bmp = |width: i32, height: i32, bits: u16| {
         let mut bytes = b"BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();

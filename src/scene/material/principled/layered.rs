@@ -72,7 +72,8 @@ impl<R: Real> LayeredBsdf<R> {
         max(roughness * roughness, R::splat(LEAST_ALPHA))
     }
 
-    #[inline(always)]
+    /// It is not inlined, because all loops over paths share its code.
+    #[inline(never)]
     pub(in crate::scene::material) fn new(p: &Parameters<R>, at: &Interaction<'_, R>) -> Self {
         let frame = Frame::new(at.shading);
         let wo = frame.local(-at.ray.direction);
@@ -194,8 +195,8 @@ impl<R: Real> LayeredBsdf<R> {
         (pdf * (wi[2] * 2.0 / (wi[2] - li)), pdf, before)
     }
 
-    /// f·|cos θi| and the density of `wi`.
-    #[inline(always)]
+    /// f·|cos θi| and the density of `wi`. As [`Self::new`], it is not inlined.
+    #[inline(never)]
     fn value(&self, wi: R::Vec3) -> (R::Vec3, R) {
         let [coat_chance, chance] = self.chances;
         let above = wi[2].gt(R::ZERO);
