@@ -121,7 +121,12 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Result<Options> {
     let or = |given: &[Sampling], all: &[Sampling]| {
         if given.is_empty() { all.to_vec() } else { given.to_vec() }
     };
-    let has: &[Sampling] = if scene.lights() == 0 { &[Sampling::Bsdf] } else { &Sampling::ALL };
+    // Paths cannot find all lights by scattering alone.
+    let has: &[Sampling] = match scene.lights() {
+        0 => &[Sampling::Bsdf],
+        _ if scene.has_unseen_lights() => &[Sampling::Light, Sampling::Mis],
+        _ => &Sampling::ALL,
+    };
     let samplings = or(&args.samplings, has);
     let samplers = if args.samplers.is_empty() { &Sampler::ALL } else { &*args.samplers };
     let mut ways: Vec<Way> = Vec::new();

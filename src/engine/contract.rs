@@ -7,7 +7,7 @@ use crate::scene::Sampling;
 use crate::scene::material::SPECULAR;
 
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
-pub const BITS: u32 = 2;
+pub const BITS: u32 = 3;
 
 /// First segment that a path reaches only if it survives Russian roulette.
 pub(super) const ROULETTE_FROM: u32 = 5;
@@ -41,7 +41,7 @@ pub(super) fn emission_weight<R: Real>(
 ) -> R {
     let shared = match sampling {
         Sampling::Bsdf => return R::ONE,
-        Sampling::Light => light_pdf().eq(R::ZERO).select(R::ONE, R::ZERO),
+        Sampling::Light => R::ZERO,
         Sampling::Mis => power_heuristic(pdf, light_pdf()),
     };
     pdf.eq(R::splat(SPECULAR)).select(R::ONE, shared)

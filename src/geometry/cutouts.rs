@@ -32,10 +32,12 @@ struct Marked {
     holes: Arc<dyn Holes>,
 }
 
-/// Always equal: holes follow from the materials of a scene, which are compared on their own.
+/// Compares which triangles may have holes. Where the holes are follows from the materials of a scene,
+/// which are compared on their own.
 impl PartialEq for Cutouts {
-    fn eq(&self, _: &Self) -> bool {
-        true
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |cutouts: &Self| cutouts.0.as_ref().map(|marked| marked.bits.clone());
+        bits(self) == bits(other)
     }
 }
 

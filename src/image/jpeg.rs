@@ -7,7 +7,7 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::read::{Allow, Size};
+use super::size::{Allow, Size};
 use crate::limits::MAX_SIDE;
 
 /// Bytes of memory per pixel: the coefficients of a progressive file, and the decoded colours.

@@ -11,6 +11,7 @@ use png::text_metadata::ITXtChunk;
 use super::display::{GRADE_KEYS, TRANSFER_KEY};
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
+use super::size::{Allow, Size};
 use super::texels::Texels;
 use super::{Encoding, Format, Image, Metadata, Transfer, jpeg};
 use crate::error::{Error, Result};
@@ -23,20 +24,6 @@ const MAX_BESIDES: u64 = 1 << 23;
 const MAX_TEXT: usize = 1 << 16;
 /// Largest size in bytes of the header of a PFM file.
 const MAX_PFM_HEADER: u64 = 1 << 10;
-
-/// The size of an image file, which is known before its pixels are decoded.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Size {
-    /// Number of pixels.
-    pub(crate) pixels: u64,
-    /// Whether channels have more than 8 bits.
-    pub(crate) deep: bool,
-    /// Bytes of memory that decoding the file takes.
-    pub(crate) memory: u64,
-}
-
-/// Checks the size of an image file. Its message is reported as an error.
-pub(super) type Allow<'a> = &'a dyn Fn(Size) -> Result<(), String>;
 
 /// The pixels of a file, and the transfer curve of its integers.
 pub(super) struct Decoded {
@@ -55,7 +42,7 @@ pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Resul
         let head = open()?.take(MAX_PFM_HEADER).read_to_end(&mut begin);
         head.map_err(Error::io(path, "read"))?;
         let pfm = Pfm::parse(&begin).map_err(bad)?;
-        let (pixels, memory) = (pfm.pixels(), length + 12 * pfm.pixels());
+        let (pixels, memory) = (pfm.pixels(), length + 32 * pfm.pixels());
         pfm.check_length(length)
             .and_then(|()| allow(Size { pixels, deep: true, memory }))
             .map_err(bad)?;
@@ -109,7 +96,7 @@ pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Resul
     if reader.format() == Some(ImageFormat::OpenExr) {
         let (pixels, bytes) =
             exr_size(open()?).map_err(|error| bad(format!("damaged image: {error}")))?;
-        let memory = bytes.saturating_add(pixels.saturating_mul(24));
+        let memory = bytes.saturating_add(pixels.saturating_mul(32));
         allow(Size { pixels, deep: true, memory }).map_err(bad)?;
     }
     let mut decoder = reader.into_decoder().map_err(explain)?;
@@ -121,7 +108,7 @@ pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Resul
     // Memory for the stored pixels, another copy while they are decoded, and the linear pixels.
     let decoding = decoder.total_bytes().saturating_mul(2);
     let deep = decoder.color_type().bytes_per_pixel() > decoder.color_type().channel_count();
-    let memory = decoding.saturating_add(24 * pixels);
+    let memory = decoding.saturating_add(32 * pixels);
     allow(Size { pixels, deep, memory }).map_err(bad)?;
     limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
     decoder.set_limits(limits).map_err(explain)?;
@@ -200,6 +187,17 @@ impl Decoded {
                 Texels::from_bytes(width, height, codes, Box::new(values))
             }
         }
+    }
+}
+
+impl Texels {
+    /// Reads an image file of any format that [`Image::read`] reads. Calls `allow` before it allocates
+    /// memory.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is damaged, or has another format, or if `allow` fails.
+    pub(crate) fn read(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Self> {
+        decode(path, encoding, allow).map(|decoded| decoded.into_texels(encoding))
     }
 }
 

@@ -1,10 +1,6 @@
 //! Images as textures keep them in memory: with alpha, and with bytes where the file has bytes.
 
-use std::path::Path;
-
-use super::Encoding;
-use super::read::{self, Allow, Size};
-use crate::error::Result;
+use super::size::Size;
 use crate::math::max;
 
 /// The texels of a texture, row 0 on top.
@@ -31,15 +27,6 @@ impl PartialEq for Texels {
 }
 
 impl Texels {
-    /// Reads an image file of any format that [`Image::read`](super::Image::read) reads. Calls
-    /// `allow` before it allocates memory.
-    ///
-    /// # Errors
-    /// If the file cannot be read, is damaged, or has another format, or if `allow` fails.
-    pub(crate) fn read(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Self> {
-        read::decode(path, encoding, allow).map(|decoded| decoded.into_texels(encoding))
-    }
-
     /// Bytes of the texels of an image of this size.
     pub(crate) fn bytes_of(size: Size) -> u64 {
         size.pixels.saturating_mul(if size.deep { 16 } else { 4 })

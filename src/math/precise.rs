@@ -5,6 +5,8 @@
 
 use std::f64::consts::{LN_2, LOG2_E, PI};
 
+use glam::DVec3;
+
 /// `(sin, cos)` of an angle in degrees, within 4 ulp of f64; exact at multiples of 90°.
 ///
 /// Accepts |degrees| up to 1e9. The reduction to `[-45°, 45°]` is exact.
@@ -38,6 +40,17 @@ pub(crate) fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {
         (point[i], point[j]) = (cos * point[i] - sin * point[j], sin * point[i] + cos * point[j]);
     }
     point
+}
+
+/// 1 − cos of an angle in degrees, without the cancellation for small angles.
+pub(crate) fn one_minus_cos(degrees: f64) -> f64 {
+    let (sin, _) = sin_cos_degrees(degrees * 0.5);
+    2.0 * sin * sin
+}
+
+/// `v` with length 1; not finite for the zero vector.
+pub(crate) fn unit(v: DVec3) -> DVec3 {
+    v / v.dot(v).sqrt()
 }
 
 /// Tangent of an angle in degrees, in `(-90, 90)`.

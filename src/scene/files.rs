@@ -74,6 +74,11 @@ impl<'a> Images<'a> {
         Ok(texels)
     }
 
+    /// Holds memory for tables that belong to an image, unless it exceeds the limit.
+    pub(super) fn hold(&self, e: &Element<'_>, bytes: u64) -> Result<()> {
+        self.budget.hold(bytes).map_err(|message| e.error(message))
+    }
+
     /// The paths of all files that were read.
     pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
         self.images.into_keys().map(|(path, _)| path)

@@ -3,11 +3,12 @@
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use super::background::{Background, EnvironmentMap};
+use super::background::Background;
 use super::budget::Budget;
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
+use super::light::EnvironmentMap;
 use super::parse::Form;
 use super::place::Places;
 use super::{Scene, flat, locate, parse, resolve, view};

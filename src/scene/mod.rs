@@ -12,6 +12,7 @@ mod filter;
 mod flat;
 mod generate;
 mod hash;
+mod holes;
 mod interaction;
 pub mod light;
 mod load;
@@ -221,9 +222,12 @@ impl Scene {
         &self.0.material_map
     }
 
-    /// Bytes of all textures. An image that several materials share counts once.
+    /// Bytes of all textures and the environment map. An image that several materials share counts once.
     pub(crate) fn texture_bytes(&self) -> u64 {
         let mut images: Vec<_> = self.materials().iter().flat_map(Material::images).collect();
+        if let Background::Image(map) = self.background() {
+            images.push(Arc::clone(map.texels()));
+        }
         images.sort_unstable_by_key(Arc::as_ptr);
         images.dedup_by_key(|image| Arc::as_ptr(image));
         images.into_iter().map(|image| image.bytes()).sum()
@@ -232,6 +236,11 @@ impl Scene {
     /// The lights that are not primitives.
     fn light_files(&self) -> &[LightFile] {
         &self.0.light_files
+    }
+
+    /// Whether there are lights that only light samples find.
+    pub(crate) fn has_unseen_lights(&self) -> bool {
+        self.light_files().iter().any(LightFile::shines)
     }
 
     /// Number of lights: primitives that emit light, other lights, and an environment map.

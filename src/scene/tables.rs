@@ -1,6 +1,7 @@
 //! The tables of a scene that both engines read.
 
 use super::Scene;
+use super::background::Background;
 use super::interaction::Interaction;
 use super::light::{Lights, LightsBuilder};
 use super::looks::Looks;
@@ -30,7 +31,9 @@ impl SceneTables {
         let shine = |primitive, emission| lights.push(geometry.get(primitive), emission);
         let looks = Looks::new(scene, &mut materials, &mut textures, shine);
         scene.light_files().iter().for_each(|light| lights.push_free(light));
-        lights.push_background(scene.background());
+        if let Background::Image(map) = scene.background() {
+            lights.push_environment(map);
+        }
         let media = Media::new(scene.media(), looks.first_medium());
         let surfaces = Surfaces::new(geometry);
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }

@@ -220,3 +220,38 @@ fn scenes_in_code_have_folders_and_limits() {
     let refused = load(&Limits::default().with(Limit::TextureBytes, 1)).unwrap_err().to_string();
     assert!(refused.contains("the limit of texture-bytes is 1"), "{refused}");
 }
+
+/// Channels and factors mean the same in RON and JSON, and survive being written.
+#[test]
+fn parameters_of_textures_are_read_and_written() {
+    let limits = Limits::default();
+    let resolve = |text: &str| {
+        let parsed = Source::from_reader(text.as_bytes(), &limits).unwrap().read(&limits).unwrap();
+        let hash = parsed.resolve().unwrap_or_else(|error| panic!("{error}: {text}")).hash();
+        (hash, parsed.to_ron(), parsed.to_json())
+    };
+    let mut hashes = Vec::new();
+    for parameters in [
+        "",
+        "roughness: \"t\"",
+        "roughness: (texture: \"t\", channel: g)",
+        "roughness: (texture: \"t\", channel: a)",
+        "roughness: (texture: \"t\", channel: a, factor: 0.5)",
+        "base_color: \"t\"",
+        "base_color: (texture: \"t\", factor: (0.1, 0.2, 0.3))",
+        "attenuation_distance: 2, attenuation_color: (0.5, 1, 1)",
+        "opacity: blend(alpha: (texture: \"t\", channel: b))",
+    ] {
+        let (hash, ron, json) = resolve(&format!(
+            r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+                textures: {{"t": image(file: "tests/data/picture.png", wrap_u: mirror, filter: nearest)}},
+                materials: {{"a": principled({parameters})}},
+                primitives: [triangles(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], indices: [(0, 1, 2)], material: "a")],
+                lights: [point(position: (0, 2, 0), intensity: (1, 1, 1))])"#
+        ));
+        assert_eq!(resolve(&ron).0, hash, "{ron}");
+        assert_eq!(resolve(&json).0, hash, "{json}");
+        assert!(!hashes.contains(&hash), "{parameters} changes nothing");
+        hashes.push(hash);
+    }
+}

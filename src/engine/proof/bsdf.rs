@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
 use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
+use crate::math::random::Stream;
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
@@ -100,7 +101,7 @@ fn cases() -> Vec<Case> {
         edit(&mut material);
         (format!("principled {name}"), material.into())
     };
-    let materials: [(String, Material); 23] = [
+    let materials: [(String, Material); 24] = [
         ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
         ("lambertian".to_owned(), Lambertian::new(ALBEDO).into()),
         metal(0.1),
@@ -128,6 +129,9 @@ fn cases() -> Vec<Case> {
             p.roughness = 0.8.into();
         }),
         principled("glass", |p| p.transmission = 1.0.into()),
+        principled("dim glass", |p| {
+            (p.transmission, p.specular, p.roughness) = (1.0.into(), 0.5.into(), 0.7.into());
+        }),
         principled("thin glass", |p| (p.transmission, p.thin) = (1.0.into(), true)),
         principled("milky, coated glass", |p| {
             (p.transmission, p.coat, p.coat_roughness) = (0.5.into(), 0.5.into(), 0.5.into());
@@ -300,4 +304,37 @@ fn coats_scatter_about_as_much_as_a_random_walk() {
         }
     }
     assert!(worst < 0.05, "{worst}");
+}
+
+/// White `principled` surfaces never scatter more light than arrives, from outside or inside.
+#[test]
+fn principled_gains_no_light() {
+    let mut random = Stream::new(4);
+    for index in 0..300 {
+        let mut one_of = |values: &[f32]| values[random.bits() as usize % values.len()];
+        let mut material = Principled { base_color: [1.0; 3].into(), ..Principled::default() };
+        material.roughness = one_of(&[0.0, 0.2, 0.5, 1.0]).into();
+        material.metalness = one_of(&[0.0, 0.0, 0.5, 1.0]).into();
+        material.transmission = one_of(&[0.0, 0.3, 0.7, 1.0]).into();
+        material.specular = one_of(&[0.3, 1.0]).into();
+        material.coat = one_of(&[0.0, 0.0, 0.6]).into();
+        material.coat_roughness = one_of(&[0.0, 0.5]).into();
+        material.ior = one_of(&[1.1, 1.5, 2.5]);
+        material.thin = one_of(&[0.0, 1.0]) > 0.5;
+        let cos = one_of(&[0.97, 0.7, 0.5, 0.2, 0.05]);
+        let direction = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, -cos);
+        for front in [true, false] {
+            let bsdf = scattering(&material.clone().into(), direction, Vec3::Z, front);
+            let (mut sum, mut squares) = (0.0, 0.0);
+            const COUNT: u32 = 4000;
+            for sample in 0..COUNT {
+                let weight = bsdf.sample(&randoms(index, sample)).map_or(0.0, |s| s.weight.y);
+                (sum, squares) =
+                    (sum + f64::from(weight), squares + f64::from(weight) * f64::from(weight));
+            }
+            let mean = sum / f64::from(COUNT);
+            let error = ((squares / f64::from(COUNT) - mean * mean) / f64::from(COUNT)).sqrt();
+            assert!(mean < 1.005 + 4.0 * error, "{material:?} {cos} {front}: {mean} ± {error}");
+        }
+    }
 }

@@ -195,7 +195,11 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         };
         let (radiance, pdf) = map.look::<f32>(direction);
         let light_pdf = || pdf * light.chance(path.ray.origin);
-        let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
+        // A compensated map is never sampled where it is dark.
+        let weight = match pdf {
+            0.0 => 1.0,
+            _ => emission_weight(self.settings.sampling, path.pdf, light_pdf),
+        };
         radiance * light.radiance(true) * weight
     }
 

@@ -3,13 +3,13 @@
 use glam::{DVec3, Vec3};
 
 use super::alias::AliasTable;
-use super::environment::Environment;
-use super::file::{self, FreeLight, LightFile};
+use super::environment::{Environment, EnvironmentMap};
+use super::file::LightFile;
+use super::free::{self, FreeLight};
 use super::tree::{LightBounds, LightTree};
 use super::{Choice, FRONT_ONLY, KIND_SHIFT, LightKind, Lights};
 use crate::geometry::Primitive;
 use crate::math::row;
-use crate::scene::background::Background;
 use crate::scene::emission::{Emission, Sides, luminance};
 
 /// Up to this number of lights, they are chosen by power alone.
@@ -42,24 +42,26 @@ impl LightsBuilder {
 
     /// Adds a light that is not a primitive, unless it is black.
     pub(in crate::scene) fn push_free(&mut self, light: &LightFile) {
+        if !light.shines() {
+            return;
+        }
         let tables = &mut self.lights.tables;
         let (kind, place, FreeLight { radiance, inside }) = match light {
-            LightFile::Point(light) => file::push(light, LightKind::PointLight, &mut tables.point),
-            LightFile::Spot(light) => file::push(light, LightKind::SpotLight, &mut tables.spot),
+            LightFile::Point(light) => free::push(light, LightKind::PointLight, &mut tables.point),
+            LightFile::Spot(light) => free::push(light, LightKind::SpotLight, &mut tables.spot),
             LightFile::Distant(light) => {
-                file::push(light, LightKind::DistantLight, &mut tables.distant)
+                free::push(light, LightKind::DistantLight, &mut tables.distant)
             }
         };
-        if radiance != Vec3::ZERO {
-            self.add(kind, place, radiance, 0, inside);
-        }
+        self.add(kind, place, radiance, 0, inside);
     }
 
-    /// Adds the environment map, if the background is one and is not black.
-    pub(in crate::scene) fn push_background(&mut self, background: &Background) {
-        if let Background::Image(map) = background
-            && let Some(light) = Environment::new(map)
-        {
+    /// Adds an environment map, unless it is black.
+    pub(in crate::scene) fn push_environment(&mut self, map: &EnvironmentMap) {
+        if map.is_black() {
+            return;
+        }
+        if let Some(light) = Environment::new(map) {
             self.lights.environment = Some(self.inside.len() as u32);
             self.lights.tables.environment.push(light);
             self.add(LightKind::Environment, 0, Vec3::splat(map.scale), 0, None);

@@ -1,16 +1,16 @@
 //! Lights so far away that their rays are parallel, such as the sun.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::LightModel;
-use super::file::{FreeLight, FreeLightModel};
+use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use crate::error::Result;
 use crate::geometry::Ray;
-use crate::math::precise::sin_cos_degrees;
+use crate::math::precise::{one_minus_cos, unit};
 use crate::math::warp::uniform_cone;
-use crate::math::{Mask, Real, Row, Vector, normalize, row};
+use crate::math::{Mask, Real, Row, Vector, row};
 use crate::scene::place::{Element, MAX_RADIANCE};
 
 /// Light from outside the scene that comes from a disk in the sky, or from a single direction.
@@ -32,12 +32,19 @@ pub(super) struct DistantLight {
     middle: Row,
 }
 
+impl Distant {
+    /// Unit vector to the middle of the disk.
+    fn toward(&self) -> DVec3 {
+        -unit(Vec3::from(self.direction).as_dvec3())
+    }
+}
+
 impl FreeLightModel for Distant {
     type Light = DistantLight;
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         e.point("direction", self.direction)?;
-        if !normalize(Vec3::from(self.direction)).is_finite() {
+        if !self.toward().is_finite() {
             return Err(e.error("direction must not be zero"));
         }
         e.color("irradiance", self.irradiance, MAX_RADIANCE)?;
@@ -45,11 +52,8 @@ impl FreeLightModel for Distant {
     }
 
     fn light(&self) -> (DistantLight, FreeLight) {
-        // 1 − cos a = 2 sin² a/2, without the cancellation.
-        let (sin, _) = sin_cos_degrees(f64::from(self.angle) / 4.0);
-        let one_minus_cos = 2.0 * sin * sin;
-        let middle = -normalize(Vec3::from(self.direction));
-        let light = DistantLight { middle: row(middle, one_minus_cos as f32) };
+        let one_minus_cos = one_minus_cos(f64::from(self.angle) / 2.0);
+        let light = DistantLight { middle: row(self.toward().as_vec3(), one_minus_cos as f32) };
         // A disk of uniform radiance L and angular radius a causes the irradiance π L sin² a, and
         // has the solid angle 2π (1 − cos a). Samples have the density 1, so that this radiance
         // stands for L times the solid angle.

@@ -1,13 +1,11 @@
 //! Lights of scene files that are not primitives.
 
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::LightModel;
 use super::distant::Distant;
+use super::free::FreeLightModel;
 use super::point::Point;
 use super::spot::Spot;
-use super::tree::LightBounds;
 use crate::error::Result;
 use crate::scene::place::Element;
 
@@ -22,38 +20,6 @@ pub enum LightFile {
     Spot(Spot),
     /// Parallel light, such as that of the sun.
     Distant(Distant),
-}
-
-/// The description of a light that is not a primitive.
-pub(super) trait FreeLightModel {
-    /// Its entry in the table of its kind.
-    type Light: LightModel;
-
-    /// Checks the parameters.
-    fn check(&self, e: &Element<'_>) -> Result<()>;
-
-    /// Returns the entry and its radiance.
-    fn light(&self) -> (Self::Light, FreeLight);
-}
-
-/// The radiance of a light, and its place.
-pub(super) struct FreeLight {
-    /// Radiance, or whatever is divided by the density of samples.
-    pub(super) radiance: Vec3,
-    /// Where the light is. Its power is the luminance, divided by π. `None` for light from outside
-    /// the scene.
-    pub(super) inside: Option<LightBounds>,
-}
-
-/// Adds `light` to the table of its kind, and returns its index there.
-pub(super) fn push<K, F: FreeLightModel>(
-    light: &F,
-    kind: K,
-    table: &mut Vec<F::Light>,
-) -> (K, usize, FreeLight) {
-    let (entry, free) = light.light();
-    table.push(entry);
-    (kind, table.len() - 1, free)
 }
 
 impl LightFile {

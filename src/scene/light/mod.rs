@@ -7,6 +7,7 @@ mod builder;
 mod distant;
 mod environment;
 mod file;
+mod free;
 mod point;
 mod quad;
 mod sample;
@@ -26,13 +27,12 @@ use self::alias::AliasTable;
 pub(super) use self::builder::LightsBuilder;
 pub use self::distant::Distant;
 pub(crate) use self::environment::Environment;
-pub use self::environment::Mapping;
+pub use self::environment::{EnvironmentMap, Mapping};
 pub use self::file::LightFile;
 pub use self::point::Point;
 pub(crate) use self::sample::LightSample;
 pub use self::spot::Spot;
 use self::tree::LightTree;
-pub use super::background::EnvironmentMap;
 use crate::geometry::{Primitive, Ray};
 use crate::math::random::unit_interval;
 use crate::math::{Mask, Real, Row, Vector, Word, whole};
@@ -92,7 +92,6 @@ const MIN_SINE: f32 = 2.5e-3;
 macro_rules! lights {
     ($($name:ident in $module:ident,)*) => {
         #[derive(Clone, Copy)]
-        #[expect(clippy::enum_variant_names, reason = "a kind has the name of its type")]
         enum LightKind {
             $($name,)*
         }
@@ -307,11 +306,7 @@ impl<R: Real> Chosen<'_, R> {
             Choice::Only => R::ONE,
             Choice::Power(_) => self.chance_and_place()[0],
             Choice::Tree(tree, others) => self.chance.unwrap_or_else(|| {
-                let parts = R::splat(1.0 / (others.len() + 1) as f32);
-                let is = |kind| self.is(kind);
-                let outside = is(LightKind::DistantLight) | is(LightKind::Environment);
-                // The tree does not know the lights outside the scene, but has some leaf for them.
-                outside.select(parts, parts * tree.chance::<R>(self.light, from))
+                tree.chance::<R>(self.light, from) * (1.0 / (others.len() + 1) as f32)
             }),
         }
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::LightModel;
-use super::file::{FreeLight, FreeLightModel};
+use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use super::tree::LightBounds;
 use crate::error::Result;

@@ -1,17 +1,17 @@
 //! Spotlights.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::LightModel;
-use super::file::{FreeLight, FreeLightModel};
+use super::free::{FreeLight, FreeLightModel};
 use super::point::sample_point;
 use super::sample::LightSample;
 use super::tree::LightBounds;
 use crate::error::Result;
 use crate::geometry::{Bounds, Ray};
-use crate::math::precise::sin_cos_degrees;
-use crate::math::{Real, Row, Vector, clamp, dot, normalize, row};
+use crate::math::precise::{one_minus_cos, sin_cos_degrees, unit};
+use crate::math::{Real, Row, Vector, clamp, dot, row};
 use crate::scene::emission::luminance;
 use crate::scene::place::{Element, MAX_RADIANCE};
 
@@ -37,20 +37,20 @@ pub struct Spot {
 
 #[derive(Debug)]
 pub(super) struct SpotLight {
-    /// (position, cosine of the outer angle).
+    /// (position, 1 − cosine of the outer angle).
     position: Row,
     /// (axis, reciprocal of the difference of the cosines).
     axis: Row,
 }
 
 impl Spot {
-    fn axis(&self) -> Vec3 {
-        normalize(Vec3::from(self.look_at) - Vec3::from(self.position))
+    fn axis(&self) -> DVec3 {
+        unit(Vec3::from(self.look_at).as_dvec3() - Vec3::from(self.position).as_dvec3())
     }
 
-    /// Cosines of the inner and the outer angle.
-    fn cosines(&self) -> [f64; 2] {
-        [self.inner, self.outer].map(|angle| sin_cos_degrees(angle.into()).1)
+    /// 1 − cos a = 2 sin² a/2, without the cancellation, for the inner and the outer angle.
+    fn heights(&self) -> [f64; 2] {
+        [self.inner, self.outer].map(|angle| one_minus_cos(angle.into()))
     }
 }
 
@@ -66,27 +66,25 @@ impl FreeLightModel for Spot {
         }
         e.color("intensity", self.intensity, MAX_RADIANCE)?;
         e.check(outer > 0.0 && outer <= 180.0, "outer", "in (0, 180] degrees", outer)?;
-        let [inner_cos, outer_cos] = self.cosines();
-        let ok = (0.0..outer).contains(&inner) && inner_cos - outer_cos > 1e-9;
-        e.check(ok, "inner", "at least 0 and below `outer`", inner)
+        e.check((0.0..outer).contains(&inner), "inner", "at least 0 and below `outer`", inner)
     }
 
     fn light(&self) -> (SpotLight, FreeLight) {
         let radiance = self.intensity.into();
-        let [inner, outer] = self.cosines();
+        let [inner, outer] = self.heights();
         let light = SpotLight {
             position: row(self.position.into(), outer as f32),
-            axis: row(self.axis(), (1.0 / (inner - outer)) as f32),
+            axis: row(self.axis().as_vec3(), (1.0 / (outer - inner)) as f32),
         };
-        // A surface that emits to up to 90° from normals in this cone would reach the outer angle.
+        // The cone whose normals, spread by 90°, just reach the outer angle.
         let wide = f64::from(self.outer) - 90.0;
         let inside = LightBounds {
             bounds: Bounds::of([self.position.into()]),
-            axis: self.axis().as_dvec3(),
+            axis: self.axis(),
             cos: if wide > 0.0 { sin_cos_degrees(wide).1 } else { 1.0 },
             two_sided: false,
             // The smooth step is 1/2 on average.
-            power: luminance(radiance) * (2.0 - inner - outer),
+            power: luminance(radiance) * (inner + outer),
         };
         (light, FreeLight { radiance, inside: Some(inside) })
     }
@@ -106,8 +104,9 @@ impl LightModel for SpotLight {
         let (position, outer) = R::gather(table, index, |light| &light.position);
         let (axis, slope) = R::gather(table, index, |light| &light.axis);
         let sample = sample_point(position, from);
-        let cos = -dot(sample.direction, axis);
-        let x = clamp((cos - outer) * slope, R::ZERO, R::ONE);
+        // 1 − cosine of the angle to the axis, for unit vectors.
+        let off = sample.direction + axis;
+        let x = clamp((outer - dot(off, off) * 0.5) * slope, R::ZERO, R::ONE);
         let step = x * x * (R::splat(3.0) - x * 2.0);
         LightSample {
             tint: R::Vec3::gray(step),

@@ -81,6 +81,7 @@ impl MaterialModel for CoatedDiffuse {
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
+        Shares::<f32>::prepare();
         let [roughness, code] = textures.number(&self.roughness);
         [textures.row(&self.reflectance), [roughness, code, self.ior.to_bits(), 0]]
     }

@@ -13,9 +13,9 @@ use super::budget::Budget;
 use super::camera::Camera;
 use super::description::SceneFile;
 use super::files::Images;
+use super::holes::cut_out;
 use super::light::LightFile;
 use super::medium::Medium;
-use super::opacity::cut_out;
 use super::place::{Element, Places};
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
@@ -85,8 +85,9 @@ pub(super) fn resolve(
 
 /// Estimated bytes of memory for each texture or material besides its text; 60 were measured.
 const ENTRY: u64 = 100;
-/// Estimated bytes of memory for each light: 160 were measured, and a tree of lights has up to 200.
-pub(crate) const LIGHT_BYTES: u64 = 400;
+/// Estimated bytes of memory for each light: 160 were measured, and a tree of lights and the lists from
+/// which it is built have up to 360.
+pub(crate) const LIGHT_BYTES: u64 = 600;
 
 struct Resolver<'a> {
     name: &'a str,

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -111,7 +110,7 @@ impl<'de> Deserialize<'de> for Color {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Color, A::Error> {
-                let product = Product::<[f32; 3]>::read(MapAccessDeserializer::new(map))?;
+                let product = Product::<[f32; 3]>::read(map)?;
                 match product.channel {
                     Some(_) => Err(A::Error::custom("a colour has no `channel`")),
                     None => Ok(Color::Texture {

@@ -2,6 +2,7 @@
 //!
 //! The list in `textures!` generates the enum of scene files, the tables and the dispatch.
 
+mod channel;
 mod checker;
 mod color;
 mod image;
@@ -19,9 +20,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use crate::image::Encoding;
+pub use channel::Channel;
 pub use color::Color;
 pub use image::{Filter, Wrap};
-pub use number::{Channel, Number};
+pub use number::Number;
 pub use reference::TextureRef;
 
 use product::Product;
@@ -113,6 +115,9 @@ macro_rules! textures {
         })*
 
         impl Texture {
+            /// The names of the kinds in scene files.
+            const KINDS: &[&str] = &[$(stringify!($module),)*];
+
             pub(super) fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(texture) => texture.load(e, images),)*

@@ -3,28 +3,12 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Product, TextureRef};
+use super::{Channel, Product, TextureRef};
 use crate::error::Result;
 use crate::scene::place::Element;
-
-/// A channel of a texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Channel {
-    /// Red, the channel of grey images.
-    #[default]
-    R,
-    /// Green.
-    G,
-    /// Blue.
-    B,
-    /// Alpha.
-    A,
-}
 
 /// A constant number, or a channel of a texture times a constant number.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +100,7 @@ impl<'de> Deserialize<'de> for Number {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Number, A::Error> {
-                let product = Product::<f32>::read(MapAccessDeserializer::new(map))?;
+                let product = Product::<f32>::read(map)?;
                 Ok(Number::Texture {
                     texture: product.texture,
                     channel: product.channel.unwrap_or_default(),

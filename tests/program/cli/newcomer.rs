@@ -119,7 +119,7 @@ fn black_pictures_are_explained() {
     let around = "primitives: [sphere(center: (0, 0, 5), radius: 1, material: \"grey\")]";
     for (more, says) in [
         (SKY.to_owned(), "the scene has no primitives"),
-        (format!("{grey}, {around}"), "no material emits light, and the background is black"),
+        (format!("{grey}, {around}"), "nothing emits light, and the background is black"),
         (format!("{SKY}, {grey}, {around}"), "the camera is inside primitive 0"),
     ] {
         fs::write(here.join("a.ron"), scene(&more)).unwrap();

@@ -38,7 +38,7 @@ pub(super) fn cases() -> Vec<Case> {
         ("/dev/zero", outside),
         ("none.png", "No such file"),
         (".", "a.ron"),
-        ("a.ron", "lossless format"),
+        ("a.ron", "unsupported image"),
     ] {
         cases.push(Case::scene("a.ron", texture(file), says));
     }

@@ -73,7 +73,7 @@ pub(super) fn cases() -> Vec<Case> {
         ("\"plain\"", must),
         ("\"second\"", must),
         ("\"colors\"", must),
-        ("(0, 0, 1)", must),
+        ("(0, 0, 1)", "expected the name of a texture in quotes"),
     ] {
         let textures = r#"textures: {"plain": image(file: "n.ppm"), "colors": vertex_color(),
             "second": image(file: "n.ppm", encoding: linear, uv: 1)}, materials"#;

@@ -60,11 +60,7 @@ pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     // A bomb of 31 250 × 32 000 pixels: a thousand million.
     for (width, height, says) in [
-        (
-            31_250,
-            32_000,
-            "the limit of texture-bytes is 1.0 GiB, this needs 11.2 GiB: --limit texture-bytes=12000000000 raises it",
-        ),
+        (31_250, 32_000, "the limit of texture-bytes is 1.0 GiB, this needs"),
         (65_536, 65_536, "the limit of texture-bytes"),
         (1_000_000_000, 1, "damaged image"),
         (2_147_483_647, 2_147_483_647, "damaged image"),
@@ -185,10 +181,10 @@ pub(super) fn cases() -> Vec<Case> {
         ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4294967295 +X 4294967295\n", "damaged image"),
         ("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 5 +X 5\nabc", "damaged image"),
         ("#?RADIANCE\n\n", "damaged image"),
-        ("GIF89a", "lossless format"),
-        ("", "lossless format"),
-        ("\u{0}\u{0}\u{0}\u{0}", "lossless format"),
-        ("<svg xmlns='http://www.w3.org/2000/svg'/>", "lossless format"),
+        ("GIF89a", "unsupported image"),
+        ("", "unsupported image"),
+        ("\u{0}\u{0}\u{0}\u{0}", "unsupported image"),
+        ("<svg xmlns='http://www.w3.org/2000/svg'/>", "unsupported image"),
     ] {
         cases.push(texture("t.pnm", text.into(), says));
     }
@@ -211,7 +207,11 @@ pub(super) fn cases() -> Vec<Case> {
         bytes
     };
     for value in [f32::NAN, f32::INFINITY, -1.0, 1.5] {
-        cases.push(texture("t.pfm", values(value), "the pixels of a texture must be in [0, 1]"));
+        let says = match value {
+            1.5 => "albedo must be textures and factors with products in [0, 1]",
+            _ => "the pixels of a texture must be finite and not negative",
+        };
+        cases.push(texture("t.pfm", values(value), says));
     }
     let pfm = |length: usize| [&b"PF\n1280 1280\n-1\n"[..], &vec![0; length]].concat();
     cases.push(texture("t.pfm", pfm(12 * 1280 * 1280), "the limit of memory"));

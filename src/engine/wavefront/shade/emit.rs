@@ -21,9 +21,11 @@ impl Shading<'_> {
                 }
                 Some((map, light)) => {
                     let Segment { ray, pdf } = shaded.paths.segments(&path);
-                    let (radiance, light_pdf) = map.look::<Float>(ray.direction);
-                    let light_pdf = || light_pdf * light.chance(ray.origin);
+                    let (radiance, density) = map.look::<Float>(ray.direction);
+                    let light_pdf = || density * light.chance(ray.origin);
                     let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
+                    // A compensated map is never sampled where it is dark.
+                    let weight = density.eq(Float::ZERO).select(Float::ONE, weight);
                     radiance * light.radiance(Mask::ALL) * weight
                 }
             };

@@ -1,5 +1,6 @@
 //! Images of the light that reaches a scene from all directions, sampled by their luminance.
 
+mod file;
 mod mapping;
 mod table;
 
@@ -10,6 +11,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use file::EnvironmentMap;
 pub use mapping::Mapping;
 
 use self::mapping::neighbor;
@@ -21,7 +23,6 @@ use crate::image::Texels;
 use crate::math::precise::{rotate, sin_cos_degrees};
 use crate::math::trig::{atan2, sin_cos_turns};
 use crate::math::{Mask, Real, Row, Vector, Word, clamp, dot, normalize, whole};
-use crate::scene::background::EnvironmentMap;
 use crate::scene::emission::luminance;
 
 /// The light of an environment map. Its radiance is interpolated between the centres of texels, and
@@ -52,18 +53,18 @@ impl Environment {
             Mapping::LatLong => rows[row as usize].solid_angle() / f64::from(width),
             Mapping::EqualArea => 4.0 * f64::consts::PI / (f64::from(width) * f64::from(height)),
         };
-        let means = means(&texels, map.mapping);
-        let row_of = |row: u32| &means[row as usize * width as usize..][..width as usize];
+        let luminances = luminances(&texels);
+        let means = |row: u32| means(&luminances, map.mapping, [width, height], row);
         let mut less = 0.0;
         if map.compensated {
-            let sum = |row: u32| texel_angle(row) * row_of(row).iter().sum::<f64>();
+            let sum = |row: u32| texel_angle(row) * means(row).sum::<f64>();
             less = (0..height).map(sum).sum::<f64>() / (4.0 * f64::consts::PI);
         }
         let table = |less: f64| {
             let weight = |row: u32| {
                 let angle = texel_angle(row);
-                let weight = |mean: &f64| if *mean > less { (mean - less) * angle } else { 0.0 };
-                row_of(row).iter().map(weight).collect()
+                let weight = |mean: f64| if mean > less { (mean - less) * angle } else { 0.0 };
+                means(row).map(weight).collect()
             };
             CellTable::new(width, height, weight)
         };
@@ -213,28 +214,33 @@ impl BandOfSphere {
     }
 }
 
-/// The mean luminance of each texel, interpolated as [`Environment::radiance`] does.
-fn means(texels: &Texels, mapping: Mapping) -> Vec<f64> {
-    let size @ [width, height] = [texels.width(), texels.height()];
-    let luminances: Vec<f64> = (0..texels.len())
-        .into_par_iter()
-        .map(|index| {
-            let [r, g, b, _] = texels.get(index);
-            luminance(Vec3::new(r, g, b))
-        })
-        .collect();
-    let mean = |x: i32, y: i32| {
+/// The luminance of each texel.
+fn luminances(texels: &Texels) -> Vec<f32> {
+    let of = |index| {
+        let [r, g, b, _] = texels.get(index);
+        luminance(Vec3::new(r, g, b)) as f32
+    };
+    (0..texels.len()).into_par_iter().map(of).collect()
+}
+
+/// The mean luminance of the texels of a row, interpolated as [`Environment::radiance`] does.
+fn means(
+    luminances: &[f32],
+    mapping: Mapping,
+    size: [u32; 2],
+    row: u32,
+) -> impl Iterator<Item = f64> {
+    const WEIGHTS: [(i32, f64); 3] = [(-1, 0.125), (0, 0.75), (1, 0.125)];
+    (0..size[0] as i32).map(move |x| {
         let mut sum = 0.0;
-        for (dy, weight_y) in [(-1, 0.125), (0, 0.75), (1, 0.125)] {
-            for (dx, weight_x) in [(-1, 0.125), (0, 0.75), (1, 0.125)] {
-                let texel = neighbor(mapping, [x + dx, y + dy], size);
-                sum += weight_x * weight_y * luminances[texel];
+        for (dy, weight_y) in WEIGHTS {
+            for (dx, weight_x) in WEIGHTS {
+                let texel = neighbor(mapping, [x + dx, row as i32 + dy], size);
+                sum += weight_x * weight_y * f64::from(luminances[texel]);
             }
         }
         sum
-    };
-    let row = |y: u32| (0..width as i32).map(move |x| mean(x, y as i32));
-    (0..height).into_par_iter().flat_map_iter(row).collect()
+    })
 }
 
 #[cfg(test)]

@@ -97,6 +97,13 @@ fn position<R: Real>(x: R) -> (R::Word, R) {
     (whole(scaled), scaled - scaled.floor())
 }
 
+impl Shares<f32> {
+    /// Computes the tables, which take milliseconds, before a render is timed.
+    pub(in crate::scene::material) fn prepare() {
+        LazyLock::force(&MEANS);
+    }
+}
+
 impl<R: Real> Shares<R> {
     /// The shares for light that leaves or arrives at the cosine `cos` to the normal.
     #[inline(always)]

@@ -42,7 +42,7 @@ pub(crate) struct LayeredBsdf<R: Real> {
     /// Reflectance of the microfacets at normal incidence, and at grazing angles.
     f0: R::Vec3,
     f90: R,
-    /// The same of what is not metal.
+    /// The same two numbers of the part that is not metal.
     dielectric_f0: R,
     specular: R,
     /// Factor of the reflected light for light that microfacets reflect more than once (Turquin
@@ -84,11 +84,16 @@ impl<R: Real> LayeredBsdf<R> {
         let f0 = R::Vec3::gray(dielectric_f0 * not_metal) + p.base_color * p.metalness;
         let f90 = p.specular * not_metal + p.metalness;
 
-        let (shares, mean) = (Shares::at(wo[2], ggx.alpha), Shares::mean(ggx.alpha));
+        let refracts = p.transmission.gt(R::ZERO) & !p.thin;
+        let inside = !at.front & refracts;
+        let eta = inside.select(R::ONE / p.ior, p.ior);
+        let (outside_cos, enclosed) = outside(wo[2], eta);
+        let (shares, mean) = (Shares::at(outside_cos, ggx.alpha), Shares::mean(ggx.alpha));
         let all = shares.low + shares.high;
         let compensation =
             R::Vec3::gray(R::ONE) + p.base_color * (p.metalness * ((R::ONE - all) / all));
         let enters = R::ONE - (dielectric_f0 * shares.low + p.specular * shares.high);
+        let enters = enclosed.select(R::ZERO, enters);
         let enters_mean = R::ONE - (dielectric_f0 * mean.low + p.specular * mean.high);
         let opaque = not_metal * (R::ONE - p.transmission);
         let diffuse = p.base_color * (opaque * enters / enters_mean * (1.0 / PI));
@@ -110,8 +115,6 @@ impl<R: Real> LayeredBsdf<R> {
         let chances = [weights[0] / sum, weights[1] / sum];
 
         let mut arriving = R::Vec3::gray(R::ONE);
-        let refracts = p.transmission.gt(R::ZERO) & !p.thin;
-        let inside = !at.front & refracts;
         let absorbs = p.absorption[0] + p.absorption[1] + p.absorption[2];
         if (inside & absorbs.gt(R::ZERO)).any() {
             let kept = |i: usize| exp(-(p.absorption[i] * at.hit.t));
@@ -129,7 +132,7 @@ impl<R: Real> LayeredBsdf<R> {
             diffuse,
             transmission,
             thin: p.thin,
-            eta: inside.select(R::ONE / p.ior, p.ior),
+            eta,
             coat: p.coat,
             coat_ggx,
             below,
@@ -138,33 +141,21 @@ impl<R: Real> LayeredBsdf<R> {
         }
     }
 
-    /// Weight of the reflectance at grazing angles, for microfacets that are hit at the cosine `cos`.
-    /// From inside, Schlick's formula applies to the cosine outside, and total reflection has the
-    /// weight 1.
+    /// Reflectance of microfacets that are hit at the cosine `cos`, and the share of the light that
+    /// passes through them. From inside, Schlick's formula applies to the cosine outside.
     #[inline(always)]
-    fn grazing(&self, cos: R) -> R {
-        let inside = self.eta.lt(R::ONE);
-        if !inside.any() {
-            return schlick_weight(cos);
-        }
-        let sin2 = (R::ONE - cos * cos) / (self.eta * self.eta);
-        let outside = max(R::ZERO, R::ONE - sin2).sqrt();
-        schlick_weight(inside.select(outside, cos))
-    }
-
-    /// Reflectance of microfacets with this weight, and the share of the light that passes through
-    /// them.
-    #[inline(always)]
-    fn split(&self, grazing: R) -> (R::Vec3, R::Vec3) {
+    fn split(&self, cos: R) -> (R::Vec3, R::Vec3) {
+        let (cos, enclosed) = outside(cos, self.eta);
+        let grazing = schlick_weight(cos);
         let reflects = self.f0 + (R::Vec3::gray(self.f90) - self.f0) * grazing;
         let dielectric = self.dielectric_f0 + (self.specular - self.dielectric_f0) * grazing;
-        (reflects, self.transmission * (R::ONE - dielectric))
+        let passes = enclosed.select(R::ZERO, R::ONE - dielectric);
+        (enclosed.select(R::Vec3::gray(R::ONE), reflects), self.transmission * passes)
     }
 
-    /// Probability that a sample of a microfacet with this weight is a reflection.
+    /// Probability that a sample of a microfacet with this [`split`](Self::split) is a reflection.
     #[inline(always)]
-    fn reflection_chance(&self, grazing: R) -> R {
-        let (reflects, passes) = self.split(grazing);
+    fn reflection_chance(&self, (reflects, passes): (R::Vec3, R::Vec3)) -> R {
         let (reflects, passes) = (mean_of(reflects), mean_of(passes));
         // Without transmission, the quotient is exactly 1.
         reflects / max(reflects + passes, R::splat(1e-12))
@@ -204,15 +195,17 @@ impl<R: Real> LayeredBsdf<R> {
         let upper = R::Vec3::new(wi[0], wi[1], wi[2].abs());
         let m = normalize(self.wo + upper);
         let (f_cos, pdf) = self.reflect(self.ggx, upper, m);
-        let grazing = self.grazing(min(dot(self.wo, m), R::ONE));
-        let (reflects, mut passes) = self.split(grazing);
-        let reflection_chance = self.reflection_chance(grazing);
+        let cos = min(dot(self.wo, m), R::ONE);
+        let (reflects, mut passes) = self.split(cos);
+        let reflection_chance = self.reflection_chance((reflects, passes));
         let mut light = reflects * self.compensation * f_cos;
         let mut density = chance * reflection_chance * pdf;
 
         let enters = {
-            let Shares { low, high } = Shares::at(upper[2], self.ggx.alpha);
-            R::ONE - (self.dielectric_f0 * low + self.specular * high)
+            let (cos, enclosed) = outside(upper[2], self.eta);
+            let Shares { low, high } = Shares::at(cos, self.ggx.alpha);
+            let enters = R::ONE - (self.dielectric_f0 * low + self.specular * high);
+            enclosed.select(R::ZERO, enters)
         };
         light = light + self.diffuse * (enters * upper[2]);
         let base_chance = max(R::ONE - (coat_chance + chance), R::ZERO);
@@ -227,7 +220,7 @@ impl<R: Real> LayeredBsdf<R> {
         light = light * self.below * leaving;
         if coated.any() {
             let (f_cos, pdf) = self.reflect(self.coat_ggx, upper, m);
-            let high = schlick_weight(min(dot(self.wo, m), R::ONE));
+            let high = schlick_weight(cos);
             let reflectance = (R::splat(COAT_F0) + high * (1.0 - COAT_F0)) * self.coat;
             light = light + R::Vec3::gray(reflectance * f_cos);
             density = density + coat_chance * pdf;
@@ -240,18 +233,31 @@ impl<R: Real> LayeredBsdf<R> {
             let (mut f_cos, mut pdf, mut passing_chance) = (f_cos, pdf, R::ONE - reflection_chance);
             if (below & !self.thin).any() {
                 let (bent_f_cos, bent_pdf, cos) = self.refract(wi);
-                let grazing = self.grazing(min(cos, R::ONE));
-                let chance = R::ONE - self.reflection_chance(grazing);
+                let split = self.split(min(cos, R::ONE));
+                let chance = R::ONE - self.reflection_chance(split);
                 f_cos = self.thin.select(f_cos, bent_f_cos);
                 pdf = self.thin.select(pdf, bent_pdf);
                 passing_chance = self.thin.select(passing_chance, chance);
-                passes = self.thin.select(passes, self.split(grazing).1);
+                passes = self.thin.select(passes, split.1);
             }
             light = below.select(passes * self.below * f_cos, light);
             density = below.select(chance * passing_chance * pdf, density);
         }
         (light * self.arriving, density)
     }
+}
+
+/// The cosine outside of a denser body for light that arrives at the cosine `cos` from inside, where
+/// `eta` is below 1, and whether it is totally reflected. Other light keeps its cosine.
+#[inline(always)]
+fn outside<R: Real>(cos: R, eta: R) -> (R, R::Mask) {
+    let inside = eta.lt(R::ONE);
+    if !inside.any() {
+        return (cos, R::Mask::NONE);
+    }
+    let sin2 = (R::ONE - cos * cos) / (eta * eta);
+    let bent = max(R::ZERO, R::ONE - sin2).sqrt();
+    (inside.select(bent, cos), inside & sin2.ge(R::ONE))
 }
 
 /// Reflectance of a dielectric at normal incidence.
@@ -291,7 +297,7 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
         let cos = min(dot(self.wo, m), R::ONE);
         let mut wi = m * (cos * 2.0) - self.wo;
         // The same number, which is uniform in the microfacets' range, chooses what they do.
-        let reflects = (lobe - coat).lt(facets * self.reflection_chance(self.grazing(cos)));
+        let reflects = (lobe - coat).lt(facets * self.reflection_chance(self.split(cos)));
         let passes = in_facets & !in_coat & !reflects;
         if passes.any() {
             let sin2 = (R::ONE - cos * cos) / (self.eta * self.eta);

@@ -32,7 +32,7 @@ pub struct Principled {
     pub metalness: Number,
     /// Roughness, 0 to 1, or a texture. The GGX roughness α is its square, at least 0.001.
     pub roughness: Number,
-    /// Factor of the reflectance of what is not metal, 0 to 1, or a texture.
+    /// Factor of the reflectance of the part that is not metal, 0 to 1, or a texture.
     pub specular: Number,
     /// Index of refraction relative to air, 1.01 to 10.
     pub ior: f32,
@@ -44,6 +44,7 @@ pub struct Principled {
     /// and at most 1.
     pub attenuation_color: [f32; 3],
     /// Distance for `attenuation_color`, above 0; infinite for clear glass.
+    #[serde(skip_serializing_if = "is_infinite")]
     pub attenuation_distance: f32,
     /// Strength of the clear coat, 0 to 1, or a texture.
     pub coat: Number,
@@ -59,6 +60,11 @@ pub struct Principled {
     /// Holes in the surface, which must then be of triangles and emit no light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
+}
+
+/// JSON has no infinite numbers, so the default is left out.
+fn is_infinite(distance: &f32) -> bool {
+    *distance == f32::INFINITY
 }
 
 impl Default for Principled {
@@ -155,6 +161,7 @@ impl MaterialModel for Principled {
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {
+        Shares::<f32>::prepare();
         let mut two = |first: &Number, second: &Number| {
             let ([a, b], [c, d]) = (textures.number(first), textures.number(second));
             [a, b, c, d]
@@ -206,7 +213,7 @@ impl MaterialModel for Principled {
     }
 }
 
-/// Natural logarithm of `x` in (0, 1], which is 0 below 2^-24.
+/// Natural logarithm of `x` in (0, 1], but at least that of 2^-24.
 fn ln(x: f32) -> f32 {
     crate::math::powers::ln(crate::math::max(x, 1.0 / 16_777_216.0))
 }
