@@ -208,7 +208,7 @@ fn values_of_materials_and_media_are_checked() {
         ("principled(base_color: (2, 0, 0))", "base_color must be in [0, 1]"),
         ("principled(attenuation_color: (0, 1, 1))", "attenuation_color must be in (0, 1] per"),
         ("principled(attenuation_distance: 0)", "attenuation_distance must be above 0"),
-        ("principled(roughness: (texture: \"t\", channel: q))", "unknown variant `q`"),
+        ("principled(roughness: (texture: \"t\", channel: q))", "unknown kind `q`"),
         ("principled(roughness: (texture: \"t\"))", "unknown texture `t`"),
         ("coated_diffuse(reflectance: (1, 1, 1), ior: 0.5)", "ior must be in [1.01, 10]"),
         (
@@ -246,10 +246,10 @@ fn values_of_materials_and_media_are_checked() {
         ),
     ] {
         let lights = format!("lights: [{light}], materials:");
-        refused("s.ron", GOOD, "materials:", &lights, "lights[0]", &[message]);
+        refused("s.ron", GOOD, "materials:", &lights, ":3:14: lights[0]", &[message]);
     }
     for (image, message) in [
-        ("image(file: \"p.png\", wrap_u: fold)", "unknown variant `fold`"),
+        ("image(file: \"p.png\", wrap_u: fold)", "unknown kind `fold`"),
         ("image(file: \"p.png\", scale: (inf, 1))", "scale must be within ±1e9"),
         ("image(file: \"p.png\", uv: 2)", "uv must be 0 or 1"),
     ] {
@@ -260,7 +260,7 @@ fn values_of_materials_and_media_are_checked() {
         ("image(file: \"nosuch.hdr\")", "nosuch.hdr: cannot read"),
         ("image(file: \"nosuch.hdr\", scale: -1)", "scale must be in [0, 1e30]"),
         ("image(file: \"nosuch.hdr\", rotation: (0, inf, 0))", "rotation must be finite"),
-        ("image(file: \"nosuch.hdr\", mapping: cube)", "unknown variant `cube`"),
+        ("image(file: \"nosuch.hdr\", mapping: cube)", "unknown kind `cube`"),
     ] {
         let background = format!("background: {sky}, materials:");
         refused("s.ron", GOOD, "materials:", &background, "", &[message]);

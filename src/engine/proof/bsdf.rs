@@ -260,7 +260,8 @@ fn scattering_is_reciprocal() {
 }
 
 /// Follows light at random through a coat to a diffuse base and back, as pbrt does, and compares the
-/// share of the light that comes back with that of `coated_diffuse`.
+/// share of the light that comes back with that of `coated_diffuse`. At rough coats, the walk loses
+/// light between microfacets, which `coated_diffuse` does not.
 #[test]
 fn coats_scatter_about_as_much_as_a_random_walk() {
     const WALKS: u32 = 20_000;
@@ -299,11 +300,14 @@ fn coats_scatter_about_as_much_as_a_random_walk() {
                 };
                 let (walked, modelled) = (mean(&walk), mean(&albedo));
                 println!("{roughness:>9}{rho:>5}{cos:>8}{walked:>8.3}{modelled:>8.3}");
-                worst = f64::max(worst, (walked - modelled).abs());
+                assert!(modelled > walked - 0.02, "{roughness} {rho} {cos}: {walked} {modelled}");
+                if roughness < 0.2 {
+                    worst = f64::max(worst, (walked - modelled).abs());
+                }
             }
         }
     }
-    assert!(worst < 0.05, "{worst}");
+    assert!(worst < 0.02, "{worst}");
 }
 
 /// White `principled` surfaces never scatter more light than arrives, from outside or inside.
@@ -333,7 +337,8 @@ fn principled_gains_no_light() {
                     (sum + f64::from(weight), squares + f64::from(weight) * f64::from(weight));
             }
             let mean = sum / f64::from(COUNT);
-            let error = ((squares / f64::from(COUNT) - mean * mean) / f64::from(COUNT)).sqrt();
+            let variance = (squares / f64::from(COUNT) - mean * mean).max(0.0);
+            let error = (variance / f64::from(COUNT)).sqrt();
             assert!(mean < 1.005 + 4.0 * error, "{material:?} {cos} {front}: {mean} ± {error}");
         }
     }

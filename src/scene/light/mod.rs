@@ -115,8 +115,9 @@ macro_rules! lights {
         }
 
         impl<R: Real> Chosen<'_, R> {
-            /// Samples directions from `from` to the lights.
-            #[inline(always)]
+            /// Samples directions from `from` to the lights. It is not inlined, so that all loops over
+            /// vertices share its code.
+            #[inline(never)]
             pub(crate) fn sample(&self, from: R::Vec3, time: R, uv: (R, R)) -> LightSample<R> {
                 let mut found = LightSample {
                     direction: from,

@@ -298,6 +298,7 @@ mod tests {
                 let cos = if all.two_sided { cos.abs() } else { cos };
                 // The angle to the axis of the union, and that of the light's own cone.
                 let angle = cos.clamp(-1.0, 1.0).acos() + light.cos.acos();
+                let angle = angle.min(std::f64::consts::PI);
                 assert!(angle <= all.cos.acos() + 1e-6, "{angle} {}", all.cos);
                 let both = all.bounds.union(light.bounds);
                 assert_eq!((both.min, both.max), (all.bounds.min, all.bounds.max));
