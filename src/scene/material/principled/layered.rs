@@ -84,12 +84,14 @@ impl<R: Real> LayeredBsdf<R> {
         let f0 = R::Vec3::gray(dielectric_f0 * not_metal) + p.base_color * p.metalness;
         let f90 = p.specular * not_metal + p.metalness;
 
-        let refracts = p.transmission.gt(R::ZERO) & !p.thin;
+        let refracts = (not_metal * p.transmission).gt(R::ZERO) & !p.thin;
         let inside = !at.front & refracts;
         let eta = inside.select(R::ONE / p.ior, p.ior);
         let (outside_cos, enclosed) = outside(wo[2], eta);
         let (shares, mean) = (Shares::at(outside_cos, ggx.alpha), Shares::mean(ggx.alpha));
-        let all = shares.low + shares.high;
+        // What microfacets lose depends on the cosine inside.
+        let lost = if inside.any() { Shares::at(wo[2], ggx.alpha) } else { shares };
+        let all = lost.low + lost.high;
         let compensation =
             R::Vec3::gray(R::ONE) + p.base_color * (p.metalness * ((R::ONE - all) / all));
         let enters = R::ONE - (dielectric_f0 * shares.low + p.specular * shares.high);
