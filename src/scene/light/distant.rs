@@ -65,7 +65,7 @@ impl FreeLightModel for Distant {
 impl LightModel for DistantLight {
     const UNSEEN: bool = true;
 
-    #[inline(always)]
+    #[inline(never)]
     fn sample<R: Real>(
         table: &[Self],
         index: R::Index,

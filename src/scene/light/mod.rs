@@ -115,9 +115,11 @@ macro_rules! lights {
         }
 
         impl<R: Real> Chosen<'_, R> {
-            /// Samples directions from `from` to the lights. It is not inlined, so that all loops over
-            /// vertices share its code.
-            #[inline(never)]
+            /// Samples directions from `from` to the lights.
+            ///
+            /// It is inlined, for without that `cornell` takes 1.1 times as long. Only lights on primitives
+            /// are: the others would make all loops over vertices larger.
+            #[inline(always)]
             pub(crate) fn sample(&self, from: R::Vec3, time: R, uv: (R, R)) -> LightSample<R> {
                 let mut found = LightSample {
                     direction: from,

@@ -71,7 +71,7 @@ pub(super) fn sample_point<R: Real>(position: R::Vec3, from: R::Vec3) -> LightSa
 impl LightModel for PointLight {
     const UNSEEN: bool = true;
 
-    #[inline(always)]
+    #[inline(never)]
     fn sample<R: Real>(
         table: &[Self],
         index: R::Index,

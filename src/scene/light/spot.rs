@@ -93,7 +93,7 @@ impl FreeLightModel for Spot {
 impl LightModel for SpotLight {
     const UNSEEN: bool = true;
 
-    #[inline(always)]
+    #[inline(never)]
     fn sample<R: Real>(
         table: &[Self],
         index: R::Index,
