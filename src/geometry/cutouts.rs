@@ -36,8 +36,7 @@ struct Marked {
 /// which are compared on their own.
 impl PartialEq for Cutouts {
     fn eq(&self, other: &Self) -> bool {
-        let bits = |cutouts: &Self| cutouts.0.as_ref().map(|marked| marked.bits.clone());
-        bits(self) == bits(other)
+        self.0.as_ref().map(|marked| &marked.bits) == other.0.as_ref().map(|marked| &marked.bits)
     }
 }
 

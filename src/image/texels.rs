@@ -4,26 +4,19 @@ use super::size::Size;
 use crate::math::max;
 
 /// The texels of a texture, row 0 on top.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Texels {
     width: u32,
     height: u32,
     data: Data,
 }
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 enum Data {
     /// RGBA codes, and the linear value of each code of a colour.
     Bytes { codes: Vec<[u8; 4]>, values: Box<[f32; 256]> },
     /// Linear RGBA.
     Floats(Vec<[f32; 4]>),
-}
-
-/// Equal if the texels have the same bits.
-impl PartialEq for Texels {
-    fn eq(&self, other: &Self) -> bool {
-        (self.width, self.height, self.hash()) == (other.width, other.height, other.hash())
-    }
 }
 
 impl Texels {
@@ -32,7 +25,7 @@ impl Texels {
         size.pixels.saturating_mul(if size.deep { 16 } else { 4 })
     }
 
-    /// Creates an image of bytes, of which there are `width × height`.
+    /// Creates an image from `width × height` texels of bytes.
     pub(super) fn from_bytes(
         width: u32,
         height: u32,
@@ -43,7 +36,7 @@ impl Texels {
         Self { width, height, data: Data::Bytes { codes, values } }
     }
 
-    /// Creates an image of linear values, of which there are `width × height`.
+    /// Creates an image from `width × height` linear texels.
     pub(crate) fn from_floats(width: u32, height: u32, texels: Vec<[f32; 4]>) -> Self {
         assert_eq!(texels.len(), width as usize * height as usize);
         Self { width, height, data: Data::Floats(texels) }

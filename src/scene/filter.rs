@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 use super::place::Element;
 use crate::error::Result;
 use crate::math::precise::{exp, sin_cos_degrees};
-use crate::math::{Real, Row, Word};
+use crate::math::{Real, Row, Word, whole};
 
 /// A reconstruction filter. The filter of a pixel is the product of two functions, one of the
 /// horizontal and one of the vertical distance from the middle of the pixel. Distances are in
 /// pixels.
 ///
 /// Each sample belongs to one pixel only, and its position is distributed like the filter, so that
-/// neighbouring pixels stay independent (Ernst et al. 2006, "PixelFilter importance sampling").
+/// neighbouring pixels stay independent (Ernst et al. 2006, "Filter importance sampling").
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 #[non_exhaustive]
@@ -208,9 +208,7 @@ impl FilterTable {
     pub(crate) fn sample<R: Real>(&self, u: R) -> (R, R) {
         let scaled = u * BINS as f32;
         let bin = scaled.floor();
-        // Adding 2²³ leaves the integer in the lowest bits.
-        let word = (bin + 8_388_608.0).to_bits() & R::Word::splat(BINS as u32 - 1);
-        let index = R::index(word, self.0.len());
+        let index = R::index(whole(bin) & R::Word::splat(BINS as u32 - 1), self.0.len());
         let (bin_row, _) = R::gather(&self.0, index, |row| row);
         (bin_row[0] + bin_row[1] * (scaled - bin), bin_row[2])
     }

@@ -7,7 +7,6 @@ use super::LightModel;
 use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use crate::error::Result;
-use crate::geometry::Ray;
 use crate::math::precise::{one_minus_cos, unit};
 use crate::math::warp::uniform_cone;
 use crate::math::{Mask, Real, Row, Vector, row};
@@ -82,10 +81,5 @@ impl LightModel for DistantLight {
             front: R::Mask::ALL,
             visible: R::Mask::ALL,
         }
-    }
-
-    #[inline(always)]
-    fn pdf<R: Real>(_: &[Self], _: R::Index, _: &Ray<R>, _: R) -> R {
-        R::ZERO
     }
 }

@@ -62,7 +62,12 @@ pub(crate) trait LightModel: Debug + Sized {
 
     /// Returns the density with which [`LightModel::sample`] draws `ray.direction` from
     /// `ray.origin`. The rays hit the entries at distance `t`.
-    fn pdf<R: Real>(table: &[Self], index: R::Index, ray: &Ray<R>, t: R) -> R;
+    ///
+    /// The default is for lights that no path can hit.
+    #[inline(always)]
+    fn pdf<R: Real>(_table: &[Self], _index: R::Index, _ray: &Ray<R>, _t: R) -> R {
+        R::ZERO
+    }
 }
 
 /// A primitive as a light.

@@ -8,7 +8,7 @@ use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use super::tree::LightBounds;
 use crate::error::Result;
-use crate::geometry::{Bounds, Ray};
+use crate::geometry::Bounds;
 use crate::math::{Mask, Real, Row, Vector, dot, row};
 use crate::scene::emission::luminance;
 use crate::scene::place::{Element, MAX_RADIANCE};
@@ -80,10 +80,5 @@ impl LightModel for PointLight {
         _: (R, R),
     ) -> LightSample<R> {
         sample_point(R::gather(table, index, |light| &light.position).0, from)
-    }
-
-    #[inline(always)]
-    fn pdf<R: Real>(_: &[Self], _: R::Index, _: &Ray<R>, _: R) -> R {
-        R::ZERO
     }
 }

@@ -9,7 +9,7 @@ use super::point::sample_point;
 use super::sample::LightSample;
 use super::tree::LightBounds;
 use crate::error::Result;
-use crate::geometry::{Bounds, Ray};
+use crate::geometry::Bounds;
 use crate::math::precise::{one_minus_cos, sin_cos_degrees, unit};
 use crate::math::{Real, Row, Vector, clamp, dot, row};
 use crate::scene::emission::luminance;
@@ -113,10 +113,5 @@ impl LightModel for SpotLight {
             visible: sample.visible & step.gt(R::ZERO),
             ..sample
         }
-    }
-
-    #[inline(always)]
-    fn pdf<R: Real>(_: &[Self], _: R::Index, _: &Ray<R>, _: R) -> R {
-        R::ZERO
     }
 }

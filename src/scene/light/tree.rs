@@ -58,8 +58,7 @@ pub(super) struct LightTree {
 }
 
 impl LightTree {
-    /// Creates the tree of these lights, of which there must be one. `None` stands for a light that
-    /// is not in the tree.
+    /// Creates the tree of these lights. At least one must be in the tree; those that are not are `None`.
     pub(super) fn new(lights: &[Option<LightBounds>]) -> Self {
         let number = |light: &u32| lights[*light as usize].is_some();
         let mut order: Vec<u32> = (0..lights.len() as u32).filter(number).collect();

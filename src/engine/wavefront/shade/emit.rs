@@ -12,9 +12,10 @@ impl Shading<'_> {
     /// Adds the background's light to the paths of `queue`, which leave the scene and end.
     #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
+        let environment = self.tables.lights.environment::<Float>();
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
-            let seen = match self.tables.lights.environment::<Float>() {
+            let seen = match &environment {
                 None => {
                     let direction = || shaded.paths.segments(&path).ray.direction;
                     self.scene.background().radiance(direction)

@@ -31,9 +31,8 @@ pub(super) struct Cell<R: Real> {
 }
 
 impl CellTable {
-    /// Creates a table in which the cells of row `i` have the weights `weights(i)`, of which there
-    /// are `width`. Weights above 0 are never rounded to a probability of 0. Returns `None` if all
-    /// are 0.
+    /// Creates the table of a grid. `weights` returns the weights of the cells of a row, from left to
+    /// right. Weights above 0 are never rounded to a probability of 0. Returns `None` if all are 0.
     pub(super) fn new(
         width: u32,
         height: u32,
