@@ -5,7 +5,7 @@ mod emit;
 mod scatter;
 mod vertex;
 
-use self::scatter::{COLORS, NONE, NORMALS};
+use self::scatter::{COLORED, GENERAL, PLAIN};
 use super::cells::Cells;
 use super::connect::Shadows;
 use super::order::Next;
@@ -107,12 +107,12 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
             shaded.endings.light += queue.len() as u64;
         } else if shading.ends_by_depth(queue, shaded) {
             return emits;
-        } else if M::LARGE || M::TEXTURED && !table.normals.is_empty() {
-            shading.scatter_on::<M, NORMALS>(table, shape, queue, shaded);
+        } else if M::LARGE || shape == Shape::Instance || !table.normals.is_empty() {
+            shading.scatter::<M, GENERAL>(table, shape, queue, shaded);
         } else if M::TEXTURED && table.textured {
-            shading.scatter_on::<M, COLORS>(table, shape, queue, shaded);
+            shading.scatter::<M, COLORED>(table, shape, queue, shaded);
         } else {
-            shading.scatter_on::<M, NONE>(table, shape, queue, shaded);
+            shading.scatter::<M, PLAIN>(table, shape, queue, shaded);
         }
         true
     }
