@@ -5,6 +5,7 @@ import os
 import tempfile
 
 import mitsuba as mi
+import numpy
 
 
 def only(tagged):
@@ -25,6 +26,8 @@ def color(value, textures, folder="", raw=False):
             scale = [*texture.get("scale", [1, 1]), 1]
             return {"type": "bitmap", "filename": os.path.join(folder, texture["file"]), "wrap_mode": wrap,
                     "filter_type": texture.get("filter", "bilinear"), "to_uv": mi.ScalarTransform4f().scale(scale),
+                    # Otherwise bytes are rounded to 16-bit floats.
+                    "format": "variant",
                     "raw": raw or texture.get("encoding") == "linear"}
         if kind == "checker":
             value = [0.5 * (a + b) for a, b in zip(texture["odd"], texture["even"])]
@@ -34,7 +37,9 @@ def color(value, textures, folder="", raw=False):
 
 
 def environment(values, folder):
-    """Returns an environment map. Mitsuba's shows +z in the middle, that of ptfast -z."""
+    """Returns an environment map. Mitsuba's shows +z in the middle, that of ptfast -z. The first and the last row of
+    Mitsuba's maps are at the poles, while ptfast interpolates between the middles of rows and clamps at the poles. A map
+    of twice as many rows and one more makes both the same."""
     if values.get("mapping", "lat_long") != "lat_long":
         raise SystemExit("only latitude-longitude maps can be translated to Mitsuba")
     to_world = mi.ScalarTransform4f()
@@ -42,8 +47,13 @@ def environment(values, folder):
         angle = values.get("rotation", [0, 0, 0])[axis]
         to_world = to_world.rotate([float(axis == i) for i in range(3)], angle)
     to_world = to_world.rotate([0, 1, 0], 180)
-    return {"type": "envmap", "filename": os.path.join(folder, values["file"]), "scale": values.get("scale", 1.0),
-            "to_world": to_world}
+    bitmap = mi.Bitmap(os.path.join(folder, values["file"]))
+    rows = numpy.array(bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False))
+    stretched = numpy.empty((2 * len(rows) + 1, *rows.shape[1:]), rows.dtype)
+    stretched[1::2] = rows
+    stretched[2:-1:2] = (rows[:-1] + rows[1:]) / 2
+    stretched[0], stretched[-1] = rows[0], rows[-1]
+    return {"type": "envmap", "bitmap": mi.Bitmap(stretched), "scale": values.get("scale", 1.0), "to_world": to_world}
 
 
 def free_light(description):
@@ -66,6 +76,9 @@ def material(description, textures, exact, folder=""):
         raise SystemExit(f"Mitsuba has no material like {description}")
     if kind in ("lambertian", "diffuse"):
         plain = {"type": "diffuse", "reflectance": color(values["albedo"], textures, folder)}
+        if values.get("normal"):
+            plain = {"type": "normalmap", "bsdf": plain, "use_shadowing_function": False,
+                     "normalmap": color(values["normal"], textures, folder, raw=True)}
     elif kind == "conductor":
         plain = {"type": "roughconductor", "distribution": "ggx", "alpha": values["alpha"],
                  "eta": {"type": "rgb", "value": values["eta"]}, "k": {"type": "rgb", "value": values["k"]}}

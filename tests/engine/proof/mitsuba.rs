@@ -8,7 +8,7 @@ use super::tiles::{Disagreement, Tiles};
 
 /// Reads the means of tiles, their standard errors, and the number of pictures behind them.
 fn read(name: &str) -> Tiles {
-    let path = format!("tests/data/mitsuba/{name}.txt");
+    let path = format!("tests/data/{name}.txt");
     let text = std::fs::read_to_string(&path).unwrap();
     let head = text.lines().next().unwrap();
     let pictures = head.split(" pictures").next().unwrap().rsplit(' ').next().unwrap();
@@ -24,10 +24,19 @@ fn read(name: &str) -> Tiles {
 
 #[test]
 fn pictures_are_those_of_mitsuba() {
-    let names = ["cornell", "checker", "spheres", "materials", "media", "instances"];
+    // The last scene shares its images with other tests.
+    let names = [
+        "mitsuba/cornell",
+        "mitsuba/checker",
+        "mitsuba/spheres",
+        "mitsuba/materials",
+        "mitsuba/media",
+        "mitsuba/instances",
+        "environment",
+    ];
     let mut disagreement = Disagreement::new("beside Mitsuba 3", names.len());
     for name in names {
-        let scene = Scene::load(&format!("tests/data/mitsuba/{name}.ron")).unwrap();
+        let scene = Scene::load(&format!("tests/data/{name}.ron")).unwrap();
         let ours = Tiles::render(name, &scene, Sampling::Mis, 64);
         disagreement.compare(name, "mis", &ours, &read(name));
     }
