@@ -1,4 +1,4 @@
-//! Huge pages, which reduce the number of TLB misses in trees and meshes.
+//! Huge pages, which reduce the number of TLB misses in trees, meshes and textures.
 #![allow(unsafe_code)]
 
 /// Usual size of huge pages (x86-64, most AArch64 systems).

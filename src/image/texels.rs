@@ -1,9 +1,14 @@
 //! Images as textures keep them in memory: with alpha, and with bytes where the file has bytes.
 
 use super::size::Size;
-use crate::math::max;
+use crate::huge_pages::settle;
+use crate::math::{Mask, Real, Word, max};
 
-/// The texels of a texture, row 0 on top.
+/// Number of rows in a strip.
+const STRIP: u32 = 4;
+
+/// The texels of a texture, row 0 on top. They are stored in strips of four rows, and in each strip
+/// column by column, so that the four texels of a lookup are mostly in one cache line.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Texels {
     width: u32,
@@ -25,21 +30,20 @@ impl Texels {
         size.pixels.saturating_mul(if size.deep { 16 } else { 4 })
     }
 
-    /// Creates an image from `width × height` texels of bytes.
+    /// Creates an image from `width × height` texels of bytes, row by row from the top.
     pub(super) fn from_bytes(
         width: u32,
         height: u32,
         codes: Vec<[u8; 4]>,
         values: Box<[f32; 256]>,
     ) -> Self {
-        assert_eq!(codes.len(), width as usize * height as usize);
+        let codes = in_strips(width, height, codes);
         Self { width, height, data: Data::Bytes { codes, values } }
     }
 
-    /// Creates an image from `width × height` linear texels.
+    /// Creates an image from `width × height` linear texels, row by row from the top.
     pub(crate) fn from_floats(width: u32, height: u32, texels: Vec<[f32; 4]>) -> Self {
-        assert_eq!(texels.len(), width as usize * height as usize);
-        Self { width, height, data: Data::Floats(texels) }
+        Self { width, height, data: Data::Floats(in_strips(width, height, texels)) }
     }
 
     /// Width in texels.
@@ -57,16 +61,52 @@ impl Texels {
         self.width as usize * self.height as usize
     }
 
-    /// Linear RGBA of the texel with this index, row by row from the top.
+    /// Whether the texels are floats.
+    pub(crate) fn is_deep(&self) -> bool {
+        matches!(self.data, Data::Floats(_))
+    }
+
+    /// The index of the texel in column `x` and row `y` of an image of this size.
     #[inline(always)]
-    pub(crate) fn get(&self, index: usize) -> [f32; 4] {
+    pub(crate) fn index<R: Real>([x, y]: [R::Word; 2], [width, height]: [R::Word; 2]) -> R::Word {
+        let strip = R::Word::splat(STRIP);
+        let row = y & R::Word::splat(STRIP - 1);
+        let first = y.wrapping_sub(row);
+        let left = height.wrapping_sub(first);
+        let rows = left.le(strip).select(left, strip);
+        first.wrapping_mul(width).wrapping_add(x.wrapping_mul(rows)).wrapping_add(row)
+    }
+
+    /// Linear RGBA of the texel in column `x` and row `y`.
+    #[inline(always)]
+    pub(crate) fn get(&self, x: u32, y: u32) -> [f32; 4] {
+        self.at(Self::index::<f32>([x, y], [self.width, self.height]))
+    }
+
+    /// Linear RGBA of the texel with this index.
+    #[inline(always)]
+    pub(crate) fn at(&self, index: u32) -> [f32; 4] {
         match &self.data {
-            Data::Bytes { codes, values } => {
-                let [r, g, b, a] = codes[index];
-                let [r, g, b] = [r, g, b].map(|code| values[usize::from(code)]);
-                [r, g, b, f32::from(a) * (1.0 / 255.0)]
-            }
-            Data::Floats(texels) => texels[index],
+            Data::Bytes { codes, values } => decode(codes[index as usize], values),
+            Data::Floats(texels) => texels[index as usize],
+        }
+    }
+
+    /// The codes of the texels, for [`decoded`](Self::decoded). Empty for floats.
+    #[inline(always)]
+    pub(crate) fn codes(&self) -> &[[u8; 4]] {
+        match &self.data {
+            Data::Bytes { codes, .. } => codes,
+            Data::Floats(_) => &[],
+        }
+    }
+
+    /// Linear RGBA of a code. Black for floats.
+    #[inline(always)]
+    pub(crate) fn decoded(&self, code: u32) -> [f32; 4] {
+        match &self.data {
+            Data::Bytes { values, .. } => decode(code.to_le_bytes(), values),
+            Data::Floats(_) => [0.0; 4],
         }
     }
 
@@ -91,7 +131,7 @@ impl Texels {
 
     /// Whether any colour is not black.
     pub(crate) fn shines(&self) -> bool {
-        (0..self.len()).any(|index| self.get(index)[..3] != [0.0; 3])
+        (0..self.len()).any(|index| self.at(index as u32)[..3] != [0.0; 3])
     }
 
     /// Bytes of memory.
@@ -109,12 +149,48 @@ impl Texels {
         hasher.update(&self.width.to_le_bytes());
         hasher.update(&self.height.to_le_bytes());
         let mut row = Vec::with_capacity(16 * self.width as usize);
-        for first in (0..self.len()).step_by(self.width as usize) {
+        for y in 0..self.height {
             row.clear();
-            let texels = (first..first + self.width as usize).map(|index| self.get(index));
+            let texels = (0..self.width).map(|x| self.get(x, y));
             row.extend(texels.flatten().flat_map(f32::to_le_bytes));
             hasher.update(&row);
         }
         hasher.finalize().to_hex().to_string()
+    }
+}
+
+/// Moves the texels of an image from rows to strips.
+fn in_strips<T: Copy>(width: u32, height: u32, rows: Vec<T>) -> Vec<T> {
+    let (width, height) = (width as usize, height as usize);
+    assert_eq!(rows.len(), width * height);
+    let mut strips = Vec::with_capacity(rows.len());
+    for strip in rows.chunks(STRIP as usize * width) {
+        for x in 0..width {
+            strips.extend(strip.chunks_exact(width).map(|row| row[x]));
+        }
+    }
+    settle(strips)
+}
+
+#[inline(always)]
+fn decode([r, g, b, a]: [u8; 4], values: &[f32; 256]) -> [f32; 4] {
+    let value = |code: u8| values[usize::from(code)];
+    [value(r), value(g), value(b), f32::from(a) * (1.0 / 255.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_are_found_in_strips_of_any_size() {
+        for (width, height) in [(1, 1), (3, 4), (5, 7), (4, 9), (1, 6), (9, 2)] {
+            let value = |x: u32, y: u32| [x as f32, y as f32, 0.0, 1.0];
+            let rows = (0..height).flat_map(|y| (0..width).map(move |x| value(x, y)));
+            let texels = Texels::from_floats(width, height, rows.collect());
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                assert_eq!(texels.get(x, y), value(x, y), "of {width} × {height}");
+            }
+        }
     }
 }

@@ -62,9 +62,11 @@ impl Mapping {
 
 /// The texel that lies at (x, y) in a continued image of `size`, where x and y may be one beyond an
 /// edge.
-pub(super) fn neighbor(mapping: Mapping, [x, y]: [i32; 2], size: [u32; 2]) -> usize {
+pub(super) fn neighbor(mapping: Mapping, [x, y]: [i32; 2], size: [u32; 2]) -> [u32; 2] {
     let [width, height] = size.map(|side| side as i32);
+    let inside = (0..width).contains(&x) && (0..height).contains(&y);
     let (x, y) = match mapping {
+        _ if inside => (x, y),
         Mapping::LatLong => (x.rem_euclid(width), y.clamp(0, height - 1)),
         // Each edge is folded in half about its middle.
         Mapping::EqualArea => {
@@ -78,7 +80,7 @@ pub(super) fn neighbor(mapping: Mapping, [x, y]: [i32; 2], size: [u32; 2]) -> us
             }
         }
     };
-    y as usize * size[0] as usize + x as usize
+    [x as u32, y as u32]
 }
 
 #[cfg(test)]
@@ -130,9 +132,8 @@ mod tests {
     #[test]
     fn edges_are_joined_to_where_they_continue() {
         const SIDE: u32 = 64;
-        let direction = |index: usize| {
-            let (x, y) = (index % SIDE as usize, index / SIDE as usize);
-            let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        let direction = |[x, y]: [u32; 2]| {
+            let at = |i: u32| (i as f32 + 0.5) / SIDE as f32;
             Mapping::equal_area_direction::<f32>(at(x), at(y))
         };
         for i in 0..SIDE as i32 {
@@ -143,7 +144,7 @@ mod tests {
                 assert!(length(at(beyond) - at(inside)) < 0.09, "{beyond:?}");
             }
         }
-        assert_eq!(neighbor(Mapping::LatLong, [-1, -1], [4, 2]), 3);
-        assert_eq!(neighbor(Mapping::LatLong, [4, 2], [4, 2]), 4);
+        assert_eq!(neighbor(Mapping::LatLong, [-1, -1], [4, 2]), [3, 0]);
+        assert_eq!(neighbor(Mapping::LatLong, [4, 2], [4, 2]), [0, 1]);
     }
 }

@@ -118,7 +118,10 @@ impl Environment {
         let fetch = |_, [x, y]: [f32; 2]| {
             let (x, y) = (x as i32, y as i32);
             let size = [self.texels.width(), self.texels.height()];
-            let texel = |x, y| self.texels.get(neighbor(self.mapping, [x, y], size));
+            let texel = |x, y| {
+                let [x, y] = neighbor(self.mapping, [x, y], size);
+                self.texels.get(x, y)
+            };
             let taps = [texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)];
             std::array::from_fn::<f32, 12, _>(|i| taps[i / 3][i % 3])
         };
@@ -214,10 +217,11 @@ impl BandOfSphere {
     }
 }
 
-/// The luminance of each texel.
+/// The luminance of each texel, row by row from the top.
 fn luminances(texels: &Texels) -> Vec<f32> {
-    let of = |index| {
-        let [r, g, b, _] = texels.get(index);
+    let of = |index: usize| {
+        let (x, y) = (index as u32 % texels.width(), index as u32 / texels.width());
+        let [r, g, b, _] = texels.get(x, y);
         luminance(Vec3::new(r, g, b)) as f32
     };
     (0..texels.len()).into_par_iter().map(of).collect()
@@ -235,8 +239,9 @@ fn means(
         let mut sum = 0.0;
         for (dy, weight_y) in WEIGHTS {
             for (dx, weight_x) in WEIGHTS {
-                let texel = neighbor(mapping, [x + dx, row as i32 + dy], size);
-                sum += weight_x * weight_y * f64::from(luminances[texel]);
+                let [x, y] = neighbor(mapping, [x + dx, row as i32 + dy], size);
+                let texel = luminances[y as usize * size[0] as usize + x as usize];
+                sum += weight_x * weight_y * f64::from(texel);
             }
         }
         sum

@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::huge_pages::settle;
 use crate::math::{Mask, Real, Word, min, whole};
 use crate::scene::light::shares::shares;
 
@@ -14,13 +15,25 @@ const LAST: f32 = 1.0 - 1.0 / (1 << 24) as f32;
 /// A distribution over the cells of a grid that is constant in each cell.
 #[derive(Debug)]
 pub(super) struct CellTable {
-    width: u32,
-    /// For each row, the numbers that choose this row or those before it.
-    rows: Vec<u32>,
-    /// The same for the cells of each row, in which all numbers choose a cell of the row. It is 0
-    /// in rows that are never chosen.
-    cells: Vec<u32>,
+    /// One list, with an entry for each row.
+    rows: Lists,
+    /// For each row, a list with an entry for each cell. It is 0 in rows that are never chosen.
+    cells: Lists,
 }
+
+/// Lists of the same length. Each divides the numbers below [`ALL`] among its entries.
+#[derive(Debug)]
+struct Lists {
+    len: u32,
+    /// For each entry, the numbers that choose it or those before it.
+    ends: Vec<u32>,
+    /// Entries 31, 63 and so on of each list, with which a search begins, because they are close
+    /// together in memory.
+    coarse: Vec<u32>,
+}
+
+/// Bits of the index that the coarse entries leave open.
+const FINE: u32 = 5;
 
 /// A chosen cell, and a position in it.
 pub(super) struct Cell<R: Real> {
@@ -49,60 +62,73 @@ impl CellTable {
             return None;
         }
         let cells = rows.into_iter().flat_map(|(_, ends)| ends).collect();
-        Some(Self { width, rows: ends(&sums), cells })
+        Some(Self { rows: Lists::new(height, ends(&sums)), cells: Lists::new(width, cells) })
     }
 
     /// Chooses a cell by two uniform numbers in [0, 1).
     #[inline(always)]
     pub(super) fn choose<R: Real>(&self, (u, v): (R, R)) -> Cell<R> {
-        let (row, y) = self.find(&self.rows, R::Word::splat(0), self.rows.len() as u32, v);
-        let first = row.wrapping_mul(R::Word::splat(self.width));
-        let (column, x) = self.find(&self.cells, first, self.width, u);
+        let (row, y) = self.rows.find(R::Word::splat(0), v);
+        let (column, x) = self.cells.find(row, u);
         Cell { row, column, position: (x, y) }
-    }
-
-    /// Finds the number `u` in the `count` ends that begin at index `first`. Returns the position
-    /// in this list, and that of `u` in the found range of numbers.
-    #[inline(always)]
-    fn find<R: Real>(&self, ends: &[u32], first: R::Word, count: u32, u: R) -> (R::Word, R) {
-        let number = u * ALL as f32;
-        let (value, one) = (whole(number), R::Word::splat(1));
-        let end = |index: R::Word| R::pick(ends, R::index(first.wrapping_add(index), ends.len()));
-        // The number of ends that are at most `value`, bit by bit from the highest one. The last end
-        // is above all values.
-        let mut found = R::Word::splat(0);
-        for bit in (0..32 - (count - 1).leading_zeros()).rev() {
-            let more = found.wrapping_add(R::Word::splat(1 << bit));
-            let inside = more.le(R::Word::splat(count - 1));
-            let before = inside.select(more, one).wrapping_sub(one);
-            found = (inside & end(before).le(value)).select(more, found);
-        }
-        let (begin, share) = self.range::<R>(ends, first, found);
-        // Random numbers are multiples of 1/2 here, so that 1/4 more puts their mean in the middle.
-        let within = (number + 0.25 - R::from_word(begin)) / R::from_word(share);
-        (found, min(within, R::splat(LAST)))
-    }
-
-    /// The first number of the entry `index` of the list that begins at index `first`, and how many
-    /// numbers choose the entry.
-    #[inline(always)]
-    fn range<R: Real>(&self, ends: &[u32], first: R::Word, index: R::Word) -> (R::Word, R::Word) {
-        let zero = R::Word::splat(0);
-        let at = |index: R::Word| R::pick(ends, R::index(index, ends.len()));
-        let place = first.wrapping_add(index);
-        let is_first = index.eq(zero);
-        let before = is_first.select(place, place.wrapping_sub(R::Word::splat(1)));
-        let begin = is_first.select(zero, at(before));
-        (begin, at(place).wrapping_sub(begin))
     }
 
     /// The probability of a cell.
     #[inline(always)]
     pub(super) fn probability<R: Real>(&self, row: R::Word, column: R::Word) -> R {
-        let first = row.wrapping_mul(R::Word::splat(self.width));
-        let (_, row) = self.range::<R>(&self.rows, R::Word::splat(0), row);
-        let (_, cell) = self.range::<R>(&self.cells, first, column);
-        R::from_word(row) * (1.0 / ALL as f32) * (R::from_word(cell) * (1.0 / ALL as f32))
+        let (_, of_row) = self.rows.range::<R>(R::Word::splat(0), row);
+        let (_, of_cell) = self.cells.range::<R>(row, column);
+        R::from_word(of_row) * (1.0 / ALL as f32) * (R::from_word(of_cell) * (1.0 / ALL as f32))
+    }
+}
+
+impl Lists {
+    /// Creates lists of `len` entries from all their ends.
+    fn new(len: u32, ends: Vec<u32>) -> Self {
+        let coarse = |list: &[u32]| list.chunks_exact(1 << FINE).map(|ends| ends[31]).collect();
+        let coarse = ends.chunks(len as usize).flat_map::<Vec<u32>, _>(coarse).collect();
+        Self { len, ends: settle(ends), coarse }
+    }
+
+    /// Finds the number `u` in the lists `list`. Returns the entry, and the position of `u` in the
+    /// range of numbers that choose it.
+    #[inline(always)]
+    fn find<R: Real>(&self, list: R::Word, u: R) -> (R::Word, R) {
+        let number = u * ALL as f32;
+        let (value, one) = (whole(number), R::Word::splat(1));
+        let pick = |table: &[u32], first: u32, index: R::Word| {
+            let first = list.wrapping_mul(R::Word::splat(first));
+            R::pick(table, R::index(first.wrapping_add(index), table.len()))
+        };
+        // The number of ends that are at most `value`, bit by bit from the highest one. The last end
+        // is above all values.
+        let mut found = R::Word::splat(0);
+        for bit in (0..32 - (self.len - 1).leading_zeros()).rev() {
+            let more = found.wrapping_add(R::Word::splat(1 << bit));
+            let inside = more.le(R::Word::splat(self.len - 1));
+            let last = inside.select(more, one).wrapping_sub(one);
+            let end = match bit < FINE {
+                true => pick(&self.ends, self.len, last),
+                false => pick(&self.coarse, self.len >> FINE, last >> FINE),
+            };
+            found = (inside & end.le(value)).select(more, found);
+        }
+        let (begin, share) = self.range::<R>(list, found);
+        // Random numbers are multiples of 1/2 here, so that 1/4 more puts their mean in the middle.
+        let within = (number + 0.25 - R::from_word(begin)) / R::from_word(share);
+        (found, min(within, R::splat(LAST)))
+    }
+
+    /// The first number of the entries `index` of the lists `list`, and how many numbers choose them.
+    #[inline(always)]
+    fn range<R: Real>(&self, list: R::Word, index: R::Word) -> (R::Word, R::Word) {
+        let zero = R::Word::splat(0);
+        let at = |index: R::Word| R::pick(&self.ends, R::index(index, self.ends.len()));
+        let place = list.wrapping_mul(R::Word::splat(self.len)).wrapping_add(index);
+        let is_first = index.eq(zero);
+        let before = is_first.select(place, place.wrapping_sub(R::Word::splat(1)));
+        let begin = is_first.select(zero, at(before));
+        (begin, at(place).wrapping_sub(begin))
     }
 }
 
