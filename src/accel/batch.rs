@@ -110,6 +110,17 @@ impl RayBatch {
         }
     }
 
+    /// Replaces the contents with the rays of `from` at the indices `order`. The arrays must have room
+    /// for them.
+    pub(crate) fn reorder(&mut self, from: &mut Self, order: &[u32]) {
+        for (to, from) in self.arrays().zip(from.arrays()) {
+            for (to, &index) in to[..order.len()].iter_mut().zip(order) {
+                *to = from[index as usize];
+            }
+        }
+        self.len = order.len();
+    }
+
     fn arrays(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
         let others = [&mut self.time, &mut self.t_min, &mut self.t_max];
         self.origin.iter_mut().chain(&mut self.direction).chain(others)

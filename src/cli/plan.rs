@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path, scene: &Scene, camera: &Camera) -> Result<Plan> 
 /// The plan in one line.
 pub(super) fn describe(plan: &Plan) -> String {
     let segment = |(number, plan): (usize, &SegmentPlan)| {
-        format!("{}: {}, shadows {}", number + 1, plan.closest_by(), plan.occluded.name())
+        format!("{}: {}, shadows {}", number + 1, plan.closest_by(), plan.occluded_by())
     };
     let segments: Vec<String> = plan.segments.iter().enumerate().map(segment).collect();
     format!("plan: waves of {}; segment {}", plan.wave_size, segments.join("; "))

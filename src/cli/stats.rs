@@ -80,7 +80,7 @@ fn segments(render: &Render, plan: &Plan) -> Result<()> {
             lanes(Stage::Order),
             match work(Stage::Connect) {
                 StageWork { active: 0, .. } => String::new(),
-                work => format!("{:<12}  {}", work.active, trace(how.occluded.name(), work)),
+                work => format!("{:<12}  {}", work.active, trace(&how.occluded_by(), work)),
             },
         );
         say(format_args!("{}", line.trim_end()))?;

@@ -28,6 +28,9 @@ pub struct SegmentPlan {
     pub closest: Kernel,
     /// The kernel that tests whether the shadow rays from these hits are occluded.
     pub occluded: Kernel,
+    /// Whether these shadow rays are sorted, too. Otherwise they are in the order of the hits.
+    #[serde(default)]
+    pub shadows_ordered: bool,
 }
 
 /// The origin of a plan.
@@ -89,15 +92,18 @@ impl Plan {
             _ => [Kernel::Beam, Kernel::Stream],
         };
         let ordered = later == Kernel::Packet || primitives >= ORDERED;
+        let of = |ordered, closest| SegmentPlan {
+            ordered,
+            closest,
+            occluded: later,
+            shadows_ordered: false,
+        };
         Self {
             wave_size: match wave_size {
                 0 => share.min(USUAL_WAVE.into()) as u32,
                 size => size,
             },
-            segments: vec![
-                SegmentPlan { ordered: false, closest: first, occluded: later },
-                SegmentPlan { ordered, closest: later, occluded: later },
-            ],
+            segments: vec![of(false, first), of(ordered, later)],
         }
     }
 }
@@ -105,6 +111,15 @@ impl Plan {
 impl SegmentPlan {
     /// Describes how closest hits are found, for example `ordered packet`.
     pub(crate) fn closest_by(&self) -> String {
-        format!("{}{}", if self.ordered { "ordered " } else { "" }, self.closest.name())
+        named(self.ordered, self.closest)
     }
+
+    /// Describes how shadow rays are tested.
+    pub(crate) fn occluded_by(&self) -> String {
+        named(self.shadows_ordered, self.occluded)
+    }
+}
+
+fn named(ordered: bool, kernel: Kernel) -> String {
+    format!("{}{}", if ordered { "ordered " } else { "" }, kernel.name())
 }

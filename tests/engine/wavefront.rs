@@ -56,6 +56,7 @@ fn random_plan(random: &mut Stream) -> Option<Plan> {
         ordered: below(2) == 0,
         closest: Kernel::ALL[below(Kernel::ALL.len() as u64)],
         occluded: Kernel::ALL[below(Kernel::ALL.len() as u64)],
+        shadows_ordered: below(2) == 0,
     });
     let segments: Vec<_> = segments.collect();
     let wave_size = 1 + below(700) as u32;
@@ -126,7 +127,8 @@ fn waves_and_plans_do_not_matter() {
         }
         let ways = Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, true), (kernel, false)]);
         for (kernel, ordered) in ways {
-            let segment = SegmentPlan { ordered, closest: kernel, occluded: kernel };
+            let (closest, occluded) = (kernel, kernel);
+            let segment = SegmentPlan { ordered, closest, occluded, shadows_ordered: !ordered };
             let plan = Plan { wave_size: 700, segments: vec![segment; 2] };
             same(RenderSettings { plan: Some(plan), ..base.clone() });
         }
@@ -209,7 +211,8 @@ fn plans_are_measured() {
 #[test]
 fn plans_out_of_range_are_refused() {
     let scene = Scene::load("cornell").unwrap();
-    let segment = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
+    let (closest, occluded) = (Kernel::Flat, Kernel::Flat);
+    let segment = SegmentPlan { ordered: false, closest, occluded, shadows_ordered: false };
     let plan = Plan { wave_size: 1, segments: vec![segment] };
     let refused = |plan| {
         let settings = RenderSettings { plan: Some(plan), ..RenderSettings::of(&scene) };

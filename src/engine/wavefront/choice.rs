@@ -16,8 +16,7 @@ const BEHIND: [f64; 2] = [4.0, 1.25];
 const INTERRUPTED: f64 = 3.0;
 /// The stages whose times decide the kernel for closest hits, and whether rays are ordered.
 const CLOSEST: &[Stage] = &[Stage::Order, Stage::Extend, Stage::Collide, Stage::Sort, Stage::Shade];
-/// The stages whose times decide the kernel for shadow rays. These rays are in the order of the
-/// hits.
+/// The stages whose times decide the kernel for shadow rays, and whether these are ordered.
 const OCCLUDED: &[Stage] = &[Stage::Connect];
 
 /// A plan, and the times of the waves that it traced.
@@ -83,18 +82,21 @@ pub(super) fn fastest_segment(
     number: u32,
     usual: &SegmentPlan,
 ) -> SegmentPlan {
-    // Shadow rays inherit the order of the other rays, so ordering is judged by the time of both.
+    // Shadow rays that are not sorted inherit the order of the other rays, so the order of those is
+    // judged by the time of both.
     let with_order = |ordered: bool| {
-        let least = |stages: &[Stage]| {
-            let same = tried.iter().filter(|tried| tried.way().ordered == ordered);
-            let costs =
-                same.filter_map(|tried| Some((tried.way(), tried.segment(number, stages)?)));
+        let least = |stages: &[Stage], fits: &dyn Fn(&SegmentPlan) -> bool| {
+            let ways = tried.iter().map(|tried| (tried.way(), tried)).filter(|(way, _)| fits(way));
+            let costs = ways.filter_map(|(way, tried)| Some((way, tried.segment(number, stages)?)));
             costs.min_by(|(_, a), (_, b)| a.total_cmp(b))
         };
-        let (SegmentPlan { closest, .. }, seconds) = least(CLOSEST)?;
-        let (SegmentPlan { occluded, .. }, more) = least(OCCLUDED).unwrap_or((*usual, 0.0));
+        let (SegmentPlan { closest, .. }, seconds) = least(CLOSEST, &|way| way.ordered == ordered)?;
+        let of_shadows = |way: &SegmentPlan| way.shadows_ordered || way.ordered == ordered;
+        let (shadows, more) = least(OCCLUDED, &of_shadows).unwrap_or((*usual, 0.0));
+        let SegmentPlan { occluded, shadows_ordered, .. } = shadows;
         // Camera rays are never sorted.
-        Some((SegmentPlan { ordered: ordered && number > 1, closest, occluded }, seconds + more))
+        let ordered = ordered && number > 1;
+        Some((SegmentPlan { ordered, closest, occluded, shadows_ordered }, seconds + more))
     };
     let orders = [false, true].into_iter().filter_map(with_order);
     orders.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(*usual, |(segment, _)| segment)
@@ -124,12 +126,17 @@ mod tests {
     use crate::engine::stats::StageWork;
 
     fn plan(ordered: bool, kernel: Kernel) -> Plan {
-        let way = SegmentPlan { ordered, closest: kernel, occluded: kernel };
+        let (closest, occluded) = (kernel, kernel);
+        let way = SegmentPlan { ordered, closest, occluded, shadows_ordered: false };
         Plan { wave_size: 100, segments: vec![way] }
     }
 
-    const USUAL: SegmentPlan =
-        SegmentPlan { ordered: true, closest: Kernel::Beam, occluded: Kernel::Flat };
+    const USUAL: SegmentPlan = SegmentPlan {
+        ordered: true,
+        closest: Kernel::Beam,
+        occluded: Kernel::Flat,
+        shadows_ordered: false,
+    };
 
     /// A wave of 100 rays per stage, with the given seconds of stages and segments.
     fn wave(seconds: &[(Stage, u32, f64)]) -> WaveStats {
@@ -187,6 +194,28 @@ mod tests {
         assert_eq!(chosen(Connect, [5.0, 2.0, 5.0, 1.0]).occluded, Kernel::Stream);
         assert_eq!(chosen(Connect, [0.1, 2.0, 0.2, 1.0]).occluded, Kernel::Packet);
         assert_eq!(chosen(Sort, [0.0; 4]).occluded, Kernel::Flat);
+    }
+
+    #[test]
+    fn shadow_rays_are_sorted_if_that_is_fastest() {
+        let kernel = Kernel::Packet;
+        let (unsorted, mut sorted) = (plan(false, kernel), plan(true, kernel));
+        let ordered = plan(true, kernel);
+        sorted.segments[0].shadows_ordered = true;
+        let chosen = |connect: [f64; 3], extend: [f64; 2]| {
+            let each = [&unsorted, &ordered, &sorted].into_iter().zip(connect);
+            let tried = each.map(|(plan, connect)| {
+                let extend = extend[usize::from(plan.segments[0].ordered)];
+                let works = [(Stage::Extend, 2, extend), (Stage::Connect, 2, connect)];
+                Tried { plan, waves: vec![wave(&works); 3] }
+            });
+            let way = fastest_segment(&tried.collect::<Vec<_>>(), 2, &USUAL);
+            (way.ordered, way.shadows_ordered)
+        };
+        assert_eq!(chosen([5.0, 4.0, 1.0], [2.0, 1.0]), (true, true));
+        assert_eq!(chosen([5.0, 4.0, 1.0], [1.0, 2.0]), (false, true));
+        assert_eq!(chosen([3.0, 1.0, 1.5], [1.0, 1.2]), (true, false));
+        assert_eq!(chosen([1.0, 1.0, 1.5], [1.0, 1.2]), (false, false));
     }
 
     #[test]

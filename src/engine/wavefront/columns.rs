@@ -51,6 +51,19 @@ impl<const N: usize> Columns<N> {
         }
     }
 
+    /// Replaces the contents with the rows of `from` at the indices `order`. There must be room for
+    /// them.
+    pub(super) fn reorder(&mut self, from: &Self, order: &[u32]) {
+        let stride = self.stride;
+        for (column, to) in self.words.chunks_exact_mut(stride).enumerate() {
+            let from = from.column(column);
+            for (to, &index) in to[..order.len()].iter_mut().zip(order) {
+                *to = from[index as usize];
+            }
+        }
+        self.len = order.len();
+    }
+
     /// The words of all rows in column number `column`.
     pub(super) fn column(&self, column: usize) -> &[u32] {
         &self.words[column * self.stride..][..self.len]

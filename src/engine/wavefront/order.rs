@@ -14,7 +14,7 @@ pub(super) type Next = Columns<2>;
 #[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
     if by_cell {
-        sort_by_cell(next, rays);
+        rays.sort.list(next.column(1), next.column(0).iter().copied(), &mut rays.paths);
     } else {
         rays.paths.clear();
         rays.paths.extend_from_slice(next.column(0));
@@ -22,25 +22,41 @@ pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) 
     rays.fill(paths);
 }
 
-/// Sorts the paths by cell with a counting sort.
-fn sort_by_cell(next: &Next, Rays { paths, starts, .. }: &mut Rays) {
-    let bits = Cells::bits_for(next.len());
-    let leave_out = Cells::BITS - bits;
-    starts.clear();
-    starts.resize(1 << bits, 0);
-    paths.resize(next.len(), 0);
-    // These are slices because the pointer of a `Vec` would be loaded again after each write.
-    let (starts, paths) = (&mut starts[..], &mut paths[..]);
-    for &cell in next.column(1) {
-        starts[(cell >> leave_out) as usize] += 1;
-    }
-    let mut sum = 0;
-    for start in starts.iter_mut() {
-        sum += std::mem::replace(start, sum);
-    }
-    for (&path, &cell) in next.column(0).iter().zip(next.column(1)) {
-        let next = &mut starts[(cell >> leave_out) as usize];
-        paths[*next as usize] = path;
-        *next += 1;
+/// A counting sort by cell.
+#[derive(Debug, Default)]
+pub(super) struct CellSort {
+    /// For each cell, the index of its next value.
+    starts: Vec<u32>,
+}
+
+impl CellSort {
+    /// Replaces the contents of `list` with `values`, sorted by `cells`. Values of the same cell stay
+    /// in order.
+    #[inline(always)]
+    pub(super) fn list(
+        &mut self,
+        cells: &[u32],
+        values: impl Iterator<Item = u32>,
+        list: &mut Vec<u32>,
+    ) {
+        let bits = Cells::bits_for(cells.len());
+        let leave_out = Cells::BITS - bits;
+        self.starts.clear();
+        self.starts.resize(1 << bits, 0);
+        list.resize(cells.len(), 0);
+        // These are slices because the pointer of a `Vec` would be loaded again after each write.
+        let (starts, list) = (&mut self.starts[..], &mut list[..]);
+        for &cell in cells {
+            starts[(cell >> leave_out) as usize] += 1;
+        }
+        let mut sum = 0;
+        for start in starts.iter_mut() {
+            sum += std::mem::replace(start, sum);
+        }
+        for (value, &cell) in values.zip(cells) {
+            let next = &mut starts[(cell >> leave_out) as usize];
+            list[*next as usize] = value;
+            *next += 1;
+        }
     }
 }

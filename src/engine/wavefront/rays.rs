@@ -1,6 +1,6 @@
 //! The rays of a segment, in the order of tracing.
 
-use super::cells::Cells;
+use super::order::CellSort;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
@@ -11,8 +11,7 @@ pub(super) struct Rays {
     pub(super) batch: RayBatch,
     /// The path of each ray in the batch, padded to a multiple of [`LANES`].
     pub(super) paths: Vec<u32>,
-    /// For each cell, the index of its first path. A buffer of the counting sort.
-    pub(super) starts: Vec<u32>,
+    pub(super) sort: CellSort,
 }
 
 impl Rays {
@@ -21,7 +20,7 @@ impl Rays {
         Self {
             batch: RayBatch::with_capacity(capacity),
             paths: Vec::with_capacity(capacity + LANES),
-            starts: Vec::with_capacity(1 << Cells::bits_for(capacity)),
+            sort: CellSort::default(),
         }
     }
 

@@ -16,6 +16,11 @@ use crate::film::{CHUNK, Grid, Tile, Unit};
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 
+/// Number of lights from which shadow rays are usually sorted. With eight lamps in a room, whole
+/// renders were 1.09 times as fast, with ten lamps spread over a plain 1.87 times; with one lamp or a
+/// map, 0.87 to 1.07 times.
+const SEVERAL: usize = 8;
+
 /// Limits the length of a trial.
 #[derive(Clone, Copy)]
 struct Effort {
@@ -44,7 +49,9 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     // Only these kernels trace instances, whatever their number.
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
-    let usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
+    let mut usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
+    let shadows_ordered = view.prepared.tables().lights.len() >= SEVERAL;
+    usual.segments.iter_mut().for_each(|segment| segment.shadows_ordered = shadows_ordered);
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);
@@ -73,7 +80,10 @@ fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
 fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
     let kernels = Kernel::ALL.into_iter().filter(|&k| view.prepared.accelerator().may_win(k));
     let ways = kernels.flat_map(|kernel| {
-        [false, true].map(|ordered| SegmentPlan { ordered, closest: kernel, occluded: kernel })
+        // Whether shadow rays are sorted matters little for the others, and vice versa.
+        [(false, false), (true, false), (true, true)].map(|(ordered, shadows_ordered)| {
+            SegmentPlan { ordered, closest: kernel, occluded: kernel, shadows_ordered }
+        })
     });
     ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()
 }
@@ -194,7 +204,8 @@ mod tests {
     }
 
     fn plan() -> Plan {
-        let way = SegmentPlan { ordered: false, closest: Kernel::Flat, occluded: Kernel::Flat };
+        let (closest, occluded) = (Kernel::Flat, Kernel::Flat);
+        let way = SegmentPlan { ordered: false, closest, occluded, shadows_ordered: false };
         Plan { wave_size: 1 << 14, segments: vec![way] }
     }
 

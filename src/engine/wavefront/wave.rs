@@ -108,10 +108,13 @@ impl<'a> Worker<'a> {
             watch.ended(segment, &endings);
             watch.lap(Stage::Shade, segment, work);
 
-            if !shadows.rays.is_empty() {
+            if shadows.len() > 0 {
+                if how.shadows_ordered {
+                    shadows.sort(cells);
+                }
                 let counters =
                     connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
-                let work = StageWork::of(shadows.rays.len());
+                let work = StageWork::of(shadows.len());
                 tally.rays.shadow += work.active;
                 watch.lap(Stage::Connect, segment, StageWork { counters, ..work });
             }

@@ -272,6 +272,11 @@ impl Lights {
         Some((&self.tables.environment[0], light))
     }
 
+    /// Number of lights.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Whether there are lights that only light samples find.
     #[inline(always)]
     pub(crate) fn has_unseen(&self) -> bool {
