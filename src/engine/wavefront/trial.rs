@@ -16,10 +16,10 @@ use crate::film::{CHUNK, Grid, Tile, Unit};
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 
-/// Number of lights from which shadow rays are usually sorted. With eight lamps in a room, whole
+/// Number of lights from which shadow rays are usually sorted. With four lamps in a room, whole
 /// renders were 1.09 times as fast, with ten lamps spread over a plain 1.87 times; with one lamp or a
 /// map, 0.87 to 1.07 times.
-const SEVERAL: usize = 8;
+const SEVERAL: usize = 4;
 
 /// Limits the length of a trial.
 #[derive(Clone, Copy)]
