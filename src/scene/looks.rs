@@ -111,7 +111,7 @@ impl Looks {
             let entry = entries[material as usize];
             let material = &scene.materials()[material as usize];
             let emission = material.emission().filter(Emission::shines);
-            let emits = emission.is_some();
+            let emits = emission.is_some() || material.glows();
             let key = number(Key::Surface { shape, kind: material.kind(), emits });
             let first = light;
             if let Some(emission) = emission {

@@ -334,7 +334,8 @@ impl Maker {
             principled.coat_color = self.vector(0.0, 1.0);
         }
         if self.one_in(6) {
-            principled.emission = self.vector(0.0, 3.0);
+            principled.emission =
+                if self.one_in(2) { self.vector(0.0, 3.0).into() } else { self.albedo(textures) };
         }
         principled
     }

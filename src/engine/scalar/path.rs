@@ -10,7 +10,7 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
 use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
-use crate::math::{dot, max_element, min};
+use crate::math::{Real, dot, max_element, min};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::material::{
     Bsdf, MaterialModel, MaterialTable, MaterialVisitor, SPECULAR, Scatter,
@@ -242,7 +242,11 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             M::GLOSSY,
             shape == Shape::Instance,
         );
+        let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         if emits {
+            if !table.glows.is_empty() {
+                path.radiance += path.beta * at.color(f32::gather(&table.glows, entry, |row| row));
+            }
             let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;
         }
@@ -253,7 +257,6 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         if tracer.ends_by_depth(path) {
             return false;
         }
-        let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         if M::TEXTURED && table.textured {
             at.map_normals(table, entry, M::GLOSSY);
         }

@@ -28,10 +28,10 @@ pub use dielectric::Fresnel;
 
 use super::interaction::Interaction;
 use super::place::Element;
-use super::texture::{TextureRef, TextureTables};
+use super::texture::{Color, TextureRef, TextureTables};
 use crate::error::Result;
 use crate::image::Texels;
-use crate::math::Real;
+use crate::math::{Real, Row};
 
 /// A kind of material: its parameters, its table and its physics.
 pub(crate) trait MaterialModel {
@@ -65,6 +65,12 @@ pub(crate) trait MaterialModel {
 
     /// Returns the light that the material emits, if any.
     fn emission(&self) -> Option<Emission> {
+        None
+    }
+
+    /// Returns the texture of the light that the material emits, if it has one. Such light is not
+    /// sampled: only paths that hit the surface find it.
+    fn glow(&self) -> Option<&Color> {
         None
     }
 
@@ -104,11 +110,13 @@ pub(crate) struct MaterialTable<E> {
     pub(crate) textured: bool,
     /// For each of them, the code of its normal map; empty if none has one.
     pub(crate) normals: Vec<u32>,
+    /// For each of them, the row of the texture of its light; empty if none has one.
+    pub(crate) glows: Vec<Row>,
 }
 
 impl<E> Default for MaterialTable<E> {
     fn default() -> Self {
-        Self { entries: Vec::new(), textured: false, normals: Vec::new() }
+        Self { entries: Vec::new(), textured: false, normals: Vec::new(), glows: Vec::new() }
     }
 }
 
@@ -120,6 +128,8 @@ macro_rules! materials {
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
         #[non_exhaustive]
+        // A scene has few materials.
+        #[allow(clippy::large_enum_variant)]
         pub enum Material {
             $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($name),)*
         }
@@ -174,6 +184,13 @@ macro_rules! materials {
                 }
             }
 
+            /// Whether the material emits the light of a texture.
+            pub(super) fn glows(&self) -> bool {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(material) => material.glow().is_some(),)*
+                }
+            }
+
             /// Returns where the surface has holes, if anywhere.
             pub(super) fn opacity(&self) -> Option<&Opacity> {
                 match self {
@@ -214,6 +231,10 @@ macro_rules! materials {
                         if normal != 0 || !table.normals.is_empty() {
                             table.normals.resize(table.entries.len() - 1, 0);
                             table.normals.push(normal);
+                        }
+                        if material.glow().is_some() || !table.glows.is_empty() {
+                            table.glows.resize(table.entries.len() - 1, [0; 4]);
+                            table.glows.push(material.glow().map_or([0; 4], |glow| textures.row(glow)));
                         }
                         table.textured |= textures.uses() > before;
                         assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");

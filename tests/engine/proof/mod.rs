@@ -10,6 +10,7 @@
 mod exact;
 mod filters;
 mod furnace;
+mod glow;
 mod instances;
 mod lamps;
 mod media;

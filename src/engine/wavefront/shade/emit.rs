@@ -5,7 +5,7 @@ use crate::engine::contract::emission_weight;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Hit, Shape};
-use crate::math::Real;
+use crate::math::{Real, Row};
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
@@ -37,24 +37,39 @@ impl Shading<'_> {
         shaded.endings.background += queue.len() as u64;
     }
 
-    /// Adds the light that surfaces of one shape emit towards the paths of `queue`.
+    /// Adds the light that surfaces of one shape emit towards the paths of `queue`. `glows` are the
+    /// rows of the textures of their light, if they have any.
     #[inline(never)]
-    pub(super) fn emit(&self, shape: Shape, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
-        if self.tables.lights.is_empty() {
-            return;
-        }
+    pub(super) fn emit(
+        &self,
+        shape: Shape,
+        glows: &[Row],
+        queue: Queue<'_>,
+        shaded: &mut Shaded<'_>,
+    ) {
+        let instanced = shape == Shape::Instance;
         for first in (0..queue.len()).step_by(LANES) {
-            let vertex = self.vertex(queue, first, shaded.paths, false);
+            let vertex = self.vertex(queue, first, shaded.paths, instanced);
             let Segment { ray, pdf } = vertex.segment;
             let Hit { t, primitive, .. } = vertex.hit;
-            let at = self.tables.interaction(shape, ray, vertex.hit, false, false, false);
+            let textured = !glows.is_empty();
+            let at = self.tables.interaction(shape, ray, vertex.hit, textured, false, instanced);
+            let mut history = vertex.history;
+            if textured {
+                let entries = self.tables.looks.entries::<Float>(shape, primitive, glows.len());
+                let glow = at.color(Float::gather(glows, entries, |row| row));
+                history.radiance = history.radiance + history.beta * glow;
+                shaded.paths.set_radiance(&vertex.path, &history);
+            }
+            if self.tables.lights.is_empty() {
+                continue;
+            }
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, primitive);
             let light = self.tables.lights.get::<Float>(light);
             let light_pdf = || light.pdf(&ray, t) * light.chance(ray.origin);
             let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
             let weight = is_light.select(weight, Float::ONE);
             let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
-            let mut history = vertex.history;
             history.radiance = history.radiance + history.beta * emitted * weight;
             shaded.paths.set_radiance(&vertex.path, &history);
         }

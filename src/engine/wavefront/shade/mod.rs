@@ -101,7 +101,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
         if emits {
-            shading.emit(shape, queue, shaded);
+            shading.emit(shape, &table.glows, queue, shaded);
         }
         if !M::SCATTERS {
             shaded.endings.light += queue.len() as u64;

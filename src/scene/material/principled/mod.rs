@@ -52,12 +52,13 @@ pub struct Principled {
     pub coat_roughness: Number,
     /// Colour of the light that passes the clear coat, each channel in [0, 1].
     pub coat_color: [f32; 3],
-    /// Emitted radiance in linear RGB, 0 to 1e30.
-    pub emission: [f32; 3],
+    /// Emitted radiance in linear RGB, 0 to 1e30, or a texture. Light samples do not find the light
+    /// of a texture, only paths that hit the surface.
+    pub emission: Color,
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles and emit no light.
+    /// Holes in the surface, which must then be of triangles and emit no light but that of a texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -83,7 +84,7 @@ impl Default for Principled {
             coat: 0.0.into(),
             coat_roughness: 0.0.into(),
             coat_color: [1.0; 3],
-            emission: [0.0; 3],
+            emission: [0.0; 3].into(),
             normal: None,
             opacity: None,
         }
@@ -116,6 +117,7 @@ impl MaterialModel for Principled {
         self.base_color
             .reference()
             .into_iter()
+            .chain(self.emission.reference())
             .chain(numbers)
             .chain(&mut self.normal)
             .chain(opacity)
@@ -131,8 +133,13 @@ impl MaterialModel for Principled {
     }
 
     fn emission(&self) -> Option<Emission> {
-        let radiance = Vec3::from(self.emission);
+        let Color::Rgb(radiance) = self.emission else { return None };
+        let radiance = Vec3::from(radiance);
         (radiance != Vec3::ZERO).then_some(Emission { radiance, sides: Sides::Both })
+    }
+
+    fn glow(&self) -> Option<&Color> {
+        Some(&self.emission).filter(|emission| matches!(emission, Color::Texture { .. }))
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
@@ -155,9 +162,9 @@ impl MaterialModel for Principled {
         let distance = self.attenuation_distance;
         e.check(distance > 0.0, "attenuation_distance", "above 0", distance)?;
         e.color("coat_color", self.coat_color, 1.0)?;
-        e.color("emission", self.emission, MAX_RADIANCE)?;
-        let emits = self.emission != [0.0; 3];
-        e.check(!(emits && self.opacity.is_some()), "emission", "0 with opacity", self.emission)
+        self.emission.check_within(e, "emission", MAX_RADIANCE)?;
+        let cut_lamp = self.emission().is_some() && self.opacity.is_some();
+        e.check(!cut_lamp, "emission", "0 or a texture with opacity", "a colour")
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {

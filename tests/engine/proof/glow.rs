@@ -1,0 +1,47 @@
+//! Light of textures, which only paths that hit the surface find, beside closed forms.
+
+use super::{Known, compare};
+
+/// A camera that looks down from (`x`, 0, 0.5), and these elements.
+fn scene(x: f32, more: &str, primitives: &str) -> String {
+    format!(
+        r#"(camera: (look_from: ({x}, 0, 0.5), look_at: ({x}, -1, 0.5), up: (0.1, 1, 0.2), vfov: 0.02),
+            textures: {{
+                "cells": checker(odd: (0.1, 0.1, 0.1), even: (0.5, 0.5, 0.5), scale: 3.1415927),
+                "even": solid(color: (0.5, 0.5, 0.5)),
+            }},
+            materials: {{
+                "glow": principled(base_color: (0, 0, 0), specular: 0, emission: (texture: "cells", factor: (4, 4, 4))),
+                "dome": principled(base_color: (0, 0, 0), specular: 0, emission: "even"),
+                "floor": lambertian(albedo: (0.6, 0.6, 0.6)),
+                "lamp": light(radiance: (1, 1, 1)),
+            }},
+            {more}
+            primitives: [{primitives}])"#
+    )
+}
+
+#[test]
+fn glowing_surfaces_shine_as_their_textures_say() {
+    // Cells have sides of 1. The camera looks at the cell (0, −1, 0), or at (−1, −1, 0).
+    let corners =
+        "vertices: [(-0.9, -0.5, 0.1), (-0.9, -0.5, 0.9), (0.9, -0.5, 0.1), (0.9, -0.5, 0.9)]";
+    let card =
+        format!(r#"triangles({corners}, indices: [(0, 1, 2), (1, 3, 2)], material: "glow")"#);
+    let meshes = format!(r#"meshes: {{"cards": [{card}]}},"#);
+    let instance = r#"instance(mesh: "cards", matrix: ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)))"#;
+    // Paths sample the lamp, but it does not light the camera's side of the card.
+    let lamp = r#"sphere(center: (0, -9, 0), radius: 0.1, material: "lamp")"#;
+    let floor = r#"sphere(center: (0, 0, 0), radius: 9, material: "dome"),
+        quad(q: (-0.1, -1, 0.4), u: (0, 0, 0.2), v: (0.2, 0, 0), material: "floor")"#;
+    compare(
+        "glowing textures",
+        &[
+            Known::new("an odd cell", &scene(0.5, "", &card), 0.4),
+            Known::new("an even cell", &scene(-0.5, "", &card), 2.0),
+            Known::new("in an instance", &scene(-0.5, &meshes, instance), 2.0),
+            Known::new("beside a lamp", &scene(-0.5, "", &format!("{card}, {lamp}")), 2.0),
+            Known::new("a floor in a dome", &scene(0.0, "", floor), 0.6 * 0.5),
+        ],
+    );
+}
