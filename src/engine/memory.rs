@@ -20,7 +20,7 @@ const BUILD: u64 = 180;
 /// Number of paths of the largest waves in trials.
 const PATHS: u64 = 1 << 15;
 /// Bytes per path of a wave, in scenes with many kinds of materials.
-const PATH: u64 = 320;
+const PATH: u64 = 380;
 
 impl RenderSettings {
     /// Checks the estimated memory of a render of `scene` against the limit. The film takes `film`

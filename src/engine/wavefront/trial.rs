@@ -79,10 +79,16 @@ fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
 /// Returns a plan for each way of tracing that might be fastest. Each plan applies to all segments.
 fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
     let kernels = Kernel::ALL.into_iter().filter(|&k| view.prepared.accelerator().may_win(k));
+    let has_shadows = view.settings.samples_lights(view.scene());
     let ways = kernels.flat_map(|kernel| {
-        // Whether shadow rays are sorted matters little for the others, and vice versa.
-        [(false, false), (true, false), (true, true)].map(|(ordered, shadows_ordered)| {
-            SegmentPlan { ordered, closest: kernel, occluded: kernel, shadows_ordered }
+        // Sorted shadow rays take equally long in any order of the others.
+        let orders = [(false, false), (true, false), (true, true)];
+        let orders = orders.into_iter().filter(|(_, of_shadows)| has_shadows || !of_shadows);
+        orders.map(move |(ordered, shadows_ordered)| SegmentPlan {
+            ordered,
+            closest: kernel,
+            occluded: kernel,
+            shadows_ordered,
         })
     });
     ways.map(|way| Plan { segments: vec![way], ..usual.clone() }).collect()

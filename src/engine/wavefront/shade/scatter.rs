@@ -11,8 +11,8 @@ use crate::sampler::Dimension;
 use crate::scene::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
-/// The loops over surfaces, each faster than the next: without textures and instances, with colours
-/// from textures, and with everything.
+/// The three loops over surfaces, from the fastest to the slowest: without textures, with textures, and
+/// also with normal maps and instances. Code that is never used slows a loop down by 6 to 10%.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;
