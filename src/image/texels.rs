@@ -8,7 +8,8 @@ use crate::math::{Mask, Real, Word, max};
 const STRIP: u32 = 4;
 
 /// The texels of a texture, row 0 on top. They are stored in strips of four rows, and in each strip
-/// column by column, so that the four texels of a lookup are mostly in one cache line.
+/// column by column, so that the four texels of a lookup are in few cache lines: in one, for most
+/// lookups of bytes.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Texels {
     width: u32,
@@ -169,6 +170,7 @@ fn in_strips<T: Copy>(width: u32, height: u32, rows: Vec<T>) -> Vec<T> {
             strips.extend(strip.chunks_exact(width).map(|row| row[x]));
         }
     }
+    drop(rows);
     settle(strips)
 }
 

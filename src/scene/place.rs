@@ -64,6 +64,11 @@ impl Places {
     }
 }
 
+/// An upper bound, as error messages write it.
+pub(super) fn limit(most: f32) -> String {
+    if most == MAX_RADIANCE { "1e30".to_owned() } else { most.to_string() }
+}
+
 /// One element of a file, for error messages while its values are checked.
 pub(crate) struct Element<'a> {
     pub(super) file: &'a str,
@@ -106,10 +111,7 @@ impl Element<'_> {
     }
 
     pub(super) fn color(&self, name: &str, value: [f32; 3], most: f32) -> Result<Vec3> {
-        let range = format!(
-            "in [0, {}]",
-            if most == MAX_RADIANCE { "1e30".to_owned() } else { most.to_string() }
-        );
+        let range = format!("in [0, {}]", limit(most));
         let ok = value.iter().all(|c| (0.0..=most).contains(c));
         self.check(ok, name, &range, value)?;
         Ok(Vec3::from_array(value))

@@ -1,6 +1,6 @@
 //! Reasons why the picture of a valid scene may be black or incomplete.
 
-use super::material::Sides;
+use super::material::{Material, Sides};
 use super::{Camera, Scene};
 use crate::geometry::Primitive;
 use crate::math::length;
@@ -18,7 +18,8 @@ impl Scene {
         if self.geometry().is_empty() {
             warnings.push("the scene has no primitives".to_owned());
         }
-        if self.lights() == 0 && self.background().is_black() {
+        let glows = self.materials().iter().any(Material::glows);
+        if self.lights() == 0 && !glows && self.background().is_black() {
             let message =
                 "the picture will be black: nothing emits light, and the background is black";
             warnings.push(message.to_owned());
@@ -58,6 +59,9 @@ mod tests {
         assert!(warnings(&format!("({camera}, {sky})")).contains("no primitives"));
         let grey = sphere("lambertian(albedo: (1, 1, 1))");
         assert!(warnings(&format!("({camera}, {grey})")).contains("nothing emits light"));
+        let glow = sphere("principled(emission: \"g\")");
+        let textures = "textures: {\"g\": solid(color: (1, 1, 1))}";
+        assert_eq!(warnings(&format!("({camera}, {textures}, {glow})")), "");
         assert!(warnings(&format!("({camera}, {sky}, {grey})")).contains("inside primitive 0"));
         for open in ["dielectric(ior: 1.5)", "light(radiance: (1, 1, 1), sides: both)"] {
             assert_eq!(warnings(&format!("({camera}, {sky}, {})", sphere(open))), "", "{open}");

@@ -217,7 +217,8 @@ impl Maker {
                 Checker { odd, even, scale: self.0.between(0.5, 20.0) }.into()
             }
             _ => {
-                let mut image = Image::from_file("tests/data/picture.png");
+                let file = if self.one_in(3) { "floats.pfm" } else { "picture.png" };
+                let mut image = Image::from_file(format!("tests/data/{file}"));
                 image.uv = self.below(2) as u32;
                 let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
                 image.wrap_u = wraps[self.below(3) as usize];
@@ -407,6 +408,9 @@ impl Maker {
         leaf.opacity = second;
         let mut glass = Principled::default();
         (glass.opacity, glass.transmission) = (third, 0.5.into());
+        if textures > 0 && self.one_in(2) {
+            glass.emission = "t0".into();
+        }
         let named = |name: &str, material: Material| (name.to_owned(), material);
         [named("h0", card.into()), named("h1", leaf.into()), named("h2", glass.into())]
     }

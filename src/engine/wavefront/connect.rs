@@ -64,6 +64,8 @@ impl Shadows {
         let Self { list, order, sort, .. } = self;
         let sorted = self.sorted.get_or_insert_with(|| List::with_capacity(self.capacity));
         self.cells.clear();
+        self.cells.reserve_exact(self.capacity + LANES);
+        order.reserve_exact(self.capacity.saturating_sub(order.len()));
         for first in (0..list.rays.len()).step_by(LANES) {
             let Ray { origin, direction, .. } = list.rays.vector(first).ray();
             self.cells.extend_from_slice(&cells.of(origin, direction).to_array());

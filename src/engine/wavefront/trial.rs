@@ -18,7 +18,7 @@ const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 
 /// Number of lights from which shadow rays are usually sorted. With four lamps in a room, whole
 /// renders were 1.09 times as fast, with ten lamps spread over a plain 1.87 times; with one lamp or a
-/// map, 0.87 to 1.07 times.
+/// map, 0.86 to 1.07 times. Each primitive that emits is a light.
 const SEVERAL: usize = 4;
 
 /// Limits the length of a trial.
@@ -33,7 +33,7 @@ struct Effort {
     first: u64,
 }
 
-/// Effort to compare ways of tracing, that is, kernels with and without ordered rays. Their times
+/// Effort to compare ways of tracing, that is, kernels with and without sorted rays. Their times
 /// differ by large factors.
 const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// Effort to compare wave sizes. Their times differ by a few percent, which is less than the
@@ -50,7 +50,8 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
     let mut usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
-    let shadows_ordered = view.prepared.tables().lights.len() >= SEVERAL;
+    let shadows_ordered =
+        settings.samples_lights(view.scene()) && view.prepared.tables().lights.len() >= SEVERAL;
     usual.segments.iter_mut().for_each(|segment| segment.shadows_ordered = shadows_ordered);
 
     let ways = each_way(view, &usual);

@@ -1,4 +1,4 @@
-//! A test material that both scatters and emits light, which no other material does yet.
+//! A simple test material that both scatters light and is a lamp.
 //!
 //! The engines' tests use it.
 

@@ -1,7 +1,7 @@
 //! Named meshes, and how instances place them.
 //!
 //! Meshes may contain instances of others. A scene has only two levels, so an instance of such a
-//! group becomes one instance for each mesh in it. Triangles that emit light become ordinary
+//! group becomes one instance for each mesh in it. Triangles that are lights become ordinary
 //! triangles wherever they are placed, because each of them is a light of its own.
 
 use std::borrow::Cow;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Product, Texture, TextureRef};
 use crate::error::Result;
-use crate::scene::place::Element;
+use crate::scene::place::{Element, limit};
 
 /// A constant colour, or a texture times a constant colour.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,9 +49,21 @@ impl Color {
                 let largest = texture.get().largest();
                 let product = factor.map(|factor| factor * largest);
                 let ok = product.iter().all(|&value| value <= most);
-                let range = format!("textures and factors with products in [0, {most}]");
+                let range = format!("textures and factors with products in [0, {}]", limit(most));
                 e.check(ok, name, &range, format!("at most {product:?}"))
             }
+        }
+    }
+
+    /// The colour, if it is the same everywhere.
+    pub(in crate::scene) fn constant(&self) -> Option<[f32; 3]> {
+        match self {
+            Self::Rgb(rgb) => Some(*rgb),
+            Self::Texture { factor: [0.0, 0.0, 0.0], .. } => Some([0.0; 3]),
+            Self::Texture { texture: TextureRef::Texture(texture), factor } => {
+                texture.constant().map(|color| [0, 1, 2].map(|i| color[i] * factor[i]))
+            }
+            Self::Texture { .. } => None,
         }
     }
 

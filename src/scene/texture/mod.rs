@@ -130,6 +130,12 @@ macro_rules! textures {
                 }
             }
 
+            fn constant(&self) -> Option<[f32; 3]> {
+                match self {
+                    $(Self::$name(texture) => texture.constant(),)*
+                }
+            }
+
             pub(super) fn largest(&self) -> f32 {
                 match self {
                     $(Self::$name(texture) => texture.largest(),)*

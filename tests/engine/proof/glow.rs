@@ -8,7 +8,7 @@ fn scene(x: f32, more: &str, primitives: &str) -> String {
         r#"(camera: (look_from: ({x}, 0, 0.5), look_at: ({x}, -1, 0.5), up: (0.1, 1, 0.2), vfov: 0.02),
             textures: {{
                 "cells": checker(odd: (0.1, 0.1, 0.1), even: (0.5, 0.5, 0.5), scale: 3.1415927),
-                "even": solid(color: (0.5, 0.5, 0.5)),
+                "even": checker(odd: (0.5, 0.5, 0.5), even: (0.5, 0.5, 0.5), scale: 1),
             }},
             materials: {{
                 "glow": principled(base_color: (0, 0, 0), specular: 0, emission: (texture: "cells", factor: (4, 4, 4))),

@@ -88,6 +88,16 @@ fn plans_of_records_can_be_reused() {
     assert!(counts.0[0]["stages"]["extend"]["counters"]["leaf_tests"].as_u64().unwrap() > 0);
     assert_eq!(counts.0[0]["stages"]["extend"]["active"], 30 * 30 * 4);
     assert_eq!(counts.0, counts.1);
+    // Plans of records from before shadow rays could be sorted have no such field.
+    let record = fs::read_to_string(here.join("a.json")).unwrap();
+    let mut record: Value = serde_json::from_str(&record).unwrap();
+    for segment in record["plan"]["segments"].as_array_mut().unwrap() {
+        assert_eq!(segment.as_object_mut().unwrap().remove("shadows_ordered"), Some(false.into()));
+    }
+    fs::write(here.join("old.json"), record.to_string()).unwrap();
+    let old = with(&["--plan", "old.json", "--json", "c.json", "--stats"]);
+    assert!(old.status.success(), "{}", stderr(&old));
+    assert!(stdout(&old).contains("plan: waves of 100;"), "{}", stdout(&old));
     // The tables have the exact numbers of rays and of path endings.
     let told = |output| -> Vec<String> {
         let counted = |line: &&str| line.contains(" rays: ") || line.contains(" paths ended: ");

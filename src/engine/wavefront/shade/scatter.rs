@@ -12,7 +12,8 @@ use crate::scene::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
 /// The three loops over surfaces, from the fastest to the slowest: without textures, with textures, and
-/// also with normal maps and instances. Code that is never used slows a loop down by 6 to 10%.
+/// also with normal maps and instances. Code that is never used slows a loop down by 6 to 10%. Kinds
+/// with much code of their own have only the last.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;

@@ -17,7 +17,7 @@ const LAST: f32 = 1.0 - 1.0 / (1 << 24) as f32;
 pub(super) struct CellTable {
     /// One list, with an entry for each row.
     rows: Lists,
-    /// For each row, a list with an entry for each cell. It is 0 in rows that are never chosen.
+    /// For each row, a list with an entry for each cell. Its ends are 0 if the row is never chosen.
     cells: Lists,
 }
 
@@ -145,6 +145,32 @@ fn ends(weights: &[f64]) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::math::random::Stream;
+    use crate::simd::{Float, Int, LANES};
+
+    /// Beside a search from the first entry to the last.
+    #[test]
+    fn searches_find_the_first_end_above_a_number() {
+        let mut random = Stream::new(4);
+        for len in [1, 2, 31, 32, 33, 63, 64, 65, 100, 1000] {
+            let mut list = |_| {
+                let weights: Vec<f64> = (0..len)
+                    .map(|_| f64::from(random.uniform()) * f64::from(random.bits() as u32 % 3))
+                    .collect();
+                if weights.iter().sum::<f64>() > 0.0 { ends(&weights) } else { vec![0; len] }
+            };
+            let all: Vec<Vec<u32>> = (0..3).map(&mut list).collect();
+            let lists = Lists::new(len as u32, all.concat());
+            for (number, list) in (0..).zip(&all).filter(|(_, list)| list[len - 1] > 0) {
+                for _ in 0..300 {
+                    let u = random.uniform();
+                    let want = list.iter().position(|&end| end > (u * ALL as f32) as u32).unwrap();
+                    assert_eq!(lists.find::<f32>(number, u).0, want as u32, "{u} of {len}");
+                    let lanes = lists.find(Int::splat(number), Float::splat(u)).0;
+                    assert_eq!(lanes.to_array(), [want as u32; LANES], "{u} of {len}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn cells_are_chosen_with_their_probability() {

@@ -133,13 +133,12 @@ impl MaterialModel for Principled {
     }
 
     fn emission(&self) -> Option<Emission> {
-        let Color::Rgb(radiance) = self.emission else { return None };
-        let radiance = Vec3::from(radiance);
+        let radiance = Vec3::from(self.emission.constant()?);
         (radiance != Vec3::ZERO).then_some(Emission { radiance, sides: Sides::Both })
     }
 
     fn glow(&self) -> Option<&Color> {
-        Some(&self.emission).filter(|emission| matches!(emission, Color::Texture { .. }))
+        Some(&self.emission).filter(|emission| emission.constant().is_none())
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
@@ -163,8 +162,9 @@ impl MaterialModel for Principled {
         e.check(distance > 0.0, "attenuation_distance", "above 0", distance)?;
         e.color("coat_color", self.coat_color, 1.0)?;
         self.emission.check_within(e, "emission", MAX_RADIANCE)?;
-        let cut_lamp = self.emission().is_some() && self.opacity.is_some();
-        e.check(!cut_lamp, "emission", "0 or a texture with opacity", "a colour")
+        let radiance = self.emission().map_or(Vec3::ZERO, |emission| emission.radiance).to_array();
+        let allowed = self.opacity.is_none() || radiance == [0.0; 3];
+        e.check(allowed, "emission", "0, or varied by a texture, where there is opacity", radiance)
     }
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {
