@@ -61,6 +61,45 @@ impl Cells {
     }
 }
 
+/// A counting sort by cell.
+#[derive(Debug, Default)]
+pub(super) struct CellSort {
+    /// For each cell, the index of its next value.
+    starts: Vec<u32>,
+}
+
+impl CellSort {
+    /// Replaces the contents of `list` with `values`, sorted by `cells`. Values of the same cell stay
+    /// in order.
+    #[inline(always)]
+    pub(super) fn list(
+        &mut self,
+        cells: &[u32],
+        values: impl Iterator<Item = u32>,
+        list: &mut Vec<u32>,
+    ) {
+        let bits = Cells::bits_for(cells.len());
+        let leave_out = Cells::BITS - bits;
+        self.starts.clear();
+        self.starts.resize(1 << bits, 0);
+        list.resize(cells.len(), 0);
+        // These are slices because the pointer of a `Vec` would be loaded again after each write.
+        let (starts, list) = (&mut self.starts[..], &mut list[..]);
+        for &cell in cells {
+            starts[(cell >> leave_out) as usize] += 1;
+        }
+        let mut sum = 0;
+        for start in starts.iter_mut() {
+            sum += std::mem::replace(start, sum);
+        }
+        for (value, &cell) in values.zip(cells) {
+            let next = &mut starts[(cell >> leave_out) as usize];
+            list[*next as usize] = value;
+            *next += 1;
+        }
+    }
+}
+
 /// The bits of each number below 8, moved to the bits of a cell number that hold a position along
 /// x.
 const SPREAD: Int = {

@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use crate::huge_pages::settle;
 use crate::math::{Mask, Real, Word, min, whole};
 use crate::scene::light::shares::shares;
 
@@ -87,7 +86,7 @@ impl Lists {
     fn new(len: u32, ends: Vec<u32>) -> Self {
         let coarse = |list: &[u32]| list.chunks_exact(1 << FINE).map(|ends| ends[31]).collect();
         let coarse = ends.chunks(len as usize).flat_map::<Vec<u32>, _>(coarse).collect();
-        Self { len, ends: settle(ends), coarse }
+        Self { len, ends, coarse }
     }
 
     /// Finds the number `u` in the lists `list`. Returns the entry, and the position of `u` in the
