@@ -62,11 +62,6 @@ impl Texels {
         self.width as usize * self.height as usize
     }
 
-    /// Whether the texels are floats.
-    pub(crate) fn is_deep(&self) -> bool {
-        matches!(self.data, Data::Floats(_))
-    }
-
     /// The index of the texel in column `x` and row `y` of an image of this size.
     #[inline(always)]
     pub(crate) fn index<R: Real>([x, y]: [R::Word; 2], [width, height]: [R::Word; 2]) -> R::Word {
@@ -87,27 +82,29 @@ impl Texels {
     /// Linear RGBA of the texel with this index.
     #[inline(always)]
     pub(crate) fn at(&self, index: u32) -> [f32; 4] {
+        self.value(self.fetch(index))
+    }
+
+    /// What [`value`](Self::value) needs of the texel with this index: its code, or the index itself
+    /// for floats.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, index: u32) -> u32 {
         match &self.data {
-            Data::Bytes { codes, values } => decode(codes[index as usize], values),
-            Data::Floats(texels) => texels[index as usize],
+            Data::Bytes { codes, .. } => u32::from_le_bytes(codes[index as usize]),
+            Data::Floats(_) => index,
         }
     }
 
-    /// The codes of the texels, for [`decoded`](Self::decoded). Empty for floats.
+    /// Linear RGBA of a texel that was fetched.
     #[inline(always)]
-    pub(crate) fn codes(&self) -> &[[u8; 4]] {
+    pub(crate) fn value(&self, fetched: u32) -> [f32; 4] {
         match &self.data {
-            Data::Bytes { codes, .. } => codes,
-            Data::Floats(_) => &[],
-        }
-    }
-
-    /// Linear RGBA of a code. Black for floats.
-    #[inline(always)]
-    pub(crate) fn decoded(&self, code: u32) -> [f32; 4] {
-        match &self.data {
-            Data::Bytes { values, .. } => decode(code.to_le_bytes(), values),
-            Data::Floats(_) => [0.0; 4],
+            Data::Bytes { values, .. } => {
+                let [r, g, b, a] = fetched.to_le_bytes();
+                let value = |code: u8| values[usize::from(code)];
+                [value(r), value(g), value(b), f32::from(a) * (1.0 / 255.0)]
+            }
+            Data::Floats(texels) => texels[fetched as usize],
         }
     }
 
@@ -172,12 +169,6 @@ fn in_strips<T: Copy>(width: u32, height: u32, rows: Vec<T>) -> Vec<T> {
     }
     drop(rows);
     settle(strips)
-}
-
-#[inline(always)]
-fn decode([r, g, b, a]: [u8; 4], values: &[f32; 256]) -> [f32; 4] {
-    let value = |code: u8| values[usize::from(code)];
-    [value(r), value(g), value(b), f32::from(a) * (1.0 / 255.0)]
 }
 
 #[cfg(test)]

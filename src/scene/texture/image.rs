@@ -168,7 +168,7 @@ impl TextureModel for Image {
             up: row(sin * su, cos * sv, self.offset.1, texels.height()),
             flags: [
                 self.uv,
-                u32::from(self.filter == Filter::Nearest) | u32::from(texels.is_deep()) << 1,
+                u32::from(self.filter == Filter::Nearest),
                 self.wrap_u as u32,
                 self.wrap_v as u32,
             ],
@@ -195,7 +195,7 @@ impl TextureModel for Image {
         let repeats = |wrap| is(wrap, Wrap::Repeat as u32);
         let x = wrapped(x, repeats(flags[2]), mirrors(flags[2])) * width;
         let y = (R::ONE - wrapped(y, repeats(wrap_v), mirrors(wrap_v))) * height;
-        let nearest = is(flags[1], 1) | is(flags[1], 3);
+        let nearest = is(flags[1], 1);
         let (x0, x1, fx) = taps(x, width, nearest, repeats(flags[2]));
         let (y0, y1, fy) = taps(y, height, nearest, repeats(wrap_v));
         let [x0, x1, y0, y1] = [whole(x0), whole(x1), whole(y0), whole(y1)];
@@ -203,29 +203,18 @@ impl TextureModel for Image {
         let at = |x: R::Word, y: R::Word| R::from_bits(Texels::index::<R>([x, y], size));
         let indices = [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)];
         let texels = |image: u32| &*table[image as usize].texels;
-        let deep = is(flags[1], 2) | is(flags[1], 3);
-        let taps = if deep.any() {
-            R::each_lane(index, indices, |image, [a, b, c, d]| {
-                let get = |index: f32| texels(image).at(index.to_bits());
-                let taps = [get(a), get(b), get(c), get(d)];
-                std::array::from_fn::<f32, 16, _>(|i| taps[i / 4][i % 4])
-            })
-        } else {
-            // Most texels are in no cache. A loop that does nothing else waits for many at a time.
-            let codes = R::each_lane(index, indices, |image, [a, b, c, d]| {
-                let codes = texels(image).codes();
-                let code = |index: f32| {
-                    f32::from_bits(u32::from_le_bytes(codes[index.to_bits() as usize]))
-                };
-                [code(a), code(b), code(c), code(d)]
-            });
-            R::each_lane(index, codes, |image, [a, b, c, d]| {
-                let texels = texels(image);
-                let decoded = |code: f32| texels.decoded(code.to_bits());
-                let taps = [decoded(a), decoded(b), decoded(c), decoded(d)];
-                std::array::from_fn::<f32, 16, _>(|i| taps[i / 4][i % 4])
-            })
-        };
+        // Most texels are in no cache. A loop that does nothing else waits for many at a time.
+        let fetched = R::each_lane(index, indices, |image, [a, b, c, d]| {
+            let texels = texels(image);
+            let fetch = |index: f32| f32::from_bits(texels.fetch(index.to_bits()));
+            [fetch(a), fetch(b), fetch(c), fetch(d)]
+        });
+        let taps = R::each_lane(index, fetched, |image, [a, b, c, d]| {
+            let texels = texels(image);
+            let value = |fetched: f32| texels.value(fetched.to_bits());
+            let taps = [value(a), value(b), value(c), value(d)];
+            std::array::from_fn::<f32, 16, _>(|i| taps[i / 4][i % 4])
+        });
         let channel = |c: usize| {
             let row = |first: usize| taps[first + c] * (R::ONE - fx) + taps[first + 4 + c] * fx;
             row(0) * (R::ONE - fy) + row(8) * fy

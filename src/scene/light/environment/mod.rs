@@ -217,11 +217,10 @@ impl BandOfSphere {
     }
 }
 
-/// The luminance of each texel, row by row from the top.
+/// The luminance of each texel, by its index.
 fn luminances(texels: &Texels) -> Vec<f32> {
     let of = |index: usize| {
-        let (x, y) = (index as u32 % texels.width(), index as u32 / texels.width());
-        let [r, g, b, _] = texels.get(x, y);
+        let [r, g, b, _] = texels.at(index as u32);
         luminance(Vec3::new(r, g, b)) as f32
     };
     (0..texels.len()).into_par_iter().map(of).collect()
@@ -239,9 +238,9 @@ fn means(
         let mut sum = 0.0;
         for (dy, weight_y) in WEIGHTS {
             for (dx, weight_x) in WEIGHTS {
-                let [x, y] = neighbor(mapping, [x + dx, row as i32 + dy], size);
-                let texel = luminances[y as usize * size[0] as usize + x as usize];
-                sum += weight_x * weight_y * f64::from(texel);
+                let texel = neighbor(mapping, [x + dx, row as i32 + dy], size);
+                let luminance = luminances[Texels::index::<f32>(texel, size) as usize];
+                sum += weight_x * weight_y * f64::from(luminance);
             }
         }
         sum

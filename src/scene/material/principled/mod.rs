@@ -162,7 +162,7 @@ impl MaterialModel for Principled {
         e.check(distance > 0.0, "attenuation_distance", "above 0", distance)?;
         e.color("coat_color", self.coat_color, 1.0)?;
         self.emission.check_within(e, "emission", MAX_RADIANCE)?;
-        let radiance = self.emission().map_or(Vec3::ZERO, |emission| emission.radiance).to_array();
+        let radiance = self.emission.constant().unwrap_or_default();
         let allowed = self.opacity.is_none() || radiance == [0.0; 3];
         e.check(allowed, "emission", "0, or varied by a texture, where there is opacity", radiance)
     }
