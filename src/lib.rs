@@ -136,8 +136,9 @@ mod statistics;
 
 pub use accel::Kernel;
 pub use engine::{
-    Endings, Engine, NonFinite, Observer, Pin, Pinned, Plan, Planning, PreparedScene, Progress,
-    RayCounts, Render, RenderSettings, Renderer, Rendering, Seconds, SegmentPlan, Stop, Tally,
+    Backdrop, Endings, Engine, NonFinite, Observer, Pin, Pinned, Plan, Planning, PreparedScene,
+    Progress, RayCounts, Render, RenderSettings, Renderer, Rendering, Seconds, SegmentPlan, Stop,
+    Tally,
 };
 pub use error::{Error, Result};
 pub use glam;

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::engine::{BITS, RenderSettings};
+use crate::engine::{BITS, Backdrop, RenderSettings};
 use crate::film::Tile;
 use crate::image::Metadata;
 use crate::scene::Scene;
@@ -38,6 +38,9 @@ pub struct Identity {
     pub roulette: bool,
     /// Limit for the components of a sample; `None` for no limit.
     pub clamp: Option<f32>,
+    /// What the camera sees behind the scene. Checkpoints of earlier versions lack it.
+    #[serde(default)]
+    pub backdrop: Backdrop,
 }
 
 impl Identity {
@@ -58,6 +61,7 @@ impl Identity {
             roulette: settings.roulette,
             // JSON has no infinity.
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
+            backdrop: settings.backdrop,
         }
     }
 
@@ -74,7 +78,7 @@ impl Identity {
         differ.next().map(|((name, here), (_, there))| (name, here, there))
     }
 
-    fn fields(&self) -> [(&'static str, Value); 12] {
+    fn fields(&self) -> [(&'static str, Value); 13] {
         [
             ("bits", json!(self.bits)),
             ("scene_hash", json!(self.scene_hash)),
@@ -88,6 +92,7 @@ impl Identity {
             ("sampler", json!(self.sampler)),
             ("roulette", json!(self.roulette)),
             ("clamp", json!(self.clamp)),
+            ("backdrop", json!(self.backdrop)),
         ]
     }
 
@@ -106,6 +111,9 @@ impl Identity {
         });
         if let Some(clamp) = self.clamp {
             settings["clamp"] = json!(clamp);
+        }
+        if self.backdrop != Backdrop::default() {
+            settings["backdrop"] = json!(self.backdrop);
         }
         if self.crop != [0, 0, self.width, self.height] {
             settings["crop"] = json!(self.crop);

@@ -81,6 +81,9 @@ pub(super) struct RenderArgs {
     /// clamping]
     #[arg(long, value_name = "RADIANCE", help_heading = IMAGE)]
     pub(super) clamp: Option<f32>,
+    /// Hide the background behind the scene, and write an alpha channel. For .png and .exr
+    #[arg(long, help_heading = IMAGE)]
+    pub(super) transparent: bool,
     /// Output file: an image (.png, .exr, .hdr, .pfm), a .film that can be continued and merged, or - for a PNG on
     /// standard output [default: SCENE.png, or .film for a part]
     #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]

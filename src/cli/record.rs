@@ -46,6 +46,7 @@ pub(super) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
         "depth": settings.depth,
         "roulette": settings.roulette,
         "clamp": finite(settings.clamp),
+        "backdrop": settings.backdrop,
         "seed": settings.seed,
         "threads": renderer.threads(),
         "hash": hash,

@@ -1,6 +1,7 @@
 //! `ptfast render`.
 
 use std::io::{self, ErrorKind, Write};
+use std::mem;
 use std::path::Path;
 use std::time::Instant;
 
@@ -10,12 +11,13 @@ use super::console::{self, advise_on_build, notice, say};
 use super::progress::{self, ProgressMode, ProgressReport};
 use super::record::{self, Run, StepSeconds};
 use super::target::Target;
-use super::watch::Schedule;
+use super::watch::{Schedule, UntilSignal};
 use super::{checkpointing, files, path, plan, stats, summary, timeline};
 use crate::checkpoint::{Checkpoint, Part};
-use crate::engine::{Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
+use crate::engine::{Backdrop, Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::image::Image;
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::machine::Interference;
@@ -62,8 +64,12 @@ impl<'a> Job<'a> {
         settings.check()?;
         let part = args.share.part(&scene, &settings)?;
         let film = Film::memory(part.identity.area(), part.samples.clone());
-        settings.check_memory(&scene, film)?;
+        let films = if args.transparent { 2 * film } else { film };
+        settings.check_memory(&scene, films)?;
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
+        if args.transparent {
+            output.check_alpha()?;
+        }
         if output == Target::StandardOutput && args.print.is_some() {
             let message = "--print and the image both need standard output: use -o FILE";
             return Err(Error::Usage(message.to_owned()));
@@ -136,10 +142,11 @@ impl<'a> Job<'a> {
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
-        let render = renderer.finish(&mut checkpoint.rendering)?;
+        let mut render = renderer.finish(&mut checkpoint.rendering)?;
         // Only whole images have a hash.
         let hash = part.is_whole().then(|| render.image.hash());
-        self.write(&checkpoint, &render, hash.as_deref())
+        self.add_alpha(&renderer, &mut render)
+            .and_then(|()| self.write(&checkpoint, &render, hash.as_deref()))
             .map_err(|error| checkpointing::save_instead(&checkpoint, &file, error))?;
         let finished = file.finish(&checkpoint, left > 0);
         let seconds = StepSeconds {
@@ -175,6 +182,19 @@ impl<'a> Job<'a> {
         let written: Vec<_> =
             written.into_iter().filter_map(|(name, file)| Some((name, file?))).collect();
         files::check(&read, &written)
+    }
+
+    /// Adds the alpha channel to the image, if it is wanted.
+    fn add_alpha(&self, renderer: &Renderer, render: &mut Render) -> Result<()> {
+        if !self.args.transparent {
+            return Ok(());
+        }
+        let alpha = renderer.alpha(self.part.empty_film()?, &UntilSignal)?.ok_or_else(|| {
+            Error::Interrupted(interrupt::signal().expect("only a signal stops it"))
+        })?;
+        let image = mem::replace(&mut render.image, Image::new(0, 0));
+        render.image = image.with_alpha(alpha);
+        Ok(())
     }
 
     /// Writes the image or the film.
@@ -252,6 +272,7 @@ fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
     Ok(RenderSettings {
         spp: args.spp.unwrap_or(of_samples.spp),
         clamp: args.clamp.unwrap_or(of_samples.clamp),
+        backdrop: if args.transparent { Backdrop::Hidden } else { Backdrop::Shown },
         engine: args.engine,
         threads: args.threads.unwrap_or(0),
         pin: args.pin,

@@ -66,6 +66,21 @@ impl Target {
         }
     }
 
+    /// Checks that the output can have an alpha channel.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it cannot.
+    pub(super) fn check_alpha(&self) -> Result<()> {
+        match self {
+            Self::Image(path) => Format::of_path(path)?.check_alpha(path),
+            Self::StandardOutput => Ok(()),
+            Self::Film(path) => Err(Error::Usage(format!(
+                "{}: films have no alpha channel: with --transparent, render the whole image to .png or .exr",
+                path.display()
+            ))),
+        }
+    }
+
     /// The file; `None` for standard output.
     pub(super) fn path(&self) -> Option<&Path> {
         match self {

@@ -1,5 +1,6 @@
 //! Engines render a scene to an image. All engines return bit-identical images.
 
+mod backdrop;
 mod contract;
 mod memory;
 mod observer;
@@ -23,6 +24,7 @@ mod timeline;
 mod unit;
 mod wavefront;
 
+pub use backdrop::Backdrop;
 pub use contract::BITS;
 pub use observer::{Observer, Stop};
 pub use plan::{Plan, Planning, SegmentPlan};

@@ -1,8 +1,8 @@
 //! The renderer distributes a render's units of work to threads, for any engine.
 
 use std::mem;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -27,7 +27,7 @@ pub struct Renderer {
     prepared: PreparedScene,
     settings: RenderSettings,
     engine: Box<dyn UnitEngine>,
-    pool: Pool,
+    pool: Arc<Pool>,
     seconds: Seconds,
 }
 
@@ -114,7 +114,7 @@ impl Renderer {
     ) -> Result<Self> {
         check(&prepared, &settings)?;
         let start = Instant::now();
-        let pool = pool(&settings)?;
+        let pool = Arc::new(pool(&settings)?);
         let engine = engine(&prepared, &settings, paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
         Ok(Self { prepared, settings, engine, pool, seconds })
@@ -128,15 +128,21 @@ impl Renderer {
     /// If a setting is out of range or the render would exceed the memory limit, returns
     /// [`Error::Usage`](crate::Error::Usage).
     pub fn set(&mut self, settings: RenderSettings) -> Result<()> {
+        *self = self.with(settings)?;
+        Ok(())
+    }
+
+    /// Another renderer of the same scene, on the same threads.
+    pub(super) fn with(&self, settings: RenderSettings) -> Result<Self> {
         let RenderSettings { threads, pin, .. } = self.settings;
         let settings = RenderSettings { threads, pin, ..settings };
         check(&self.prepared, &settings)?;
         let start = Instant::now();
         let measured = self.measured_plan(&settings);
-        self.engine = engine(&self.prepared, &settings, settings.paths(), &self.pool, measured);
-        self.seconds = Seconds::of_build(&*self.engine, start);
-        self.settings = settings;
-        Ok(())
+        let engine = engine(&self.prepared, &settings, settings.paths(), &self.pool, measured);
+        let seconds = Seconds::of_build(&*engine, start);
+        let (prepared, pool) = (self.prepared.clone(), Arc::clone(&self.pool));
+        Ok(Self { prepared, settings, engine, pool, seconds })
     }
 
     /// Returns the current plan if it was measured and also suits `settings`.

@@ -6,6 +6,7 @@ use crate::limits::{self, Limit, Limits};
 use crate::sampler::Sampler;
 use crate::scene::{Camera, Sampling, Scene};
 
+use super::backdrop::Backdrop;
 use super::plan::Plan;
 use super::pool::Pin;
 
@@ -32,7 +33,7 @@ impl Engine {
     }
 }
 
-/// Settings of a render. Only the fields from `camera` to `clamp` affect the image.
+/// Settings of a render. Only the fields from `camera` to `backdrop` affect the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The camera.
@@ -56,6 +57,8 @@ pub struct RenderSettings {
     /// Maximum component of a sample, above 0; infinite to disable clamping. Brighter samples are
     /// scaled down, which hides fireflies and loses energy.
     pub clamp: f32,
+    /// What the camera sees behind the scene.
+    pub backdrop: Backdrop,
 
     /// The engine. It does not affect the image.
     pub engine: Engine,
@@ -95,6 +98,7 @@ impl RenderSettings {
             sampler: Sampler::default(),
             roulette: true,
             clamp: f32::INFINITY,
+            backdrop: Backdrop::default(),
             engine: Engine::default(),
             threads: 0,
             pin: Pin::default(),
@@ -152,6 +156,7 @@ impl RenderSettings {
             && size(self) == size(other)
             && light(self) == light(other)
             && self.clamp == other.clamp
+            && self.backdrop == other.backdrop
     }
 
     /// The tile of all pixels.

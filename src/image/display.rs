@@ -42,6 +42,18 @@ impl Display {
         mapped.flatten().map(|value| self.transfer.encode(value)).collect()
     }
 
+    /// The codes of `pixels` and their `alpha`, four for each pixel. The colours in PNG files are not
+    /// multiplied by alpha, unlike `pixels` (PNG specification, section 13.16).
+    pub(super) fn encode_with_alpha(&self, pixels: &[[f32; 3]], alpha: &[f32]) -> Vec<u8> {
+        let colors: Vec<_> = (pixels.iter().zip(alpha))
+            .map(|(pixel, &alpha)| pixel.map(|c| if alpha > 0.0 { c / alpha } else { 0.0 }))
+            .collect();
+        let code = |alpha: f32| (clamp(alpha, 0.0, 1.0) * 255.0).round() as u8;
+        let (colors, alpha) = (self.encode(&colors), alpha.iter().map(|&alpha| code(alpha)));
+        let codes = colors.chunks_exact(3).zip(alpha);
+        codes.flat_map(|(color, alpha)| [color[0], color[1], color[2], alpha]).collect()
+    }
+
     /// Adds entries about this appearance to the metadata of an 8-bit file.
     pub(crate) fn noted(&self, mut metadata: Metadata) -> Metadata {
         let [exposure, tone_map] = GRADE_KEYS;

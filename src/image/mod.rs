@@ -41,18 +41,21 @@ pub enum Encoding {
     Linear,
 }
 
-/// A linear RGB image of 32-bit floats, row 0 on top.
+/// A linear RGB image of 32-bit floats, row 0 on top. It may have an alpha channel, by which its
+/// colours are already multiplied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
+    /// One number for each pixel, or none at all.
+    alpha: Vec<f32>,
 }
 
 impl Image {
     /// A black image.
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
+        Self::from_pixels(width, height, vec![[0.0; 3]; width as usize * height as usize])
     }
 
     /// An image of the given pixels, row by row from the top.
@@ -65,7 +68,24 @@ impl Image {
             width as usize * height as usize,
             "pixels do not match the size {width} × {height}"
         );
-        Self { width, height, pixels }
+        Self { width, height, pixels, alpha: Vec::new() }
+    }
+
+    /// The image with an alpha channel: the coverage of each pixel, in [0, 1]. Only PNG and EXR
+    /// files store it.
+    ///
+    /// # Panics
+    /// If `alpha` does not have one number for each pixel.
+    #[must_use]
+    pub fn with_alpha(self, alpha: Vec<f32>) -> Self {
+        assert_eq!(alpha.len(), self.pixels.len(), "alpha needs one number for each pixel");
+        Self { alpha, ..self }
+    }
+
+    /// The coverage of each pixel, row by row from the top; `None` for an image without alpha
+    /// channel.
+    pub fn alpha(&self) -> Option<&[f32]> {
+        (!self.alpha.is_empty()).then_some(&self.alpha)
     }
 
     /// Reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
@@ -104,7 +124,8 @@ impl Image {
     /// a [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written atomically: it appears complete or not at all.
     ///
     /// # Errors
-    /// If no writer supports the extension, or the file cannot be written.
+    /// If no writer supports the extension, if the image has an alpha channel and the format has not,
+    /// or if the file cannot be written.
     pub fn write(
         &self,
         path: &Path,
@@ -159,7 +180,7 @@ impl Image {
     }
 
     /// The identity of the image: the BLAKE3 hash, in hexadecimal, of width and height (u32
-    /// little-endian) and the rows of f32 RGB (little-endian, top row first).
+    /// little-endian) and the rows of f32 RGB (little-endian, top row first), without alpha.
     pub fn hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&self.width.to_le_bytes());

@@ -31,6 +31,20 @@ impl Format {
         matches!(self, Self::Png | Self::Exr)
     }
 
+    /// Checks that files of this format, such as `path`, can have an alpha channel.
+    ///
+    /// # Errors
+    /// If they cannot.
+    pub(crate) fn check_alpha(self, path: &Path) -> Result<()> {
+        match self {
+            Self::Png | Self::Exr => Ok(()),
+            Self::Hdr | Self::Pfm => Err(Error::Usage(format!(
+                "{}: the format has no alpha channel, use .png or .exr",
+                path.display()
+            ))),
+        }
+    }
+
     /// The format for the extension of `path`.
     ///
     /// # Errors
@@ -54,6 +68,9 @@ pub(super) fn write(
     metadata: &Metadata,
 ) -> Result<()> {
     let format = Format::of_path(path)?;
+    if image.alpha().is_some() {
+        format.check_alpha(path)?;
+    }
     write_atomically(path, |file| match format {
         Format::Png => write_png(image, file, display, metadata),
         Format::Exr => write_exr(image, file, metadata),
@@ -69,7 +86,10 @@ pub(super) fn write_png(
     metadata: &Metadata,
 ) -> io::Result<()> {
     let mut encoder = png::Encoder::new(file, image.width(), image.height());
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(match image.alpha() {
+        Some(_) => png::ColorType::Rgba,
+        None => png::ColorType::Rgb,
+    });
     encoder.set_depth(png::BitDepth::Eight);
     // Fast compression takes a quarter of the time of the default, and compresses noisy images
     // equally well.
@@ -82,7 +102,10 @@ pub(super) fn write_png(
         encoder.add_itxt_chunk(key.clone(), value.clone())?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&display.encode(image.pixels()))?;
+    writer.write_image_data(&match image.alpha() {
+        Some(alpha) => display.encode_with_alpha(image.pixels(), alpha),
+        None => display.encode(image.pixels()),
+    })?;
     writer.finish()?;
     Ok(())
 }
@@ -90,11 +113,8 @@ pub(super) fn write_png(
 fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io::Result<()> {
     use exr::prelude::{Encoding, Image as Exr, SpecificChannels, Text, Vec2, WritableImage};
     use exr::prelude::{Layer, LayerAttributes};
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    let channels = SpecificChannels::rgb(|p: Vec2<usize>| {
-        let [r, g, b] = image.pixels()[p.y() * width + p.x()];
-        (r, g, b)
-    });
+    let size = (image.width() as usize, image.height() as usize);
+    let index = |p: Vec2<usize>| p.y() * size.0 + p.x();
     // All entries go into one attribute of several lines: the crate writes custom attributes in an
     // order that changes from run to run.
     let lines: Vec<String> =
@@ -103,8 +123,20 @@ fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io:
         comments: Text::new_or_none(lines.join("\n")),
         ..LayerAttributes::default()
     };
-    let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, channels);
-    Exr::from_layer(layer).write().non_parallel().to_buffered(file).map_err(|error| match error {
+    let lossless = Encoding::SMALL_LOSSLESS;
+    let written = if let Some(alpha) = image.alpha() {
+        let channels = SpecificChannels::rgba(|p| {
+            let [r, g, b] = image.pixels()[index(p)];
+            (r, g, b, alpha[index(p)])
+        });
+        let exr = Exr::from_layer(Layer::new(size, attributes, lossless, channels));
+        exr.write().non_parallel().to_buffered(file)
+    } else {
+        let channels = SpecificChannels::rgb(|p| <(f32, f32, f32)>::from(image.pixels()[index(p)]));
+        let exr = Exr::from_layer(Layer::new(size, attributes, lossless, channels));
+        exr.write().non_parallel().to_buffered(file)
+    };
+    written.map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other.to_string()),
     })

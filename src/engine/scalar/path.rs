@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::intersect::Intersect;
+use crate::engine::backdrop::Backdrop;
 use crate::engine::contract::{
     ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic,
 };
@@ -190,6 +191,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     /// Returns the radiance that arrives along `path` from outside the scene, times its weight.
     fn background(&self, path: &Path) -> Vec3 {
         let direction = path.ray.direction;
+        if let (1, Some(radiance)) = (path.segment, self.settings.backdrop.radiance()) {
+            return Vec3::splat(radiance);
+        }
         let Some((map, light)) = self.tables.lights.environment::<f32>() else {
             return self.scene.background().radiance(|| direction);
         };
@@ -243,7 +247,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             shape == Shape::Instance,
         );
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
-        if emits {
+        if emits && tracer.settings.backdrop != Backdrop::Alone {
             if !table.glows.is_empty() {
                 path.radiance += path.beta * at.color(f32::gather(&table.glows, entry, |row| row));
             }

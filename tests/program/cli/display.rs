@@ -64,3 +64,50 @@ fn complete_files_have_the_same_exposure_and_tone_map() {
         assert!(error.contains("must be a number from -32 to 32"), "{error}");
     }
 }
+
+#[test]
+fn transparent_images_have_an_alpha_channel() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let base = ["render", "spheres", "--width", "32", "--spp", "4", "--transparent"];
+    let file = |name: &str| here.join(name).to_str().unwrap().to_owned();
+    let codes = |name: &str| {
+        succeeds(here, &[&base[..], &["-o", name]].concat());
+        image::open(file(name)).unwrap()
+    };
+    let (png, exr) = (codes("a.png"), codes("a.exr"));
+    assert_eq!(png.color(), image::ColorType::Rgba8);
+    assert_eq!(exr.color(), image::ColorType::Rgba32F);
+    let (png, exr) = (png.into_rgba8(), exr.into_rgba32f());
+    let mut partial = 0;
+    for (codes, linear) in png.pixels().zip(exr.pixels()) {
+        let ([.., code], [r, g, b, alpha]) = (codes.0, linear.0);
+        assert_eq!(code, (alpha * 255.0).round() as u8);
+        if alpha == 0.0 {
+            assert_eq!((codes.0, [r, g, b]), ([0; 4], [0.0; 3]));
+        } else if alpha < 1.0 {
+            partial += 1;
+            // The colours of a PNG file are not multiplied by alpha.
+            let srgb = |linear: f32| {
+                let linear = f64::from(linear).min(1.0);
+                let high = 1.055 * linear.powf(1.0 / 2.4) - 0.055;
+                255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { high }
+            };
+            let error = f64::from(codes.0[0]) - srgb(r / alpha);
+            assert!(error.abs() < 0.51, "{codes:?} {linear:?}");
+        }
+    }
+    assert!(partial > 0 && png.pixels().any(|codes| codes[3] == 0));
+    let again = succeeds(here, &[&base[..], &["-o", "a.png", "--skip-complete"]].concat());
+    assert!(again.contains("is complete"), "{again}");
+    let opaque = succeeds(here, &[&base[..6], &["-o", "a.png", "--skip-complete"]].concat());
+    assert!(!opaque.contains("is complete"), "{opaque}");
+
+    for (name, more) in [("a.pfm", &[][..]), ("a.film", &[]), ("a.film", &["--shard", "0/2"])] {
+        let output = ptfast(here, &[&base[..], &["-o", name], more].concat());
+        let error = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains("no alpha channel") && error.lines().count() == 1, "{error}");
+        assert!(!here.join(name).exists());
+    }
+}

@@ -1,11 +1,13 @@
 //! Emitted light: the background, and surfaces that emit light towards the paths.
 
+use glam::Vec3;
+
 use super::{Shaded, Shading};
 use crate::engine::contract::emission_weight;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Hit, Shape};
-use crate::math::{Real, Row};
+use crate::math::{Real, Row, Vector};
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl Shading<'_> {
@@ -13,14 +15,16 @@ impl Shading<'_> {
     #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
         let environment = self.tables.lights.environment::<Float>();
+        let seen_by_camera = self.settings.backdrop.radiance().filter(|_| self.segment == 1);
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
-            let seen = match &environment {
-                None => {
+            let seen = match (seen_by_camera, &environment) {
+                (Some(radiance), _) => Vec3x::splat(Vec3::splat(radiance)),
+                (None, None) => {
                     let direction = || shaded.paths.segments(&path).ray.direction;
                     self.scene.background().radiance(direction)
                 }
-                Some((map, light)) => {
+                (None, Some((map, light))) => {
                     let Segment { ray, pdf } = shaded.paths.segments(&path);
                     let (radiance, density) = map.look::<Float>(ray.direction);
                     let light_pdf = || density * light.chance(ray.origin);

@@ -11,6 +11,7 @@ use super::connect::Shadows;
 use super::order::Next;
 use super::paths::Paths;
 use super::sort::{Queue, Queues};
+use crate::engine::backdrop::Backdrop;
 use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
@@ -100,7 +101,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     #[inline(always)]
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
-        if emits {
+        if emits && shading.settings.backdrop != Backdrop::Alone {
             shading.emit(shape, &table.glows, queue, shaded);
         }
         if !M::SCATTERS {
