@@ -4,9 +4,13 @@ use std::fs;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+use flate2::read::MultiGzDecoder;
 use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result};
+
+/// Bytes that are decompressed before the limit is checked again.
+const STEP: u64 = 1 << 20;
 
 /// Length of a file in bytes.
 ///
@@ -47,6 +51,27 @@ pub(crate) fn read_bytes(
         return Err(bad(format!("it is longer than its reported length of {length} bytes")));
     }
     Ok(bytes)
+}
+
+/// Decompresses the gzip file with this content.
+///
+/// # Errors
+/// If the content is damaged, or decompresses to more bytes than `allow` accepts.
+pub(crate) fn decompress(
+    bytes: &[u8],
+    allow: impl Fn(u64) -> Result<(), String>,
+) -> Result<Vec<u8>, String> {
+    let (mut decoder, mut content) = (MultiGzDecoder::new(bytes), Vec::new());
+    loop {
+        let mut step = decoder.by_ref().take(STEP);
+        let read = step.read_to_end(&mut content);
+        let read = read.map_err(|error| format!("cannot decompress: {error}"))?;
+        if read == 0 {
+            return Ok(content);
+        }
+        // The next step can double the list while it grows.
+        allow(2 * content.len() as u64 + STEP)?;
+    }
 }
 
 /// Reads a text file. `what` names the kind of file in the error message, such as "a plan".

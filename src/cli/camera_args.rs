@@ -50,7 +50,9 @@ impl CameraArgs {
         file.look_from = self.look_from.unwrap_or(file.look_from);
         file.look_at = self.look_at.unwrap_or(file.look_at);
         file.up = self.up.unwrap_or(file.up);
-        file.vfov = self.fov.unwrap_or(file.vfov);
+        if let Some(fov) = self.fov {
+            (file.vfov, file.parallel) = (fov, None);
+        }
         Camera::try_from(&file).map_err(|error| match error {
             Error::Input { message, .. } => Error::Usage(message),
             other => other,

@@ -55,7 +55,7 @@ pub(super) struct ConvergeArgs {
     /// Render time in seconds at which errors are compared [default: the shortest time of the renders with --spp
     /// samples]
     #[arg(long, value_name = "SECONDS")]
-    at: Option<f64>,
+    compare_at: Option<f64>,
     /// Write the measurements as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -70,8 +70,8 @@ pub(super) struct ConvergeArgs {
 }
 
 pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
-    if args.at.is_some_and(|seconds| !(seconds > 0.0 && seconds.is_finite())) {
-        return Err(Error::Usage("--at must be above 0 seconds".to_owned()));
+    if args.compare_at.is_some_and(|seconds| !(seconds > 0.0 && seconds.is_finite())) {
+        return Err(Error::Usage("--compare-at must be above 0 seconds".to_owned()));
     }
     if let Some(plot) =
         args.plot.as_ref().filter(|plot| plot.extension().is_none_or(|e| e != "svg"))
@@ -104,7 +104,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
     }
     let curves = curves?;
 
-    let seconds = args.at.unwrap_or_else(|| common_seconds(&curves));
+    let seconds = args.compare_at.unwrap_or_else(|| common_seconds(&curves));
     if let Some(path) = &args.json {
         let record = record(&scene, &options, &curves, seconds);
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
@@ -233,7 +233,7 @@ fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Re
         ));
     } else if unknown {
         notice(format_args!(
-            "some renders have no error at {} s, which is outside the range of their times: increase --spp, or choose another --at",
+            "some renders have no error at {} s, which is outside the range of their times: increase --spp, or choose another --compare-at",
             brief(seconds)
         ));
     }

@@ -74,7 +74,7 @@ impl SceneLimitArgs {
 
     /// Reads the scene that these arguments name.
     pub(super) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
-        let parsed = self.source(scene.name())?.read(&self.limits())?;
+        let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import())?;
         Ok(match scene.env() {
             Some(path) => parsed.with_environment(path),
             None => parsed,

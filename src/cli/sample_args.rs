@@ -10,10 +10,11 @@ use crate::engine::{Pin, RenderSettings};
 use crate::error::Result;
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
-use crate::scene::{Sampling, Scene};
+use crate::scene::{ImportOptions, Missing, Sampling, Scene};
 
 /// Heading in the help.
 pub(super) const IMAGE: &str = "Image";
+const IMPORT: &str = "Scenes of other programs";
 
 /// A scene, with or without `--scene` before it.
 #[derive(Debug, Args)]
@@ -28,12 +29,36 @@ pub(super) struct SceneArg {
     /// Environment map instead of the scene's background: a latitude-longitude image (.hdr, .exr, ...)
     #[arg(long, value_name = "FILE", help_heading = IMAGE)]
     env: Option<PathBuf>,
+    /// What to do if a texture or mesh of a scene of another program is missing; grey: render without it
+    #[arg(long, value_name = "HOW", help_heading = IMPORT, default_value = Missing::default().name(), value_parser = named(&Missing::ALL, Missing::name))]
+    missing: Missing,
+    /// Reject scenes of other programs that ask for something that ptfast lacks
+    #[arg(long, help_heading = IMPORT)]
+    strict: bool,
+    /// Pose a glTF scene by the animation of this name or number
+    #[arg(long, value_name = "NAME", help_heading = IMPORT)]
+    animation: Option<String>,
+    /// Time of the animation
+    #[arg(long, value_name = "SECONDS", help_heading = IMPORT, default_value_t = 0.0, requires = "animation")]
+    at: f64,
+    /// Choose the variant of this name of the materials of a glTF scene
+    #[arg(long, value_name = "NAME", help_heading = IMPORT)]
+    variant: Option<String>,
 }
 
 impl SceneArg {
     #[cfg(test)]
     pub(super) fn of(name: &str) -> Self {
-        Self { positional: Some(name.to_owned()), scene: None, env: None }
+        Self {
+            positional: Some(name.to_owned()),
+            scene: None,
+            env: None,
+            missing: Missing::default(),
+            strict: false,
+            animation: None,
+            at: 0.0,
+            variant: None,
+        }
     }
 
     /// The scene as the user named it.
@@ -46,10 +71,34 @@ impl SceneArg {
         self.env.as_deref()
     }
 
+    /// How scenes of other programs are read.
+    pub(super) fn import(&self) -> ImportOptions {
+        let Self { missing, strict, ref animation, at, ref variant, .. } = *self;
+        ImportOptions {
+            missing,
+            strict,
+            animation: animation.clone(),
+            at,
+            variant: variant.clone(),
+        }
+    }
+
     /// These arguments on a command line.
     pub(super) fn words(&self) -> String {
+        let missing = match self.missing {
+            Missing::Error => String::new(),
+            other => format!(" --missing {}", other.name()),
+        };
         let env = self.env.iter().map(|path| format!(" --env {}", quoted(&path.to_string_lossy())));
-        quoted(self.name()) + &env.collect::<String>()
+        let named = |option: &str, name: &Option<String>| {
+            name.as_ref().map_or(String::new(), |name| format!(" --{option} {}", quoted(name)))
+        };
+        let animation = named("animation", &self.animation);
+        let at =
+            if self.animation.is_some() { format!(" --at {}", self.at) } else { String::new() };
+        let variant = named("variant", &self.variant);
+        let words = [env.collect(), missing, animation, at, variant];
+        quoted(self.name()) + &words.concat()
     }
 }
 

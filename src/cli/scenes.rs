@@ -1,9 +1,14 @@
 //! `ptfast scenes`.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use bytesize::ByteSize;
+
 use super::args::ScenesCommand;
 use super::console::{notice, say, say_lines};
 use crate::error::Result;
-use crate::scene::{BUILTIN_NAMES, Scene};
+use crate::scene::{BUILTIN_NAMES, Background, Scene};
 
 pub(super) fn run(command: &ScenesCommand) -> Result<()> {
     match command {
@@ -19,9 +24,49 @@ pub(super) fn run(command: &ScenesCommand) -> Result<()> {
         ScenesCommand::Check { scene, limits } => {
             let scene = limits.read(scene)?.resolve()?;
             scene.warnings().iter().for_each(|warning| notice(format_args!("{warning}")));
-            say(format_args!("{}", summary(&scene)))
+            say(format_args!("{}", summary(&scene)))?;
+            contents(&scene)
+                .iter()
+                .try_for_each(|(name, content)| say(format_args!("  {name:<11}{content}")))
         }
     }
+}
+
+/// What is in a scene, by section.
+fn contents(scene: &Scene) -> Vec<(&'static str, String)> {
+    let count = |names: &mut dyn Iterator<Item = String>| {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        names.for_each(|name| *counts.entry(name).or_default() += 1);
+        let counts = counts.iter().map(|(name, count)| format!("{count} {name}"));
+        counts.collect::<Vec<_>>().join(", ")
+    };
+    let extension = |file: &Path| {
+        let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        format!(".{extension}")
+    };
+    let names: Vec<_> = scene.cameras().names().take(8).collect();
+    let more = if scene.cameras().0.len() > names.len() { ", ..." } else { "" };
+    let background = match scene.background() {
+        Background::Constant { radiance: [0.0, 0.0, 0.0] } => "black",
+        Background::Image(_) => "an environment map",
+        _ => "a sky",
+    };
+    let textures = ByteSize::b(scene.texture_bytes()).display().iec();
+    let rows = [
+        ("cameras", names.join(", ") + more),
+        ("files", count(&mut scene.files().map(extension))),
+        ("textures", if scene.texture_bytes() > 0 { textures.to_string() } else { String::new() }),
+        (
+            "materials",
+            count(&mut scene.materials().iter().map(|material| material.name().to_owned())),
+        ),
+        ("background", background.to_owned()),
+        (
+            "media",
+            if scene.media().is_empty() { String::new() } else { scene.media().len().to_string() },
+        ),
+    ];
+    rows.into_iter().filter(|(_, content)| !content.is_empty()).collect()
 }
 
 fn summary(scene: &Scene) -> String {

@@ -1,5 +1,6 @@
 //! Engines render a scene to an image. All engines return bit-identical images.
 
+mod alpha;
 mod backdrop;
 mod contract;
 mod memory;

@@ -40,14 +40,14 @@ pub(super) fn decode(
 mod tests {
     use std::path::Path;
 
-    use crate::image::{Encoding, Image, Texels};
+    use crate::image::{Encoding, Image, Source, Texels};
 
     /// The bytes come from integer arithmetic, so that every CPU must give this hash.
     #[test]
     fn pixels_are_pinned_and_do_not_depend_on_the_order_of_coefficients() {
         let read = |name: &str| {
             let path = Path::new("tests/data").join(name);
-            Texels::read(&path, Encoding::Auto, &|_| Ok(())).unwrap()
+            Texels::read(&Source::file(&path), Encoding::Auto, &|_| Ok(())).unwrap()
         };
         let (photo, progressive) = (read("photo.jpg"), read("photo-progressive.jpg"));
         assert_eq!((photo.width(), photo.height()), (37, 21));

@@ -8,6 +8,7 @@ mod metadata;
 mod pfm;
 mod read;
 mod size;
+mod source;
 mod texels;
 mod tone_map;
 mod transfer;
@@ -18,6 +19,7 @@ pub use display::Display;
 pub(crate) use display::MAX_STOPS;
 pub use metadata::Metadata;
 pub(crate) use size::Size;
+pub(crate) use source::Source;
 pub(crate) use texels::Texels;
 pub use tone_map::ToneMap;
 pub use transfer::Transfer;
@@ -116,7 +118,7 @@ impl Image {
         encoding: Encoding,
         allow: &dyn Fn(u64, u64) -> Result<(), String>,
     ) -> Result<Self> {
-        read::decode(path, encoding, &|size| allow(size.pixels, size.memory))
+        read::decode(&Source::file(path), encoding, &|size| allow(size.pixels, size.memory))
             .map(|decoded| decoded.into_image(encoding))
     }
 

@@ -1,7 +1,7 @@
 //! Reads image files, as linear f32 or in the form of textures.
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Seek};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::Path;
 
 use image::error::UnsupportedErrorKind;
@@ -12,6 +12,7 @@ use super::display::{GRADE_KEYS, TRANSFER_KEY};
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
 use super::size::{Allow, Size};
+use super::source::Source;
 use super::texels::Texels;
 use super::{Encoding, Format, Image, Metadata, Transfer, jpeg};
 use crate::error::{Error, Result};
@@ -32,12 +33,11 @@ pub(super) struct Decoded {
 }
 
 /// Reads and decodes an image file, whose integers will be read as `encoding` says. `allow` is called before memory for it is allocated.
-pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Decoded> {
-    let length = input::length(path)?;
-    let is_pfm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pfm"));
-    let open = || File::open(path).map(BufReader::new).map_err(Error::io(path, "read"));
-    let bad = |message: String| Error::input(path.display().to_string(), "", message);
-    if is_pfm {
+pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) -> Result<Decoded> {
+    let (path, length) = (source.path(), source.length()?);
+    let open = || source.open();
+    let bad = |message: String| source.bad(message);
+    if source.has_extension("pfm") {
         let mut begin = Vec::new();
         let head = open()?.take(MAX_PFM_HEADER).read_to_end(&mut begin);
         head.map_err(Error::io(path, "read"))?;
@@ -46,7 +46,7 @@ pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Resul
         pfm.check_length(length)
             .and_then(|()| allow(Size { pixels, deep: true, memory }))
             .map_err(bad)?;
-        let bytes = std::fs::read(path).map_err(Error::io(path, "read"))?;
+        let bytes = source.bytes()?;
         pfm.check_length(bytes.len() as u64).map_err(bad)?;
         return Ok(Decoded { pixels: pfm.image(&bytes).into(), transfer: Transfer::default() });
     }
@@ -56,8 +56,7 @@ pub(super) fn decode(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Resul
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
     // TGA files do not start with a signature.
-    let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
-    if reader.format().is_none() && is_tga {
+    if reader.format().is_none() && source.has_extension("tga") {
         reader.set_format(ImageFormat::Tga);
     }
     let mut limits = Limits::default();
@@ -196,8 +195,8 @@ impl Texels {
     ///
     /// # Errors
     /// If the file cannot be read, is damaged, or has another format, or if `allow` fails.
-    pub(crate) fn read(path: &Path, encoding: Encoding, allow: Allow<'_>) -> Result<Self> {
-        decode(path, encoding, allow).map(|decoded| decoded.into_texels(encoding))
+    pub(crate) fn read(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) -> Result<Self> {
+        decode(source, encoding, allow).map(|decoded| decoded.into_texels(encoding))
     }
 }
 
@@ -236,7 +235,7 @@ fn metadata(path: &Path) -> Result<Metadata> {
 }
 
 /// A decoder that rejects texts and profiles that are too long.
-fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
+fn png_decoder<S: BufRead + Seek>(file: S) -> png::Decoder<S> {
     png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES as usize })
 }
 
@@ -254,7 +253,7 @@ fn text(chunk: &ITXtChunk) -> Option<String> {
 
 /// Size of an OpenEXR file: the number of pixels of its largest data or display window, and the
 /// bytes of all parts, with eight more blocks for each, because several blocks are decoded at once.
-fn exr_size(file: BufReader<File>) -> Result<(u64, u64), exr::error::Error> {
+fn exr_size(file: impl Read) -> Result<(u64, u64), exr::error::Error> {
     let begin = BufReader::new(file.take(MAX_HEADER));
     let headers = exr::meta::MetaData::read_from_buffered(begin, false)?.headers;
     let (mut pixels, mut bytes) = (0, 0u64);

@@ -1,6 +1,6 @@
 //! Estimates the memory of a scene while it is read, to reject it before anything is allocated.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::limits::{Limit, Limits};
 
@@ -18,38 +18,70 @@ const VERTEX: u64 = 96;
 /// Bytes of memory for each instance while the list grows. An instance has 96.
 const INSTANCE: u64 = 200;
 
-/// The estimated memory held so far, and its limit.
-#[derive(Clone, Debug)]
+/// The estimated memory held so far, and its limit. Threads may share it.
+#[derive(Debug)]
 pub(super) struct Budget {
     pub(super) limits: Limits,
     text: u64,
-    held: Cell<u64>,
+    held: AtomicU64,
+}
+
+impl Clone for Budget {
+    fn clone(&self) -> Self {
+        Self { limits: self.limits.clone(), text: self.text, held: AtomicU64::new(self.held()) }
+    }
 }
 
 impl Budget {
     /// The budget of a scene file of `bytes` bytes.
     pub(super) fn new(limits: &Limits, bytes: u64) -> Self {
-        Self { limits: limits.clone(), text: TEXT.saturating_mul(bytes), held: Cell::new(0) }
+        Self { limits: limits.clone(), text: TEXT.saturating_mul(bytes), held: AtomicU64::new(0) }
+    }
+
+    fn held(&self) -> u64 {
+        self.held.load(Ordering::Relaxed)
     }
 
     /// Returns an error if `more` bytes on top of those already held exceed the limit.
     pub(super) fn check(&self, more: u64) -> Result<(), String> {
-        let all = self.text.saturating_add(self.held.get()).saturating_add(more);
-        self.limits.check(Limit::Memory, all)
+        self.fits(self.held(), more)
+    }
+
+    /// Returns an error if `more` bytes on top of `held` ones exceed the limit.
+    fn fits(&self, held: u64, more: u64) -> Result<(), String> {
+        self.limits.check(Limit::Memory, self.text.saturating_add(held).saturating_add(more))
+    }
+
+    /// Bytes of memory that are left before the limit.
+    pub(super) fn room(&self) -> u64 {
+        let held = self.text.saturating_add(self.held());
+        self.limits.get(Limit::Memory).saturating_sub(held)
     }
 
     /// A copy that holds `bytes` more, for memory that is only needed temporarily.
     pub(super) fn with(&self, bytes: u64) -> Self {
         let other = self.clone();
-        other.held.set(self.held.get() + bytes);
+        other.held.fetch_add(bytes, Ordering::Relaxed);
         other
     }
 
     /// Holds `bytes` more from now on, unless they exceed the limit.
     pub(super) fn hold(&self, bytes: u64) -> Result<(), String> {
-        self.check(bytes)?;
-        self.held.set(self.held.get() + bytes);
-        Ok(())
+        let more = |held| self.fits(held, bytes).ok().map(|()| held + bytes);
+        match self.held.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more) {
+            Ok(_) => Ok(()),
+            Err(held) => self.fits(held, bytes),
+        }
+    }
+
+    /// Releases memory that was held.
+    pub(super) fn release(&self, bytes: u64) {
+        self.held.fetch_sub(bytes, Ordering::Relaxed);
+    }
+
+    /// As [`hold`](Self::hold), for another text of `bytes` bytes and its parsed form.
+    pub(super) fn hold_text(&self, bytes: u64) -> Result<(), String> {
+        self.hold(TEXT.saturating_mul(bytes))
     }
 
     /// As [`hold`](Self::hold), for this many vertices of triangles.

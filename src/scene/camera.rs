@@ -19,8 +19,8 @@ pub struct Camera {
     pub(super) look_from: DVec3,
     /// Unit vectors to the right, up and backward, orthogonal to each other.
     pub(super) frame: [DVec3; 3],
-    /// Full vertical angle of view in degrees.
-    pub(super) vfov: f64,
+    /// The projection and its size.
+    pub(super) projection: Projection,
     /// Apex angle of the cone from a point in focus to the lens, in degrees.
     pub(super) defocus_angle: f64,
     /// Distance of the plane in focus.
@@ -31,16 +31,28 @@ pub struct Camera {
     pub(super) filter: PixelFilter,
 }
 
+/// How a camera projects points onto its image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Projection {
+    /// Towards the camera, with this full vertical angle of view in degrees.
+    Perspective(f64),
+    /// In parallel. The view has this height.
+    Parallel(f64),
+}
+
 /// A camera for one image size, which generates rays. Its values are rounded once, from f64.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CameraFrame {
     pub(crate) origin: Vec3,
-    /// Vector from the lens's centre to the upper left corner of the image, in the plane of focus.
+    /// Vector from the lens's centre to the upper left corner of the image, in the plane of focus, or
+    /// for parallel rays in the plane of the lens.
     pub(crate) corner: Vec3,
     /// Vectors from a pixel to its neighbours on the right and below, in the plane of focus.
     pub(crate) pixel_steps: (Vec3, Vec3),
     /// The lens's semi-axes; `None` for a pinhole.
     pub(crate) lens: Option<(Vec3, Vec3)>,
+    /// Direction of all rays, if they are parallel.
+    parallel: Option<Vec3>,
     shutter_open: f32,
     shutter_duration: f32,
     /// The table of the pixel filter; `None` for the box.
@@ -64,7 +76,18 @@ impl Camera {
         let at = e.point("look_at", camera.look_at)?.as_dvec3();
         let up = e.point("up", camera.up)?.as_dvec3();
         let (vfov, defocus) = (camera.vfov, camera.defocus_angle);
-        e.check(vfov > 0.0 && vfov < 180.0, "vfov", "in (0, 180) degrees", vfov)?;
+        let projection = match camera.parallel {
+            None => {
+                e.check(vfov > 0.0 && vfov < 180.0, "vfov", "in (0, 180) degrees", vfov)?;
+                Projection::Perspective(vfov.into())
+            }
+            Some(height) => {
+                let ok = height > 0.0 && height <= MAX_COORDINATE;
+                e.check(ok, "parallel", "above 0 and at most 1e9", height)?;
+                e.check(defocus == 0.0, "defocus_angle", "0 for parallel rays", defocus)?;
+                Projection::Parallel(height.into())
+            }
+        };
         let defocus_ok = (0.0..180.0).contains(&defocus);
         e.check(defocus_ok, "defocus_angle", "in [0, 180) degrees", defocus)?;
         let focus = camera.focus_distance;
@@ -84,10 +107,11 @@ impl Camera {
             return Err(e.error("up must not be zero or parallel to the view direction"));
         }
         let right = unit(right);
+        let up = back.cross(right);
         Ok(Self {
             look_from: from,
-            frame: [right, back.cross(right), back],
-            vfov: f64::from(vfov),
+            frame: [if camera.mirrored { -right } else { right }, up, back],
+            projection,
             defocus_angle: f64::from(defocus),
             focus_distance: f64::from(focus),
             shutter: camera.shutter,
@@ -99,10 +123,14 @@ impl Camera {
     pub(crate) fn frame(&self, width: u32, height: u32) -> CameraFrame {
         let [right, up, back] = self.frame;
         let (width, height) = (f64::from(width), f64::from(height));
-        let image_height = 2.0 * tan_degrees(self.vfov / 2.0) * self.focus_distance;
+        let (image_height, distance) = match self.projection {
+            Projection::Perspective(vfov) => {
+                (2.0 * tan_degrees(vfov / 2.0) * self.focus_distance, self.focus_distance)
+            }
+            Projection::Parallel(height) => (height, 0.0),
+        };
         let image_width = image_height * width / height;
-        let corner =
-            up * (image_height / 2.0) - right * (image_width / 2.0) - back * self.focus_distance;
+        let corner = up * (image_height / 2.0) - right * (image_width / 2.0) - back * distance;
         let lens_radius = self.focus_distance * tan_degrees(self.defocus_angle / 2.0);
         CameraFrame {
             origin: self.look_from.as_vec3(),
@@ -113,6 +141,7 @@ impl Camera {
             ),
             lens: (lens_radius > 0.0)
                 .then(|| ((right * lens_radius).as_vec3(), (up * lens_radius).as_vec3())),
+            parallel: matches!(self.projection, Projection::Parallel(_)).then(|| -back.as_vec3()),
             shutter_open: self.shutter.0,
             shutter_duration: self.shutter.1 - self.shutter.0,
             filter: FilterTable::new(&self.filter),
@@ -123,7 +152,12 @@ impl Camera {
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let Self { look_from, frame: [right, up, back], shutter: (open, close), .. } = *self;
         let vectors = [look_from, right, up, back].into_iter().flat_map(|v| v.to_array());
-        let rest = [self.vfov, self.defocus_angle, self.focus_distance, open.into(), close.into()];
+        // A negative number is the height of a parallel projection.
+        let size = match self.projection {
+            Projection::Perspective(vfov) => vfov,
+            Projection::Parallel(height) => -height,
+        };
+        let rest = [size, self.defocus_angle, self.focus_distance, open.into(), close.into()];
         vectors.chain(rest)
     }
 
@@ -168,11 +202,11 @@ impl CameraFrame {
     fn ray_through<R: Real>(&self, x: R, y: R, lens: R::Vec3, time: R) -> Ray<R> {
         let (right, down) = self.pixel_steps;
         let target = vector::<R>(self.corner) + vector::<R>(right) * x + vector::<R>(down) * y;
-        Ray {
-            origin: vector::<R>(self.origin) + lens,
-            direction: normalize(target - lens),
-            time: time * self.shutter_duration + R::splat(self.shutter_open),
-        }
+        let (origin, direction) = match self.parallel {
+            None => (vector::<R>(self.origin) + lens, normalize(target - lens)),
+            Some(direction) => (vector::<R>(self.origin) + target, vector::<R>(direction)),
+        };
+        Ray { origin, direction, time: time * self.shutter_duration + R::splat(self.shutter_open) }
     }
 }
 
@@ -189,7 +223,7 @@ mod tests {
         Camera {
             look_from: DVec3::new(0.0, 0.0, 5.0),
             frame: [DVec3::X, DVec3::Y, DVec3::Z],
-            vfov: 90.0,
+            projection: Projection::Perspective(90.0),
             defocus_angle: 0.0,
             focus_distance: 2.0,
             shutter: (0.25, 0.75),

@@ -1,77 +1,135 @@
 //! The files that a scene refers to.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::budget::Budget;
+use super::gltf::{Gltf, ImageSource};
 use super::place::Element;
+use super::within::path_within;
 use crate::error::{Error, Result};
-use crate::image::{Encoding, Size, Texels};
-use crate::limits::{Limit, Limits, Refused};
+use crate::image::{Encoding, Size, Source, Texels};
+use crate::limits::{Limit, Limits};
 
 /// The path of `file` in `folder`. Returns an error if the file is outside the folder and the
 /// limits do not allow that.
 pub(super) fn path(e: &Element<'_>, folder: &Path, file: &str, limits: &Limits) -> Result<PathBuf> {
-    let path = folder.join(file);
-    let within = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    // Missing files pass here: the reader reports them.
-    let real = |path: &Path| path.canonicalize().ok();
-    match (real(&path), real(within)) {
-        (Some(there), Some(folder)) if !limits.outside_files() && !there.starts_with(&folder) => {
-            let advice = limits.advice(Refused::OutsideFile);
-            let message = format!("is outside the folder of the scene{advice}");
-            Err(e.error(Error::input(path.display().to_string(), "", message)))
-        }
-        _ => Ok(path),
-    }
+    path_within(folder, file, limits).map_err(|error| e.error(error))
 }
+
+/// An image that a texture names.
+#[derive(Clone, Copy)]
+pub(crate) struct ImageFile<'a> {
+    pub(super) file: &'a str,
+    /// Its number in a glTF file.
+    pub(super) index: Option<u32>,
+    pub(super) encoding: Encoding,
+}
+
+/// The path of a file, and the number and the encoding of an image in it.
+type Key = (PathBuf, Option<u32>, Encoding);
 
 /// Reads the images of a scene, each only once.
 pub(crate) struct Images<'a> {
     folder: &'a Path,
     budget: &'a Budget,
-    images: HashMap<(PathBuf, Encoding), Arc<Texels>>,
+    images: HashMap<Key, Arc<Texels>>,
+    /// The glTF files that have images in them.
+    containers: HashMap<PathBuf, Gltf<'a>>,
 }
 
 impl<'a> Images<'a> {
     pub(super) fn new(folder: &'a Path, budget: &'a Budget) -> Self {
-        Self { folder, budget, images: HashMap::new() }
+        Self { folder, budget, images: HashMap::new(), containers: HashMap::new() }
     }
 
-    /// Reads the image in `file` and checks that its values are finite and not negative. With
-    /// `outside`, it may be outside the folder of the scene.
+    /// Reads images on all threads. Those that cannot be read are left to [`texels`](Self::texels),
+    /// which knows where the scene names them.
+    pub(super) fn preload<'t>(&mut self, wanted: impl Iterator<Item = ImageFile<'t>>) {
+        let mut keys: Vec<Key> = Vec::new();
+        for ImageFile { file, index, encoding } in wanted {
+            let Ok(path) = path_within(self.folder, file, &self.budget.limits) else { continue };
+            let key = (path, index, encoding);
+            if !self.images.contains_key(&key) && !keys.contains(&key) && self.open(&key).is_ok() {
+                keys.push(key);
+            }
+        }
+        // Threads would gain nothing.
+        if keys.len() < 2 {
+            return;
+        }
+        let read: Vec<_> = keys.par_iter().map(|key| self.read(key)).collect();
+        let read = keys.into_iter().zip(read);
+        self.images.extend(read.filter_map(|(key, image)| Some((key, Arc::new(image.ok()?)))));
+    }
+
+    /// Reads the image in `file`, or image number `index` of a glTF file, and checks that its values
+    /// are finite and not negative. With `outside`, it may be outside the folder of the scene.
     pub(super) fn texels(
         &mut self,
         e: &Element<'_>,
-        file: &str,
-        encoding: Encoding,
+        wanted: ImageFile<'_>,
         outside: bool,
     ) -> Result<Arc<Texels>> {
+        let ImageFile { file, index, encoding } = wanted;
         let path = match outside {
             true => self.folder.join(file),
             false => path(e, self.folder, file, &self.budget.limits)?,
         };
-        let key = (path, encoding);
+        let key = (path, index, encoding);
         if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));
         }
-        let budget = self.budget;
-        let allow = |size: Size| {
-            let bytes = Texels::bytes_of(size);
-            let limited = budget.limits.check(Limit::TextureBytes, bytes);
-            limited.and_then(|()| budget.check(size.memory)).and_then(|()| budget.hold(bytes))
-        };
-        let texels = Texels::read(&key.0, encoding, &allow).map_err(|error| e.error(error))?;
-        if let Some(bad) = texels.unusable() {
-            let message = format!(
-                "{file}: the pixels of a texture must be finite and not negative, but one is {bad:?}"
-            );
-            return Err(e.error(message));
-        }
-        let texels = Arc::new(texels);
+        self.open(&key).map_err(|error| e.error(error))?;
+        let texels = Arc::new(self.read(&key).map_err(|error| e.error(error))?);
         self.images.insert(key, Arc::clone(&texels));
         Ok(texels)
+    }
+
+    /// Opens the glTF file that an image is in.
+    fn open(&mut self, (path, index, _): &Key) -> Result<()> {
+        if index.is_some() && !self.containers.contains_key(path) {
+            self.containers.insert(path.clone(), Gltf::read(path, self.budget)?);
+        }
+        Ok(())
+    }
+
+    /// Reads and checks an image, whose container is open.
+    fn read(&self, (path, index, encoding): &Key) -> Result<Texels> {
+        let budget = self.budget;
+        let held = Cell::new(0);
+        let allow = |size: Size| {
+            budget.limits.check(Limit::TextureBytes, Texels::bytes_of(size))?;
+            let more = size.memory.saturating_sub(held.get());
+            budget.hold(more)?;
+            held.set(held.get() + more);
+            Ok(())
+        };
+        let bad = |message: String| Error::input(path.display().to_string(), "", message);
+        let texels = match *index {
+            None => Texels::read(&Source::file(path), *encoding, &allow),
+            Some(index) => match self.containers[path].image(index as usize).map_err(bad)? {
+                ImageSource::Bytes(bytes) => {
+                    Texels::read(&Source::part(path, index, &bytes), *encoding, &allow)
+                }
+                ImageSource::File(other) => {
+                    Err(bad(format!("image {index} is in the file {other}")))
+                }
+            },
+        };
+        budget.release(held.get());
+        let texels = texels?;
+        budget.hold(texels.bytes()).map_err(bad)?;
+        match texels.unusable() {
+            Some(pixel) => Err(bad(format!(
+                "the pixels of a texture must be finite and not negative, but one is {pixel:?}"
+            ))),
+            None => Ok(texels),
+        }
     }
 
     /// Holds memory for tables that belong to an image, unless it exceeds the limit.
@@ -81,6 +139,6 @@ impl<'a> Images<'a> {
 
     /// The paths of all files that were read.
     pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
-        self.images.into_keys().map(|(path, _)| path)
+        self.images.into_keys().map(|(path, ..)| path)
     }
 }

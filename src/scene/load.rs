@@ -8,6 +8,7 @@ use super::budget::Budget;
 use super::builtin::{self, BUILTIN_NAMES};
 use super::description::SceneFile;
 use super::generate::Generated;
+use super::import::{self, Format, ImportOptions, Imported};
 use super::light::EnvironmentMap;
 use super::parse::Form;
 use super::place::Places;
@@ -32,6 +33,8 @@ pub enum Source {
     Text(String, Form),
     /// A mesh, shown in a scene of its own.
     Mesh(PathBuf),
+    /// A scene of another program.
+    Import(PathBuf, Format),
 }
 
 /// A parsed scene whose values are not checked yet.
@@ -45,6 +48,8 @@ pub struct Parsed {
     budget: Budget,
     /// The text with its form, to locate errors.
     text: Option<(Form, String)>,
+    /// What ptfast lacks of a scene of another program.
+    warnings: Vec<String>,
 }
 
 impl Source {
@@ -68,13 +73,16 @@ impl Source {
             Some("json") => Form::Json,
             Some("txt") => Form::Flat,
             Some("obj" | "ply") => return Ok(Self::Mesh(path.to_owned())),
+            Some(extension) if let Some(format) = Format::of(extension) => {
+                return Ok(Self::Import(path.to_owned(), format));
+            }
             _ if path.is_dir() => {
                 return Err(Error::io(path, "read")(ErrorKind::IsADirectory.into()));
             }
             _ => {
                 let near = suggestion(name_or_path, BUILTIN_NAMES);
                 return Err(Error::Usage(format!(
-                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, forest:N, a .ron, .json or .txt file, or an .obj or .ply mesh{near}"
+                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, forest:N, a .ron, .json, .txt, .gltf, .glb or .pbrt file, or an .obj or .ply mesh{near}"
                 )));
             }
         };
@@ -103,6 +111,14 @@ impl Source {
     /// # Errors
     /// If the file cannot be read, its text is not a valid scene file, or a limit is exceeded.
     pub fn read(&self, limits: &Limits) -> Result<Parsed> {
+        self.read_with(limits, &ImportOptions::default())
+    }
+
+    /// Like [`read`](Self::read), with options for scenes of other programs.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub(crate) fn read_with(&self, limits: &Limits, options: &ImportOptions) -> Result<Parsed> {
         let (name, folder, form, text) = match self {
             Self::Generated(name, generated) => {
                 let count = generated.count().into();
@@ -114,9 +130,22 @@ impl Source {
                 return Ok(Parsed::new(name.clone(), PathBuf::new(), generated.scene(), budget));
             }
             Self::Mesh(path) => {
+                let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
+                let (mut file, names) = view::of_mesh(path, &budget)?;
+                let mut warnings = import::add_materials(&folder, options, &budget, &mut file)?;
+                let name = path.display().to_string();
+                let unknown = view::add_missing_materials(&mut file, names);
+                if unknown > 0 {
+                    let why = "grey, since no file describes them";
+                    warnings.push(format!("{name}: {unknown} of its materials are {why}"));
+                }
+                return Ok(Parsed { warnings, ..Parsed::new(name, folder, file, budget) });
+            }
+            Self::Import(path, format) => {
                 let budget = Budget::new(limits, 0);
-                let (file, folder) = (view::of_mesh(path, &budget)?, folder_of(path));
-                return Ok(Parsed::new(path.display().to_string(), folder, file, budget));
+                let Imported { file, warnings } = import::read(path, *format, options, &budget)?;
+                let name = path.display().to_string();
+                return Ok(Parsed { warnings, ..Parsed::new(name, folder_of(path), file, budget) });
             }
             Self::Text(text, form) => {
                 (STANDARD_INPUT.to_owned(), PathBuf::new(), *form, text.clone())
@@ -136,14 +165,15 @@ impl Source {
             }
         };
         let budget = Budget::new(limits, text.len() as u64);
-        let (file, places) = match form {
+        let (mut file, places) = match form {
             Form::Ron => (parse::from_ron(&name, &text)?, Places::default()),
             Form::Json => (parse::from_json(&name, &text)?, Places::default()),
             Form::Flat => flat::from_flat(&name, &text)?,
         };
         // Errors in the flat form already have line numbers, so its text is not needed.
         let text = (form != Form::Flat).then_some((form, text));
-        Ok(Parsed { places, text, ..Parsed::new(name, folder, file, budget) })
+        let warnings = import::add_materials(&folder, options, &budget, &mut file)?;
+        Ok(Parsed { places, text, warnings, ..Parsed::new(name, folder, file, budget) })
     }
 }
 
@@ -156,7 +186,8 @@ fn folder_of(file: &Path) -> PathBuf {
 
 impl Parsed {
     fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
-        Self { name, folder, file, places: Places::default(), budget, text: None }
+        let (places, text, warnings) = Default::default();
+        Self { name, folder, file, places, budget, text, warnings }
     }
 
     /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder.
@@ -174,6 +205,7 @@ impl Parsed {
     pub fn resolve(&self) -> Result<Scene> {
         let budget = self.budget.clone();
         resolve::resolve(&self.name, &self.folder, &self.file, &self.places, budget)
+            .map(|scene| scene.with_warnings(&self.warnings))
             .map_err(|error| self.with_line(error))
     }
 

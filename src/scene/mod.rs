@@ -11,8 +11,10 @@ mod files;
 mod filter;
 mod flat;
 mod generate;
+mod gltf;
 mod hash;
 mod holes;
+mod import;
 mod interaction;
 pub mod light;
 mod load;
@@ -33,6 +35,7 @@ mod tables;
 pub mod texture;
 mod view;
 mod warnings;
+mod within;
 
 pub use background::Background;
 pub use builtin::BUILTIN_NAMES;
@@ -42,6 +45,7 @@ pub use description::{CameraFile, RenderDefaults, Sampling, SceneFile};
 #[cfg(test)]
 pub(crate) use filter::FilterTable;
 pub use filter::PixelFilter;
+pub(crate) use import::{ImportOptions, Missing};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
 use light::LightFile;
@@ -154,6 +158,14 @@ impl Scene {
     pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
         let budget = budget::Budget::new(limits, 0);
         resolve::resolve("scene", folder, file, &place::Places::default(), budget)
+    }
+
+    /// Adds sentences that name the ignored data of its file.
+    fn with_warnings(mut self, warnings: &[String]) -> Self {
+        if let Some(data) = Arc::get_mut(&mut self.0) {
+            data.ignored.splice(0..0, warnings.iter().cloned());
+        }
+        self
     }
 
     /// The name or path that the scene was loaded by, or `scene` if it was not loaded.

@@ -15,10 +15,13 @@ use ptfast::{Engine, Image, Limit, Limits, Metadata, RenderSettings, Renderer, S
 pub type Subject = fn(&[u8]);
 
 /// All subjects with their names.
-pub const ALL: [(&str, Subject); 11] = [
+pub const ALL: [(&str, Subject); 14] = [
     ("scene_ron", scene_ron),
     ("scene_json", scene_json),
     ("scene_flat", scene_flat),
+    ("scene_pbrt", scene_pbrt),
+    ("scene_gltf", scene_gltf),
+    ("mesh_mtl", mesh_mtl),
     ("mesh_obj", mesh_obj),
     ("mesh_ply", mesh_ply),
     ("texture", texture),
@@ -74,6 +77,21 @@ pub fn scene_json(bytes: &[u8]) {
 
 pub fn scene_flat(bytes: &[u8]) {
     scene("a.txt", bytes);
+}
+
+pub fn scene_pbrt(bytes: &[u8]) {
+    scene("a.pbrt", bytes);
+}
+
+pub fn scene_gltf(bytes: &[u8]) {
+    scene("a.gltf", bytes);
+}
+
+/// Loads a mesh with this file of materials.
+pub fn mesh_mtl(bytes: &[u8]) {
+    const MESH: &str =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n";
+    in_file("m.mtl", bytes, |_| scene("m.obj", MESH.as_bytes()));
 }
 
 /// Loads a mesh file through a scene that names it.

@@ -323,7 +323,7 @@ fn missing_files_and_non_files() {
     fails(here, &render("binary.ron"), 65, &["binary.ron: not UTF-8"]);
     fails(here, &render("empty.json"), 65, &["empty.json:1:0: JSON syntax"]);
     fails(here, &render("spheers"), 2, &["`spheers`", "did you mean `spheres`?"]);
-    fails(here, &render("scene.xyz"), 2, &["`scene.xyz`", ".ron, .json or .txt"]);
+    fails(here, &render("scene.xyz"), 2, &["`scene.xyz`", ".gltf, .glb or .pbrt"]);
     fails(here, &["compare", "a.png", "b.png"], 74, &["a.png: cannot read"]);
     fails(here, &["compare", "empty.json", "b.png"], 65, &["empty.json", "PNG"]);
 }

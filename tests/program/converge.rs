@@ -72,7 +72,7 @@ fn errors_that_were_not_measured_are_left_out() {
     };
     let (error, _, told) = run(&[]);
     assert!(error.as_f64().unwrap() > 0.0 && told.is_empty(), "{told}");
-    let (error, table, told) = run(&["--at", "1e300"]);
+    let (error, table, told) = run(&["--compare-at", "1e300"]);
     assert!(error.is_null() && table.contains("–"), "{table}");
     assert!(told.contains("some renders have no error at"), "{told}");
 }
@@ -82,7 +82,7 @@ fn wrong_usage_is_refused_before_anything_is_rendered() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, part) in [
         (&["--plot", "a.png"] as &[&str], "a.png: the name of a plot must end with .svg"),
-        (&["--at", "0"], "--at must be above 0"),
+        (&["--compare-at", "0"], "--compare-at must be above 0"),
         (&["--json", "no/such/a.json"], "no/such"),
         (&["--plot", "a.svg", "--json", "a.svg"], "need different files"),
         (&["--spp", "1"], "--spp"),

@@ -121,8 +121,16 @@ pub struct CameraFile {
     /// Direction that points up in the image.
     #[serde(default = "CameraFile::default_up")]
     pub up: [f32; 3],
-    /// Full vertical angle of view, in (0, 180).
+    /// Full vertical angle of view, in (0, 180). Parallel projections need none.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub vfov: f32,
+    /// Height of the view of a parallel projection, above 0 and at most 1e9. Without it, the
+    /// projection is a perspective.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parallel: Option<f32>,
+    /// Whether left and right are exchanged.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub mirrored: bool,
     /// Apex angle of the cone from a point in focus to the lens, in [0, 180). 0 is a pinhole.
     #[serde(default)]
     pub defocus_angle: f32,
@@ -137,6 +145,14 @@ pub struct CameraFile {
     pub filter: PixelFilter,
 }
 
+fn is_zero(value: &f32) -> bool {
+    *value == 0.0
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
 impl CameraFile {
     /// Creates a pinhole camera at `look_from`, with the y-axis up and a full vertical angle of
     /// view of `vfov` degrees, in (0, 180).
@@ -146,6 +162,8 @@ impl CameraFile {
             look_at,
             up: Self::default_up(),
             vfov,
+            parallel: None,
+            mirrored: false,
             defocus_angle: 0.0,
             focus_distance: Self::default_focus_distance(),
             shutter: (0.0, 0.0),

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::normals::{add_normals, unit};
@@ -47,6 +46,12 @@ impl Labels {
         ranges.map(|(begin, &(end, _))| begin..end).collect()
     }
 
+    /// Whether every triangle has a name.
+    pub(in crate::scene) fn name_all(&self) -> bool {
+        let named = |&(_, name): &(u32, u32)| (name as usize) < self.names.len();
+        !self.ranges.is_empty() && self.ranges.iter().all(named)
+    }
+
     /// The names of triangles.
     fn used(&self) -> impl Iterator<Item = &str> {
         self.ranges
@@ -82,13 +87,14 @@ pub enum Smooth {
 }
 
 /// A scale about the origin, then rotations about the axes x, y and z in this order, then a
-/// translation.
+/// translation, then an affine map.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Transform {
     pub(in crate::scene) scale: f32,
     /// Rotation about each axis in degrees.
     pub(in crate::scene) rotation: [f32; 3],
     pub(in crate::scene) translation: [f32; 3],
+    pub(in crate::scene) matrix: Option<DAffine3>,
 }
 
 impl Mesh {
@@ -148,6 +154,11 @@ impl Mesh {
         }
     }
 
+    /// Notes that none of its triangles has an area.
+    pub(in crate::scene) fn ignore_all(&mut self) {
+        self.ignored.insert("all triangles, since they have no area");
+    }
+
     /// Notes that the names of the materials are ignored, if there are any.
     pub(in crate::scene) fn ignore_materials(&mut self) {
         if !self.materials.names.is_empty() {
@@ -155,10 +166,10 @@ impl Mesh {
         }
     }
 
-    /// Returns a message that names the ignored data in `file`, if any.
-    pub(in crate::scene) fn ignored(&self, file: &Path) -> Option<String> {
+    /// Returns the names of the ignored data in the file, if any.
+    pub(in crate::scene) fn ignored(&self) -> Option<String> {
         let names: Vec<&str> = self.ignored.iter().copied().collect();
-        (!names.is_empty()).then(|| format!("{}: ignoring {}", file.display(), names.join(", ")))
+        (!names.is_empty()).then(|| names.join(", "))
     }
 
     /// Returns the bytes of memory that the mesh takes.
@@ -176,7 +187,7 @@ impl Mesh {
     /// is left out even if it closes the crack at a T-junction, because it has no normal.
     ///
     /// # Errors
-    /// If a vertex ends up too far away, no triangle has an area, or the memory limit is exceeded.
+    /// If a vertex ends up too far away, or the memory limit is exceeded.
     pub(in crate::scene) fn transformed(
         &self,
         transform: &Transform,
@@ -191,8 +202,13 @@ impl Mesh {
         let transformed = |vertex: &Vec3| {
             let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(transform.scale));
             let turned = rotate(scaled, turns);
-            let moved =
-                std::array::from_fn(|i| (turned[i] + f64::from(transform.translation[i])) as f32);
+            let moved: [f64; 3] =
+                std::array::from_fn(|i| turned[i] + f64::from(transform.translation[i]));
+            let placed = match transform.matrix {
+                None => moved,
+                Some(matrix) => matrix.transform_point3(moved.into()).into(),
+            };
+            let moved = placed.map(|c| c as f32);
             let placed = Vec3::from_array(moved);
             if in_range(placed) {
                 Ok(placed)
@@ -214,13 +230,13 @@ impl Mesh {
             ranges.push((faces.len() as u32, name));
             begin = end as usize;
         }
-        if faces.is_empty() {
-            return Err(
-                "no triangle has an area after the transform, but a mesh needs one".to_owned()
-            );
+        if transform.matrix.is_some_and(|matrix| matrix.matrix3.determinant() < 0.0) {
+            faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
+        let inverse = transform.matrix.map(|matrix| matrix.matrix3.inverse().transpose());
         let turned = |normal: &Vec3| {
-            unit(DVec3::from_array(rotate(normal.to_array().map(f64::from), turns)))
+            let turned = DVec3::from_array(rotate(normal.to_array().map(f64::from), turns));
+            unit(inverse.map_or(turned, |inverse| inverse * turned))
         };
         let (uvs, colors) = (uvs.clone(), colors.clone());
         let mut vertices = Vertices { positions, uvs, colors, ..Vertices::default() };

@@ -10,21 +10,26 @@ use std::path::Path;
 
 use super::budget::Budget;
 use crate::error::{Error, Result};
-use crate::input::read_bytes;
+use crate::input::{decompress, read_bytes};
 use crate::limits::Limit;
 pub use indexed::Smooth;
 pub(super) use indexed::{Mesh, Transform, Transformed};
 pub(super) use normals::{add_normals, unit};
 pub(super) use tangents::{add_tangents, lacks_tangents};
 
-/// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file,
+/// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file, or a `.ply.gz`,
 /// the names of materials and groups, and ignores the rest. Polygons become fans of triangles.
 ///
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the
 /// file and line.
 pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let extension_of = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let mut extension = extension_of(path);
+    let compressed = extension.as_deref() == Some("gz");
+    if compressed {
+        extension = path.file_stem().and_then(|stem| extension_of(Path::new(stem)));
+    }
     let parse = match extension.as_deref() {
         Some("obj") => obj::parse,
         Some("ply") => ply::parse,
@@ -34,9 +39,12 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
         }
     };
     let name = path.display().to_string();
-    let bytes = read_bytes(path, |length| {
-        budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
-    })?;
+    let allow =
+        |length| budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length));
+    let mut bytes = read_bytes(path, allow)?;
+    if compressed {
+        bytes = decompress(&bytes, allow).map_err(|message| Error::input(&*name, "", message))?;
+    }
     let within = budget.with(bytes.len() as u64);
     let mut mesh = parse(&name, &bytes, &within)?;
     mesh.decode_colors();

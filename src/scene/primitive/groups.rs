@@ -9,9 +9,9 @@ use std::collections::HashMap;
 use std::mem::{replace, take};
 use std::rc::Rc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3};
 
-use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
+use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges, affine};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
 use crate::scene::named::Named;
@@ -52,13 +52,6 @@ impl<'a> Groups<'a> {
         let (known, open) = Default::default();
         Self { meshes, numbers: meshes.names().zip(0..).collect(), known, open }
     }
-}
-
-/// The map with the rows of `matrix`.
-fn affine(matrix: &[[f32; 4]; 3]) -> DAffine3 {
-    let column = |i: usize| DVec3::from_array(matrix.map(|row| f64::from(row[i])));
-    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
-    DAffine3 { matrix3, translation: column(3) }
 }
 
 /// The rows of a map, rounded.

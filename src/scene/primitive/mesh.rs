@@ -5,8 +5,9 @@ use std::collections::hash_map;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Expand};
+use super::{Builder, Expand, affine};
 use crate::error::Result;
+use crate::geometry::Instance;
 use crate::scene::files;
 use crate::scene::mesh::{self, Smooth, Transform, Transformed};
 use crate::scene::place::{Element, MAX_COORDINATE};
@@ -30,6 +31,10 @@ pub struct MeshFile {
     /// Translation, applied last.
     #[serde(default)]
     pub translation: [f32; 3],
+    /// An affine map of the vertices in three rows, applied last. Each row has three factors and a
+    /// coordinate of the translation. If it mirrors the mesh, the front stays outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[[f32; 4]; 3]>,
     /// Whether the triangles are shaded with the interpolated normals of their vertices.
     #[serde(default, skip_serializing_if = "is_auto")]
     pub smooth: Smooth,
@@ -54,6 +59,7 @@ impl MeshFile {
             scale: unit(),
             rotation: [0.0; 3],
             translation: [0.0; 3],
+            matrix: None,
             smooth: Smooth::Auto,
             soft_terminator: true,
             group: None,
@@ -87,7 +93,7 @@ impl Expand for MeshFile {
         e.point("translation", translation)?;
         let path = files::path(e, to.folder, file, &to.budget.limits)?;
         let before = to.count();
-        let mesh = match to.meshes.entry(path) {
+        let mesh = match to.meshes.entry(path.clone()) {
             hash_map::Entry::Occupied(there) => there.into_mut(),
             hash_map::Entry::Vacant(new) => {
                 let mesh = mesh::read(new.key(), to.budget).map_err(|error| e.error(error))?;
@@ -112,9 +118,17 @@ impl Expand for MeshFile {
             .hold_primitives(before, mesh.triangles.len())
             .and_then(|()| to.budget.hold_vertices(mesh.vertices.positions.len()))
             .map_err(|message| e.error(message))?;
-        let transform = Transform { scale, rotation, translation };
+        if let Some(matrix) = &self.matrix {
+            Instance::new(0, matrix).map_err(|message| e.error(format!("matrix {message}")))?;
+        }
+        let matrix = self.matrix.as_ref().map(affine);
+        let transform = Transform { scale, rotation, translation, matrix };
         let placed = mesh.transformed(&transform, smooth, &within);
         let Transformed { vertices, faces, ranges } = placed.map_err(named)?;
+        if faces.is_empty() {
+            to.meshes.get_mut(&path).expect("it was read above").ignore_all();
+            return Ok(());
+        }
         let material_of = |name: u32| {
             let Some(name) = mesh.materials.names.get(name as usize) else {
                 let what = "has triangles without the name of a material, so add `material`";

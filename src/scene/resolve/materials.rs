@@ -41,6 +41,7 @@ impl Resolver<'_> {
     }
 
     fn textures(&self, images: &mut Images<'_>) -> Result<HashMap<&str, Arc<Texture>>> {
+        images.preload(self.file.textures.0.iter().filter_map(|(_, texture)| texture.file()));
         let mut textures = HashMap::new();
         for (name, texture) in &self.file.textures.0 {
             let e = self.element(self.places.texture(name), "texture");

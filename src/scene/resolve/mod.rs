@@ -4,8 +4,8 @@
 mod materials;
 mod primitives;
 
-use std::collections::HashSet;
-use std::path::Path;
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::background::Background;
@@ -16,6 +16,7 @@ use super::files::Images;
 use super::holes::cut_out;
 use super::light::LightFile;
 use super::medium::Medium;
+use super::mesh::Mesh;
 use super::place::{Element, Places};
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
@@ -77,7 +78,7 @@ pub(super) fn resolve(
         light_files: free,
         lights: lights as u32,
         media,
-        ignored: meshes.iter().filter_map(|(file, mesh)| mesh.ignored(file)).collect(),
+        ignored: ignored(&meshes),
         files: images.chain(meshes.into_keys()).collect(),
         limits: resolver.budget.limits,
     })))
@@ -88,6 +89,21 @@ const ENTRY: u64 = 100;
 /// Estimated bytes of memory for each light: 160 were measured, and a tree of lights and the lists from
 /// which it is built have up to 360.
 pub(crate) const LIGHT_BYTES: u64 = 600;
+
+/// Sentences that name the ignored data of mesh files, one for all files with the same kinds.
+fn ignored(meshes: &BTreeMap<PathBuf, Mesh>) -> Vec<String> {
+    let mut files: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
+    for (file, mesh) in meshes {
+        if let Some(names) = mesh.ignored() {
+            files.entry(names).or_default().push(file);
+        }
+    }
+    let sentence = |(names, files): (String, Vec<&Path>)| match files[..] {
+        [file] => format!("{}: ignoring {names}", file.display()),
+        _ => format!("{} and {} more: ignoring {names}", files[0].display(), files.len() - 1),
+    };
+    files.into_iter().map(sentence).collect()
+}
 
 struct Resolver<'a> {
     name: &'a str,

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::image::{Encoding, Texels};
 use crate::math::precise::sin_cos_degrees;
 use crate::math::{Mask, Real, Row, Vector, Word, clamp, whole};
-use crate::scene::files::Images;
+use crate::scene::files::{ImageFile, Images};
 use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// An image mapped to the surface's texture coordinates. v = 0 is the bottom.
@@ -20,6 +20,9 @@ use crate::scene::place::{Element, MAX_COORDINATE};
 pub struct Image {
     /// Path of the image, relative to the scene file.
     pub file: String,
+    /// Number of the image in a glTF file, from 0; for such files only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub index: Option<u32>,
     /// What the integers in the file mean.
     #[serde(default, skip_serializing_if = "is_default")]
     pub encoding: Encoding,
@@ -90,6 +93,7 @@ impl Image {
     pub fn from_file(file: impl Into<String>) -> Self {
         Self {
             file: file.into(),
+            index: None,
             encoding: Encoding::Auto,
             uv: 0,
             wrap_u: Wrap::default(),
@@ -134,14 +138,21 @@ impl TextureModel for Image {
         e.check(within(scale.0) && within(scale.1), "scale", "within ±1e9", scale)?;
         e.check(within(rotation), "rotation", "within ±1e9", rotation)?;
         e.check(within(offset.0) && within(offset.1), "offset", "within ±1e9", offset)?;
-        self.texels = Some(images.texels(e, &self.file, self.encoding, false)?);
+        let image = self.file().expect("every image has a file");
+        self.texels = Some(images.texels(e, image, false)?);
         Ok(())
     }
 
-    /// The content replaces the file and its encoding.
+    /// The content replaces the file, the number and the encoding.
     fn identity(&self) -> Value {
-        let image = Self { file: self.texels().hash(), encoding: Encoding::Auto, ..self.clone() };
+        let (file, encoding) = (self.texels().hash(), Encoding::Auto);
+        let image = Self { file, index: None, encoding, ..self.clone() };
         json!({ "image": image })
+    }
+
+    fn file(&self) -> Option<ImageFile<'_>> {
+        let Self { ref file, index, encoding, .. } = *self;
+        Some(ImageFile { file, index, encoding })
     }
 
     fn holds_normals(&self) -> bool {

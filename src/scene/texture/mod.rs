@@ -11,6 +11,7 @@ mod number;
 mod product;
 mod reference;
 mod solid;
+mod uv_checker;
 mod vertex_color;
 
 use std::fmt::Debug;
@@ -28,7 +29,7 @@ pub use reference::TextureRef;
 
 use product::Product;
 
-use super::files::Images;
+use super::files::{ImageFile, Images};
 use super::place::Element;
 use crate::error::Result;
 use crate::image::Texels;
@@ -81,6 +82,11 @@ pub(crate) trait TextureModel {
         None
     }
 
+    /// Returns the file of the texture's image, if it has one.
+    fn file(&self) -> Option<ImageFile<'_>> {
+        None
+    }
+
     /// Whether the texture depends on the colours of vertices.
     const USES_VERTEX_COLORS: bool = false;
 
@@ -127,6 +133,13 @@ macro_rules! textures {
             pub(super) fn texels(&self) -> Option<&Arc<Texels>> {
                 match self {
                     $(Self::$name(texture) => TextureModel::texels(texture),)*
+                }
+            }
+
+            /// The file of its image, if it has one.
+            pub(super) fn file(&self) -> Option<ImageFile<'_>> {
+                match self {
+                    $(Self::$name(texture) => TextureModel::file(texture),)*
                 }
             }
 
@@ -230,6 +243,8 @@ textures! {
     Image in image,
     /// The colours at the vertices of a mesh.
     VertexColor in vertex_color,
+    /// A 2-D checker of texture coordinates.
+    UvChecker in uv_checker,
 }
 
 /// Number of low bits in a texture's code that hold its index in its table and the channel. The

@@ -66,6 +66,7 @@ fn complete_files_have_the_same_exposure_and_tone_map() {
 }
 
 #[test]
+#[allow(clippy::disallowed_methods)] // libm is the reference
 fn transparent_images_have_an_alpha_channel() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -14,7 +14,7 @@ use crate::common::{ptfast, stderr, stdout};
 
 /// Runs the program, checks that it succeeds, and returns its standard output.
 #[track_caller]
-fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+pub(crate) fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = ptfast(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
     stdout(&output)

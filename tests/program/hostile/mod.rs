@@ -3,6 +3,7 @@
 //! The operating system limits memory, so that exceeding the limit aborts the program.
 
 mod files;
+mod imports;
 mod instances;
 mod meshes;
 mod scenes;
@@ -113,7 +114,7 @@ fn fault(case: &Case) -> Option<String> {
 fn hostile_files_are_rejected() {
     let lists =
         [scenes::cases(), meshes::cases(), instances::cases(), textures::cases(), files::cases()];
-    let cases: Vec<Case> = lists.into_iter().flatten().collect();
+    let cases: Vec<Case> = lists.into_iter().flatten().chain(imports::cases()).collect();
     let faults: Vec<String> = cases.iter().filter_map(fault).collect();
     println!("{} cases", cases.len());
     assert!(cases.len() >= 200, "{} cases", cases.len());

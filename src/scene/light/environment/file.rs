@@ -3,12 +3,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::mapping::Mapping;
 use crate::error::Result;
 use crate::image::{Encoding, Texels};
-use crate::scene::files::Images;
+use crate::math::precise::{rotate, sin_cos_degrees, unit};
+use crate::scene::files::{ImageFile, Images};
 use crate::scene::place::{Element, MAX_RADIANCE};
 
 /// An image of the light from all directions.
@@ -24,6 +26,9 @@ pub struct EnvironmentMap {
     /// Rotations about the axes x, y and z in degrees, in this order, within ±1e6.
     #[serde(default, skip_serializing_if = "is_default")]
     pub rotation: [f32; 3],
+    /// An orthogonal matrix in three rows, which may mirror the map. It is applied after the rotations.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub matrix: Option<[[f32; 3]; 3]>,
     /// Factor of the image's values, 0 or more.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scale: f32,
@@ -62,6 +67,7 @@ impl EnvironmentMap {
             file: file.into(),
             mapping: Mapping::default(),
             rotation: [0.0; 3],
+            matrix: None,
             scale: 1.0,
             compensated: false,
             outside: false,
@@ -74,6 +80,28 @@ impl EnvironmentMap {
     pub(in crate::scene) fn from_path(path: &Path) -> Self {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         Self { outside: true, ..Self::from_file(path.to_string_lossy()) }
+    }
+
+    /// The matrix.
+    fn columns(&self) -> DMat3 {
+        let rows = self.matrix.map(|rows| rows.map(|row| DVec3::from(row.map(f64::from))));
+        rows.map_or(DMat3::IDENTITY, |[x, y, z]| DMat3::from_cols(x, y, z).transpose())
+    }
+
+    /// The directions of the map's axes x, y and z: orthogonal, and unit vectors.
+    pub(super) fn axes(&self) -> [DVec3; 3] {
+        let turns = self.rotation.map(|degrees| sin_cos_degrees(degrees.into()));
+        let columns = self.columns();
+        let turned = |axis: DVec3| columns * DVec3::from(rotate(axis.into(), turns));
+        if self.matrix.is_none() {
+            return DVec3::AXES.map(|axis| rotate(axis.into(), turns).into());
+        }
+        // A matrix of a file is orthogonal only up to its digits (Gram-Schmidt).
+        let [x, y, z] = DVec3::AXES.map(turned);
+        let x = unit(x);
+        let y = unit(y - x * x.dot(y));
+        let right = x.cross(y);
+        [x, y, if right.dot(z) < 0.0 { -right } else { right }]
     }
 
     /// The image.
@@ -96,9 +124,14 @@ impl EnvironmentMap {
         images: &mut Images<'_>,
     ) -> Result<()> {
         e.rotation(self.rotation)?;
+        let columns = self.columns();
+        let product = columns.transpose() * columns;
+        let ok = product.abs_diff_eq(DMat3::IDENTITY, 1e-4);
+        e.check(ok, "matrix", "orthogonal", self.matrix)?;
         let scale = self.scale;
         e.check((0.0..=MAX_RADIANCE).contains(&scale), "scale", "in [0, 1e30]", scale)?;
-        let texels = images.texels(e, &self.file, Encoding::Auto, self.outside)?;
+        let image = ImageFile { file: &self.file, index: None, encoding: Encoding::Auto };
+        let texels = images.texels(e, image, self.outside)?;
         let ok = scale * texels.largest() <= MAX_RADIANCE;
         e.check(ok, "scale", "so small that all radiances are at most 1e30", scale)?;
         let square = texels.width() == texels.height();

@@ -20,7 +20,7 @@ use super::LightModel;
 use super::sample::LightSample;
 use crate::geometry::Ray;
 use crate::image::Texels;
-use crate::math::precise::{rotate, sin_cos_degrees};
+use crate::math::precise::sin_cos_degrees;
 use crate::math::trig::{atan2, sin_cos_turns};
 use crate::math::{Mask, Real, Row, Vector, Word, clamp, dot, normalize, whole};
 use crate::scene::emission::luminance;
@@ -70,12 +70,10 @@ impl Environment {
         };
         // A map of one colour has nothing left after compensation.
         let table = table(less).or_else(|| table(0.0))?;
-        let turns = map.rotation.map(|degrees| sin_cos_degrees(degrees.into()));
-        let axis = |axis: [f64; 3]| Vec3::from_array(rotate(axis, turns).map(|c| c as f32));
         let rows = (0..rows.len() as u32).map(|row| rows[row as usize].row(texel_angle(row)));
         Some(Self {
             mapping: map.mapping,
-            axes: [axis([1.0, 0.0, 0.0]), axis([0.0, 1.0, 0.0]), axis([0.0, 0.0, 1.0])],
+            axes: map.axes().map(|axis| axis.as_vec3()),
             table,
             rows: rows.collect(),
             texels,

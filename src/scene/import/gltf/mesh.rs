@@ -1,0 +1,283 @@
+//! Meshes of glTF files.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::Reader;
+use crate::geometry::Bounds;
+use crate::math::precise::unit;
+use crate::scene::gltf::{Attributes, Primitive};
+use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
+
+/// Bytes of memory for each vertex of the lists that are made here, and for each triangle.
+const VERTEX: u64 = 100;
+const FACE: u64 = 24;
+
+/// The vertices and triangles of a part of a mesh.
+struct Part {
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    uvs: Vec<[f32; 2]>,
+    second_uvs: Vec<[f32; 2]>,
+    colors: Vec<[f32; 3]>,
+    faces: Vec<[u32; 3]>,
+}
+
+impl Reader<'_, '_, '_> {
+    /// Whether the mesh depends on its node, by a skin or by morph targets.
+    pub(super) fn is_deformed(&self, node: usize, mesh: usize) -> bool {
+        let document = &self.gltf.document;
+        let morphs = document.meshes[mesh].primitives.iter().any(|part| !part.targets.is_empty());
+        document.nodes[node].skin.is_some() || morphs
+    }
+
+    /// The triangles of a mesh, placed by `map`.
+    pub(super) fn triangles(
+        &mut self,
+        node: usize,
+        mesh: usize,
+        map: &DAffine3,
+    ) -> Result<Vec<TrianglesFile>, String> {
+        let gltf = self.gltf;
+        let mut all = Vec::new();
+        for (i, primitive) in gltf.document.meshes[mesh].primitives.iter().enumerate() {
+            let part = self.part(node, mesh, primitive);
+            let part =
+                part.map_err(|message| format!("meshes[{mesh}].primitives[{i}]: {message}"))?;
+            let Some(part) = part else { continue };
+            let material = self.material_of(primitive, !part.colors.is_empty())?;
+            // A skin places its vertices itself.
+            let skinned = gltf.document.nodes[node].skin.is_some();
+            let map = if skinned { &DAffine3::IDENTITY } else { map };
+            all.push(self.placed(part, map, material));
+        }
+        Ok(all)
+    }
+
+    /// The parts of a mesh that instances place.
+    pub(super) fn parts(&mut self, node: usize, mesh: usize) -> Result<Vec<PrimitiveFile>, String> {
+        let before = self.bounds;
+        let parts = self.triangles(node, mesh, &DAffine3::IDENTITY)?;
+        self.bounds = before;
+        Ok(parts.into_iter().map(PrimitiveFile::from).collect())
+    }
+
+    /// Adds a named mesh, and returns its name.
+    pub(super) fn add_named_mesh(&mut self, mesh: usize, parts: Vec<PrimitiveFile>) -> String {
+        let own = self.gltf.document.meshes[mesh].name.clone().unwrap_or_else(|| "mesh".to_owned());
+        let name = self.unique(&own, mesh);
+        self.scene.add_named_mesh(name.clone(), parts);
+        name
+    }
+
+    /// A name like `own` that is not used yet. `number` is that of the element.
+    pub(super) fn unique(&mut self, own: &str, number: usize) -> String {
+        let mut name = own.to_owned();
+        while !self.names.insert(name.clone()) {
+            name = format!("{name} {number}");
+        }
+        name
+    }
+
+    /// Includes an instance of a mesh in the bounds of the scene.
+    pub(super) fn cover(&mut self, mesh: usize, map: &DAffine3) -> Result<(), String> {
+        for primitive in &self.gltf.document.meshes[mesh].primitives {
+            if let Some(&positions) = primitive.attributes.get("POSITION") {
+                let [min, max] = self.gltf.corners(positions)?;
+                for corner in 0..8 {
+                    let pick = |i: usize| if corner >> i & 1 == 0 { min[i] } else { max[i] };
+                    let point = DVec3::new(pick(0).into(), pick(1).into(), pick(2).into());
+                    let placed = Bounds::of([map.transform_point3(point).as_vec3()]);
+                    self.bounds = self.bounds.union(placed);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a part of a mesh, and deforms it. `None` for parts that are not triangles.
+    fn part(
+        &mut self,
+        node: usize,
+        mesh: usize,
+        primitive: &Primitive,
+    ) -> Result<Option<Part>, String> {
+        let attributes = Attributes::new(self.gltf, primitive)?;
+        let Some(positions) = attributes.vectors::<3>("POSITION")? else {
+            self.import.warn("parts of meshes without positions are left out");
+            return Ok(None);
+        };
+        let count = positions.len();
+        let (indices, mode) = attributes.indices(count)?;
+        let Some(faces) = self.faces(indices, mode, count)? else { return Ok(None) };
+        self.gltf.hold(VERTEX * count as u64 + FACE * faces.len() as u64)?;
+        let same = |name: &str, length: usize| match [0, count].contains(&length) {
+            true => Ok(()),
+            false => Err(format!("{name} has {length} elements, but there are {count} positions")),
+        };
+        let pairs = |name: &str| -> Result<Vec<[f32; 2]>, String> {
+            let uvs = attributes.vectors::<2>(name)?.unwrap_or_default();
+            same(name, uvs.len())?;
+            // In glTF, v = 0 is the top of the image.
+            Ok(uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect())
+        };
+        let triples = |name: &str| -> Result<Vec<[f32; 3]>, String> {
+            let vectors = attributes.vectors::<3>(name)?.unwrap_or_default();
+            same(name, vectors.len()).map(|()| vectors)
+        };
+        let wide = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from)));
+        let colors = triples("COLOR_0")?.into_iter().map(|color| color.map(|c| c.clamp(0.0, 1.0)));
+        let mut part = Part {
+            positions: wide(positions).collect(),
+            normals: wide(triples("NORMAL")?).collect(),
+            uvs: pairs("TEXCOORD_0")?,
+            second_uvs: pairs("TEXCOORD_1")?,
+            colors: colors.collect(),
+            faces,
+        };
+        self.morph(node, mesh, primitive, &mut part)?;
+        self.skin(node, &attributes, &mut part)?;
+        Ok(Some(part))
+    }
+
+    /// The triangles of a part; `None` for points and lines.
+    fn faces(
+        &mut self,
+        indices: Vec<u32>,
+        mode: u32,
+        count: usize,
+    ) -> Result<Option<Vec<[u32; 3]>>, String> {
+        if ![4, 5, 6].contains(&mode) {
+            self.import.warn("points and lines are not supported, so they are left out");
+            return Ok(None);
+        }
+        if let Some(index) = indices.iter().find(|&&index| index as usize >= count) {
+            return Err(format!("the index {index} is beyond the {count} vertices"));
+        }
+        let triple = |window: &[u32]| [window[0], window[1], window[2]];
+        let faces = match mode {
+            4 => indices.as_chunks::<3>().0.to_vec(),
+            5 => {
+                let turned = |(i, [a, b, c]): (usize, [u32; 3])| {
+                    if i % 2 == 0 { [a, b, c] } else { [b, a, c] }
+                };
+                indices.windows(3).map(triple).enumerate().map(turned).collect()
+            }
+            _ => indices.windows(2).skip(1).map(|edge| [indices[0], edge[0], edge[1]]).collect(),
+        };
+        Ok(Some(faces))
+    }
+
+    /// Moves the vertices of a part by its morph targets.
+    fn morph(
+        &mut self,
+        node: usize,
+        mesh: usize,
+        primitive: &Primitive,
+        part: &mut Part,
+    ) -> Result<(), String> {
+        let document = &self.gltf.document;
+        let own = self.pose.weights.get(&node).or(document.nodes[node].weights.as_ref());
+        let weights = own.unwrap_or(&document.meshes[mesh].weights);
+        for (target, &weight) in primitive.targets.iter().zip(weights) {
+            if weight == 0.0 {
+                continue;
+            }
+            for (name, list) in [("POSITION", &mut part.positions), ("NORMAL", &mut part.normals)] {
+                let Some(&accessor) = target.get(name) else { continue };
+                let moves = self.gltf.vectors::<3>(accessor)?;
+                for (vector, by) in list.iter_mut().zip(moves) {
+                    *vector += DVec3::from(by.map(f64::from)) * weight;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the vertices of a part with the joints of its node's skin.
+    fn skin(
+        &mut self,
+        node: usize,
+        attributes: &Attributes<'_, '_>,
+        part: &mut Part,
+    ) -> Result<(), String> {
+        let gltf = self.gltf;
+        let Some(skin) = gltf.document.nodes[node].skin else { return Ok(()) };
+        let skin = gltf.document.skins.get(skin).ok_or_else(|| format!("unknown skin {skin}"))?;
+        let (Some(joints), Some(weights)) =
+            (attributes.integers("JOINTS_0")?, attributes.vectors::<4>("WEIGHTS_0")?)
+        else {
+            return Ok(());
+        };
+        if attributes.vectors::<4>("WEIGHTS_1")?.is_some() {
+            self.import.warn("vertices follow their first four joints only");
+        }
+        let binds =
+            skin.inverse_bind_matrices.map(|accessor| gltf.vectors::<16>(accessor)).transpose()?;
+        let map = |(i, joint): (usize, &usize)| {
+            let place = self
+                .maps
+                .get(joint)
+                .ok_or_else(|| format!("the joint {joint} is not in the scene"))?;
+            let bind = binds
+                .as_ref()
+                .map(|binds| binds.get(i).ok_or("a joint has no inverse bind matrix"));
+            let Some(bind) = bind.transpose()? else { return Ok(*place) };
+            let column = |i: usize| {
+                DVec3::new(bind[4 * i].into(), bind[4 * i + 1].into(), bind[4 * i + 2].into())
+            };
+            let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+            Ok(*place * DAffine3 { matrix3, translation: column(3) })
+        };
+        let maps =
+            skin.joints.iter().enumerate().map(map).collect::<Result<Vec<DAffine3>, String>>()?;
+        for (i, (joints, weights)) in
+            joints.into_iter().zip(weights).enumerate().take(part.positions.len())
+        {
+            let sum: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
+            let sum = if sum > 0.0 { sum } else { 1.0 };
+            let mut map = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
+            for (joint, weight) in joints.into_iter().zip(weights) {
+                if weight == 0.0 {
+                    continue;
+                }
+                let joint =
+                    maps.get(joint as usize).ok_or_else(|| format!("unknown joint {joint}"))?;
+                let weight = f64::from(weight) / sum;
+                map.matrix3 += joint.matrix3 * weight;
+                map.translation += joint.translation * weight;
+            }
+            part.positions[i] = map.transform_point3(part.positions[i]);
+            if let Some(normal) = part.normals.get_mut(i) {
+                *normal = map.matrix3 * *normal;
+            }
+        }
+        Ok(())
+    }
+
+    /// The triangles of a part, placed by `map`.
+    fn placed(&mut self, part: Part, map: &DAffine3, material: String) -> TrianglesFile {
+        let Part { positions, normals, uvs, second_uvs, colors, mut faces } = part;
+        if map.matrix3.determinant() < 0.0 {
+            faces.iter_mut().for_each(|face| face.swap(1, 2));
+        }
+        // The transpose of the inverse, up to a factor: cross products exist for singular maps, too.
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = map.matrix3;
+        let side = if map.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let turn = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
+        let vertices: Vec<_> =
+            positions.iter().map(|&p| map.transform_point3(p).as_vec3().to_array()).collect();
+        self.bounds = self.bounds.union(Bounds::of(vertices.iter().map(|&v| v.into())));
+        let normal = |n: &DVec3| {
+            let turned = turn * *n;
+            let turned = if turned == DVec3::ZERO { DVec3::Z } else { unit(turned) };
+            turned.as_vec3().to_array()
+        };
+        TrianglesFile {
+            normals: normals.iter().map(normal).collect(),
+            uvs,
+            second_uvs,
+            colors,
+            ..TrianglesFile::new(vertices, faces, material)
+        }
+    }
+}

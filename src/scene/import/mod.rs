@@ -1,0 +1,193 @@
+//! Scenes of other programs. Each format has its own module, which turns the bytes of a file into our
+//! scene description.
+
+mod gltf;
+mod mtl;
+mod pbrt;
+
+use std::path::{Path, PathBuf};
+
+use super::budget::Budget;
+use super::description::SceneFile;
+use super::primitive::{MeshFile, NamedMesh, PrimitiveFile};
+use super::within::path_within;
+use crate::error::{Error, Result};
+
+/// A format of other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// glTF 2.0.
+    Gltf,
+    /// pbrt-v4.
+    Pbrt,
+}
+
+impl Format {
+    /// Extensions of files, and their formats.
+    const ALL: [(&'static str, Self); 3] =
+        [("glb", Self::Gltf), ("gltf", Self::Gltf), ("pbrt", Self::Pbrt)];
+
+    /// The format of files with this extension in lower case.
+    pub(super) fn of(extension: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(name, _)| *name == extension).map(|&(_, format)| format)
+    }
+}
+
+/// What happens to a texture or mesh that a scene of another program names, but that is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Missing {
+    /// The scene is rejected.
+    #[default]
+    Error,
+    /// Textures become grey, meshes are left out, and a warning names the file.
+    Grey,
+}
+
+impl Missing {
+    /// All choices.
+    pub(crate) const ALL: [Self; 2] = [Self::Error, Self::Grey];
+
+    /// The name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Grey => "grey",
+        }
+    }
+}
+
+/// How scenes of other programs are read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ImportOptions {
+    /// What happens to missing textures and meshes.
+    pub missing: Missing,
+    /// Whether everything that ptfast lacks is an error instead of a warning.
+    pub strict: bool,
+    /// Name or number of the animation of a glTF file that poses its scene.
+    pub animation: Option<String>,
+    /// Time of the animation in seconds.
+    pub at: f64,
+    /// Name of the variant of materials of a glTF file.
+    pub variant: Option<String>,
+}
+
+/// A scene of another program.
+pub(super) struct Imported {
+    pub(super) file: SceneFile,
+    /// Sentences that name what ptfast lacks, and what it does instead.
+    pub(super) warnings: Vec<String>,
+}
+
+/// The circumstances of an import, and its warnings.
+pub(super) struct Import<'a> {
+    /// The folder of the file, to which paths are relative.
+    folder: &'a Path,
+    options: &'a ImportOptions,
+    budget: &'a Budget,
+    /// Warnings, and how often each applies.
+    warnings: Vec<(String, usize)>,
+    /// Sentences about choices that the user may want to change.
+    notes: Vec<String>,
+}
+
+/// Largest number of different warnings that are kept.
+const MOST_WARNINGS: usize = 100;
+
+impl Import<'_> {
+    /// Notes that ptfast lacks something, and what it does instead.
+    fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        if let Some((_, count)) = self.warnings.iter_mut().find(|(known, _)| *known == message) {
+            *count += 1;
+        } else if self.warnings.len() < MOST_WARNINGS {
+            self.warnings.push((message, 1));
+        }
+    }
+
+    /// Notes a choice that the user may want to change. Its sentence begins with the file.
+    fn note(&mut self, message: impl Into<String>) {
+        self.notes.push(message.into());
+    }
+
+    /// The path of `file`, which must be within the folder unless the limits allow others.
+    fn path_within(&self, file: &str) -> Result<PathBuf> {
+        path_within(self.folder, file, &self.budget.limits)
+    }
+
+    /// Whether to use the texture or mesh in `file`. A missing file is only used if that is an error,
+    /// which the reader of the file reports; otherwise a warning names it.
+    fn is_usable(&mut self, file: &str, instead: &str) -> bool {
+        let usable = self.options.missing == Missing::Error || self.folder.join(file).exists();
+        if !usable {
+            self.warn(format!("{file} is missing, {instead}"));
+        }
+        usable
+    }
+}
+
+/// Adds the materials that OBJ files name to `scene`, for meshes without a material. Returns the
+/// warnings.
+///
+/// # Errors
+/// If a file cannot be read or its content is wrong.
+pub(super) fn add_materials(
+    folder: &Path,
+    options: &ImportOptions,
+    budget: &Budget,
+    scene: &mut SceneFile,
+) -> Result<Vec<String>> {
+    let (warnings, notes) = Default::default();
+    let mut import = Import { folder, options, budget, warnings, notes };
+    let mut files: Vec<String> = Vec::new();
+    let parts = scene.meshes.0.iter().flat_map(|(_, mesh)| match mesh {
+        NamedMesh::File(_) => &[],
+        NamedMesh::Parts(parts) => &parts[..],
+    });
+    for primitive in scene.primitives.iter().chain(parts) {
+        if let PrimitiveFile::Mesh(MeshFile { file, material: None, .. }) = primitive
+            && file.to_lowercase().ends_with(".obj")
+            && !files.contains(file)
+        {
+            files.push(file.clone());
+        }
+    }
+    for file in files {
+        mtl::add_materials(&mut import, &file, scene)?;
+    }
+    Ok(import.warnings.into_iter().map(|(message, _)| message).collect())
+}
+
+/// Reads the scene in `path`.
+///
+/// # Errors
+/// If a file cannot be read, its content is wrong, or a limit is exceeded. With
+/// [`ImportOptions::strict`], also if ptfast lacks something that the scene asks for.
+pub(super) fn read(
+    path: &Path,
+    format: Format,
+    options: &ImportOptions,
+    budget: &Budget,
+) -> Result<Imported> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (warnings, notes) = Default::default();
+    let mut import = Import { folder, options, budget, warnings, notes };
+    let file = match format {
+        Format::Gltf => gltf::read(path, &mut import)?,
+        Format::Pbrt => pbrt::read(path, &mut import)?,
+    };
+    let warnings = import.warnings.iter().map(|(message, count)| match count {
+        1 => format!("{}: {message}", path.display()),
+        _ => format!("{}: {message} ({count} times)", path.display()),
+    });
+    let mut warnings: Vec<String> = warnings.collect();
+    match warnings.first() {
+        Some(warning) if options.strict => {
+            Err(Error::Usage(format!("{warning}; --strict rejects that")))
+        }
+        _ => {
+            let notes = import.notes.iter().map(|note| format!("{} {note}", path.display()));
+            warnings.extend(notes);
+            Ok(Imported { file, warnings })
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Hostile scenes of other programs.
+
+use std::io::Write;
+
+use super::{Case, Content};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::{Value, json};
+
+fn pbrt(text: impl Into<String>, says: &str) -> Case {
+    Case::scene("a.pbrt", text.into(), says)
+}
+
+fn gltf(json: &Value, says: &str) -> Case {
+    Case::scene("a.gltf", json.to_string(), says)
+}
+
+/// A scene of one triangle, whose parts `change` replaces.
+fn triangle(change: impl FnOnce(&mut Value), says: &str) -> Case {
+    let mut json = json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "uri": "a.bin", "byteLength": 36 }],
+    });
+    change(&mut json);
+    gltf(&json, says).with("a.bin", Content::Bytes([[0; 12], [1; 12], [9; 12]].concat()))
+}
+
+/// A file that decompresses to more than the memory limit.
+fn bomb() -> Content {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    let zeros = vec![b' '; 1 << 20];
+    (0..64).for_each(|_| encoder.write_all(&zeros).unwrap());
+    Content::Bytes(encoder.finish().unwrap())
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let huge = 1u64 << 62;
+    let mut cases = vec![
+        pbrt("AttributeBegin ".repeat(100_000), "nested at most 1000"),
+        pbrt(
+            "Shape \"sphere\" \"float radius\" [".to_owned() + &"1 ".repeat(100_000),
+            "no closing bracket",
+        ),
+        pbrt("Include \"a.pbrt\"", "includes itself"),
+        pbrt("Include \"b.pbrt\"", "includes itself")
+            .with("b.pbrt", Content::Bytes(b"Include \"a.pbrt\"".into())),
+        pbrt("Include \"/etc/passwd\"", "outside the folder"),
+        pbrt("Include \"b.pbrt.gz\"", "limit").with("b.pbrt.gz", bomb()),
+        pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"b.ply.gz\"", "limit")
+            .with("b.ply.gz", bomb()),
+        pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"/etc/passwd.ply\"", "a.pbrt"),
+        pbrt("\u{0}\u{1}", "unknown directive"),
+        pbrt("Scale 1e400 1 1", "singular or not finite"),
+        pbrt("Scale nan 1 1", "expected 3 numbers"),
+        pbrt(
+            "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0] \"integer indices\" [0 1 2]",
+            "indices[0] must be below",
+        ),
+        pbrt(
+            "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0] \"integer indices\" [0 1 -2]",
+            "whole numbers",
+        ),
+        pbrt("WorldBegin Shape \"sphere\" \"float radius\" -1", "radius must be above 0"),
+        pbrt(
+            "WorldBegin Texture \"a\" \"spectrum\" \"scale\" \"texture tex\" \"a\"",
+            "unknown texture \"a\"",
+        ),
+        pbrt(
+            "MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"a\" \"a\"] NamedMaterial \"a\" WorldBegin Shape \"sphere\"",
+            "mixture of mixtures",
+        ),
+        pbrt("WorldBegin ".to_owned() + &"Shape \"sphere\" ".repeat(200_000), "limit"),
+        gltf(&json!([]), "`asset.version` must be 2.0"),
+        Case::scene("a.gltf", "[".repeat(100_000), "invalid type: sequence"),
+        Case::scene(
+            "a.gltf",
+            "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [".to_owned()
+                + &"{},".repeat(1_000_000)
+                + "{}]}",
+            "limit of memory",
+        ),
+        Case::scene("a.glb", "glTF", "version of the container"),
+        Case::scene("a.glb", "glTF\u{2}\0\0\0\0\0\0\0", "no JSON chunk"),
+        Case::scene(
+            "a.glb",
+            "glTF\u{2}\0\0\0\0\0\0\0\u{7f}\u{7f}\u{7f}\u{7f}JSON",
+            "chunk exceeds",
+        ),
+        triangle(|json| json["nodes"][0]["children"] = json!([0]), "reached twice"),
+        triangle(|json| json["scenes"][0]["nodes"] = json!([7]), "unknown node 7"),
+        triangle(|json| json["nodes"][0]["mesh"] = json!(7), "unknown mesh 7"),
+        triangle(|json| json["nodes"][0]["skin"] = json!(7), "unknown skin 7"),
+        triangle(|json| json["nodes"][0]["camera"] = json!(7), "unknown camera"),
+        triangle(|json| json["nodes"][0]["scale"] = json!([1e300, 1e300, 1e300]), "within ±1e9"),
+        triangle(
+            |json| json["meshes"][0]["primitives"][0]["material"] = json!(7),
+            "unknown material 7",
+        ),
+        triangle(
+            |json| json["meshes"][0]["primitives"][0]["indices"] = json!(0),
+            "1 unsigned integers",
+        ),
+        triangle(
+            |json| json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(9),
+            "unknown accessor 9",
+        ),
+        triangle(|json| json["accessors"][0]["bufferView"] = json!(9), "unknown buffer view 9"),
+        triangle(|json| json["accessors"][0]["count"] = json!(huge), "limit"),
+        triangle(|json| json["accessors"][0]["count"] = json!(4), "exceeds the buffer view"),
+        triangle(|json| json["accessors"][0]["count"] = json!(-1), "invalid value"),
+        triangle(
+            |json| json["accessors"][0]["byteOffset"] = json!(huge),
+            "exceeds the buffer view",
+        ),
+        triangle(
+            |json| json["accessors"][0]["componentType"] = json!(5124),
+            "unknown component type",
+        ),
+        triangle(|json| json["accessors"][0]["type"] = json!("VEC2"), "3 numbers are needed"),
+        triangle(|json| json["accessors"][0]["type"] = json!("MAT9"), "not supported"),
+        triangle(|json| json["bufferViews"][0]["byteStride"] = json!(4), "less than an element"),
+        triangle(
+            |json| json["bufferViews"][0]["byteStride"] = json!(u64::MAX),
+            "exceeds the buffer view",
+        ),
+        triangle(
+            |json| json["bufferViews"][0]["byteOffset"] = json!(u64::MAX),
+            "exceeds its buffer",
+        ),
+        triangle(|json| json["bufferViews"][0]["byteLength"] = json!(37), "exceeds its buffer"),
+        triangle(|json| json["bufferViews"][0]["buffer"] = json!(9), "unknown buffer 9"),
+        triangle(|json| json["buffers"][0]["byteLength"] = json!(37), "fewer than its byteLength"),
+        triangle(|json| json["buffers"][0]["uri"] = json!("%2Fetc/passwd"), "outside the folder"),
+        triangle(|json| json["buffers"][0]["uri"] = json!("data:;base64,???"), "wrong base64"),
+        triangle(
+            |json| json["extensionsRequired"] = json!(["KHR_texture_basisu"]),
+            "requires the extension KHR_texture_basisu",
+        ),
+        triangle(
+            |json| {
+                json["accessors"] =
+                    json!([{ "componentType": 5126, "count": 1u64 << 40, "type": "VEC3" }]);
+            },
+            "limit of memory",
+        ),
+        triangle(
+            |json| {
+                let part = json!({ "bufferView": 0, "byteOffset": 12, "componentType": 5123 });
+                json["accessors"][0]["sparse"] =
+                    json!({ "count": 1, "indices": part, "values": part });
+            },
+            "a sparse accessor has an index",
+        ),
+        triangle(
+            |json| {
+                json["materials"] = json!([{ "normalTexture": { "index": 3 } }]);
+                json["meshes"][0]["primitives"][0]["material"] = json!(0);
+            },
+            "unknown texture 3",
+        ),
+        triangle(
+            |json| {
+                json["materials"] = json!([{ "normalTexture": { "index": 0 } }]);
+                json["textures"] = json!([{ "source": 0 }]);
+                json["images"] = json!([{ "bufferView": 0 }]);
+                json["meshes"][0]["primitives"][0]["material"] = json!(0);
+            },
+            "images[0]: ",
+        ),
+        triangle(
+            |json| {
+                let parts = vec![json!({ "attributes": { "POSITION": 0 } }); 100_000];
+                json["meshes"][0]["primitives"] = json!(parts);
+            },
+            "limit",
+        ),
+    ];
+    // A file of the scene's own kind as a mesh or a texture.
+    cases.push(Case::scene(
+        "a.ron",
+        r#"(camera: (look_from: (0, 0, 1), look_at: (0, 0, 0), vfov: 9), textures: {"a": image(file: "a.png", index: 0)})"#,
+        "a.png",
+    ).with("a.png", Content::Bytes(b"{}".into())));
+    cases
+}

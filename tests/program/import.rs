@@ -1,0 +1,157 @@
+//! Tests of scenes of other programs. Each scene in `tests/data/import` has everything that ptfast reads
+//! of its format, and is paired with the same scene in RON.
+
+use std::fs;
+use std::path::Path;
+
+use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use serde_json::{Value, json};
+
+use crate::cli::succeeds;
+use crate::common::{ptfast, stderr, stdout};
+
+fn folder() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/import")
+}
+
+fn load(name: &str) -> Scene {
+    Scene::load(folder().join(name).to_str().unwrap()).unwrap()
+}
+
+#[test]
+fn scenes_are_the_same_in_ron() {
+    for name in ["pbrt.pbrt", "gltf.gltf", "compressed.gltf", "obj.obj"] {
+        let ron = load(Path::new(name).with_extension("ron").to_str().unwrap());
+        let scene = load(name);
+        let shown = succeeds(&folder(), &["scenes", "show", name]);
+        assert_eq!(scene.hash(), ron.hash(), "{name} is now\n{shown}");
+        let images = Engine::ALL.map(|engine| {
+            let settings = RenderSettings { spp: 2, engine, ..RenderSettings::of(&scene) };
+            Renderer::new(&scene, settings).unwrap().render().unwrap().image.hash()
+        });
+        assert_eq!(images[0], images[1], "{name}");
+    }
+}
+
+/// The container of a glTF file and its buffer.
+fn glb(json: &Value, buffer: &[u8]) -> Vec<u8> {
+    let mut json = json.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((28 + json.len() as u32 + buffer.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json[..]), (b"BIN\0", buffer)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
+fn gltf() -> (Value, Vec<u8>) {
+    let json = fs::read_to_string(folder().join("gltf.gltf")).unwrap();
+    (serde_json::from_str(&json).unwrap(), fs::read(folder().join("gltf parts.bin")).unwrap())
+}
+
+#[test]
+fn containers_have_the_same_scene() {
+    let (mut json, mut buffer) = gltf();
+    buffer.resize(buffer.len().next_multiple_of(4), 0);
+    json["buffers"] = json!([{ "byteLength": buffer.len() }]);
+    let there = tempfile::tempdir().unwrap();
+    fs::copy(folder().join("grid.png"), there.path().join("grid.png")).unwrap();
+    fs::write(there.path().join("a.glb"), glb(&json, &buffer)).unwrap();
+    let scene = Scene::load(there.path().join("a.glb").to_str().unwrap()).unwrap();
+    assert_eq!(scene.hash(), load("gltf.gltf").hash());
+}
+
+#[test]
+fn animations_and_variants_can_be_chosen() {
+    let show = |options: &[&str]| {
+        succeeds(&folder(), &[&["scenes", "show", "gltf.gltf"], options].concat())
+    };
+    let rest = show(&[]);
+    let [start, middle, end] = ["0", "1", "9"].map(|at| show(&["--animation", "move", "--at", at]));
+    // The wall moves from x = 0 to 4, the soft part grows, and the lamp turns.
+    for (shown, corner) in [
+        (&rest, "(-2.0, 0.0, -2.0)"),
+        (&start, "(0.0, 0.0, 0.0)"),
+        (&middle, "(2.0, 0.0, 0.0)"),
+        (&end, "(4.0, 0.0, 0.0)"),
+    ] {
+        assert!(shown.contains(&format!("vertices: [{corner}")), "{corner} {shown}");
+    }
+    assert_eq!(show(&["--animation", "0", "--at", "1"]), middle);
+    assert!(rest.contains("(0.0, 3.25, 0.0)") && end.contains("(0.0, 3.5, 0.0)"), "{end}");
+    let variant = show(&["--variant", "shiny"]);
+    assert!(
+        variant != rest && variant.matches("\"car\"").count() > rest.matches("\"car\"").count()
+    );
+    for (option, name) in [("--variant", "shin"), ("--animation", "mov")] {
+        let output = ptfast(&folder(), &["scenes", "check", "gltf.gltf", option, name]);
+        let error = stderr(&output);
+        assert_eq!(output.status.code(), Some(65), "{error}");
+        assert!(
+            error.contains(&format!("unknown {} `{name}`, did you mean", &option[2..])),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
+    let there = tempfile::tempdir().unwrap();
+    let text = r#"Camera "spherical" WorldBegin Texture "a" "spectrum" "imagemap" "string filename" "no.png"
+        Material "velvet" Shape "sphere" Shape "sphere" Material "diffuse" "texture reflectance" "a" Shape "sphere"
+        Shape "plymesh" "string filename" "no.ply" Shape "nurbs""#;
+    fs::write(there.path().join("a.pbrt"), text).unwrap();
+    let check = |options: &[&str]| {
+        ptfast(there.path(), &[&["scenes", "check", "a.pbrt"], options].concat())
+    };
+    let output = check(&[]);
+    assert_eq!(output.status.code(), Some(65));
+    assert!(stderr(&output).contains("no.png: cannot read"), "{}", stderr(&output));
+    let output = check(&["--missing", "grey"]);
+    let said = stderr(&output);
+    assert!(output.status.success() && stdout(&output).contains("3 spheres"), "{said}");
+    for line in [
+        "ptfast: a.pbrt: the camera spherical is not supported, so it is a perspective",
+        "ptfast: a.pbrt: no.png is missing, so it is grey",
+        "ptfast: a.pbrt: the material velvet is not supported, so it is matte grey",
+        "ptfast: a.pbrt: no.ply is missing, so it is left out",
+        "ptfast: a.pbrt: the shape nurbs is not supported, so it is left out",
+    ] {
+        assert_eq!(said.matches(line).count(), 1, "{line}: {said}");
+    }
+    let output = check(&["--missing", "grey", "--strict"]);
+    let error = stderr(&output);
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+    assert!(error.contains("spherical") && error.contains("--strict rejects that"), "{error}");
+}
+
+#[test]
+fn errors_of_pbrt_files_name_the_line() {
+    let there = tempfile::tempdir().unwrap();
+    for (text, want) in [
+        ("Shape \"sphere", "a.pbrt:2: the text has no closing"),
+        ("Shap \"sphere\"", "a.pbrt:2: unknown directive `Shap`, did you mean `Shape`?"),
+        ("Scale 1 2", "a.pbrt:2: expected 3 numbers"),
+        ("Scale 0 1 1", "a.pbrt:2: the transform is singular"),
+        ("AttributeEnd", "a.pbrt:2: `AttributeEnd` without its beginning"),
+        (
+            "AttributeBegin TransformEnd",
+            "a.pbrt:2: `TransformEnd` where `AttributeEnd` is expected",
+        ),
+        ("AttributeBegin", "a.pbrt: `AttributeEnd` is missing"),
+        ("NamedMaterial \"a\"", "a.pbrt:2: unknown material \"a\""),
+        ("ObjectInstance \"a\"", "a.pbrt:2: unknown object \"a\""),
+        ("Shape \"sphere\" \"float radius\" true", "a.pbrt:2: `radius` must be numbers"),
+        ("Shape \"trianglemesh\" \"point3 P\" [ 0 0 ]", "a.pbrt:2: `P` must be groups of 3"),
+        ("Include \"a.pbrt\"", "a.pbrt: the file includes itself"),
+    ] {
+        fs::write(there.path().join("a.pbrt"), format!("WorldBegin\n{text}\n")).unwrap();
+        let output = ptfast(there.path(), &["scenes", "check", "a.pbrt"]);
+        let error = stderr(&output);
+        assert_eq!((output.status.code(), error.lines().count()), (Some(65), 1), "{text}: {error}");
+        assert!(error.contains(want), "{text}: {error}");
+    }
+}
