@@ -1,7 +1,7 @@
 //! The files that a scene refers to.
 
 use std::cell::Cell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,11 +50,14 @@ impl<'a> Images<'a> {
     /// Reads images on all threads. Those that cannot be read are left to [`texels`](Self::texels),
     /// which knows where the scene names them.
     pub(super) fn preload<'t>(&mut self, wanted: impl Iterator<Item = ImageFile<'t>>) {
-        let mut keys: Vec<Key> = Vec::new();
+        let (mut keys, mut seen) = (Vec::new(), HashSet::new());
         for ImageFile { file, index, encoding } in wanted {
             let Ok(path) = path_within(self.folder, file, &self.budget.limits) else { continue };
             let key = (path, index, encoding);
-            if !self.images.contains_key(&key) && !keys.contains(&key) && self.open(&key).is_ok() {
+            if !self.images.contains_key(&key)
+                && seen.insert(key.clone())
+                && self.open(&key).is_ok()
+            {
                 keys.push(key);
             }
         }

@@ -2,15 +2,19 @@
 
 use std::borrow::Cow;
 use std::collections::hash_map;
+use std::path::PathBuf;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Expand, affine};
+use super::{Builder, Expand, PrimitiveFile, affine};
 use crate::error::Result;
 use crate::geometry::Instance;
+use crate::input::length;
 use crate::scene::files;
 use crate::scene::mesh::{self, Smooth, Transform, Transformed};
 use crate::scene::place::{Element, MAX_COORDINATE};
+use crate::scene::within::path_within;
 
 /// The triangles of an OBJ or PLY file.
 ///
@@ -82,6 +86,40 @@ pub(super) fn is_yes(value: &bool) -> bool {
 
 fn is_auto(smooth: &Smooth) -> bool {
     *smooth == Smooth::Auto
+}
+
+/// Bytes of memory for each byte of a mesh file while it is read.
+const READING: u64 = 20;
+
+impl Builder<'_> {
+    /// Reads the files of `primitives` on all threads, if there is memory for all at once. Those that
+    /// cannot be read are left to `expand`, which knows where the scene names them.
+    pub(in crate::scene) fn preload<'p>(
+        &mut self,
+        primitives: impl Iterator<Item = &'p PrimitiveFile>,
+    ) {
+        let (folder, budget) = (self.folder, self.budget);
+        let path = |primitive: &PrimitiveFile| match primitive {
+            PrimitiveFile::Mesh(mesh) => path_within(folder, &mesh.file, &budget.limits).ok(),
+            _ => None,
+        };
+        let mut paths: Vec<PathBuf> = primitives.filter_map(path).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        // The size of a compressed file says nothing about its content.
+        paths.retain(|path| path.extension().is_some_and(|extension| extension != "gz"));
+        let bytes: u64 = paths.iter().filter_map(|path| length(path).ok()).sum();
+        if paths.len() < 2 || READING.saturating_mul(bytes) > budget.room() {
+            return;
+        }
+        let read = |path: PathBuf| mesh::read(&path, budget).ok().map(|mesh| (path, mesh));
+        let meshes: Vec<_> = paths.into_par_iter().filter_map(read).collect();
+        for (path, mesh) in meshes {
+            if budget.hold(mesh.memory()).is_ok() {
+                self.meshes.insert(path, mesh);
+            }
+        }
+    }
 }
 
 impl Expand for MeshFile {

@@ -41,7 +41,12 @@ impl Resolver<'_> {
     }
 
     fn textures(&self, images: &mut Images<'_>) -> Result<HashMap<&str, Arc<Texture>>> {
-        images.preload(self.file.textures.0.iter().filter_map(|(_, texture)| texture.file()));
+        let mut materials: Vec<Material> =
+            self.file.materials.0.iter().map(|(_, material)| material.clone()).collect();
+        let references = materials.iter_mut().flat_map(Material::textures);
+        let unnamed: Vec<_> = references.filter_map(|reference| reference.unnamed()).collect();
+        let named = self.file.textures.0.iter().map(|(_, texture)| texture);
+        images.preload(named.chain(unnamed).filter_map(Texture::file));
         let mut textures = HashMap::new();
         for (name, texture) in &self.file.textures.0 {
             let e = self.element(self.places.texture(name), "texture");

@@ -21,6 +21,7 @@ impl Resolver<'_> {
         let all = materials;
         let materials = Materials::new(self.file.materials.names(), materials);
         let mut builder = Builder::new(&self.file.meshes, &materials, folder, &self.budget);
+        builder.preload(self.file.primitives.iter());
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {
             let e = self.element(self.places.primitive(index), primitive.name());

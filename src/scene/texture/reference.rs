@@ -21,6 +21,14 @@ pub enum TextureRef {
 }
 
 impl TextureRef {
+    /// The texture, if it has no name.
+    pub(in crate::scene) fn unnamed(&self) -> Option<&Texture> {
+        match self {
+            Self::Texture(texture) => Some(texture),
+            Self::Named(_) => None,
+        }
+    }
+
     /// The texture, once names are resolved.
     ///
     /// # Panics
