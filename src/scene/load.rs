@@ -132,8 +132,9 @@ impl Source {
             Self::Mesh(path) => {
                 let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
                 let (mut file, names) = view::of_mesh(path, &budget)?;
-                let mut warnings = import::add_materials(&folder, options, &budget, &mut file)?;
                 let name = path.display().to_string();
+                let mut warnings =
+                    import::add_materials(&name, &folder, options, &budget, &mut file)?;
                 let unknown = view::add_missing_materials(&mut file, names);
                 if unknown > 0 {
                     let why = "grey, since no file describes them";
@@ -172,7 +173,7 @@ impl Source {
         };
         // Errors in the flat form already have line numbers, so its text is not needed.
         let text = (form != Form::Flat).then_some((form, text));
-        let warnings = import::add_materials(&folder, options, &budget, &mut file)?;
+        let warnings = import::add_materials(&name, &folder, options, &budget, &mut file)?;
         Ok(Parsed { places, text, warnings, ..Parsed::new(name, folder, file, budget) })
     }
 }

@@ -3,7 +3,6 @@
 
 use super::Gltf;
 use super::document::{Accessor, SparsePart};
-use crate::math::{max, min};
 
 /// The type of a number in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,18 +209,6 @@ impl Gltf<'_> {
             Some(at) => Err(format!("the element {at} of the accessor {index} is not finite")),
             None => Ok(vectors),
         }
-    }
-
-    /// The least and the largest coordinates of an accessor of positions.
-    pub(in crate::scene) fn corners(&self, index: usize) -> Result<[[f32; 3]; 2], String> {
-        let mut corners = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        for position in self.vectors::<3>(index)? {
-            for (i, c) in position.into_iter().enumerate() {
-                corners[0][i] = min(corners[0][i], c);
-                corners[1][i] = max(corners[1][i], c);
-            }
-        }
-        Ok(corners)
     }
 
     /// The unsigned integers of an accessor, N each.

@@ -226,7 +226,9 @@ pub(in crate::scene) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_specular")]
     pub(in crate::scene) specular: Specular,
     #[serde(rename = "KHR_materials_unlit")]
-    pub(in crate::scene) unlit: Option<Unlit>,
+    pub(in crate::scene) unlit: Option<Present>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub(in crate::scene) specular_glossiness: Option<Present>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -275,8 +277,9 @@ pub(in crate::scene) struct Specular {
     pub(in crate::scene) specular_color_texture: Option<TextureInfo>,
 }
 
+/// An extension whose content does not matter.
 #[derive(Debug, Deserialize)]
-pub(in crate::scene) struct Unlit {}
+pub(in crate::scene) struct Present {}
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]

@@ -29,8 +29,8 @@ const OBJECT: u64 = 2 * size_of::<Material>() as u64;
 /// Bytes of memory for each byte of JSON, for text and numbers.
 const JSON: u64 = 8;
 
-/// The extensions that may be required.
-const SUPPORTED: [&str; 17] = [
+/// The extensions that ptfast supports.
+pub(super) const SUPPORTED: [&str; 15] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
@@ -46,8 +46,6 @@ const SUPPORTED: [&str; 17] = [
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_transform",
-    "KHR_materials_sheen",
-    "KHR_materials_iridescence",
 ];
 
 /// A file whose document is parsed and whose buffers are read.
@@ -82,7 +80,8 @@ impl<'a> Gltf<'a> {
         };
         let bytes = read_bytes(path, allow)?;
         let (json, binary) = chunks(&bytes).map_err(bad)?;
-        let objects = memchr::memchr_iter(b'{', json).count() as u64;
+        // Lists may stand for objects.
+        let objects = memchr::memchr2_iter(b'{', b'[', json).count() as u64;
         let memory = OBJECT * objects + JSON * json.len() as u64;
         budget.hold(memory).map_err(bad)?;
         let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
@@ -164,6 +163,14 @@ impl<'a> Gltf<'a> {
     /// Holds memory, unless it exceeds the limit.
     pub(super) fn hold(&self, bytes: u64) -> Result<(), String> {
         self.budget.hold(bytes)
+    }
+
+    /// The file of the image with this number; `None` if it is within this file.
+    pub(super) fn image_file(&self, index: usize) -> Result<Option<String>, String> {
+        let image = self.document.images.get(index);
+        let image = image.ok_or_else(|| format!("unknown image {index}"))?;
+        let external = image.uri.as_ref().filter(|uri| !uri.starts_with("data:"));
+        Ok(external.map(|uri| unescaped(uri)))
     }
 
     /// The image with this number.

@@ -5,6 +5,7 @@ mod gltf;
 mod mtl;
 mod pbrt;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::budget::Budget;
@@ -86,6 +87,8 @@ pub(super) struct Import<'a> {
     budget: &'a Budget,
     /// Warnings, and how often each applies.
     warnings: Vec<(String, usize)>,
+    /// Number of warnings that were not kept.
+    more: usize,
     /// Sentences about choices that the user may want to change.
     notes: Vec<String>,
 }
@@ -101,7 +104,31 @@ impl Import<'_> {
             *count += 1;
         } else if self.warnings.len() < MOST_WARNINGS {
             self.warnings.push((message, 1));
+        } else {
+            self.more += 1;
         }
+    }
+
+    /// The warnings and notes as sentences that begin with the `file`.
+    ///
+    /// # Errors
+    /// With [`ImportOptions::strict`], if there is a warning.
+    fn into_warnings(self, file: &str) -> Result<Vec<String>> {
+        let sentence = |(message, count): (String, usize)| match count {
+            1 => format!("{file}: {message}"),
+            _ => format!("{file}: {message} ({count} times)"),
+        };
+        let mut warnings: Vec<String> = self.warnings.into_iter().map(sentence).collect();
+        if let Some(warning) = warnings.first()
+            && self.options.strict
+        {
+            return Err(Error::Usage(format!("{warning}; --strict rejects that")));
+        }
+        if self.more > 0 {
+            warnings.push(format!("{file}: there are {} more warnings", self.more));
+        }
+        warnings.extend(self.notes.iter().map(|note| format!("{file} {note}")));
+        Ok(warnings)
     }
 
     /// Notes a choice that the user may want to change. Its sentence begins with the file.
@@ -125,20 +152,21 @@ impl Import<'_> {
     }
 }
 
-/// Adds the materials that OBJ files name to `scene`, for meshes without a material. Returns the
-/// warnings.
+/// Adds the materials that OBJ files name to the scene called `name`, for meshes without a material.
+/// Returns the warnings.
 ///
 /// # Errors
 /// If a file cannot be read or its content is wrong.
 pub(super) fn add_materials(
+    name: &str,
     folder: &Path,
     options: &ImportOptions,
     budget: &Budget,
     scene: &mut SceneFile,
 ) -> Result<Vec<String>> {
-    let (warnings, notes) = Default::default();
-    let mut import = Import { folder, options, budget, warnings, notes };
-    let mut files: Vec<String> = Vec::new();
+    let (warnings, more, notes) = Default::default();
+    let mut import = Import { folder, options, budget, warnings, more, notes };
+    let (mut files, mut seen) = (Vec::new(), HashSet::new());
     let parts = scene.meshes.0.iter().flat_map(|(_, mesh)| match mesh {
         NamedMesh::File(_) => &[],
         NamedMesh::Parts(parts) => &parts[..],
@@ -146,7 +174,7 @@ pub(super) fn add_materials(
     for primitive in scene.primitives.iter().chain(parts) {
         if let PrimitiveFile::Mesh(MeshFile { file, material: None, .. }) = primitive
             && file.to_lowercase().ends_with(".obj")
-            && !files.contains(file)
+            && seen.insert(file.clone())
         {
             files.push(file.clone());
         }
@@ -154,7 +182,7 @@ pub(super) fn add_materials(
     for file in files {
         mtl::add_materials(&mut import, &file, scene)?;
     }
-    Ok(import.warnings.into_iter().map(|(message, _)| message).collect())
+    import.into_warnings(name)
 }
 
 /// Reads the scene in `path`.
@@ -169,25 +197,12 @@ pub(super) fn read(
     budget: &Budget,
 ) -> Result<Imported> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (warnings, notes) = Default::default();
-    let mut import = Import { folder, options, budget, warnings, notes };
+    let (warnings, more, notes) = Default::default();
+    let mut import = Import { folder, options, budget, warnings, more, notes };
     let file = match format {
         Format::Gltf => gltf::read(path, &mut import)?,
         Format::Pbrt => pbrt::read(path, &mut import)?,
     };
-    let warnings = import.warnings.iter().map(|(message, count)| match count {
-        1 => format!("{}: {message}", path.display()),
-        _ => format!("{}: {message} ({count} times)", path.display()),
-    });
-    let mut warnings: Vec<String> = warnings.collect();
-    match warnings.first() {
-        Some(warning) if options.strict => {
-            Err(Error::Usage(format!("{warning}; --strict rejects that")))
-        }
-        _ => {
-            let notes = import.notes.iter().map(|note| format!("{} {note}", path.display()));
-            warnings.extend(notes);
-            Ok(Imported { file, warnings })
-        }
-    }
+    let warnings = import.into_warnings(&path.display().to_string())?;
+    Ok(Imported { file, warnings })
 }

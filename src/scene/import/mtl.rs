@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::Import;
+use super::{Import, Missing};
 use crate::error::{Error, Result};
 use crate::image::Encoding;
 use crate::input::{length, read_bytes};
@@ -37,6 +37,11 @@ pub(in crate::scene) fn add_materials(
     for library in libraries(&path).map_err(Error::io(&path, "read"))? {
         let library = beside.join(library).to_string_lossy().into_owned();
         if !import.folder.join(&library).exists() {
+            if import.options.missing == Missing::Error {
+                return Err(Error::io(&import.folder.join(&library), "read")(
+                    io::ErrorKind::NotFound.into(),
+                ));
+            }
             import.warn(format!("{library} is missing, so its materials are unknown"));
             continue;
         }
@@ -209,6 +214,17 @@ impl Section<'_> {
         // Models 4, 6, 7 and 9 are glass.
         if [4.0, 6.0, 7.0, 9.0].contains(&model) && (opaque < 1.0 || self.lines.contains_key("tf"))
         {
+            let tint = share(self.color("tf")?.unwrap_or([1.0; 3]));
+            if tint != [1.0; 3] {
+                return Ok(Principled {
+                    base_color: Color::Rgb(tint),
+                    roughness: 0.0.into(),
+                    ior: ior.clamp(1.01, 10.0),
+                    transmission: 1.0.into(),
+                    ..Principled::default()
+                }
+                .into());
+            }
             return Ok(Dielectric { ior: ior.clamp(0.01, 100.0), fresnel: Fresnel::Exact }.into());
         }
         if let (Color::Rgb(radiance), true) = (&emission_color, diffuse == [0.0; 3])

@@ -55,8 +55,14 @@ pub(super) fn cases() -> Vec<Case> {
             .with("b.ply.gz", bomb()),
         pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"/etc/passwd.ply\"", "a.pbrt"),
         pbrt("\u{0}\u{1}", "unknown directive"),
-        pbrt("Scale 1e400 1 1", "singular or not finite"),
-        pbrt("Scale nan 1 1", "expected 3 numbers"),
+        pbrt("Scale 1e400 1 1", "not finite"),
+        pbrt("Scale nan 1 1", "not finite"),
+        pbrt("PixelFilter \"gaussian\" \"float xradius\" -nan", "not finite"),
+        pbrt("Scale 0 1 1", "singular or not finite"),
+        pbrt(
+            "WorldBegin Scale 1 1 2 ".to_owned() + &"Shape \"sphere\" ".repeat(1000),
+            "limit of memory",
+        ),
         pbrt(
             "WorldBegin Shape \"trianglemesh\" \"point3 P\" [0 0 0] \"integer indices\" [0 1 2]",
             "indices[0] must be below",
@@ -82,6 +88,23 @@ pub(super) fn cases() -> Vec<Case> {
             "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [".to_owned()
                 + &"{},".repeat(1_000_000)
                 + "{}]}",
+            "limit of memory",
+        ),
+        Case::scene(
+            "a.gltf",
+            "{\"asset\": {\"version\": \"2.0\"}, \"materials\": [".to_owned()
+                + &"[],".repeat(1_000_000)
+                + "[]]}",
+            "limit of memory",
+        ),
+        triangle(
+            |json| {
+                let many = json!({ "componentType": 5126, "count": 2_000_000, "type": "VEC3" });
+                json["accessors"].as_array_mut().unwrap().push(many);
+                let attributes = json!({ "TRANSLATION": 1 });
+                json["nodes"][0]["extensions"] =
+                    json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+            },
             "limit of memory",
         ),
         Case::scene("a.glb", "glTF", "version of the container"),

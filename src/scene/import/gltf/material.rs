@@ -2,7 +2,7 @@
 
 use super::Reader;
 use crate::image::Encoding;
-use crate::scene::gltf::{ImageSource, Material, Primitive, TextureInfo};
+use crate::scene::gltf::{Material, Primitive, TextureInfo};
 use crate::scene::material::{self, Principled};
 use crate::scene::opacity::Opacity;
 use crate::scene::texture::{Channel, Color, Filter, Image, Number, TextureRef, VertexColor, Wrap};
@@ -69,6 +69,7 @@ impl Reader<'_, '_, '_> {
             None => Color::Rgb([r, g, b].map(share)),
         };
         let rough = base.metallic_roughness_texture.as_ref();
+        let metal = if file.extensions.specular_glossiness.is_some() { 0.0 } else { 1.0 };
         let extensions = &file.extensions;
         let (coat, specular) = (&extensions.clearcoat, &extensions.specular);
         if coat.clearcoat_normal_texture.is_some() {
@@ -88,7 +89,7 @@ impl Reader<'_, '_, '_> {
         };
         let mut material = Principled {
             base_color,
-            metalness: self.number(rough, Channel::B, base.metallic_factor.unwrap_or(1.0))?,
+            metalness: self.number(rough, Channel::B, base.metallic_factor.unwrap_or(metal))?,
             roughness: self.number(rough, Channel::G, base.roughness_factor.unwrap_or(1.0))?,
             specular: self.number(
                 specular.specular_texture.as_ref(),
@@ -211,19 +212,14 @@ impl Reader<'_, '_, '_> {
             self.import.warn("textures in formats of extensions are grey");
             return Ok(None);
         };
-        let mut image = match gltf.image(source)? {
-            ImageSource::File(file) => {
-                if !self.import.is_usable(&file, "so it is grey") {
-                    return Ok(None);
-                }
-                Image::from_file(file)
-            }
-            ImageSource::Bytes(_) => {
-                let mut image = Image::from_file(&*self.file);
-                image.index = Some(source as u32);
-                image
-            }
-        };
+        let file = gltf.image_file(source)?;
+        if let Some(file) = &file
+            && !self.import.is_usable(file, "so it is grey")
+        {
+            return Ok(None);
+        }
+        let mut image = Image::from_file(file.as_deref().unwrap_or(&self.file));
+        image.index = file.is_none().then_some(source as u32);
         image.encoding = encoding;
         if let Some(sampler) = texture.sampler {
             let sampler = gltf.document.samplers.get(sampler);

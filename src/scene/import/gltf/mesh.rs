@@ -1,5 +1,7 @@
 //! Meshes of glTF files.
 
+use std::mem::replace;
+
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Reader;
@@ -53,12 +55,16 @@ impl Reader<'_, '_, '_> {
         Ok(all)
     }
 
-    /// The parts of a mesh that instances place.
-    pub(super) fn parts(&mut self, node: usize, mesh: usize) -> Result<Vec<PrimitiveFile>, String> {
-        let before = self.bounds;
+    /// The parts of a mesh that instances place, and its box.
+    pub(super) fn parts(
+        &mut self,
+        node: usize,
+        mesh: usize,
+    ) -> Result<(Vec<PrimitiveFile>, Bounds), String> {
+        let before = replace(&mut self.bounds, Bounds::EMPTY);
         let parts = self.triangles(node, mesh, &DAffine3::IDENTITY)?;
-        self.bounds = before;
-        Ok(parts.into_iter().map(PrimitiveFile::from).collect())
+        let own = replace(&mut self.bounds, before);
+        Ok((parts.into_iter().map(PrimitiveFile::from).collect(), own))
     }
 
     /// Adds a named mesh, and returns its name.
@@ -78,20 +84,14 @@ impl Reader<'_, '_, '_> {
         name
     }
 
-    /// Includes an instance of a mesh in the bounds of the scene.
-    pub(super) fn cover(&mut self, mesh: usize, map: &DAffine3) -> Result<(), String> {
-        for primitive in &self.gltf.document.meshes[mesh].primitives {
-            if let Some(&positions) = primitive.attributes.get("POSITION") {
-                let [min, max] = self.gltf.corners(positions)?;
-                for corner in 0..8 {
-                    let pick = |i: usize| if corner >> i & 1 == 0 { min[i] } else { max[i] };
-                    let point = DVec3::new(pick(0).into(), pick(1).into(), pick(2).into());
-                    let placed = Bounds::of([map.transform_point3(point).as_vec3()]);
-                    self.bounds = self.bounds.union(placed);
-                }
-            }
-        }
-        Ok(())
+    /// Includes an instance of a mesh with this box in the bounds of the scene.
+    pub(super) fn cover(&mut self, Bounds { min, max }: Bounds, map: &DAffine3) {
+        let corner = |i: u32| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            let corner = DVec3::new(pick(0).into(), pick(1).into(), pick(2).into());
+            map.transform_point3(corner).as_vec3()
+        };
+        self.bounds = self.bounds.union(Bounds::of((0..8).map(corner)));
     }
 
     /// Reads a part of a mesh, and deforms it. `None` for parts that are not triangles.

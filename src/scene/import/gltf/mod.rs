@@ -19,12 +19,15 @@ use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
 use crate::scene::background::Background;
 use crate::scene::description::{CameraFile, SceneFile};
-use crate::scene::gltf::{Camera, Gltf};
+use crate::scene::gltf::{Camera, Gltf, SUPPORTED};
 use crate::scene::primitive::InstanceFile;
 use crate::scene::view;
 
 /// The light of scenes without any: a bright sky above a grey ground.
 const SKY: Background = Background::Gradient { bottom: [0.4; 3], top: [1.2; 3] };
+
+/// Bytes of memory for each instance in a node: the place while the list grows, and the instance.
+const INSTANCE: u64 = 500;
 
 /// A mesh in a node.
 struct Placement {
@@ -165,6 +168,7 @@ impl Reader<'_, '_, '_> {
                     scales.as_ref().map(Vec::len),
                 ];
                 let count = counts.into_iter().flatten().min().unwrap_or(0);
+                gltf.hold(INSTANCE * count as u64)?;
                 for i in 0..count {
                     let translation = translations.as_ref().map(|list| list[i].map(f64::from));
                     let rotation = rotations.as_ref().map(|list| list[i].map(f64::from));
@@ -211,13 +215,9 @@ impl Reader<'_, '_, '_> {
                 render.height = (f64::from(render.width) / aspect).round() as u32;
             }
         }
-        let name = name.unwrap_or("camera");
-        let taken = |name: &str| self.scene.cameras.names().any(|known| known == name);
-        let count = self.scene.cameras.0.len();
-        let name = if taken(name) { format!("{name} {count}") } else { name.to_owned() };
-        if !taken(&name) {
-            self.scene.add_camera(name, file);
-        }
+        self.gltf.hold(INSTANCE)?;
+        let name = self.unique(name.unwrap_or("camera"), self.scene.cameras.0.len());
+        self.scene.add_camera(name, file);
         Ok(())
     }
 
@@ -227,7 +227,7 @@ impl Reader<'_, '_, '_> {
         for placement in &self.placements {
             *counts.entry(placement.mesh).or_default() += 1;
         }
-        let mut named: HashMap<usize, Option<String>> = HashMap::new();
+        let mut named: HashMap<usize, Option<(String, Bounds)>> = HashMap::new();
         for Placement { node, mesh, map } in std::mem::take(&mut self.placements) {
             if !map.is_finite() {
                 return Err(format!("the transform of the node {node} is not finite"));
@@ -244,16 +244,16 @@ impl Reader<'_, '_, '_> {
             let name = match named.get(&mesh) {
                 Some(known) => known.clone(),
                 None => {
-                    let parts = self.parts(node, mesh)?;
+                    let (parts, bounds) = self.parts(node, mesh)?;
                     let fresh = !parts.is_empty();
-                    let name = fresh.then(|| self.add_named_mesh(mesh, parts));
+                    let name = fresh.then(|| (self.add_named_mesh(mesh, parts), bounds));
                     named.insert(mesh, name.clone());
                     name
                 }
             };
-            if let Some(name) = name {
+            if let Some((name, bounds)) = name {
                 self.scene.add(InstanceFile::new(name, rows));
-                self.cover(mesh, &map)?;
+                self.cover(bounds, &map);
             }
         }
         Ok(())
@@ -274,20 +274,23 @@ impl Reader<'_, '_, '_> {
 
     /// Warns of extensions that ptfast lacks.
     fn warn_of_extensions(&mut self) {
-        const IGNORED: [(&str, &str); 9] = [
-            ("KHR_materials_sheen", "fabrics have no sheen"),
-            ("KHR_materials_iridescence", "surfaces do not iridesce"),
-            ("KHR_materials_anisotropy", "highlights are round"),
-            ("KHR_materials_dispersion", "glass does not disperse light"),
-            ("KHR_materials_pbrSpecularGlossiness", "such materials are matte white"),
-            ("KHR_materials_diffuse_transmission", "such surfaces let no light through"),
-            ("KHR_texture_basisu", "such textures are grey"),
-            ("EXT_texture_webp", "such textures are grey"),
-            ("KHR_animation_pointer", "what it animates stands still"),
-        ];
-        for (name, instead) in IGNORED {
-            if self.gltf.document.extensions_used.iter().any(|used| used == name) {
-                self.import.warn(format!("{name} is not supported, so {instead}"));
+        let instead = |name: &str| match name {
+            "KHR_materials_sheen" => "fabrics have no sheen",
+            "KHR_materials_iridescence" => "surfaces do not iridesce",
+            "KHR_materials_anisotropy" => "highlights are round",
+            "KHR_materials_dispersion" => "glass does not disperse light",
+            "KHR_materials_pbrSpecularGlossiness" => "such materials have no specular reflection",
+            "KHR_materials_diffuse_transmission" => "such surfaces let no light through",
+            "KHR_texture_basisu" | "EXT_texture_webp" | "MSFT_texture_dds" => {
+                "such textures are grey"
+            }
+            "KHR_animation_pointer" => "what it animates stands still",
+            _ => "it has no effect",
+        };
+        for name in &self.gltf.document.extensions_used {
+            if !SUPPORTED.contains(&&**name) {
+                let message = format!("{name} is not supported, so {}", instead(name));
+                self.import.warn(message);
             }
         }
     }

@@ -33,11 +33,15 @@ fn scaled(rgb: [f64; 3], by: f64) -> [f32; 3] {
 }
 
 impl Reader<'_, '_> {
-    /// The colour `name` of a light, 1 by default, times its `scale`.
+    /// The colour `name` of a light, which is white by default.
     fn light_color(&mut self, params: &Params, name: &str) -> Result<[f64; 3], String> {
-        let color = params.find(name).map_or(Ok([1.0; 3]), |param| self.spectrum(param))?;
-        let scale = params.number("scale")?.unwrap_or(1.0);
-        Ok(color.map(|c| c * scale))
+        let Some(param) = params.find(name) else { return Ok([1.0; 3]) };
+        let color = self.spectrum(param)?;
+        // pbrt normalises spectra, but not colours.
+        Ok(match param.kind.as_str() {
+            "spectrum" => color.map(|c| c / luminance(color).clamp(1e-30, 1e30)),
+            _ => color,
+        })
     }
 
     /// The directive `AreaLightSource`.
@@ -50,12 +54,9 @@ impl Reader<'_, '_> {
         if params.find("filename").is_some() {
             self.import.warn("images on area lights are not supported, so these are of one colour");
         }
-        let mut radiance = self.light_color(params, "L")?;
+        let (color, scale) = (self.light_color(params, "L")?, scale(params)?);
+        let radiance = color.map(|c| c * scale);
         let power = params.number("power")?.filter(|power| *power > 0.0);
-        if power.is_some() {
-            let all = luminance(radiance).clamp(1e-30, 1e30);
-            radiance = radiance.map(|c| c / all);
-        }
         let two_sided = params.flag("twosided")?.unwrap_or(false);
         params.ignore(&["samples", "nsamples"]);
         self.warn_unused(params, "area lights");
@@ -73,10 +74,8 @@ impl Reader<'_, '_> {
         if let Some(known) = self.lights.get(&key) {
             return known.clone();
         }
-        let count = self.scene.materials.0.len();
-        let name = format!("light {count}");
+        let name = self.materials.unique("light");
         let sides = if *two_sided { Sides::Both } else { Sides::Front };
-        self.materials.names.insert(name.clone());
         self.scene.add_material(name.clone(), Light { radiance, sides });
         self.lights.insert(key, name.clone());
         name
@@ -84,7 +83,7 @@ impl Reader<'_, '_> {
 
     /// The directive `LightSource`.
     pub(super) fn light_source(&mut self, class: &str, params: &Params) -> Result<(), String> {
-        let to_scene = self.state.transform;
+        let (to_scene, scale) = (self.state.transform, scale(params)?);
         let point = |name: &str, usual: DVec3| -> Result<DVec3, String> {
             Ok(params.tuple(name)?.map_or(usual, DVec3::from))
         };
@@ -93,8 +92,7 @@ impl Reader<'_, '_> {
             "distant" => {
                 let radiance = self.light_color(params, "L")?;
                 let illuminance = params.number("illuminance")?.filter(|lux| *lux > 0.0);
-                let factor =
-                    illuminance.map_or(1.0, |lux| lux / luminance(radiance).clamp(1e-30, 1e30));
+                let factor = scale * illuminance.unwrap_or(1.0);
                 let (from, to) = (point("from", DVec3::ZERO)?, point("to", DVec3::Z)?);
                 let direction = rounded(unit(to_scene.transform_vector3(to - from)));
                 let irradiance = scaled(radiance, factor);
@@ -105,16 +103,15 @@ impl Reader<'_, '_> {
                 let power = params.number("power")?.filter(|power| *power > 0.0);
                 let from = point("from", DVec3::ZERO)?;
                 let position = rounded(to_scene.transform_point3(from));
-                let all = luminance(intensity).clamp(1e-30, 1e30);
                 if class == "point" {
-                    let factor = power.map_or(1.0, |power| power / (4.0 * PI * all));
+                    let factor = scale * power.map_or(1.0, |power| power / (4.0 * PI));
                     let intensity = scaled(intensity, factor);
                     self.scene.lights.push(Point { position, intensity }.into());
                 } else {
                     let look_at = rounded(to_scene.transform_point3(point("to", DVec3::Z)?));
                     let outer = params.number("coneangle")?.unwrap_or(30.0);
                     let inner = outer - params.number("conedeltaangle")?.unwrap_or(5.0);
-                    let factor = power.map_or(1.0, |power| power / (cone(inner, outer) * all));
+                    let factor = scale * power.map_or(1.0, |power| power / cone(inner, outer));
                     let intensity = scaled(intensity, factor);
                     let outer = outer.clamp(0.01, 180.0);
                     let (inner, outer) = (inner.clamp(0.0, 0.999 * outer) as f32, outer as f32);
@@ -143,15 +140,14 @@ impl Reader<'_, '_> {
         if params.find("portal").is_some() {
             self.import.warn("portals are not supported, so light is sampled without them");
         }
-        let radiance = self.light_color(params, "L")?;
+        let (radiance, scale) = (self.light_color(params, "L")?, scale(params)?);
         let illuminance = params.number("illuminance")?.filter(|lux| *lux > 0.0);
         let file = params.text("filename")?.map(str::to_owned);
         let file =
             file.filter(|file| self.import.is_usable(file, "so the background is of one colour"));
         self.has_background = true;
         let Some(file) = file else {
-            let factor =
-                illuminance.map_or(1.0, |lux| lux / (PI * luminance(radiance).clamp(1e-30, 1e30)));
+            let factor = scale * illuminance.map_or(1.0, |lux| lux / PI);
             self.scene.background = Background::Constant { radiance: scaled(radiance, factor) };
             return Ok(());
         };
@@ -160,13 +156,18 @@ impl Reader<'_, '_> {
         }
         let mut map = EnvironmentMap::from_file(file);
         map.mapping = Mapping::EqualArea;
-        map.scale = radiance[1].clamp(0.0, 1e30) as f32;
+        map.scale = scale.clamp(0.0, 1e30) as f32;
         let columns = self.state.transform.matrix3;
         let columns = [columns.x_axis, columns.y_axis, columns.z_axis].map(unit);
         map.matrix = Some([0, 1, 2].map(|i| columns.map(|column| column[i] as f32)));
         self.scene.background = Background::Image(map);
         Ok(())
     }
+}
+
+/// The factor of a light.
+fn scale(params: &Params) -> Result<f64, String> {
+    Ok(params.number("scale")?.unwrap_or(1.0))
 }
 
 /// The solid angle of a spot's cone, weighted by its intensity: that of the middle between the inner

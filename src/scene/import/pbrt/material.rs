@@ -49,7 +49,7 @@ impl Reader<'_, '_> {
             .map_err(|message| format!("{class} of line {}: {message}", definition.line))?;
         self.warn_unused(&definition.params, &class);
         if let Some(medium) = &inside {
-            material = self.absorbing(material, medium);
+            material = self.absorbing(material, medium)?;
         }
         if let Some(alpha) = alpha {
             let alpha = alpha.mapped(|alpha| alpha);
@@ -60,13 +60,8 @@ impl Reader<'_, '_> {
                 }
             }
         }
-        let count = self.scene.materials.0.len();
-        let name = match &definition.name {
-            Some(name) if self.materials.names.insert(name.clone()) => name.clone(),
-            Some(name) => format!("{name} {count}"),
-            None => format!("{} {count}", definition.class),
-        };
-        self.materials.names.insert(name.clone());
+        let name = definition.name.as_ref().unwrap_or(&definition.class);
+        let name = self.materials.unique(name);
         self.scene.add_material(name.clone(), material);
         self.materials.known.insert(key, name.clone());
         // The key has the address of the definition, which must therefore stay in use.
@@ -124,6 +119,9 @@ impl Reader<'_, '_> {
                 .into()
             }
             "dielectric" => {
+                if normal.is_some() {
+                    self.import.warn("normal maps of glass are not supported, so it is flat");
+                }
                 let ior = self.ior(params, "eta", 1.5)?;
                 match self.roughness(params, "", 0.0, false)? {
                     Number::Value(alpha)
@@ -259,8 +257,10 @@ impl Reader<'_, '_> {
         // pbrt's α is the square root of the roughness.
         let alpha = |value: f64| if remapped { value.clamp(0.0, 1.0).sqrt() } else { value };
         let textured = matches!(value, Value::Texture { .. });
-        if textured && root != remapped {
-            self.import.warn("textures of roughness are used as they are, without a square root");
+        if textured && (root || remapped) {
+            self.import.warn(
+                "the square root of textures of roughness is not supported, so they are used as they are",
+            );
         }
         Ok(value
             .mapped(|value| if root { alpha(value).clamp(0.0, 1.0).sqrt() } else { alpha(value) }))
@@ -282,12 +282,12 @@ impl Reader<'_, '_> {
     }
 
     /// Glass filled with a medium that absorbs light.
-    fn absorbing(&mut self, glass: Material, medium: &str) -> Material {
-        let Some(medium) = self.media.get(medium) else { return glass };
+    fn absorbing(&mut self, glass: Material, medium: &str) -> Result<Material, String> {
+        let medium = self.medium(medium)?;
         let (ior, roughness) = match &glass {
             Material::Dielectric(glass) => (glass.ior, 0.0),
             Material::RoughDielectric(glass) => (glass.ior, glass.alpha.sqrt()),
-            _ => return glass,
+            _ => return Ok(glass),
         };
         if medium.scatters() {
             self.import.warn("glass cannot scatter light inside, so it only absorbs light");
@@ -295,11 +295,11 @@ impl Reader<'_, '_> {
         let absorbed = medium.absorption;
         let largest = absorbed.into_iter().fold(0.0, |a, b| if a > b { a } else { b });
         if largest <= 0.0 {
-            return glass;
+            return Ok(glass);
         }
         // The distance at which the strongest absorption leaves 1/e.
         let color = absorbed.map(|sigma| crate::math::precise::exp(-sigma / largest) as f32);
-        Principled {
+        Ok(Principled {
             base_color: [1.0; 3].into(),
             roughness: roughness.into(),
             ior: ior.clamp(1.01, 10.0),
@@ -308,7 +308,7 @@ impl Reader<'_, '_> {
             attenuation_distance: (1.0 / largest) as f32,
             ..Principled::default()
         }
-        .into()
+        .into())
     }
 }
 

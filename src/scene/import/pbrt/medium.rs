@@ -28,6 +28,11 @@ impl Medium {
 }
 
 impl Reader<'_, '_> {
+    /// The medium called `name`.
+    pub(super) fn medium(&self, name: &str) -> Result<Medium, String> {
+        self.media.get(name).copied().ok_or_else(|| format!("unknown medium \"{name}\""))
+    }
+
     /// The directive `MakeNamedMedium`.
     pub(super) fn make_medium(&mut self, name: &str, params: &Params) -> Result<(), String> {
         let class = params.text("type")?.unwrap_or("homogeneous").to_owned();
@@ -41,9 +46,9 @@ impl Reader<'_, '_> {
             let rgb = params.find(name).map_or(Ok(usual), |param| self.spectrum(param))?;
             Ok(rgb.map(|c| (c * scale).clamp(0.0, 1e9)))
         };
-        // The usual values are those of pbrt, in units of length in the scene.
-        let absorption = coefficient("sigma_a", [0.0011, 0.0024, 0.014])?;
-        let scattering = coefficient("sigma_s", [2.55, 3.21, 3.77])?;
+        // The usual values are those of pbrt's code.
+        let absorption = coefficient("sigma_a", [1.0; 3])?;
+        let scattering = coefficient("sigma_s", [1.0; 3])?;
         if params.number("g")?.is_some_and(|g| g != 0.0) {
             self.import.warn(
                 "media that scatter forward or backward are not supported, so they scatter evenly",

@@ -13,6 +13,10 @@ use crate::math::precise::{sin_cos_degrees, unit};
 use crate::scene::medium::MediumFile;
 use crate::scene::primitive::{MeshFile, PrimitiveFile, SphereFile, TrianglesFile};
 
+/// Bytes of memory for each vertex and each triangle of the lists that are made here.
+const VERTEX: u64 = 100;
+const FACE: u64 = 24;
+
 /// A list of triangles before the transform of the scene.
 #[derive(Default)]
 struct List {
@@ -32,6 +36,9 @@ impl Reader<'_, '_> {
         if class == "sphere" && self.is_invisible() && light.is_none() {
             return self.filled_ball(params);
         }
+        if light.is_some() && alpha.is_some() {
+            self.import.warn("holes in area lights are not supported, so they have none");
+        }
         let material = match &light {
             None => self.current_material(alpha.as_ref())?,
             Some(light) => Some(self.area_light(light, class, params)?),
@@ -46,7 +53,7 @@ impl Reader<'_, '_> {
             "plymesh" => self.ply_mesh(params, material)?,
             "sphere" => self.sphere(params, material)?,
             _ => match self.list(class, params)? {
-                Some(list) => self.add_list(list, material),
+                Some(list) => self.add_list(list, material)?,
                 None => {
                     let message = format!("the shape {class} is not supported, so it is left out");
                     self.import.warn(message);
@@ -87,6 +94,10 @@ impl Reader<'_, '_> {
 
     fn sphere(&mut self, params: &Params, material: String) -> Result<(), String> {
         let radius = params.number("radius")?.unwrap_or(1.0);
+        if self.state.reversed && self.state.area_light.is_some() {
+            self.import
+                .warn("lights on the inside of spheres are not supported, so they shine outwards");
+        }
         if params.unused().any(|name| ["zmin", "zmax", "phimax"].contains(&name)) {
             params.ignore(&["zmin", "zmax", "phimax"]);
             self.import.warn("parts of spheres are not supported, so spheres are whole");
@@ -100,7 +111,7 @@ impl Reader<'_, '_> {
             }
             _ => {
                 self.import.warn("spheres that are stretched or in objects become 8192 triangles");
-                self.add_list(globe(radius), material);
+                return self.add_list(globe(radius), material);
             }
         }
         Ok(())
@@ -169,7 +180,10 @@ impl Reader<'_, '_> {
     }
 
     /// Adds triangles, placed by the current transform.
-    fn add_list(&mut self, list: List, material: String) {
+    fn add_list(&mut self, list: List, material: String) -> Result<(), String> {
+        let [vertices, faces] =
+            [list.positions.len(), list.indices.len()].map(|count| count as u64);
+        self.import.budget.hold(VERTEX * vertices + FACE * faces)?;
         let State { transform, reversed, .. } = &self.state;
         let inverse = transform.matrix3.inverse().transpose();
         let List { positions, normals, uvs, mut indices } = list;
@@ -194,6 +208,7 @@ impl Reader<'_, '_> {
             ..TrianglesFile::new(vertices, indices, material)
         };
         self.add(triangles);
+        Ok(())
     }
 
     /// The name of a material for `light` on a shape.

@@ -80,9 +80,10 @@ const GLASSES: [(&str, f64); 7] = [
     ("glass-BAF10", 1.6700),
     ("glass-FK51A", 1.4866),
     ("glass-LASF9", 1.8503),
-    ("glass-F5", 1.6034),
-    ("glass-F10", 1.6231),
-    ("glass-F11", 1.6206),
+    // Here pbrt's data are those of SF5, SF10 and SF11.
+    ("glass-F5", 1.6727),
+    ("glass-F10", 1.7283),
+    ("glass-F11", 1.7847),
 ];
 
 /// Linear RGB of a colour in CIE XYZ (IEC 61966-2-1).

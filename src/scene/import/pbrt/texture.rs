@@ -92,7 +92,7 @@ impl Reader<'_, '_> {
                 }
             }
             "mix" => self.mix(params, kind)?,
-            "checkerboard" => self.checkerboard(name, params)?,
+            "checkerboard" => self.checkerboard(name, kind, params)?,
             _ => {
                 self.import.warn(format!(
                     "textures of the class {class} are not supported, so they are grey"
@@ -143,7 +143,12 @@ impl Reader<'_, '_> {
         if params.flag("invert")? == Some(true) {
             self.import.warn("inverted textures are not supported, so they are not inverted");
         }
-        let factor = [params.number("scale")?.unwrap_or(1.0); 3];
+        let scale = params.number("scale")?.unwrap_or(1.0);
+        if !(0.0..=1.0).contains(&scale) {
+            self.import
+                .warn("scales of textures outside [0, 1] are not supported, so they are limited");
+        }
+        let factor = [scale; 3];
         if !self.import.is_usable(&file, "so it is grey") {
             return Ok(Value::number(0.5));
         }
@@ -180,9 +185,9 @@ impl Reader<'_, '_> {
         })
     }
 
-    fn checkerboard(&mut self, name: &str, params: &Params) -> Result<Value, String> {
+    fn checkerboard(&mut self, name: &str, kind: &str, params: &Params) -> Result<Value, String> {
         let mut constant = |key: &str, usual| -> Result<[f32; 3], String> {
-            match self.value(params, key, "spectrum")? {
+            match self.value(params, key, kind)? {
                 None => Ok([usual; 3]),
                 Some(Value::Constant(color)) => Ok(color.map(|c| c.clamp(0.0, 1.0) as f32)),
                 Some(Value::Texture { .. }) => {
@@ -199,7 +204,7 @@ impl Reader<'_, '_> {
         }
         let [scale, offset] = self.mapping(params)?;
         let checker = UvChecker { odd, even, scale, offset };
-        Ok(Value::Texture { name: self.add_texture(name, "spectrum", checker), factor: [1.0; 3] })
+        Ok(Value::Texture { name: self.add_texture(name, kind, checker), factor: [1.0; 3] })
     }
 
     /// Adds a texture of a name like `name`, and returns its name.

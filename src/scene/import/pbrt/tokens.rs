@@ -62,11 +62,10 @@ impl<'a> Tokens<'a> {
                 Some(_) => {
                     let ends = |c: char| c.is_whitespace() || "[]\"#".contains(c);
                     let (word, _) = blank.split_at(blank.find(ends).unwrap_or(blank.len()));
-                    let token = match word.parse() {
-                        Ok(number) if !word.starts_with(char::is_alphabetic) => {
-                            Token::Number(number)
-                        }
-                        _ => Token::Word(word),
+                    let token = match word.parse::<f64>() {
+                        Ok(number) if number.is_finite() => Token::Number(number),
+                        Ok(_) => return Err(format!("the number {word} is not finite")),
+                        Err(_) => Token::Word(word),
                     };
                     return Ok(Some(self.take(word.len(), token)));
                 }

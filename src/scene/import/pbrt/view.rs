@@ -53,12 +53,22 @@ impl Reader<'_, '_> {
         if let Some([left, right, lower, upper]) = params.tuple::<4>("screenwindow")? {
             let sides = [right - left, upper - lower];
             half = 0.5 * if sides[0] < sides[1] { sides[0] } else { sides[1] };
+            if class == "perspective" && half != 1.0 {
+                self.import.warn(
+                    "the screen window of a perspective is not supported, so it is the whole view",
+                );
+            }
             if left != -right || lower != -upper {
                 self.import.warn("views beside the axis of the camera are not supported, so they are in the middle");
             }
         }
         if params.find("frameaspectratio").is_some() {
             self.import.warn("frameaspectratio is not supported, so pixels are square");
+        }
+        if class == "orthographic" && params.number("lensradius")?.unwrap_or(0.0) > 0.0 {
+            self.import.warn(
+                "lenses of orthographic cameras are not supported, so everything is in focus",
+            );
         }
         let to_scene = self.state.transform.inverse();
         self.systems.insert("camera".to_owned(), to_scene);
@@ -85,15 +95,14 @@ impl Reader<'_, '_> {
             self.import
                 .warn("crops of the film are not supported, so the picture is whole; use --crop");
         }
-        params.ignore(&[
-            "filename",
-            "savefp16",
-            "diagonal",
-            "maxcomponentvalue",
-            "sensor",
-            "iso",
-            "exposuretime",
-        ]);
+        params.ignore(&["filename", "savefp16", "diagonal"]);
+        for name in ["sensor", "iso", "exposuretime", "maxcomponentvalue"] {
+            if params.find(name).is_some() {
+                self.import
+                    .warn(format!("`{name}` of the film is not supported, so it has no effect"));
+            }
+        }
+        self.warn_unused(params, "the film");
         Ok(())
     }
 
