@@ -82,7 +82,8 @@ pub(super) fn cases() -> Vec<Case> {
         ),
         pbrt("WorldBegin ".to_owned() + &"Shape \"sphere\" ".repeat(200_000), "limit"),
         gltf(&json!([]), "`asset.version` must be 2.0"),
-        Case::scene("a.gltf", "[".repeat(100_000), "invalid type: sequence"),
+        Case::scene("a.gltf", "[".repeat(100_000), "limit of memory"),
+        Case::scene("a.gltf", "[".repeat(2000), "invalid type: sequence"),
         Case::scene(
             "a.gltf",
             "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [".to_owned()
