@@ -3,7 +3,7 @@
 use super::Reader;
 use crate::image::Encoding;
 use crate::scene::gltf::{Material, Primitive, TextureInfo};
-use crate::scene::material::{self, Principled};
+use crate::scene::material::Principled;
 use crate::scene::opacity::Opacity;
 use crate::scene::texture::{Channel, Color, Filter, Image, Number, TextureRef, VertexColor, Wrap};
 
@@ -42,14 +42,6 @@ impl Reader<'_, '_, '_> {
         self.scene.add_material(name.clone(), material);
         self.materials.insert((index, colored), name.clone());
         Ok(name)
-    }
-
-    /// Whether any material is a lamp. Light of textures, such as that of displays, lights no scene.
-    pub(super) fn has_lamp(&self) -> bool {
-        let shines = |material: &material::Material| {
-            material.emission().is_some_and(|emission| emission.shines())
-        };
-        self.scene.materials.0.iter().any(|(_, material)| shines(material))
     }
 
     fn principled(&mut self, file: &Material, colored: bool) -> Result<Principled, String> {

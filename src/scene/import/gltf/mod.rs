@@ -264,7 +264,8 @@ impl Reader<'_, '_, '_> {
         if !self.has_camera && self.bounds != Bounds::EMPTY {
             self.scene.camera = view::camera_around(self.bounds);
         }
-        if self.scene.lights.is_empty() && !self.has_lamp() {
+        // Displays and tail lights light no scene, so surfaces that emit light do not count.
+        if self.scene.lights.is_empty() {
             self.scene.background = SKY;
             self.import
                 .note("has no lights, so it is under a bright sky; --env FILE sets another one");
