@@ -1,5 +1,6 @@
 //! Scenes: loaded by name or from a file, and checked, with all names resolved to indices.
 
+mod affine;
 mod background;
 mod bsdf;
 mod budget;

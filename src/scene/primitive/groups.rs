@@ -9,11 +9,12 @@ use std::collections::HashMap;
 use std::mem::{replace, take};
 use std::rc::Rc;
 
-use glam::{DAffine3, DMat3};
+use glam::DAffine3;
 
-use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges, affine};
+use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
+use crate::scene::affine;
 use crate::scene::named::Named;
 use crate::scene::place::{Element, MAX_COORDINATE};
 
@@ -54,12 +55,6 @@ impl<'a> Groups<'a> {
     }
 }
 
-/// The rows of a map, rounded.
-fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
-    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
-    [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
-}
-
 /// Checks that a mesh whose box is `placed` is within the range of coordinates.
 fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
     let farthest = placed.min.abs().max(placed.max.abs()).max_element();
@@ -74,7 +69,7 @@ fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
 impl<'a> Builder<'a> {
     /// Adds an instance and all that it contains.
     pub(super) fn place(&mut self, e: &Element<'_>, file: &InstanceFile) -> Result<()> {
-        let map = affine(&file.matrix);
+        let map = affine::of_rows(&file.matrix);
         let group = self.group(e, file, None)?;
         let [instances, triangles, vertices] = group.adds;
         self.budget
@@ -85,7 +80,7 @@ impl<'a> Builder<'a> {
 
     /// Adds a group placed by `map`, which messages call `name`.
     fn put(&mut self, e: &Element<'_>, group: &Group, map: &DAffine3, name: &str) -> Result<()> {
-        let instance = Instance::new(group.mesh.unwrap_or(0), &rows(map))
+        let instance = Instance::new(group.mesh.unwrap_or(0), &affine::rows(map))
             .map_err(|message| e.error(format!("{name} {message}")))?;
         if let Some(mesh) = group.mesh {
             let mesh = self.geometry.instances.mesh_bounds(mesh as usize);
@@ -173,7 +168,7 @@ impl<'a> Builder<'a> {
                     if child.adds != [0; 3] {
                         self.budget.hold(CHILD).map_err(|message| e.error(message))?;
                         group.nesting = group.nesting.max(child.nesting + 1);
-                        group.children.push((affine(&file.matrix), child));
+                        group.children.push((affine::of_rows(&file.matrix), child));
                     }
                 }
                 PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {

@@ -7,14 +7,14 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Expand, PrimitiveFile, affine};
+use super::{Builder, Expand, PrimitiveFile};
 use crate::error::Result;
 use crate::geometry::Instance;
 use crate::input::length;
-use crate::scene::files;
 use crate::scene::mesh::{self, Smooth, Transform, Transformed};
 use crate::scene::place::{Element, MAX_COORDINATE};
 use crate::scene::within::path_within;
+use crate::scene::{affine, files};
 
 /// The triangles of an OBJ or PLY file.
 ///
@@ -159,7 +159,7 @@ impl Expand for MeshFile {
         if let Some(matrix) = &self.matrix {
             Instance::new(0, matrix).map_err(|message| e.error(format!("matrix {message}")))?;
         }
-        let matrix = self.matrix.as_ref().map(affine);
+        let matrix = self.matrix.as_ref().map(affine::of_rows);
         let transform = Transform { scale, rotation, translation, matrix };
         let placed = mesh.transformed(&transform, smooth, &within);
         let Transformed { vertices, faces, ranges } = placed.map_err(named)?;

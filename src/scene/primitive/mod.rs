@@ -15,7 +15,6 @@ mod triangles;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use self::groups::Groups;
@@ -187,13 +186,6 @@ impl<'a> Builder<'a> {
         self.geometry.quads.push(quad);
         Ok(())
     }
-}
-
-/// The map with the rows of `matrix`.
-fn affine(matrix: &[[f32; 4]; 3]) -> DAffine3 {
-    let column = |i: usize| DVec3::from_array(matrix.map(|row| f64::from(row[i])));
-    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
-    DAffine3 { matrix3, translation: column(3) }
 }
 
 /// Returns the radius after checking its range.

@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::Reader;
 use crate::geometry::Bounds;
 use crate::math::precise::unit;
+use crate::scene::affine;
 use crate::scene::gltf::{Attributes, Primitive};
 use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
 
@@ -222,11 +223,7 @@ impl Reader<'_, '_, '_> {
                 .as_ref()
                 .map(|binds| binds.get(i).ok_or("a joint has no inverse bind matrix"));
             let Some(bind) = bind.transpose()? else { return Ok(*place) };
-            let column = |i: usize| {
-                DVec3::new(bind[4 * i].into(), bind[4 * i + 1].into(), bind[4 * i + 2].into())
-            };
-            let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
-            Ok(*place * DAffine3 { matrix3, translation: column(3) })
+            Ok(*place * affine::of_columns(&bind.map(f64::from)))
         };
         let maps =
             skin.joints.iter().enumerate().map(map).collect::<Result<Vec<DAffine3>, String>>()?;

@@ -17,6 +17,7 @@ use self::pose::Pose;
 use super::Import;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
+use crate::scene::affine::rows;
 use crate::scene::background::Background;
 use crate::scene::description::{CameraFile, SceneFile};
 use crate::scene::gltf::{Camera, Gltf, SUPPORTED};
@@ -173,7 +174,7 @@ impl Reader<'_, '_, '_> {
                     let translation = translations.as_ref().map(|list| list[i].map(f64::from));
                     let rotation = rotations.as_ref().map(|list| list[i].map(f64::from));
                     let scale = scales.as_ref().map(|list| list[i].map(f64::from));
-                    let map = map * affine(translation, rotation, scale);
+                    let map = map * placed(translation, rotation, scale);
                     self.placements.push(Placement { node: index, mesh, map });
                 }
             }
@@ -232,7 +233,7 @@ impl Reader<'_, '_, '_> {
             if !map.is_finite() {
                 return Err(format!("the transform of the node {node} is not finite"));
             }
-            let rows = pose::rows(&map);
+            let rows = rows(&map);
             let deformed = self.is_deformed(node, mesh);
             let placeable = Instance::new(0, &rows).is_ok();
             if counts[&mesh] == 1 || deformed || !placeable {
@@ -298,7 +299,7 @@ impl Reader<'_, '_, '_> {
 }
 
 /// The map that scales, then rotates by a quaternion, then translates.
-fn affine(
+fn placed(
     translation: Option<[f64; 3]>,
     rotation: Option<[f64; 4]>,
     scale: Option<[f64; 3]>,

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
-use super::affine;
+use super::placed;
 use crate::error::suggestion;
+use crate::scene::affine;
 use crate::scene::gltf::{Animation, Gltf, Node};
 use crate::scene::import::Import;
 
@@ -17,12 +18,6 @@ pub(super) struct Pose {
     scales: HashMap<usize, [f64; 3]>,
     /// Weights of morph targets.
     pub(super) weights: HashMap<usize, Vec<f64>>,
-}
-
-/// The rows of a map, rounded.
-pub(super) fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
-    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
-    [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
 }
 
 impl Pose {
@@ -102,12 +97,8 @@ impl Pose {
             self.scales.get(&index).copied(),
         );
         match (node.matrix, own) {
-            (Some(m), (None, None, None)) => {
-                let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
-                let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
-                DAffine3 { matrix3, translation: column(3) }
-            }
-            (_, (translation, rotation, scale)) => affine(
+            (Some(columns), (None, None, None)) => affine::of_columns(&columns),
+            (_, (translation, rotation, scale)) => placed(
                 translation.or(node.translation),
                 rotation.or(node.rotation),
                 scale.or(node.scale),

@@ -9,6 +9,7 @@ use super::params::Params;
 use super::tokens::{Token, Tokens};
 use super::{Reader, transform};
 use crate::error::suggestion;
+use crate::scene::affine::rows;
 use crate::scene::primitive::InstanceFile;
 
 /// Largest number of attributes, transforms and objects that may be open.
@@ -96,7 +97,7 @@ impl Reader<'_, '_> {
                     None => return Err(format!("unknown object \"{name}\"")),
                     Some(false) => {}
                     Some(true) => {
-                        let matrix = transform::rows(&self.state.transform);
+                        let matrix = rows(&self.state.transform);
                         self.scene.add(InstanceFile::new(name, matrix));
                     }
                 }

@@ -85,7 +85,7 @@ impl Reader<'_, '_> {
             }
             "coateddiffuse" => {
                 let color = self.value(params, "reflectance", "spectrum")?.unwrap_or(grey(0.5));
-                let roughness = self.roughness(params, "", 0.0, true)?;
+                let roughness = self.roughness(params, "", true)?;
                 let ior = self.ior(params, "eta", 1.5)?;
                 params.ignore(&["thickness", "maxdepth", "nsamples"]);
                 let coated = CoatedDiffuse::new(color.color(), roughness);
@@ -109,9 +109,9 @@ impl Reader<'_, '_> {
                 Principled {
                     base_color: base.color(),
                     metalness: 1.0.into(),
-                    roughness: self.roughness(params, "conductor.", 0.0, true)?,
+                    roughness: self.roughness(params, "conductor.", true)?,
                     coat: 1.0.into(),
-                    coat_roughness: self.roughness(params, "interface.", 0.0, true)?,
+                    coat_roughness: self.roughness(params, "interface.", true)?,
                     ior: self.ior(params, "interface.eta", 1.5)?.clamp(1.01, 10.0),
                     normal,
                     ..Principled::default()
@@ -123,7 +123,7 @@ impl Reader<'_, '_> {
                     self.import.warn("normal maps of glass are not supported, so it is flat");
                 }
                 let ior = self.ior(params, "eta", 1.5)?;
-                match self.roughness(params, "", 0.0, false)? {
+                match self.roughness(params, "", false)? {
                     Number::Value(alpha)
                         if f64::from(alpha) >= ROUGH && (ior - 1.0).abs() >= 0.01 =>
                     {
@@ -199,14 +199,14 @@ impl Reader<'_, '_> {
                 return Ok(Principled {
                     base_color: texture.color(),
                     metalness: 1.0.into(),
-                    roughness: self.roughness(params, "", 0.0, true)?,
+                    roughness: self.roughness(params, "", true)?,
                     normal,
                     ..Principled::default()
                 }
                 .into());
             }
         };
-        let alpha = self.roughness(params, "", 0.0, false)?;
+        let alpha = self.roughness(params, "", false)?;
         let index = |index: [f64; 3], least| index.map(|c| c.clamp(least, 100.0) as f32);
         Ok(Conductor { normal, ..Conductor::new(index(eta, 0.0), index(k, 0.001), alpha) }.into())
     }
@@ -232,13 +232,7 @@ impl Reader<'_, '_> {
     }
 
     /// The roughness: the GGX α, or with `root` its square root.
-    fn roughness(
-        &mut self,
-        params: &Params,
-        prefix: &str,
-        usual: f64,
-        root: bool,
-    ) -> Result<Number, String> {
+    fn roughness(&mut self, params: &Params, prefix: &str, root: bool) -> Result<Number, String> {
         let mut own = |name: &str| self.value(params, &format!("{prefix}{name}"), "float");
         let both = own("roughness")?;
         let (u, v) = (own("uroughness")?, own("vroughness")?);
@@ -251,7 +245,7 @@ impl Reader<'_, '_> {
             (Some(Value::Constant(u)), Some(Value::Constant(v))) => {
                 Value::number(0.5 * (u[0] + v[0]))
             }
-            (u, v) => u.or(v).or(both).unwrap_or(Value::number(usual)),
+            (u, v) => u.or(v).or(both).unwrap_or(Value::number(0.0)),
         };
         let remapped = params.flag("remaproughness")?.unwrap_or(true);
         // pbrt's α is the square root of the roughness.

@@ -171,7 +171,9 @@ impl Reader<'_, '_> {
                     // An imported file leaves the state as it was.
                     let before = (directive == "Import").then(|| self.state.clone());
                     self.include(&self.import.path_within(&file)?)?;
-                    self.state = before.unwrap_or_else(|| self.state.clone());
+                    if let Some(before) = before {
+                        self.state = before;
+                    }
                 }
                 Some(Token::Word(directive)) => {
                     self.follow(directive, line, &mut tokens).map_err(at)?;

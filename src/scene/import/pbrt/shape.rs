@@ -7,9 +7,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use super::light::AreaLight;
 use super::params::Params;
 use super::texture::Value;
-use super::transform::{rounded, rows, uniform_scale};
+use super::transform::{rounded, uniform_scale};
 use super::{Reader, State};
 use crate::math::precise::{sin_cos_degrees, unit};
+use crate::scene::affine::rows;
 use crate::scene::medium::MediumFile;
 use crate::scene::primitive::{MeshFile, PrimitiveFile, SphereFile, TrianglesFile};
 
@@ -120,10 +121,8 @@ impl Reader<'_, '_> {
     /// A sphere without a material, which is the boundary of a medium.
     fn filled_ball(&mut self, params: &Params) -> Result<(), String> {
         let radius = params.number("radius")?.unwrap_or(1.0);
-        let inside = self.state.inside.as_ref().and_then(|inside| self.media.get(inside));
-        let Some((density, albedo)) = inside.map(super::medium::Medium::mean) else {
-            return Ok(());
-        };
+        let Some(inside) = self.state.inside.clone() else { return Ok(()) };
+        let (density, albedo) = self.medium(&inside)?.mean();
         match uniform_scale(&self.state.transform) {
             Some(scale) => {
                 let center = rounded(self.state.transform.translation);

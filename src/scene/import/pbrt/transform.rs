@@ -3,19 +3,18 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::math::precise::{sin_cos_degrees, unit};
+use crate::scene::affine;
 
 /// The affine map of 16 numbers, column by column.
 ///
 /// # Errors
 /// If the map is not affine, or is singular.
 pub(super) fn of_numbers(numbers: &[f64; 16]) -> Result<DAffine3, String> {
-    let column = |i: usize| DVec3::new(numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]);
     let last = [numbers[3], numbers[7], numbers[11], numbers[15]];
     if last != [0.0, 0.0, 0.0, 1.0] {
         return Err(format!("the transform must be affine, its last row is {last:?}"));
     }
-    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
-    checked(DAffine3 { matrix3, translation: column(3) })
+    checked(affine::of_columns(numbers))
 }
 
 /// `map`, if it can be inverted.
@@ -42,12 +41,6 @@ pub(super) fn look_at(from: DVec3, at: DVec3, up: DVec3) -> DAffine3 {
     let right = unit(unit(up).cross(forward));
     let matrix3 = DMat3::from_cols(right, forward.cross(right), forward);
     DAffine3 { matrix3, translation: from }.inverse()
-}
-
-/// The rows of a map, rounded.
-pub(super) fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
-    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
-    [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
 }
 
 /// `point`, rounded.
