@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::budget::Budget;
-use super::gltf::{Gltf, ImageSource};
+use super::gltf::Gltf;
 use super::place::Element;
 use super::within::path_within;
 use crate::error::{Error, Result};
@@ -115,14 +115,10 @@ impl<'a> Images<'a> {
         let bad = |message: String| Error::input(path.display().to_string(), "", message);
         let texels = match *index {
             None => Texels::read(&Source::file(path), *encoding, &allow),
-            Some(index) => match self.containers[path].image(index as usize).map_err(bad)? {
-                ImageSource::Bytes(bytes) => {
-                    Texels::read(&Source::part(path, index, &bytes), *encoding, &allow)
-                }
-                ImageSource::File(other) => {
-                    Err(bad(format!("image {index} is in the file {other}")))
-                }
-            },
+            Some(index) => {
+                let bytes = self.containers[path].image(index as usize).map_err(bad)?;
+                Texels::read(&Source::part(path, index, &bytes), *encoding, &allow)
+            }
         };
         budget.release(held.get());
         let texels = texels?;

@@ -58,14 +58,6 @@ pub(super) struct Gltf<'a> {
     budget: &'a Budget,
 }
 
-/// Where an image is.
-pub(super) enum ImageSource<'a> {
-    /// A file, relative to the folder.
-    File(String),
-    /// The content of an image file.
-    Bytes(Cow<'a, [u8]>),
-}
-
 impl<'a> Gltf<'a> {
     /// Reads the document and the buffers of the file at `path`.
     ///
@@ -115,14 +107,19 @@ impl<'a> Gltf<'a> {
             budget.hold(length).map_err(bad)?;
             gltf.buffers.push(buffer.unwrap_or_default());
         }
-        for (i, view) in gltf.document.buffer_views.iter().enumerate() {
+        Ok(gltf)
+    }
+
+    /// Decompresses the buffer views of meshes. Images are not compressed, so their reader does without.
+    pub(super) fn decompress(&mut self) -> Result<(), String> {
+        for (i, view) in self.document.buffer_views.iter().enumerate() {
             if let Some(compressed) = &view.extensions.meshopt {
-                let view = meshopt::decoded(&gltf, compressed);
-                let named = |message| bad(format!("the buffer view {i}: {message}"));
-                gltf.decoded.insert(i, view.map_err(named)?);
+                let view = meshopt::decoded(self, compressed);
+                let view = view.map_err(|message| format!("the buffer view {i}: {message}"))?;
+                self.decoded.insert(i, view);
             }
         }
-        Ok(gltf)
+        Ok(())
     }
 
     /// The content of a buffer. `None` for one without content, which only compressed views can use.
@@ -173,17 +170,16 @@ impl<'a> Gltf<'a> {
         Ok(external.map(|uri| unescaped(uri)))
     }
 
-    /// The image with this number.
-    pub(super) fn image(&self, index: usize) -> Result<ImageSource<'_>, String> {
-        let image = self.document.images.get(index);
-        let image = image.ok_or_else(|| format!("unknown image {index}"))?;
-        match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => match data(uri) {
-                Some(data) => data.map(|data| ImageSource::Bytes(data.into())),
-                None => Ok(ImageSource::File(unescaped(uri))),
-            },
-            (None, Some(view)) => Ok(ImageSource::Bytes(self.view(view)?.0.into())),
-            (None, None) => Err(format!("the image {index} has neither a `uri` nor a buffer view")),
+    /// The content of the image with this number, which is within this file.
+    pub(super) fn image(&self, index: usize) -> Result<Cow<'_, [u8]>, String> {
+        if let Some(file) = self.image_file(index)? {
+            return Err(format!("image {index} is in the file {file}"));
+        }
+        let image = &self.document.images[index];
+        match (image.uri.as_deref().and_then(data), image.buffer_view) {
+            (Some(data), _) => data.map(Cow::Owned),
+            (None, Some(view)) => Ok(self.view(view)?.0.into()),
+            (None, None) => Err(format!("the image {index} has neither data nor a buffer view")),
         }
     }
 }
