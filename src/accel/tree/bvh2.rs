@@ -191,7 +191,7 @@ impl Bvh2 {
     }
 
     /// Finds the closest hit in a tree without instances, which may be that of instance `instance`.
-    #[inline]
+    #[inline(never)]
     fn closest_primitive(
         &self,
         geometry: &Geometry,
@@ -246,7 +246,9 @@ impl Bvh2 {
         self.any_occluded(geometry, 0, ray, (t_min, t_max), count)
     }
 
-    #[inline]
+    /// Not inlined, for there are 18 copies of the function that calls it: one for each kind of
+    /// material, of scalar engine or of recording.
+    #[inline(never)]
     fn any_occluded(
         &self,
         geometry: &Geometry,
