@@ -146,7 +146,7 @@ mod tests {
         let names: Vec<&str> = options.scenes.iter().map(|(name, _)| &**name).collect();
         assert_eq!(
             names,
-            ["spheres", "spacetime", "checker", "cornell", "mesh:100000", "forest:10000"]
+            ["spheres", "spacetime", "checker", "cornell", "garden", "mesh:100000", "forest:10000"]
         );
         // The scenes have the proportions of 1280 x 720 and of 1 x 1.
         assert_eq!(options.scenes[0].1, (640, 360));

@@ -19,8 +19,8 @@ const IMPORT: &str = "Scenes of other programs";
 /// A scene, with or without `--scene` before it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArg {
-    /// Built-in scene (spheres, spacetime, checker, cornell, cloud:N, mesh:N, forest:N), a scene file (.ron, .json, .txt), a
-    /// mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
+    /// Built-in scene (spheres, spacetime, checker, cornell, garden, cloud:N, mesh:N, forest:N), a scene file (.ron,
+    /// .json, .txt, .gltf, .glb, .pbrt), a mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
     #[arg(value_name = "SCENE", required_unless_present = "scene", conflicts_with = "scene")]
     positional: Option<String>,
     /// The same as SCENE

@@ -15,6 +15,9 @@ const PRIMITIVE: u64 = 160;
 /// bytes each, in up to three copies.
 const VERTEX: u64 = 96;
 
+/// Bytes of memory for each vertex and each triangle of a list in the description of a scene.
+const LISTED: [u64; 2] = [100, 24];
+
 /// Bytes of memory for each instance while the list grows. An instance has 96.
 const INSTANCE: u64 = 200;
 
@@ -45,6 +48,11 @@ impl Budget {
     /// Returns an error if `more` bytes on top of those already held exceed the limit.
     pub(super) fn check(&self, more: u64) -> Result<(), String> {
         self.fits(self.held(), more)
+    }
+
+    /// Returns an error if a file of `length` bytes exceeds `limit`, or does not fit into memory.
+    pub(super) fn check_file(&self, limit: Limit, length: u64) -> Result<(), String> {
+        self.limits.check(limit, length).and_then(|()| self.check(length))
     }
 
     /// Returns an error if `more` bytes on top of `held` ones exceed the limit.
@@ -87,6 +95,12 @@ impl Budget {
     /// As [`hold`](Self::hold), for this many vertices of triangles.
     pub(super) fn hold_vertices(&self, more: usize) -> Result<(), String> {
         self.hold(VERTEX * more as u64)
+    }
+
+    /// As [`hold`](Self::hold), for a list of triangles in the description of a scene.
+    pub(super) fn hold_list(&self, vertices: usize, triangles: usize) -> Result<(), String> {
+        let [vertex, triangle] = LISTED;
+        self.hold(vertex * vertices as u64 + triangle * triangles as u64)
     }
 
     /// As [`hold`](Self::hold), for instances and triangles with this many vertices, in addition to

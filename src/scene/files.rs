@@ -8,6 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::budget::Budget;
+use super::builtin;
 use super::gltf::Gltf;
 use super::place::Element;
 use super::within::path_within;
@@ -113,11 +114,13 @@ impl<'a> Images<'a> {
             Ok(())
         };
         let bad = |message: String| Error::input(path.display().to_string(), "", message);
-        let texels = match *index {
-            None => Texels::read(&Source::file(path), *encoding, &allow),
-            Some(index) => {
+        let read = |source: &Source<'_>| Texels::read(source, *encoding, &allow);
+        let texels = match (*index, builtin::image(path)) {
+            (None, None) => read(&Source::file(path)),
+            (None, Some(bytes)) => read(&Source::part(path, 0, bytes)),
+            (Some(index), _) => {
                 let bytes = self.containers[path].image(index as usize).map_err(bad)?;
-                Texels::read(&Source::part(path, index, &bytes), *encoding, &allow)
+                read(&Source::part(path, index, &bytes))
             }
         };
         budget.release(held.get());
@@ -138,6 +141,7 @@ impl<'a> Images<'a> {
 
     /// The paths of all files that were read.
     pub(super) fn files(self) -> impl Iterator<Item = PathBuf> {
-        self.images.into_keys().map(|(path, ..)| path)
+        let files = self.images.into_keys().map(|(path, ..)| path);
+        files.filter(|path| builtin::image(path).is_none())
     }
 }

@@ -153,7 +153,7 @@ impl Source {
             }
             Self::Builtin(name) => {
                 let text = builtin::text(name).expect("every built-in name has a text");
-                ((*name).to_owned(), PathBuf::new(), Form::Ron, text.to_owned())
+                ((*name).to_owned(), builtin::FOLDER.into(), Form::Ron, text.to_owned())
             }
             Self::File(path, form) => {
                 let check = |length| {

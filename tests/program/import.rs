@@ -1,6 +1,7 @@
 //! Tests of scenes of other programs. Each scene in `tests/data/import` has everything that ptfast reads
 //! of its format, and is paired with the same scene in RON.
 
+use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
@@ -126,6 +127,115 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     let error = stderr(&output);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
     assert!(error.contains("spherical") && error.contains("--strict rejects that"), "{error}");
+}
+
+/// What the scene `a.pbrt` with this text is in JSON.
+fn shown(there: &Path, text: &str) -> Value {
+    fs::write(there.join("a.pbrt"), text).unwrap();
+    serde_json::from_str(&succeeds(there, &["scenes", "show", "--json", "a.pbrt"])).unwrap()
+}
+
+/// The numbers in `value`, in order.
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(numbers).collect(),
+        Value::Object(fields) => fields.values().flat_map(numbers).collect(),
+        _ => value.as_f64().into_iter().collect(),
+    }
+}
+
+/// What `pbrt.pbrt` leaves out, since a file has only one camera.
+#[test]
+fn other_parts_of_pbrt_files_have_these_values() {
+    let there = tempfile::tempdir().unwrap();
+    let camera = "Camera \"perspective\"";
+    let fog = r#"MakeNamedMedium "fog" "rgb sigma_a" [ 1 1 1 ] "rgb sigma_s" [ 3 3 3 ]"#;
+    let sun = r#"LightSource "distant" "point3 to" [ 0 -1 0 ] "float illuminance" 2"#;
+    for (head, body, pointer, want) in [
+        // The shorter side of the picture, its height, spans four units.
+        (
+            r#"Camera "orthographic" "float screenwindow" [ -2 2 -2 2 ]"#,
+            "",
+            "/camera/parallel",
+            json!(4),
+        ),
+        (r#"PixelFilter "box""#, camera, "/camera/filter", Value::Null),
+        (
+            r#"PixelFilter "gaussian" "float xradius" 2 "float sigma" 0.5"#,
+            "",
+            "/camera/filter/gaussian",
+            json!({ "radius": 2, "sigma": 0.5 }),
+        ),
+        (
+            r#"PixelFilter "mitchell" "float xradius" 3 "float B" 0.5 "float C" 0.25"#,
+            "",
+            "/camera/filter/mitchell",
+            json!({ "radius": 3, "b": 0.5, "c": 0.25 }),
+        ),
+        // The white of sRGB.
+        (
+            camera,
+            r#"LightSource "point" "xyz I" [ 0.95047 1 1.08883 ]"#,
+            "/lights/0/point/intensity",
+            json!([1, 1, 1]),
+        ),
+        (camera, sun, "/lights/0/distant/irradiance", json!([2, 2, 2])),
+        // Radiance π lights a floor with π².
+        (
+            camera,
+            r#"LightSource "infinite" "rgb L" [ 1 1 1 ] "float illuminance" 9.8696044"#,
+            "/background/constant/radiance",
+            json!([PI, PI, PI]),
+        ),
+        (
+            &format!("{fog} MediumInterface \"\" \"fog\" {camera}"),
+            "",
+            "/media/0/box/density",
+            json!(4),
+        ),
+        (
+            &format!("{fog} MediumInterface \"\" \"fog\" {camera}"),
+            "",
+            "/media/0/box/albedo",
+            json!([0.75, 0.75, 0.75]),
+        ),
+    ] {
+        let scene = shown(there.path(), &format!("{head} WorldBegin {body}"));
+        let got = scene.pointer(pointer).cloned().unwrap_or_default();
+        let (numbers, wanted) = (numbers(&got), numbers(&want));
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-3 * b.abs();
+        assert!(
+            numbers.len() == wanted.len() && numbers.iter().zip(&wanted).all(near),
+            "{head} {body}: {got}"
+        );
+    }
+}
+
+#[test]
+fn stretched_spheres_of_pbrt_files_are_ellipsoids() {
+    let there = tempfile::tempdir().unwrap();
+    let text = r#"WorldBegin Translate 1 2 3 Scale 1 2 4 Shape "sphere" "float radius" 0.5"#;
+    let scene = shown(there.path(), text);
+    let mesh = &scene["primitives"][0]["triangles"];
+    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+    for (vertex, normal) in
+        numbers(&mesh["vertices"]).chunks(3).zip(numbers(&mesh["normals"]).chunks(3))
+    {
+        let center = [1.0, 2.0, 3.0];
+        let unit: Vec<f64> = (0..3).map(|i| (vertex[i] - center[i]) / [0.5, 1.0, 2.0][i]).collect();
+        let square: f64 = unit.iter().map(|x| x * x).sum();
+        assert!((square - 1.0).abs() < 1e-5, "{vertex:?}");
+        // The gradient of x² + y²/4 + z²/16.
+        let gradient: Vec<f64> = (0..3).map(|i| unit[i] / [0.5, 1.0, 2.0][i]).collect();
+        let length = gradient.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let along: f64 = (0..3).map(|i| gradient[i] / length * normal[i]).sum();
+        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!(along > 0.9999 * length, "{vertex:?} {normal:?}");
+        for i in 0..3 {
+            (low[i], high[i]) = (low[i].min(vertex[i]), high[i].max(vertex[i]));
+        }
+    }
+    assert_eq!((low, high), ([0.5, 1.0, 1.0], [1.5, 3.0, 5.0]));
 }
 
 #[test]

@@ -36,16 +36,29 @@ impl Component {
         }
     }
 
+    /// The integer that stands for 1 if integers are normalized.
+    fn largest(self) -> f32 {
+        match self {
+            Self::I8 => 127.0,
+            Self::U8 => 255.0,
+            Self::I16 => 32_767.0,
+            Self::U16 => 65_535.0,
+            Self::U32 => 4_294_967_295.0,
+            Self::F32 => 1.0,
+        }
+    }
+
     /// The number in the first bytes. With `normalized`, integers become fractions of the largest one.
     fn read(self, bytes: &[u8], normalized: bool) -> f32 {
-        let (number, largest) = match self {
-            Self::I8 => (f32::from(bytes[0] as i8), 127.0),
-            Self::U8 => (f32::from(bytes[0]), 255.0),
-            Self::I16 => (f32::from(i16::from_le_bytes([bytes[0], bytes[1]])), 32_767.0),
-            Self::U16 => (f32::from(u16::from_le_bytes([bytes[0], bytes[1]])), 65_535.0),
-            Self::U32 => (self.index(bytes) as f32, 4_294_967_295.0),
+        let number = match self {
+            Self::I8 => f32::from(bytes[0] as i8),
+            Self::U8 => f32::from(bytes[0]),
+            Self::I16 => f32::from(i16::from_le_bytes([bytes[0], bytes[1]])),
+            Self::U16 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+            Self::U32 => self.index(bytes) as f32,
             Self::F32 => return f32::from_bits(self.index(bytes)),
         };
+        let largest = self.largest();
         match normalized {
             // The most negative number counts as the one above it.
             true if number < -largest => -1.0,
@@ -111,13 +124,8 @@ impl Gltf<'_> {
     /// The factor that makes fractions of the normalized integers of an accessor.
     pub(super) fn scale(&self, index: usize) -> Result<f32, String> {
         let accessor = self.accessor(index)?;
-        Ok(match (accessor.normalized, Component::of(accessor.component_type)?) {
-            (true, Component::I8) => 1.0 / 127.0,
-            (true, Component::U8) => 1.0 / 255.0,
-            (true, Component::I16) => 1.0 / 32_767.0,
-            (true, Component::U16) => 1.0 / 65_535.0,
-            _ => 1.0,
-        })
+        let component = Component::of(accessor.component_type)?;
+        Ok(if accessor.normalized { 1.0 / component.largest() } else { 1.0 })
     }
 
     /// `count` elements of `parts` numbers in a buffer view.

@@ -67,9 +67,7 @@ impl<'a> Gltf<'a> {
     pub(super) fn read(path: &Path, budget: &'a Budget) -> Result<Self> {
         let name = path.display().to_string();
         let bad = |message: String| Error::input(&*name, "", message);
-        let allow = |length| {
-            budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
-        };
+        let allow = |length| budget.check_file(Limit::MeshBytes, length);
         let bytes = read_bytes(path, allow)?;
         let (json, binary) = chunks(&bytes).map_err(bad)?;
         // Lists may stand for objects.
@@ -131,9 +129,7 @@ impl<'a> Gltf<'a> {
     ) -> Result<Option<Vec<u8>>> {
         let bad = |message: String| Error::input(format!("buffers[{index}]"), "", message);
         let budget = &self.budget;
-        let allow = |length| {
-            budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length))
-        };
+        let allow = |length| budget.check_file(Limit::MeshBytes, length);
         match &self.document.buffers[index].uri {
             None => match binary {
                 Some(binary) if index == 0 => {
@@ -160,6 +156,11 @@ impl<'a> Gltf<'a> {
     /// Holds memory, unless it exceeds the limit.
     pub(super) fn hold(&self, bytes: u64) -> Result<(), String> {
         self.budget.hold(bytes)
+    }
+
+    /// Holds memory for a list of triangles in the description of a scene.
+    pub(super) fn hold_list(&self, vertices: usize, triangles: usize) -> Result<(), String> {
+        self.budget.hold_list(vertices, triangles)
     }
 
     /// The file of the image with this number; `None` if it is within this file.

@@ -39,8 +39,7 @@ pub(super) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
         }
     };
     let name = path.display().to_string();
-    let allow =
-        |length| budget.limits.check(Limit::MeshBytes, length).and_then(|()| budget.check(length));
+    let allow = |length| budget.check_file(Limit::MeshBytes, length);
     let mut bytes = read_bytes(path, allow)?;
     if compressed {
         bytes = decompress(&bytes, allow).map_err(|message| Error::input(&*name, "", message))?;

@@ -11,10 +11,6 @@ use crate::scene::affine;
 use crate::scene::gltf::{Attributes, Primitive};
 use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
 
-/// Bytes of memory for each vertex of the lists that are made here, and for each triangle.
-const VERTEX: u64 = 100;
-const FACE: u64 = 24;
-
 /// The vertices and triangles of a part of a mesh.
 struct Part {
     positions: Vec<DVec3>,
@@ -110,7 +106,7 @@ impl Reader<'_, '_, '_> {
         let count = positions.len();
         let (indices, mode) = attributes.indices(count)?;
         let Some(faces) = self.faces(indices, mode, count)? else { return Ok(None) };
-        self.gltf.hold(VERTEX * count as u64 + FACE * faces.len() as u64)?;
+        self.gltf.hold_list(count, faces.len())?;
         let same = |name: &str, length: usize| match [0, count].contains(&length) {
             true => Ok(()),
             false => Err(format!("{name} has {length} elements, but there are {count} positions")),

@@ -193,9 +193,7 @@ impl Reader<'_, '_> {
         let name = path.display().to_string();
         let bad = |message: String| Error::input(&*name, "", message);
         let budget = self.import.budget;
-        let allow = |length| {
-            budget.limits.check(Limit::SceneBytes, length).and_then(|()| budget.check(length))
-        };
+        let allow = |length| budget.check_file(Limit::SceneBytes, length);
         let mut bytes = read_bytes(path, allow)?;
         if path.extension().is_some_and(|extension| extension == "gz") {
             bytes = decompress(&bytes, allow).map_err(bad)?;

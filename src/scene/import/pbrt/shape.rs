@@ -14,10 +14,6 @@ use crate::scene::affine::rows;
 use crate::scene::medium::MediumFile;
 use crate::scene::primitive::{MeshFile, PrimitiveFile, SphereFile, TrianglesFile};
 
-/// Bytes of memory for each vertex and each triangle of the lists that are made here.
-const VERTEX: u64 = 100;
-const FACE: u64 = 24;
-
 /// A list of triangles before the transform of the scene.
 #[derive(Default)]
 struct List {
@@ -180,9 +176,7 @@ impl Reader<'_, '_> {
 
     /// Adds triangles, placed by the current transform.
     fn add_list(&mut self, list: List, material: String) -> Result<(), String> {
-        let [vertices, faces] =
-            [list.positions.len(), list.indices.len()].map(|count| count as u64);
-        self.import.budget.hold(VERTEX * vertices + FACE * faces)?;
+        self.import.budget.hold_list(list.positions.len(), list.indices.len())?;
         let State { transform, reversed, .. } = &self.state;
         let inverse = transform.matrix3.inverse().transpose();
         let List { positions, normals, uvs, mut indices } = list;

@@ -28,6 +28,19 @@ struct Camera {
     focal_distance: f64,
 }
 
+/// The camera of files that have none.
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            to_scene: DAffine3::IDENTITY,
+            fov: Some(90.0),
+            half: 1.0,
+            lens_radius: 0.0,
+            focal_distance: 1e6,
+        }
+    }
+}
+
 /// A whole number in 1 to `most`.
 fn whole(params: &Params, name: &str, most: f64) -> Result<Option<u32>, String> {
     let number = params.number(name)?;
@@ -37,6 +50,7 @@ fn whole(params: &Params, name: &str, most: f64) -> Result<Option<u32>, String> 
 impl Reader<'_, '_> {
     /// The directive `Camera`.
     pub(super) fn camera(&mut self, class: &str, params: &Params) -> Result<(), String> {
+        let usual = Camera::default();
         let fov = match class {
             "perspective" | "realistic" | "spherical" => {
                 if class != "perspective" {
@@ -44,12 +58,12 @@ impl Reader<'_, '_> {
                         "the camera {class} is not supported, so it is a perspective"
                     ));
                 }
-                Some(params.number("fov")?.unwrap_or(90.0))
+                params.number("fov")?.or(usual.fov)
             }
             "orthographic" => None,
             _ => return Err(format!("unknown camera `{class}`")),
         };
-        let mut half = 1.0;
+        let mut half = usual.half;
         if let Some([left, right, lower, upper]) = params.tuple::<4>("screenwindow")? {
             let sides = [right - left, upper - lower];
             half = 0.5 * if sides[0] < sides[1] { sides[0] } else { sides[1] };
@@ -76,8 +90,8 @@ impl Reader<'_, '_> {
             to_scene,
             fov,
             half,
-            lens_radius: params.number("lensradius")?.unwrap_or(0.0),
-            focal_distance: params.number("focaldistance")?.unwrap_or(1e6),
+            lens_radius: params.number("lensradius")?.unwrap_or(usual.lens_radius),
+            focal_distance: params.number("focaldistance")?.unwrap_or(usual.focal_distance),
         });
         params.ignore(&["shutteropen", "shutterclose"]);
         self.view_medium.clone_from(&self.state.outside);
@@ -170,13 +184,7 @@ impl Reader<'_, '_> {
         // The usual values of pbrt.
         (render.spp, render.depth) = (self.view.spp.unwrap_or(16), self.view.depth.unwrap_or(6));
         let Camera { to_scene, fov, half, lens_radius, focal_distance } =
-            self.view.camera.take().unwrap_or(Camera {
-                to_scene: DAffine3::IDENTITY,
-                fov: Some(90.0),
-                half: 1.0,
-                lens_radius: 0.0,
-                focal_distance: 1e6,
-            });
+            self.view.camera.take().unwrap_or_default();
         let from = to_scene.translation;
         let at = from + to_scene.matrix3 * DVec3::Z;
         // From the shorter side to the height.
