@@ -156,7 +156,7 @@ mod tests {
         let cores = std::thread::available_parallelism().unwrap().get();
         assert_eq!(options.threads.last(), Some(&cores));
         assert_eq!((options.spp, options.seed, blocks(&args)), (16, 1, 12));
-        assert_eq!(options.runs().len(), 12 * options.threads.len());
+        assert_eq!(options.runs().len(), 14 * options.threads.len());
     }
 
     #[test]

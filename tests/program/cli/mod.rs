@@ -48,7 +48,7 @@ fn scenes_are_listed_shown_and_checked() {
     let folder = tempfile::tempdir().unwrap();
     let list = succeeds(folder.path(), &["scenes"]);
     assert_eq!(list, succeeds(folder.path(), &["scenes", "list"]));
-    assert_eq!(list.lines().count(), 4);
+    assert_eq!(list.lines().count(), 5);
     assert!(list.contains("cornell") && list.contains("18 quads"));
     let ron = succeeds(folder.path(), &["scenes", "show", "cornell"]);
     fs::write(folder.path().join("mine.ron"), ron).unwrap();
