@@ -174,6 +174,15 @@ pub mod internals {
     pub use crate::rayset::{Query, RaySet, record};
     pub use crate::scene::Source;
 
+    /// The alpha channel of a render.
+    ///
+    /// # Errors
+    /// If memory runs out.
+    pub fn alpha(renderer: &crate::Renderer) -> crate::Result<Vec<f32>> {
+        let film = Film::new(renderer.settings().image(), 0..renderer.settings().spp)?;
+        Ok(renderer.alpha(film, &())?.expect("nobody stops the render"))
+    }
+
     /// Checks that a file is the record of a bench.
     ///
     /// # Errors

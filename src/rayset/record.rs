@@ -40,8 +40,9 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
         return Err(Error::input(scene.name(), "", message));
     }
     let recorder = PathRecorder::new(scene, settings.clone())?;
+    let trace = |x, y, sample| recorder.trace(x, y, sample).rays;
     let mut totals = [0; 3];
-    for_each_ray(&recorder, settings, |kind, _| totals[kind as usize] += 1);
+    for_each_ray(&trace, settings, |kind, _| totals[kind as usize] += 1);
     let mut sets: Vec<(Selection, RaySet)> = KINDS
         .iter()
         .zip(totals)
@@ -50,7 +51,7 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
             (Selection::new(total, most), RaySet { name: name.to_owned(), query, rays, hits })
         })
         .collect();
-    for_each_ray(&recorder, settings, |kind, traced| {
+    for_each_ray(&trace, settings, |kind, traced| {
         let (selection, set) = &mut sets[kind as usize];
         if selection.next() {
             set.rays.push(&traced.ray, 0.0, traced.t_max);
@@ -66,9 +67,10 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
     })
 }
 
-/// Calls `visit` with all rays. The rays of each kind come in the order of their set.
+/// Calls `visit` with all rays of the paths that `trace` returns for a pixel and a sample. The rays of
+/// each kind come in the order of their set.
 fn for_each_ray(
-    recorder: &PathRecorder,
+    trace: &(impl Fn(u32, u32, u32) -> Vec<TracedRay> + Sync),
     settings: &RenderSettings,
     mut visit: impl FnMut(RayKind, &TracedRay),
 ) {
@@ -85,7 +87,7 @@ fn for_each_ray(
     while paths.peek().is_some() {
         let waves: Vec<_> = paths.by_ref().take(WAVES_AT_ONCE * WAVE).collect();
         let traced: Vec<Vec<TracedRay>> =
-            waves.par_iter().map(|&(x, y, sample)| recorder.trace(x, y, sample).rays).collect();
+            waves.par_iter().map(|&(x, y, sample)| trace(x, y, sample)).collect();
         for wave in traced.chunks(WAVE) {
             for (kind, ..) in KINDS {
                 for_each_of_wave(wave, kind, |ray| visit(kind, ray));
@@ -115,43 +117,57 @@ fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMu
 mod tests {
     use super::*;
     use crate::geometry::Ray;
+    use crate::math::random::{Stream, mix32};
+    use glam::Vec3;
+
+    /// A path of one to five segments, some with shadow rays, whose rays are all different.
+    fn path(x: u32, y: u32, sample: u32) -> Vec<TracedRay> {
+        let mut random = Stream::new(mix32(x ^ mix32(y ^ mix32(sample))).into());
+        let mut rays = Vec::new();
+        for segment in 1..=1 + random.bits() as u32 % 5 {
+            let kind = if segment == 1 { RayKind::Primary } else { RayKind::Bounce };
+            let shadow = (random.uniform() < 0.5).then_some(RayKind::Shadow);
+            for kind in [kind].into_iter().chain(shadow) {
+                let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, time: 0.0 };
+                let t_max = random.uniform();
+                rays.push(TracedRay { kind, segment, ray, t_max, hit: None, collision: None });
+            }
+        }
+        rays
+    }
 
     /// Checks the documented order, which other programs rely on, with plain loops.
     #[test]
     fn rays_come_in_the_documented_order() {
-        let scene = Scene::load("cornell").unwrap();
         // Two waves, and tiles that are cut off at the right and lower edges.
         let (width, height, spp) = (37, 29, 5);
+        let scene = Scene::load("cornell").unwrap();
         let settings = RenderSettings { width, height, spp, ..RenderSettings::of(&scene) };
-        let recorder = PathRecorder::new(&scene, settings.clone()).unwrap();
         let mut paths = Vec::new();
         for top in (0..height).step_by(8) {
             for left in (0..width).step_by(8) {
                 for sample in 0..spp {
                     for y in top..height.min(top + 8) {
                         for x in left..width.min(left + 8) {
-                            paths.push(recorder.trace(x, y, sample).rays);
+                            paths.push(path(x, y, sample));
                         }
                     }
                 }
             }
         }
         assert!(paths.len() > 4096 && paths.len() < 2 * 4096);
-        let sets = record(&scene, &settings, u64::MAX).unwrap();
-        for (set, (kind, name, _)) in sets.sets.iter().zip(KINDS) {
-            assert_eq!(set.name, name);
-            let mut want: Vec<(Ray, f32, f32)> = Vec::new();
+        let mut found = [const { Vec::new() }; 3];
+        for_each_ray(&path, &settings, |kind, ray| found[kind as usize].push(*ray));
+        for (found, (kind, name, _)) in found.iter().zip(KINDS) {
+            let mut want = Vec::new();
             for wave in paths.chunks(4096) {
-                for segment in 1..=settings.depth {
+                for segment in 1..=5 {
                     let rays = wave.iter().flatten();
-                    let rays = rays.filter(|ray| ray.kind == kind && ray.segment == segment);
-                    want.extend(rays.map(|traced| (traced.ray, 0.0, traced.t_max)));
+                    want.extend(rays.filter(|ray| ray.kind == kind && ray.segment == segment));
                 }
             }
             assert!(want.len() > 4096, "{name}");
-            let found: Vec<_> = (0..set.rays.len()).map(|i| set.rays.get(i)).collect();
-            assert_eq!(found, want, "{name}");
+            assert_eq!(*found, want, "{name}");
         }
-        assert_eq!(sets.sets.len(), 3);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! `.ci/run` repeats them for each instruction set, except those in `proof` and `scenes`.
 
+mod alpha;
 mod common;
 mod determinism;
 mod proof;

@@ -6,8 +6,8 @@ use crate::common::SAMPLINGS;
 use crate::random_scene::random_scene;
 use ptfast::internals::{Stage, Stream};
 use ptfast::{
-    BUILTIN_NAMES, Engine, Kernel, Observer, Plan, Progress, Render, RenderSettings, Renderer,
-    Sampler, Scene, SegmentPlan,
+    BUILTIN_NAMES, Engine, Kernel, Observer, Plan, Planning, Progress, Render, RenderSettings,
+    Renderer, Sampler, Scene, SegmentPlan,
 };
 
 fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
@@ -24,6 +24,15 @@ fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
     assert_eq!(got.tally, want.tally, "{what}");
     assert_eq!(got.tally.endings.total(), got.tally.rays.primary, "{what}");
     want.tally.rays.total()
+}
+
+#[test]
+fn only_large_renders_try_plans() {
+    let scene = Scene::load("cornell").unwrap();
+    for (spp, planning) in [(4, Planning::Usual), (400, Planning::Measured)] {
+        let settings = RenderSettings { spp, threads: 1, depth: 2, ..RenderSettings::of(&scene) };
+        assert_eq!(Renderer::new(&scene, settings).unwrap().planning(), Some(planning), "{spp}");
+    }
 }
 
 #[test]

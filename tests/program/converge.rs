@@ -94,3 +94,62 @@ fn wrong_usage_is_refused_before_anything_is_rendered() {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{arguments:?}");
     }
 }
+
+/// The curves that `converge` records, with these options.
+fn curves(scene: &str, options: &str) -> Vec<Value> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("scene.ron"), scene).unwrap();
+    let base = ["converge", "scene.ron", "--width", "40", "--sampling", "bsdf", "--json", "a.json"];
+    let options: Vec<&str> = base.into_iter().chain(options.split(' ')).collect();
+    let output = ptfast(folder.path(), &options);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let record = fs::read(folder.path().join("a.json")).unwrap();
+    let record: Value = serde_json::from_slice(&record).unwrap();
+    assert_eq!(record["width"], record["height"]);
+    record["curves"].as_array().unwrap().clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Under a smooth sky, the image of a diffuse ball is smooth except at the rim. The error of
+/// independent samples falls as 1/n, that of Sobol' points faster.
+#[test]
+fn errors_fall_as_theory_says() {
+    let scene = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
+        background: gradient(bottom: (0, 0, 0), top: (1, 1, 1)), render: (width: 40, height: 40),
+        materials: {"m": lambertian(albedo: (0.7, 0.7, 0.7))},
+        primitives: [sphere(center: (0, 0, 0), radius: 1, material: "m")])"#;
+    let curves = curves(scene, "--spp 64 --reference 1024");
+    let named = |name: &str| curves.iter().find(|curve| curve["sampler"] == name).unwrap();
+    let [independent, sobol] = ["independent", "sobol"].map(named);
+    let slope = |curve: &Value| (number(&curve["slope"]), 6.0 * number(&curve["slope_error"]));
+    let (of_independent, of_sobol) = (slope(independent), slope(sobol));
+    assert!((of_independent.0 + 1.0).abs() < of_independent.1, "{of_independent:?}");
+    assert!(of_sobol.0 < -1.0 - of_sobol.1, "{of_sobol:?}");
+    let last = |curve: &Value| {
+        let point = &curve["points"][6];
+        assert_eq!(point["spp"], 64);
+        (number(&point["mse"]), 6.0 * number(&point["mse_error"]))
+    };
+    let (independent, sobol) = (last(independent), last(sobol));
+    assert!(sobol.0 + sobol.1 < independent.0 - independent.1, "{sobol:?} {independent:?}");
+}
+
+/// A noisy reference makes the estimated error noisier, not larger.
+#[test]
+fn the_noise_of_the_reference_does_not_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let cornell = stdout(&ptfast(folder.path(), &["scenes", "show", "cornell"]));
+    let [few, many] = ["32", "4096"].map(|reference| {
+        let options = format!("--spp 16 --sampler independent --reference {reference}");
+        let point = &curves(&cornell, &options)[0]["points"][4];
+        [number(&point["mse"]), number(&point["mse_error"])]
+    });
+    // The noise of both small references together is as large as that of the renders. It affects the
+    // differences of all renders alike, so `mse_error` does not cover it. It adds an error of about
+    // the same size.
+    let error = (few[1] * few[1] + many[1] * many[1]).sqrt();
+    assert!((few[0] - many[0]).abs() < 12.0 * error, "{few:?} {many:?}");
+}

@@ -9,7 +9,6 @@
 mod bsdf;
 mod camera;
 mod filter;
-mod glow;
 mod light;
 mod medium;
 

@@ -193,7 +193,6 @@ fn units(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::pool::Pin;
     use crate::scene::Scene;
 
     #[test]
@@ -244,21 +243,5 @@ mod tests {
         let large = settings(400, 100);
         assert_eq!(sizes(&large), SIZES);
         assert!(sizes(&RenderSettings { wave_size: 5000, ..large.clone() }).is_empty());
-
-        let scene = Scene::load("cornell").unwrap();
-        let render = |spp| RenderSettings { spp, threads: 1, depth: 2, ..large.clone() };
-        let pool = Pool::start(1, Pin::Off).unwrap();
-        let tried = |spp| {
-            let settings = render(spp);
-            let view = View::new((&scene).into(), settings.clone());
-            let sizes = each_size(&settings, &plan());
-            let tried = |paths| try_all(&view, paths, &pool, &sizes, SIZES_EFFORT).len();
-            [tried(settings.paths()), tried(settings.paths() / 2)]
-        };
-        assert_eq!(tried(100), [0, 0]);
-        // The number of plans that fall behind is random. Half of the paths, as in one of two
-        // shards, are too few for trials.
-        let [whole, half] = tried(200);
-        assert!(whole > 0 && half == 0);
     }
 }

@@ -8,8 +8,6 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 mod diffuse_transmission;
-#[cfg(test)]
-mod glow;
 mod lambertian;
 mod light;
 mod metal;
@@ -121,8 +119,8 @@ impl<E> Default for MaterialTable<E> {
 }
 
 macro_rules! materials {
-    ($($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $name:ident in $module:ident,)*) => {
-        $($(#[cfg($cfg)])? pub use $module::$name;)*
+    ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
+        $(pub use $module::$name;)*
 
         /// How a surface scatters and emits light.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -131,10 +129,10 @@ macro_rules! materials {
         // A scene has few materials.
         #[allow(clippy::large_enum_variant)]
         pub enum Material {
-            $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($name),)*
+            $($(#[doc = $doc])* $name($name),)*
         }
 
-        $($(#[cfg($cfg)])?
+        $(
         impl From<$name> for Material {
             fn from(material: $name) -> Self {
                 Self::$name(material)
@@ -144,25 +142,25 @@ macro_rules! materials {
         /// The kinds of materials.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum MaterialKind {
-            $($(#[cfg($cfg)])? $name,)*
+            $($name,)*
         }
 
         /// The materials of a scene, one table per kind.
         #[derive(Debug, Default)]
         pub(crate) struct MaterialTables {
-            $($(#[cfg($cfg)])? $module: MaterialTable<<$name as MaterialModel>::Entry>,)*
+            $($module: MaterialTable<<$name as MaterialModel>::Entry>,)*
         }
 
         impl Material {
             pub(super) fn textures(&mut self) -> Vec<&mut TextureRef> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.textures(),)*
+                    $(Self::$name(material) => material.textures(),)*
                 }
             }
 
             pub(super) fn check(&self, e: &Element<'_>) -> Result<()> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => {
+                    $(Self::$name(material) => {
                         material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
                         material.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
                         material.check(e)
@@ -173,48 +171,48 @@ macro_rules! materials {
             /// Whether the material has a normal map.
             pub(super) fn has_normal_map(&self) -> bool {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.normal().is_some(),)*
+                    $(Self::$name(material) => material.normal().is_some(),)*
                 }
             }
 
             /// Returns the light that the material emits, if any.
             pub fn emission(&self) -> Option<Emission> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.emission(),)*
+                    $(Self::$name(material) => material.emission(),)*
                 }
             }
 
             /// Whether the material emits the light of a texture.
             pub(super) fn glows(&self) -> bool {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.glow().is_some(),)*
+                    $(Self::$name(material) => material.glow().is_some(),)*
                 }
             }
 
             /// Returns where the surface has holes, if anywhere.
             pub(super) fn opacity(&self) -> Option<&Opacity> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(material) => material.opacity(),)*
+                    $(Self::$name(material) => material.opacity(),)*
                 }
             }
 
             /// Returns the name of the material's kind in scene files.
             pub fn name(&self) -> &'static str {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(_) => stringify!($module),)*
+                    $(Self::$name(_) => stringify!($module),)*
                 }
             }
 
             /// Whether light passes through its surface.
             pub(crate) fn transmits(&self) -> bool {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(_) => $name::TRANSMITS,)*
+                    $(Self::$name(_) => $name::TRANSMITS,)*
                 }
             }
 
             pub(crate) fn kind(&self) -> MaterialKind {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(_) => MaterialKind::$name,)*
+                    $(Self::$name(_) => MaterialKind::$name,)*
                 }
             }
         }
@@ -223,7 +221,7 @@ macro_rules! materials {
             /// Adds a material and returns its index in the table of its kind.
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
-                    $($(#[cfg($cfg)])? Material::$name(material) => {
+                    $(Material::$name(material) => {
                         let before = textures.uses();
                         let table = &mut self.$module;
                         table.entries.push(material.entry(textures));
@@ -251,7 +249,7 @@ macro_rules! materials {
                 visitor: V,
             ) -> V::Output {
                 match kind {
-                    $($(#[cfg($cfg)])? MaterialKind::$name => visitor.visit::<$name>(&self.$module),)*
+                    $(MaterialKind::$name => visitor.visit::<$name>(&self.$module),)*
                 }
             }
         }
@@ -279,9 +277,6 @@ materials! {
     Principled in principled,
     /// A surface that emits light and absorbs all light that hits it.
     Light in light,
-    /// A surface that both scatters and emits light, for tests.
-    #[cfg(test)]
-    Glow in glow,
 }
 
 /// Checks that a normal map is a texture that contains normals.

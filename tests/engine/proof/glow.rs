@@ -1,6 +1,9 @@
-//! Light of textures, which only paths that hit the surface find, beside closed forms.
+//! Surfaces that scatter and emit light, beside closed forms. Light of textures is found only by paths that
+//! hit the surface.
 
 use super::{Known, compare};
+use crate::common::{SAMPLINGS, render};
+use ptfast::{Engine, RenderSettings, Sampling, Scene};
 
 /// A camera that looks down from (`x`, 0, 0.5), and these elements.
 fn scene(x: f32, more: &str, primitives: &str) -> String {
@@ -44,4 +47,30 @@ fn glowing_surfaces_shine_as_their_textures_say() {
             Known::new("a floor in a dome", &scene(0.0, "", floor), 0.6 * 0.5),
         ],
     );
+}
+
+/// Inside a sphere of albedo a that emits radiance L everywhere, the radiance is L / (1 − a).
+#[test]
+fn surfaces_scatter_and_emit() {
+    let text = r#"(camera: (look_from: (0.2, 0.1, 0), look_at: (0, 0, 1), vfov: 90),
+        materials: {"glow": principled(base_color: (0.5, 0.5, 0.5), specular: 0, emission: (1, 1, 1))},
+        primitives: [sphere(center: (0, 0, 0), radius: 1, material: "glow")])"#;
+    let scene = Scene::from_ron(text).unwrap();
+    for sampling in SAMPLINGS {
+        let images = Engine::ALL.map(|engine| {
+            let (width, height, spp, roulette) = (32, 32, 64, false);
+            let base = RenderSettings::of(&scene);
+            let settings =
+                RenderSettings { width, height, spp, sampling, engine, roulette, ..base };
+            render(&scene, settings)
+        });
+        assert_eq!(images[0].hash(), images[1].hash(), "{sampling:?}");
+        let pixels = images[0].pixels();
+        let mean =
+            pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / pixels.len() as f64;
+        println!("{sampling:?}: {mean:.5}");
+        // If only the BSDF is sampled, all paths have the same radiance.
+        let bound = if sampling == Sampling::Bsdf { 1e-5 } else { 0.01 };
+        assert!((mean - 2.0).abs() < bound, "{sampling:?}: {mean}");
+    }
 }
