@@ -41,6 +41,19 @@ impl ProgressMode {
     }
 }
 
+/// Does `work`, and shows on a terminal what it is and since when.
+pub(super) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> T) -> T {
+    if mode != ProgressMode::Auto || !stderr().is_terminal() {
+        return work();
+    }
+    let bar = ProgressBar::new_spinner().with_prefix(one_line(what));
+    bar.set_style(ProgressStyle::with_template("{prefix} {elapsed}").expect("it is valid"));
+    bar.enable_steady_tick(Duration::from_secs(1));
+    let done = work();
+    bar.finish_and_clear();
+    done
+}
+
 /// Renders the image and shows the progress.
 pub(super) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Result<Render> {
     let mut rendering = renderer.begin()?;

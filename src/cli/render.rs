@@ -56,7 +56,10 @@ impl<'a> Job<'a> {
         // A wrong extension is reported before a large scene is loaded.
         args.output.clone().map(Target::of_path).transpose()?;
         let loading = Instant::now();
-        let scene = args.limits.read(&args.sample.scene)?.resolve()?;
+        let reading = format!("reading {}", args.sample.scene.name());
+        let scene = progress::waiting(&reading, args.mode(), || {
+            args.limits.read(&args.sample.scene)?.resolve()
+        })?;
         let load = loading.elapsed().as_secs_f64();
         let settings = settings(args, &scene)?;
         let warnings = scene.warnings_with(&settings.camera);
@@ -109,7 +112,9 @@ impl<'a> Job<'a> {
         self.check_files(&file)?;
         let rendering = file.load(part, scene.limits())?;
         let left = rendering.film.samples_to_do() - rendering.progress().samples;
-        let renderer = Renderer::for_paths(scene, self.settings.clone(), left)?;
+        let renderer = progress::waiting("preparing the render", args.mode(), || {
+            Renderer::for_paths(scene, self.settings.clone(), left)
+        })?;
         let mut checkpoint = Checkpoint {
             scene: scene.name().to_owned(),
             identity: part.identity.clone(),
