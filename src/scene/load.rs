@@ -135,10 +135,12 @@ impl Source {
                 let name = path.display().to_string();
                 let mut warnings =
                     import::add_materials(&name, &folder, options, &budget, &mut file)?;
-                let unknown = view::add_missing_materials(&mut file, names);
-                if unknown > 0 {
-                    let why = "grey, since no file describes them";
-                    warnings.push(format!("{name}: {unknown} of its materials are {why}"));
+                if let Some(unknown) = view::add_missing_materials(&mut file, names) {
+                    let warning = format!("{name}: {unknown}");
+                    if options.strict {
+                        return Err(import::rejected(&warning));
+                    }
+                    warnings.push(warning);
                 }
                 return Ok(Parsed { warnings, ..Parsed::new(name, folder, file, budget) });
             }

@@ -73,13 +73,18 @@ pub(super) fn of_mesh(path: &Path, budget: &Budget) -> Result<(SceneFile, Vec<St
     Ok((scene, Vec::new()))
 }
 
-/// Adds a grey material for each of `names` that `scene` lacks. Returns their number.
-pub(super) fn add_missing_materials(scene: &mut SceneFile, names: Vec<String>) -> usize {
+/// Adds a grey material for each of `names` that `scene` lacks. If there are any, returns a sentence that
+/// says so.
+pub(super) fn add_missing_materials(scene: &mut SceneFile, names: Vec<String>) -> Option<String> {
     let known: HashSet<String> = scene.materials.names().map(str::to_owned).collect();
     let missing: Vec<_> = names.into_iter().filter(|name| !known.contains(name)).collect();
     let count = missing.len();
     for name in missing {
         scene.add_material(name, Lambertian::new([0.5; 3]));
     }
-    count
+    match count {
+        0 => None,
+        1 => Some("one of its materials is grey, since no file describes it".to_owned()),
+        _ => Some(format!("{count} of its materials are grey, since no file describes them")),
+    }
 }

@@ -129,7 +129,7 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     assert!(error.contains("spherical") && error.contains("--strict rejects that"), "{error}");
 }
 
-/// What the scene `a.pbrt` with this text is in JSON.
+/// The scene `a.pbrt` with this text, as JSON.
 fn shown(there: &Path, text: &str) -> Value {
     fs::write(there.join("a.pbrt"), text).unwrap();
     serde_json::from_str(&succeeds(there, &["scenes", "show", "--json", "a.pbrt"])).unwrap()
@@ -144,7 +144,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
-/// What `pbrt.pbrt` leaves out, since a file has only one camera.
+/// `pbrt.pbrt` has only one camera and one filter, so the others are tested here.
 #[test]
 fn other_parts_of_pbrt_files_have_these_values() {
     let there = tempfile::tempdir().unwrap();
@@ -160,6 +160,12 @@ fn other_parts_of_pbrt_files_have_these_values() {
             json!(4),
         ),
         (r#"PixelFilter "box""#, camera, "/camera/filter", Value::Null),
+        (
+            r#"Sampler "stratified" "integer xsamples" 8 "integer ysamples" 4"#,
+            "",
+            "/render/spp",
+            json!(32),
+        ),
         (
             r#"PixelFilter "gaussian" "float xradius" 2 "float sigma" 0.5"#,
             "",
@@ -209,6 +215,85 @@ fn other_parts_of_pbrt_files_have_these_values() {
             "{head} {body}: {got}"
         );
     }
+}
+
+/// Spheres of ptfast have other poles than those of pbrt, and no opacity.
+#[test]
+fn spheres_of_pbrt_files_become_triangles_where_needed() {
+    let there = tempfile::tempdir().unwrap();
+    fs::copy(folder().join("grid.png"), there.path().join("grid.png")).unwrap();
+    let texture = r#"Texture "t" "spectrum" "imagemap" "string filename" "grid.png"
+        Material "diffuse" "texture reflectance" "t""#;
+    let primitive = |text: &str| {
+        let scene = shown(there.path(), &format!("WorldBegin {text}"));
+        assert_eq!(scene["primitives"].as_array().unwrap().len(), 1);
+        scene["primitives"][0].clone()
+    };
+    assert!(primitive("Shape \"sphere\"").get("sphere").is_some());
+    assert!(primitive("Shape \"sphere\" \"float alpha\" 0.5").get("triangles").is_some());
+    let [upright, lying] = ["", "Rotate 90 1 0 0"].map(|turn| {
+        let sphere = primitive(&format!("{texture} {turn} Shape \"sphere\""));
+        // The first vertex is at the pole where v = 0.
+        numbers(&sphere["triangles"]["vertices"][0])
+    });
+    let near = |at: &[f64], want: [f64; 3]| at.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(near(&upright, [0.0, 0.0, -1.0]) && near(&lying, [0.0, 1.0, 0.0]), "{lying:?}");
+}
+
+/// Expected: the radiance L with area · π · L = power, for each patch of pbrt.
+#[test]
+fn power_of_pbrt_lights_is_spread_over_their_area() {
+    let there = tempfile::tempdir().unwrap();
+    let light = r#"AreaLightSource "diffuse" "float power" 3.14159265 Material "interface""#;
+    let patch = r#""point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]"#;
+    for shape in [
+        format!(r#"Shape "bilinearmesh" {patch}"#),
+        r#"Shape "disk" "float radius" 0.56418958"#.to_owned(),
+    ] {
+        let scene = shown(there.path(), &format!("WorldBegin {light} {shape}"));
+        let radiance = numbers(&scene["materials"]);
+        assert!(radiance.iter().all(|c| (c - 1.0).abs() < 1e-5), "{shape}: {radiance:?}");
+    }
+}
+
+/// The materials of the scene of `a.obj` with this material file, as JSON.
+fn materials(there: &Path, mtl: &[u8], options: &[&str]) -> Value {
+    fs::write(there.join("a.mtl"), mtl).unwrap();
+    let scene = succeeds(there, &[&["scenes", "show", "--json", "a.obj"], options].concat());
+    serde_json::from_str::<Value>(&scene).unwrap()["materials"].clone()
+}
+
+#[test]
+fn material_files_of_exporters_are_understood() {
+    let there = tempfile::tempdir().unwrap();
+    let there = there.path();
+    fs::copy(folder().join("grid.png"), there.join("wall#2.png")).unwrap();
+    let obj = "mtllib\ta.mtl b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m #1\nf 1 2 3\nusemtl m #2\nf 1 2 3\n";
+    fs::write(there.join("a.obj"), obj).unwrap();
+    fs::write(there.join("b.mtl"), "newmtl m #2\nKd 0 0 1 # blue\n").unwrap();
+    let show = |mtl: &[u8]| materials(there, mtl, &[]);
+    // Maya writes this for opaque surfaces.
+    let maya = show(b"newmtl m #1\nillum 4\nKd 0.5 0.5 0.5\nTf 1.00 1.00 1.00\nNi 1.00\n");
+    assert_eq!(maya["m #1"], json!({ "lambertian": { "albedo": [0.5, 0.5, 0.5] } }));
+    assert_eq!(maya["m #2"], json!({ "lambertian": { "albedo": [0.0, 0.0, 1.0] } }));
+    let glass = show(b"newmtl m #1\nillum 7\nd 0.1\nNi 1.5\n");
+    assert_eq!(glass["m #1"]["dielectric"]["ior"], 1.5);
+    let map = show(b"newmtl m #1\nmap_Kd wall#2.png\nmap_Ke\n");
+    assert!(map["m #1"]["lambertian"]["albedo"].to_string().contains("wall#2.png"), "{map}");
+    let halo = show(b"newmtl m #1\nd -halo 0.5\n# caf\xe9\n");
+    assert_eq!(halo["m #1"]["lambertian"]["opacity"]["blend"]["alpha"], 0.5);
+    // A glowing surface is a lamp only if it has no colour of its own.
+    let glow = show(b"newmtl m #1\nKd 0 0 0\nmap_Kd wall#2.png\nKe 1 1 1\n");
+    assert!(glow["m #1"].get("principled").is_some(), "{glow}");
+    for line in ["Kd xyz 1 0 0", "decal a.png", "map_Kd -mm 0 2 wall#2.png", "map_bump a.png"] {
+        fs::write(there.join("a.mtl"), format!("newmtl m #1\n{line}\n")).unwrap();
+        let output = ptfast(there, &["scenes", "check", "a.obj", "--strict"]);
+        let error = stderr(&output);
+        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{line}: {error}");
+    }
+    fs::write(there.join("a.mtl"), "").unwrap();
+    let output = ptfast(there, &["scenes", "check", "a.obj", "--strict"]);
+    assert!(stderr(&output).contains("one of its materials is grey"), "{}", stderr(&output));
 }
 
 #[test]

@@ -164,9 +164,16 @@ pub(in crate::scene) struct Material {
     pub(in crate::scene) normal_texture: Option<TextureInfo>,
     pub(in crate::scene) emissive_texture: Option<TextureInfo>,
     pub(in crate::scene) emissive_factor: [f64; 3],
-    pub(in crate::scene) alpha_mode: Option<String>,
+    alpha_mode: Option<String>,
     pub(in crate::scene) alpha_cutoff: Option<f64>,
     pub(in crate::scene) extensions: MaterialExtensions,
+}
+
+impl Material {
+    /// `OPAQUE`, `MASK` or `BLEND`.
+    pub(in crate::scene) fn alpha_mode(&self) -> &str {
+        self.alpha_mode.as_deref().unwrap_or("OPAQUE")
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -416,7 +423,7 @@ pub(super) struct SparsePart {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: u64,
-    /// Of the indices only.
+    /// The type of the numbers; only `indices` have it.
     #[serde(default)]
     pub(super) component_type: u32,
 }

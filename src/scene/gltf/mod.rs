@@ -91,11 +91,10 @@ impl<'a> Gltf<'a> {
                 "requires the extension {extension}, which ptfast does not support"
             )));
         }
-        let folder = path.parent().unwrap_or(Path::new(""));
         let (buffers, decoded) = Default::default();
         let mut gltf = Self { document, buffers, decoded, budget };
         for i in 0..gltf.document.buffers.len() {
-            let buffer = gltf.buffer(i, folder, binary)?;
+            let buffer = gltf.buffer(i, path, binary)?;
             let length = buffer.as_ref().map_or(0, |buffer| buffer.len() as u64);
             if buffer.is_some() && length < gltf.document.buffers[i].byte_length {
                 return Err(bad(format!(
@@ -108,7 +107,7 @@ impl<'a> Gltf<'a> {
         Ok(gltf)
     }
 
-    /// Decompresses the buffer views of meshes. Images are not compressed, so their reader does without.
+    /// Decompresses the buffer views of meshes. The reader of images does not need it.
     pub(super) fn decompress(&mut self) -> Result<(), String> {
         for (i, view) in self.document.buffer_views.iter().enumerate() {
             if let Some(compressed) = &view.extensions.meshopt {
@@ -120,14 +119,11 @@ impl<'a> Gltf<'a> {
         Ok(())
     }
 
-    /// The content of a buffer. `None` for one without content, which only compressed views can use.
-    fn buffer(
-        &self,
-        index: usize,
-        folder: &Path,
-        binary: Option<&[u8]>,
-    ) -> Result<Option<Vec<u8>>> {
-        let bad = |message: String| Error::input(format!("buffers[{index}]"), "", message);
+    /// The content of a buffer of the file at `path`. `None` for one without content, which only compressed views can use.
+    fn buffer(&self, index: usize, path: &Path, binary: Option<&[u8]>) -> Result<Option<Vec<u8>>> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let place = format!("buffers[{index}]");
+        let bad = |message: String| Error::input(path.display().to_string(), &*place, message);
         let budget = &self.budget;
         let allow = |length| budget.check_file(Limit::MeshBytes, length);
         match &self.document.buffers[index].uri {

@@ -96,7 +96,23 @@ pub(super) struct Import<'a> {
 /// Largest number of different warnings that are kept.
 const MOST_WARNINGS: usize = 100;
 
-impl Import<'_> {
+/// A name like `own` that is not in `names` yet, which is added. Names that are taken get a number, at
+/// least `number`.
+fn unique(names: &mut HashSet<String>, own: &str, number: usize) -> String {
+    let mut name = own.to_owned();
+    let mut number = number;
+    while !names.insert(name.clone()) {
+        name = format!("{own} {number}");
+        number += 1;
+    }
+    name
+}
+
+impl<'a> Import<'a> {
+    fn new(folder: &'a Path, options: &'a ImportOptions, budget: &'a Budget) -> Self {
+        Self { folder, options, budget, warnings: Vec::new(), more: 0, notes: Vec::new() }
+    }
+
     /// Notes that ptfast lacks something, and what it does instead.
     fn warn(&mut self, message: impl Into<String>) {
         let message = message.into();
@@ -122,7 +138,7 @@ impl Import<'_> {
         if let Some(warning) = warnings.first()
             && self.options.strict
         {
-            return Err(Error::Usage(format!("{warning}; --strict rejects that")));
+            return Err(rejected(warning));
         }
         if self.more > 0 {
             warnings.push(format!("{file}: there are {} more warnings", self.more));
@@ -141,8 +157,8 @@ impl Import<'_> {
         path_within(self.folder, file, &self.budget.limits)
     }
 
-    /// Whether to use the texture or mesh in `file`. A missing file is only used if that is an error,
-    /// which the reader of the file reports; otherwise a warning names it.
+    /// Returns false, with a warning, if the texture or mesh in `file` is missing and
+    /// [`Missing::Grey`] is set. Otherwise the reader of the file reports that it is missing.
     fn is_usable(&mut self, file: &str, instead: &str) -> bool {
         let usable = self.options.missing == Missing::Error || self.folder.join(file).exists();
         if !usable {
@@ -150,6 +166,11 @@ impl Import<'_> {
         }
         usable
     }
+}
+
+/// The error that [`ImportOptions::strict`] makes of a warning.
+pub(super) fn rejected(warning: &str) -> Error {
+    Error::Usage(format!("{warning}; --strict rejects that"))
 }
 
 /// Adds the materials that OBJ files name to the scene called `name`, for meshes without a material.
@@ -164,8 +185,7 @@ pub(super) fn add_materials(
     budget: &Budget,
     scene: &mut SceneFile,
 ) -> Result<Vec<String>> {
-    let (warnings, more, notes) = Default::default();
-    let mut import = Import { folder, options, budget, warnings, more, notes };
+    let mut import = Import::new(folder, options, budget);
     let (mut files, mut seen) = (Vec::new(), HashSet::new());
     let parts = scene.meshes.0.iter().flat_map(|(_, mesh)| match mesh {
         NamedMesh::File(_) => &[],
@@ -197,8 +217,7 @@ pub(super) fn read(
     budget: &Budget,
 ) -> Result<Imported> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (warnings, more, notes) = Default::default();
-    let mut import = Import { folder, options, budget, warnings, more, notes };
+    let mut import = Import::new(folder, options, budget);
     let file = match format {
         Format::Gltf => gltf::read(path, &mut import)?,
         Format::Pbrt => pbrt::read(path, &mut import)?,

@@ -144,7 +144,7 @@ fn meshes_are_shown_and_ignored_data_is_reported() {
     let small = ["--width", "64", "--height", "64", "--spp", "4"];
     let output = ptfast(here, &[&["render", "a.obj", "-o", "a.pfm"], &small[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
-    let notice = "ptfast: a.obj: 1 of its materials are grey, since no file describes them\n";
+    let notice = "ptfast: a.obj: one of its materials is grey, since no file describes it\n";
     assert_eq!(stderr(&output).matches(notice).count(), 1, "{}", stderr(&output));
     // The mesh is in the middle of the picture, and the sky around it.
     let image = ptfast::Image::read(&here.join("a.pfm")).unwrap();

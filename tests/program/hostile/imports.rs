@@ -38,6 +38,22 @@ fn bomb() -> Content {
     Content::Bytes(encoder.finish().unwrap())
 }
 
+/// Files that include the next one twice each, so that there would be 2^20 of the last.
+fn fan_out() -> Case {
+    const NAMES: [&str; 20] = [
+        "0.pbrt", "1.pbrt", "2.pbrt", "3.pbrt", "4.pbrt", "5.pbrt", "6.pbrt", "7.pbrt", "8.pbrt",
+        "9.pbrt", "10.pbrt", "11.pbrt", "12.pbrt", "13.pbrt", "14.pbrt", "15.pbrt", "16.pbrt",
+        "17.pbrt", "18.pbrt", "19.pbrt",
+    ];
+    let twice = |name: &str| format!("Include \"{name}\" Include \"{name}\"");
+    let first = pbrt(twice(NAMES[0]), "more than 10000 files are included");
+    let with_next = |case: Case, i: usize| {
+        let text = NAMES.get(i + 1).map_or_else(String::new, |next| twice(next));
+        case.with(NAMES[i], Content::Bytes(text.into_bytes()))
+    };
+    (0..NAMES.len()).fold(first, with_next)
+}
+
 pub(super) fn cases() -> Vec<Case> {
     let huge = 1u64 << 62;
     let mut cases = vec![
@@ -53,7 +69,7 @@ pub(super) fn cases() -> Vec<Case> {
         pbrt("Include \"b.pbrt.gz\"", "limit").with("b.pbrt.gz", bomb()),
         pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"b.ply.gz\"", "limit")
             .with("b.ply.gz", bomb()),
-        pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"/etc/passwd.ply\"", "a.pbrt"),
+        pbrt("WorldBegin Shape \"plymesh\" \"string filename\" \"/etc/passwd.ply\"", "cannot read"),
         pbrt("\u{0}\u{1}", "unknown directive"),
         pbrt("Scale 1e400 1 1", "not finite"),
         pbrt("Scale nan 1 1", "not finite"),
@@ -78,8 +94,25 @@ pub(super) fn cases() -> Vec<Case> {
         ),
         pbrt(
             "MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"a\" \"a\"] NamedMaterial \"a\" WorldBegin Shape \"sphere\"",
-            "mixture of mixtures",
+            "the mixture contains itself",
         ),
+        // The names of generated materials are taken.
+        pbrt(
+            "MakeNamedMaterial \"a 1\" MakeNamedMaterial \"a\" WorldBegin NamedMaterial \"a 1\" Shape \"disk\" NamedMaterial \"a\" Shape \"disk\" Shape \"disk\" \"float alpha\" 0.5 Shape \"disk\" \"float alpha\" 0.4 Oops",
+            "unknown directive `Oops`",
+        ),
+        fan_out(),
+        Case::scene(
+            "a.obj",
+            "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n",
+            "outside the folder",
+        ),
+        Case::scene(
+            "a.obj",
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n",
+            "outside the folder",
+        )
+        .with("a.mtl", Content::Bytes(b"newmtl a\nmap_Kd /etc/passwd\n".into())),
         pbrt("WorldBegin ".to_owned() + &"Shape \"sphere\" ".repeat(200_000), "limit"),
         gltf(&json!([]), "`asset.version` must be 2.0"),
         Case::scene("a.gltf", "[".repeat(100_000), "limit of memory"),
@@ -160,7 +193,19 @@ pub(super) fn cases() -> Vec<Case> {
         triangle(|json| json["bufferViews"][0]["buffer"] = json!(9), "unknown buffer 9"),
         triangle(|json| json["buffers"][0]["byteLength"] = json!(37), "fewer than its byteLength"),
         triangle(|json| json["buffers"][0]["uri"] = json!("%2Fetc/passwd"), "outside the folder"),
-        triangle(|json| json["buffers"][0]["uri"] = json!("data:;base64,???"), "wrong base64"),
+        triangle(
+            |json| json["buffers"][0]["uri"] = json!("data:;base64,???"),
+            "a.gltf:buffers[0]: wrong base64",
+        ),
+        triangle(
+            |json| {
+                json["materials"] = json!([{ "normalTexture": { "index": 0 } }]);
+                json["textures"] = json!([{ "source": 0 }]);
+                json["images"] = json!([{ "uri": "../../../etc/passwd" }]);
+                json["meshes"][0]["primitives"][0]["material"] = json!(0);
+            },
+            "outside the folder",
+        ),
         triangle(
             |json| json["extensionsRequired"] = json!(["KHR_texture_basisu"]),
             "requires the extension KHR_texture_basisu",

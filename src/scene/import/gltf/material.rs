@@ -72,6 +72,9 @@ impl Reader<'_, '_, '_> {
         {
             self.import.warn("colours of specular reflection are not supported, so it is white");
         }
+        if extensions.ior.ior == Some(0.0) {
+            self.import.warn("an index of refraction of 0 is not supported, so it is 1.01");
+        }
         let (transmission, volume) = (&extensions.transmission, &extensions.volume);
         let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0);
         let emitted = file.emissive_factor.map(|c| (c * strength).clamp(0.0, 1e30) as f32);
@@ -125,7 +128,7 @@ impl Reader<'_, '_, '_> {
         Ok(material)
     }
 
-    /// The holes of a material.
+    /// The opacity of a material.
     fn opacity(
         &mut self,
         file: &Material,
@@ -133,13 +136,13 @@ impl Reader<'_, '_, '_> {
         emission: &Color,
     ) -> Result<Option<Opacity>, String> {
         let texture = file.pbr_metallic_roughness.base_color_texture.as_ref();
-        let mode = file.alpha_mode.as_deref().unwrap_or("OPAQUE");
+        let mode = file.alpha_mode();
         if mode == "OPAQUE" || texture.is_none() && alpha >= 1.0 {
             return Ok(None);
         }
         if matches!(emission, Color::Rgb(radiance) if *radiance != [0.0; 3]) {
             self.import
-                .warn("holes in surfaces that emit light are not supported, so they have none");
+                .warn("alpha of surfaces that emit light is not supported, so they are opaque");
             return Ok(None);
         }
         let alpha = match texture {

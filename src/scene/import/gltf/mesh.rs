@@ -9,6 +9,7 @@ use crate::geometry::Bounds;
 use crate::math::precise::unit;
 use crate::scene::affine;
 use crate::scene::gltf::{Attributes, Primitive};
+use crate::scene::import::unique;
 use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
 
 /// The vertices and triangles of a part of a mesh.
@@ -74,11 +75,7 @@ impl Reader<'_, '_, '_> {
 
     /// A name like `own` that is not used yet. `number` is that of the element.
     pub(super) fn unique(&mut self, own: &str, number: usize) -> String {
-        let mut name = own.to_owned();
-        while !self.names.insert(name.clone()) {
-            name = format!("{name} {number}");
-        }
-        name
+        unique(&mut self.names, own, number)
     }
 
     /// Includes an instance of a mesh with this box in the bounds of the scene.
@@ -123,6 +120,15 @@ impl Reader<'_, '_, '_> {
         };
         let wide = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from)));
         let colors = triples("COLOR_0")?.into_iter().map(|color| color.map(|c| c.clamp(0.0, 1.0)));
+        let is_opaque = primitive.material.and_then(|i| self.gltf.document.materials.get(i));
+        let is_opaque = is_opaque.is_none_or(|material| material.alpha_mode() == "OPAQUE");
+        // Colours without alpha have three parts.
+        let alpha = (!is_opaque).then(|| attributes.vectors::<4>("COLOR_0"));
+        if let Some(Ok(Some(colors))) = alpha
+            && colors.iter().any(|color| color[3] < 0.999)
+        {
+            self.import.warn("alpha of vertex colours is not supported, so it has no effect");
+        }
         let mut part = Part {
             positions: wide(positions).collect(),
             normals: wide(triples("NORMAL")?).collect(),

@@ -91,7 +91,16 @@ pub(super) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
 /// The number of the variant that the options choose.
 fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, String> {
     let variants = &gltf.document.extensions.variants.variants;
-    let Some(name) = &import.options.variant else { return Ok(None) };
+    let Some(name) = &import.options.variant else {
+        if !variants.is_empty() {
+            let names: Vec<_> = variants.iter().take(10).map(|variant| &*variant.name).collect();
+            import.note(format!(
+                "has variants of its materials, which --variant NAME chooses: {}",
+                names.join(", ")
+            ));
+        }
+        return Ok(None);
+    };
     let found = variants.iter().position(|variant| variant.name == *name);
     found.map(Some).ok_or_else(|| {
         let known = crate::error::suggestion(name, variants.iter().map(|variant| &*variant.name));
@@ -136,12 +145,14 @@ impl Reader<'_, '_, '_> {
     fn node(&mut self, index: usize) -> Result<(), String> {
         let (gltf, map) = (self.gltf, self.maps[&index]);
         let node = &gltf.document.nodes[index];
-        if let Some(camera) = node.camera {
+        // A scale of 0 hides a node.
+        let hidden = map.matrix3 * DVec3::Z == DVec3::ZERO;
+        if let Some(camera) = node.camera.filter(|_| !hidden) {
             let camera = gltf.document.cameras.get(camera);
             let camera = camera.ok_or_else(|| format!("the node {index} has an unknown camera"))?;
             self.camera(node.name.as_deref().or(camera.name.as_deref()), camera, &map)?;
         }
-        if let Some(light) = &node.extensions.light {
+        if let Some(light) = node.extensions.light.as_ref().filter(|_| !hidden) {
             let lights = &gltf.document.extensions.lights.lights;
             let light = lights.get(light.light);
             self.light(
@@ -282,16 +293,17 @@ impl Reader<'_, '_, '_> {
             "KHR_materials_iridescence" => "surfaces do not iridesce",
             "KHR_materials_anisotropy" => "highlights are round",
             "KHR_materials_dispersion" => "glass does not disperse light",
-            "KHR_materials_pbrSpecularGlossiness" => "such materials have no specular reflection",
-            "KHR_materials_diffuse_transmission" => "such surfaces let no light through",
-            "KHR_texture_basisu" | "EXT_texture_webp" | "MSFT_texture_dds" => {
-                "such textures are grey"
+            "KHR_materials_pbrSpecularGlossiness" => {
+                "such materials are white, unless the file also describes them in the usual way"
             }
+            "KHR_materials_diffuse_transmission" => "such surfaces let no light through",
             "KHR_animation_pointer" => "what it animates stands still",
             _ => "it has no effect",
         };
+        // Textures whose only image is in such a format have a warning of their own.
+        let of_images = ["KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds"];
         for name in &self.gltf.document.extensions_used {
-            if !SUPPORTED.contains(&&**name) {
+            if !SUPPORTED.contains(&&**name) && !of_images.contains(&&**name) {
                 let message = format!("{name} is not supported, so {}", instead(name));
                 self.import.warn(message);
             }

@@ -15,6 +15,53 @@ use crate::scene::primitive::InstanceFile;
 /// Largest number of attributes, transforms and objects that may be open.
 const MAX_NESTING: usize = 1000;
 
+/// The directives with a class or name and parameters.
+const WITH_CLASS: [&str; 13] = [
+    "Shape",
+    "Material",
+    "MakeNamedMaterial",
+    "LightSource",
+    "AreaLightSource",
+    "MakeNamedMedium",
+    "Camera",
+    "Film",
+    "PixelFilter",
+    "Sampler",
+    "Integrator",
+    "Accelerator",
+    "Attribute",
+];
+/// All other directives.
+const WITHOUT_CLASS: [&str; 27] = [
+    "ActiveTransform",
+    "AttributeBegin",
+    "AttributeEnd",
+    "ColorSpace",
+    "ConcatTransform",
+    "CoordSysTransform",
+    "CoordinateSystem",
+    "Identity",
+    "Import",
+    "Include",
+    "LookAt",
+    "MediumInterface",
+    "NamedMaterial",
+    "ObjectBegin",
+    "ObjectEnd",
+    "ObjectInstance",
+    "Option",
+    "ReverseOrientation",
+    "Rotate",
+    "Scale",
+    "Texture",
+    "Transform",
+    "TransformBegin",
+    "TransformEnd",
+    "TransformTimes",
+    "Translate",
+    "WorldBegin",
+];
+
 impl Reader<'_, '_> {
     /// Follows one directive.
     pub(super) fn follow(
@@ -151,24 +198,8 @@ impl Reader<'_, '_> {
         line: usize,
         tokens: &mut Tokens<'_>,
     ) -> Result<(), String> {
-        const KNOWN: [&str; 14] = [
-            "Shape",
-            "Material",
-            "MakeNamedMaterial",
-            "LightSource",
-            "AreaLightSource",
-            "MakeNamedMedium",
-            "Camera",
-            "Film",
-            "PixelFilter",
-            "Sampler",
-            "Integrator",
-            "Accelerator",
-            "Attribute",
-            "Filter",
-        ];
-        if !KNOWN.contains(&directive) {
-            let near = suggestion(directive, KNOWN);
+        if !WITH_CLASS.contains(&directive) {
+            let near = suggestion(directive, WITH_CLASS.into_iter().chain(WITHOUT_CLASS));
             return Err(format!("unknown directive `{directive}`{near}"));
         }
         let class = quoted(tokens)?;
@@ -194,8 +225,9 @@ impl Reader<'_, '_> {
             "MakeNamedMedium" => self.make_medium(&class, &params),
             "Camera" => self.camera(&class, &params),
             "Film" => self.film(&params),
-            "PixelFilter" | "Filter" => self.pixel_filter(&class, &params),
-            "Sampler" | "Integrator" => self.sampling(&params),
+            "PixelFilter" => self.pixel_filter(&class, &params),
+            "Integrator" => self.integrator(&class, &params),
+            "Sampler" => self.sampling(&params),
             "Attribute" => {
                 self.import.warn("the directive Attribute is not supported, so it has no effect");
                 Ok(())

@@ -23,18 +23,34 @@ pub(super) struct Definition {
     pub(super) line: usize,
 }
 
+impl Definition {
+    /// Whether surfaces do not change light.
+    pub(super) fn is_invisible(&self) -> bool {
+        matches!(self.class.as_str(), "interface" | "" | "none")
+    }
+
+    /// Whether surfaces scatter no light, as is usual for lamps.
+    pub(super) fn is_black(&self) -> bool {
+        let reflectance = self.params.numbers("reflectance").ok().flatten();
+        self.is_invisible() || reflectance.is_some_and(|rgb| rgb.iter().all(|c| *c == 0.0))
+    }
+}
+
+/// Largest number of mixtures within each other.
+const MAX_MIXTURES: usize = 100;
+
 /// The α from which glass counts as rough.
 const ROUGH: f64 = 0.001;
 
 impl Reader<'_, '_> {
-    /// The name of the scene's material for the current one, with holes and with the absorption of the
+    /// The name of the scene's material for the current one, with alpha and with the absorption of the
     /// medium inside. `None` for a surface that does not change light.
     pub(super) fn current_material(
         &mut self,
         alpha: Option<&Value>,
     ) -> Result<Option<String>, String> {
         let definition = Rc::clone(&self.state.material);
-        if matches!(definition.class.as_str(), "interface" | "" | "none") {
+        if definition.is_invisible() {
             return Ok(None);
         }
         let inside = self.state.inside.clone().filter(|_| definition.class == "dielectric");
@@ -56,12 +72,15 @@ impl Reader<'_, '_> {
             match opacity_of(&mut material) {
                 Some(opacity) => *opacity = Some(Opacity::Blend { alpha }),
                 None => {
-                    self.import.warn(format!("holes in {class} are not supported, so it has none"))
+                    self.import.warn(format!("alpha of {class} is not supported, so it is opaque"))
                 }
             }
         }
         let name = definition.name.as_ref().unwrap_or(&definition.class);
         let name = self.materials.unique(name);
+        if !material.textures().is_empty() {
+            self.materials.textured.insert(name.clone());
+        }
         self.scene.add_material(name.clone(), material);
         self.materials.known.insert(key, name.clone());
         // The key has the address of the definition, which must therefore stay in use.
@@ -177,6 +196,7 @@ impl Reader<'_, '_> {
             _ => {
                 self.import
                     .warn(format!("the material {class} is not supported, so it is matte grey"));
+                params.ignore_all();
                 Lambertian::new([0.5; 3]).into()
             }
         })
@@ -260,19 +280,26 @@ impl Reader<'_, '_> {
             .mapped(|value| if root { alpha(value).clamp(0.0, 1.0).sqrt() } else { alpha(value) }))
     }
 
-    /// The larger part of a mixture of two materials.
+    /// The larger part of a mixture of two materials, which may be mixtures.
     fn mixture(&mut self, params: &Params) -> Result<Material, String> {
         self.import.warn("mixtures of materials are not supported, so the larger part is used");
+        let mut part = self.larger_part(params)?;
+        for _ in 0..MAX_MIXTURES {
+            if part.class != "mix" {
+                return self.material(&part);
+            }
+            part = self.larger_part(&part.params)?;
+        }
+        Err("the mixture contains itself, or too many others".to_owned())
+    }
+
+    fn larger_part(&mut self, params: &Params) -> Result<Rc<Definition>, String> {
         let amount = self.value(params, "amount", "float")?.unwrap_or(Value::number(0.5));
         let second = matches!(amount, Value::Constant([amount, ..]) if amount > 0.5);
         let names = params.texts("materials")?;
         let name = names.get(usize::from(second)).ok_or("`materials` must be two names")?;
-        let definition = self.materials.named.get(name).cloned();
-        let definition = definition.ok_or_else(|| format!("unknown material \"{name}\""))?;
-        match definition.class.as_str() {
-            "mix" => Err("a mixture of mixtures is not supported".to_owned()),
-            _ => self.material(&definition),
-        }
+        let definition = self.materials.named.get(name);
+        definition.cloned().ok_or_else(|| format!("unknown material \"{name}\""))
     }
 
     /// Glass filled with a medium that absorbs light.
@@ -317,7 +344,7 @@ fn limited(reflectance: Color, transmittance: Color) -> (Color, Color) {
     if shares == [1.0; 3] { (reflectance, transmittance) } else { (scaled(a), scaled(b)) }
 }
 
-/// The holes of a material that can have some.
+/// The opacity of a material that can have one.
 fn opacity_of(material: &mut Material) -> Option<&mut Option<Opacity>> {
     match material {
         Material::Lambertian(material) => Some(&mut material.opacity),

@@ -37,7 +37,9 @@ use crate::scene::medium::MediumFile;
 use crate::scene::primitive::PrimitiveFile;
 
 /// Largest number of files that may include each other.
-const MAX_INCLUDES: usize = 32;
+const MAX_NESTED_FILES: usize = 32;
+/// Largest number of files in all.
+const MAX_FILES: usize = 10_000;
 /// Half the side of the box that a medium around the camera fills.
 const EVERYWHERE: f32 = 1e5;
 
@@ -66,16 +68,15 @@ struct Materials {
     known: HashMap<(*const Definition, Option<String>, Option<String>), String>,
     kept: Vec<Rc<Definition>>,
     names: HashSet<String>,
+    /// The names of those with textures.
+    textured: HashSet<String>,
 }
 
 impl Materials {
     /// A name like `name` that no material of the scene has yet.
     fn unique(&mut self, name: &str) -> String {
-        let mut own = name.to_owned();
-        while !self.names.insert(own.clone()) {
-            own = format!("{name} {}", self.names.len());
-        }
-        own
+        let number = self.names.len();
+        super::unique(&mut self.names, name, number)
     }
 }
 
@@ -103,6 +104,8 @@ struct Reader<'i, 'a> {
     objects: HashMap<String, bool>,
     /// The files that are being read.
     open: Vec<PathBuf>,
+    /// Number of files that were included so far.
+    included: usize,
 }
 
 /// Reads the scene in `path`.
@@ -135,6 +138,7 @@ pub(super) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
         object: None,
         objects: HashMap::new(),
         open: Vec::new(),
+        included: 0,
     };
     reader.include(path)?;
     reader.finish().map_err(|message| Error::input(path.display().to_string(), "", message))?;
@@ -146,11 +150,15 @@ impl Reader<'_, '_> {
     fn include(&mut self, path: &Path) -> Result<()> {
         let name = path.display().to_string();
         let bad = |place: &str, message: String| Error::input(&*name, place, message);
-        if self.open.len() == MAX_INCLUDES || self.open.iter().any(|open| open == path) {
+        if self.open.len() == MAX_NESTED_FILES || self.open.iter().any(|open| open == path) {
             return Err(bad(
                 "",
                 "the file includes itself, or too many files include each other".to_owned(),
             ));
+        }
+        self.included += 1;
+        if self.included > MAX_FILES {
+            return Err(bad("", format!("more than {MAX_FILES} files are included")));
         }
         let text = self.text(path)?;
         self.import.budget.hold_text(text.len() as u64).map_err(|message| bad("", message))?;
@@ -198,8 +206,9 @@ impl Reader<'_, '_> {
         if path.extension().is_some_and(|extension| extension == "gz") {
             bytes = decompress(&bytes, allow).map_err(bad)?;
         }
-        String::from_utf8(bytes)
-            .map_err(|_| bad("not UTF-8 text, which a scene file must be".to_owned()))
+        // Comments and names may be in other encodings.
+        let lossy = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        Ok(String::from_utf8(bytes).unwrap_or_else(|error| lossy(error.as_bytes())))
     }
 
     /// Warns of parameters that were not used. `of` is what they belong to.
@@ -209,7 +218,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Adds what is known only at the end.
+    /// Sets the camera and the medium around it, which need the whole file.
     fn finish(&mut self) -> Result<(), String> {
         self.finish_view();
         let around = self.view_medium.take().map(|name| self.medium(&name)).transpose()?;

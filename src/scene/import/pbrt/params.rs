@@ -60,6 +60,11 @@ impl Params {
         }
     }
 
+    /// Declares all parameters as used, because a warning says that what they belong to is not supported.
+    pub(super) fn ignore_all(&self) {
+        self.0.iter().for_each(|param| param.used.set(true));
+    }
+
     /// The names of the parameters that were not used.
     pub(super) fn unused(&self) -> impl Iterator<Item = &str> {
         self.0.iter().filter(|param| !param.used.get()).map(|param| param.name.as_str())

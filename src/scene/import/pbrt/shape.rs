@@ -30,15 +30,22 @@ impl Reader<'_, '_> {
         let alpha =
             alpha.filter(|alpha| !matches!(alpha, Value::Constant([alpha, ..]) if *alpha >= 1.0));
         let light = self.state.area_light.clone();
-        if class == "sphere" && self.is_invisible() && light.is_none() {
+        if class == "sphere" && self.state.material.is_invisible() && light.is_none() {
             return self.filled_ball(params);
         }
         if light.is_some() && alpha.is_some() {
-            self.import.warn("holes in area lights are not supported, so they have none");
+            self.import.warn("alpha of area lights is not supported, so they are opaque");
         }
         let material = match &light {
             None => self.current_material(alpha.as_ref())?,
-            Some(light) => Some(self.area_light(light, class, params)?),
+            Some(light) => {
+                if !self.state.material.is_black() {
+                    self.import.warn(
+                        "area lights that scatter light are not supported, so they only emit it",
+                    );
+                }
+                Some(self.area_light(light, class, params)?)
+            }
         };
         let Some(material) = material else {
             self.import.warn(
@@ -48,7 +55,7 @@ impl Reader<'_, '_> {
         };
         match class {
             "plymesh" => self.ply_mesh(params, material)?,
-            "sphere" => self.sphere(params, material)?,
+            "sphere" => self.sphere(params, material, alpha.is_some() && light.is_none())?,
             _ => match self.list(class, params)? {
                 Some(list) => self.add_list(list, material)?,
                 None => {
@@ -60,11 +67,6 @@ impl Reader<'_, '_> {
         }
         self.warn_unused(params, &format!("the shape {class}"));
         Ok(())
-    }
-
-    /// Whether the current material does not change light.
-    fn is_invisible(&self) -> bool {
-        matches!(self.state.material.class.as_str(), "interface" | "" | "none")
     }
 
     fn add(&mut self, primitive: impl Into<PrimitiveFile>) {
@@ -89,7 +91,7 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    fn sphere(&mut self, params: &Params, material: String) -> Result<(), String> {
+    fn sphere(&mut self, params: &Params, material: String, has_alpha: bool) -> Result<(), String> {
         let radius = params.number("radius")?.unwrap_or(1.0);
         if self.state.reversed && self.state.area_light.is_some() {
             self.import
@@ -99,19 +101,25 @@ impl Reader<'_, '_> {
             params.ignore(&["zmin", "zmax", "phimax"]);
             self.import.warn("parts of spheres are not supported, so spheres are whole");
         }
-        match uniform_scale(&self.state.transform) {
-            // Instances consist of triangles.
-            Some(scale) if self.object.is_none() => {
-                let center = rounded(self.state.transform.translation);
-                let radius = (radius * scale) as f32;
+        // Only triangles may be instanced or have opacity, and our spheres have other poles than pbrt's.
+        let needs_triangles =
+            has_alpha || self.object.is_some() || self.materials.textured.contains(&material);
+        match self.ball(radius) {
+            Some((center, radius)) if !needs_triangles => {
                 self.add(SphereFile { center, radius, material });
+                Ok(())
             }
             _ => {
-                self.import.warn("spheres that are stretched or in objects become 8192 triangles");
-                return self.add_list(globe(radius), material);
+                self.import.warn("spheres that are stretched, textured, in objects or with alpha become 8192 triangles");
+                self.add_list(globe(radius), material)
             }
         }
-        Ok(())
+    }
+
+    /// Centre and radius of a sphere in the scene; `None` if it is stretched.
+    fn ball(&self, radius: f64) -> Option<([f32; 3], f32)> {
+        let scale = uniform_scale(&self.state.transform)?;
+        Some((rounded(self.state.transform.translation), (radius * scale) as f32))
     }
 
     /// A sphere without a material, which is the boundary of a medium.
@@ -119,13 +127,13 @@ impl Reader<'_, '_> {
         let radius = params.number("radius")?.unwrap_or(1.0);
         let Some(inside) = self.state.inside.clone() else { return Ok(()) };
         let (density, albedo) = self.medium(&inside)?.mean();
-        match uniform_scale(&self.state.transform) {
-            Some(scale) => {
-                let center = rounded(self.state.transform.translation);
-                let radius = (radius * scale) as f32;
+        match self.ball(radius) {
+            Some((center, radius)) if self.object.is_none() => {
                 self.scene.media.push(MediumFile::Ball { center, radius, density, albedo });
             }
-            None => self.import.warn("stretched volumes are not supported, so they are left out"),
+            _ => self.import.warn(
+                "volumes that are stretched or in objects are not supported, so they are left out",
+            ),
         }
         Ok(())
     }
@@ -218,7 +226,7 @@ impl Reader<'_, '_> {
         Ok(self.light_material(light, area))
     }
 
-    /// The area of a shape, or the mean area of its triangles, each of which is a light in pbrt.
+    /// The area of a shape, or the mean area of its triangles or patches, each of which is a light in pbrt.
     fn mean_area(&mut self, class: &str, params: &Params) -> Result<f64, String> {
         let scale = self.state.transform;
         let area = |list: &List, [a, b, c]: [u32; 3]| {
@@ -239,7 +247,12 @@ impl Reader<'_, '_> {
             return Ok(1.0);
         };
         let all: f64 = list.indices.iter().map(|face| area(&list, *face)).sum();
-        let lights = if ["sphere", "disk"].contains(&class) { 1 } else { list.indices.len() };
+        let lights = match class {
+            "sphere" | "disk" => 1,
+            // Two triangles stand for each patch.
+            "bilinearmesh" => list.indices.len() / 2,
+            _ => list.indices.len(),
+        };
         Ok(all / lights.max(1) as f64)
     }
 }

@@ -121,8 +121,12 @@ impl Reader<'_, '_> {
     fn image_map(&mut self, name: &str, kind: &str, params: &Params) -> Result<Value, String> {
         let file = params.text("filename")?.ok_or("an image map needs a `filename`")?.to_owned();
         let mut image = Image::from_file(&*file);
-        if params.text("encoding")? == Some("linear") {
-            image.encoding = Encoding::Linear;
+        match params.text("encoding")? {
+            None | Some("sRGB") => {}
+            Some("linear") => image.encoding = Encoding::Linear,
+            Some(other) => {
+                self.import.warn(format!("the encoding {other} is not supported, so it is sRGB"));
+            }
         }
         if params.text("filter")? == Some("point") {
             image.filter = Filter::Nearest;

@@ -110,8 +110,16 @@ impl Reader<'_, '_> {
                 .warn("crops of the film are not supported, so the picture is whole; use --crop");
         }
         params.ignore(&["filename", "savefp16", "diagonal"]);
-        for name in ["sensor", "iso", "exposuretime", "maxcomponentvalue"] {
-            if params.find(name).is_some() {
+        // These are the usual values of pbrt.
+        let (sensor, iso) = (params.text("sensor")?, params.number("iso")?);
+        let usual = [
+            ("sensor", sensor.is_none_or(|sensor| sensor == "cie1931")),
+            ("iso", iso.is_none_or(|iso| iso == 100.0)),
+            ("exposuretime", params.number("exposuretime")?.is_none_or(|time| time == 1.0)),
+            ("maxcomponentvalue", params.find("maxcomponentvalue").is_none()),
+        ];
+        for (name, usual) in usual {
+            if !usual {
                 self.import
                     .warn(format!("`{name}` of the film is not supported, so it has no effect"));
             }
@@ -122,34 +130,42 @@ impl Reader<'_, '_> {
 
     /// The directive `PixelFilter`.
     pub(super) fn pixel_filter(&mut self, class: &str, params: &Params) -> Result<(), String> {
-        let radius = |usual: f64| -> Result<f32, String> {
-            let x = params.number("xradius")?.unwrap_or(usual);
-            params.ignore(&["yradius"]);
-            Ok(x.clamp(0.1, 16.0) as f32)
-        };
+        let [x, y] = [params.number("xradius")?, params.number("yradius")?];
+        if x.is_some() && y.is_some() && x != y {
+            self.import.warn(
+                "filters of different width and height are not supported, so the width counts",
+            );
+        }
+        let radius = |usual: f64| x.or(y).unwrap_or(usual).clamp(0.1, 16.0) as f32;
         let number = |name: &str, usual: f64| -> Result<f32, String> {
             Ok(params.number(name)?.unwrap_or(usual) as f32)
         };
         self.view.filter = Some(match class {
             "box" => {
-                if radius(0.5)? != 0.5 {
+                if radius(0.5) != 0.5 {
                     self.import.warn(
                         "box filters of other sizes are not supported, so they cover a pixel",
                     );
                 }
                 PixelFilter::Box
             }
-            "triangle" => PixelFilter::Triangle { radius: radius(2.0)? },
+            "triangle" => PixelFilter::Triangle { radius: radius(2.0) },
             "gaussian" => {
-                let radius = radius(1.5)?;
-                let sigma = number("sigma", 0.5)?.clamp(0.25 * radius, 16.0);
+                let radius = radius(1.5);
+                let sigma = number("sigma", 0.5)?;
+                let limited = sigma.clamp(0.25 * radius, 16.0);
+                if sigma != limited {
+                    let message = "sigmas of filters below a quarter of the radius are not supported, so they are that";
+                    self.import.warn(message);
+                }
+                let sigma = limited;
                 PixelFilter::Gaussian { radius, sigma }
             }
             "mitchell" => {
                 let third = 1.0 / 3.0;
                 let (b, c) = (number("B", third)?, number("C", third)?);
                 PixelFilter::Mitchell {
-                    radius: radius(2.0)?,
+                    radius: radius(2.0),
                     b: b.clamp(0.0, 1.0),
                     c: c.clamp(0.0, 1.0),
                 }
@@ -164,9 +180,22 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// The directives `Sampler` and `Integrator`, whose numbers of samples and bounces count.
+    /// The directive `Integrator`. All of pbrt's give the same image, but for these two.
+    pub(super) fn integrator(&mut self, class: &str, params: &Params) -> Result<(), String> {
+        if ["ambientocclusion", "function"].contains(&class) {
+            self.import
+                .warn(format!("the integrator {class} is not supported, so paths are traced"));
+        }
+        self.sampling(params)
+    }
+
+    /// The numbers of samples and bounces of the directives `Sampler` and `Integrator`.
     pub(super) fn sampling(&mut self, params: &Params) -> Result<(), String> {
-        if let Some(spp) = whole(params, "pixelsamples", f64::from(crate::limits::MAX_SPP))? {
+        let most = f64::from(crate::limits::MAX_SPP);
+        if let (Some(x), Some(y)) = (params.number("xsamples")?, params.number("ysamples")?) {
+            self.view.spp = Some((x * y).clamp(1.0, most) as u32);
+        }
+        if let Some(spp) = whole(params, "pixelsamples", most)? {
             self.view.spp = Some(spp);
         }
         if let Some(bounces) = params.number("maxdepth")? {

@@ -78,14 +78,16 @@ impl<'a> Part<'a> {
         if line.len() > MAX_LINE {
             return Err(LONG);
         }
-        let line = line[..memchr(b'#', line).unwrap_or(line.len())].trim_ascii();
+        let line = line.trim_ascii();
         let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
-        let (keyword, rest) = line.split_at(end);
+        let (keyword, whole) = line.split_at(end);
+        // Names may contain a `#`.
+        let rest = &whole[..memchr(b'#', whole).unwrap_or(whole.len())];
         let words = |wrong| {
             let words = str::from_utf8(rest).map_err(|_| wrong)?;
             if words.ends_with('\\') { Err(CONTINUED) } else { Ok(words) }
         };
-        let mut name = |kind| self.names.push((self.faces.len(), kind, rest.trim_ascii()));
+        let mut name = |kind| self.names.push((self.faces.len(), kind, whole.trim_ascii()));
         match keyword {
             b"v" => self.vertex(words(VERTEX)?)?,
             b"vn" => {
