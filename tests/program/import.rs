@@ -65,6 +65,40 @@ fn containers_have_the_same_scene() {
     assert_eq!(scene.hash(), load("gltf.gltf").hash());
 }
 
+/// Converters write an index of refraction of 1000 beside the colour of the reflection that was meant.
+#[test]
+fn colours_of_gltf_reflections_change_the_index_of_refraction() {
+    let there = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(folder().join("gltf.gltf")).unwrap();
+    for file in ["gltf parts.bin", "grid.png"] {
+        fs::copy(folder().join(file), there.path().join(file)).unwrap();
+    }
+    let index = |extensions: Value| {
+        let mut json: Value = serde_json::from_str(&text).unwrap();
+        let materials = json["materials"].as_array_mut().unwrap();
+        let car = materials.iter_mut().find(|material| material["name"] == "car").unwrap();
+        car["extensions"] = extensions;
+        fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+        let shown = succeeds(there.path(), &["scenes", "show", "--json", "a.gltf"]);
+        let shown: Value = serde_json::from_str(&shown).unwrap();
+        let car = &shown["materials"]["car"]["principled"];
+        car["ior"].as_f64().unwrap_or(1.5)
+    };
+    let ior = json!({ "ior": 1000 });
+    let specular = |color: f64| json!({ "specularColorFactor": [color, color, color] });
+    for (extensions, want) in [
+        (json!({ "KHR_materials_ior": ior }), 10.0),
+        (json!({ "KHR_materials_ior": { "ior": 0 } }), 10.0),
+        // Reflectances of 0, 0.25 · 0.996 and 0.04 · 0.5 at normal incidence.
+        (json!({ "KHR_materials_ior": ior, "KHR_materials_specular": specular(0.0) }), 1.01),
+        (json!({ "KHR_materials_ior": ior, "KHR_materials_specular": specular(0.25) }), 2.992),
+        (json!({ "KHR_materials_specular": specular(0.5) }), 1.3294),
+    ] {
+        let found = index(extensions.clone());
+        assert!((found - want).abs() < 1e-3, "{extensions}: {found}");
+    }
+}
+
 #[test]
 fn animations_and_variants_can_be_chosen() {
     let show = |options: &[&str]| {

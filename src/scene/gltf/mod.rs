@@ -16,7 +16,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 pub(super) use self::attributes::Attributes;
 pub(super) use self::document::{
-    Animation, Camera, Document, Light, Material, Node, Primitive, TextureInfo,
+    Animation, Camera, Document, Light, Material, MaterialExtensions, Node, Primitive, TextureInfo,
 };
 use super::budget::Budget;
 use super::within::path_within;

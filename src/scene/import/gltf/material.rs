@@ -2,7 +2,7 @@
 
 use super::Reader;
 use crate::image::Encoding;
-use crate::scene::gltf::{Material, Primitive, TextureInfo};
+use crate::scene::gltf::{Material, MaterialExtensions, Primitive, TextureInfo};
 use crate::scene::material::Principled;
 use crate::scene::opacity::Opacity;
 use crate::scene::texture::{Channel, Color, Filter, Image, Number, TextureRef, VertexColor, Wrap};
@@ -67,14 +67,7 @@ impl Reader<'_, '_, '_> {
         if coat.clearcoat_normal_texture.is_some() {
             self.import.warn("normal maps of coats are not supported, so coats follow the surface");
         }
-        if specular.specular_color_texture.is_some()
-            || specular.specular_color_factor.is_some_and(|color| color != [1.0; 3])
-        {
-            self.import.warn("colours of specular reflection are not supported, so it is white");
-        }
-        if extensions.ior.ior == Some(0.0) {
-            self.import.warn("an index of refraction of 0 is not supported, so it is 1.01");
-        }
+        let (ior, reflected) = self.reflection(extensions);
         let (transmission, volume) = (&extensions.transmission, &extensions.volume);
         let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0);
         let emitted = file.emissive_factor.map(|c| (c * strength).clamp(0.0, 1e30) as f32);
@@ -89,9 +82,9 @@ impl Reader<'_, '_, '_> {
             specular: self.number(
                 specular.specular_texture.as_ref(),
                 Channel::A,
-                specular.specular_factor.unwrap_or(1.0),
+                specular.specular_factor.unwrap_or(1.0) * reflected,
             )?,
-            ior: extensions.ior.ior.unwrap_or(1.5).clamp(1.01, 10.0) as f32,
+            ior,
             transmission: self.number(
                 transmission.transmission_texture.as_ref(),
                 Channel::R,
@@ -126,6 +119,33 @@ impl Reader<'_, '_, '_> {
         }
         material.opacity = self.opacity(file, alpha, &material.emission)?;
         Ok(material)
+    }
+
+    /// The index of refraction, and a factor of specular reflection.
+    ///
+    /// At normal incidence, glTF's surfaces reflect ((ior − 1)/(ior + 1))² times `specularColorFactor`.
+    /// Where no light passes, only this product counts, so another index stands for it: converters
+    /// write `ior` 1000 beside the colour that was meant.
+    fn reflection(&mut self, extensions: &MaterialExtensions) -> (f32, f64) {
+        let specular = &extensions.specular;
+        // An index of 0 stands for an infinite one.
+        let ior = extensions.ior.ior.map_or(1.5, |ior| if ior == 0.0 { f64::MAX } else { ior });
+        let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
+        let mean = (color[0] + color[1] + color[2]) / 3.0;
+        let (limited, has_texture) =
+            (|ior: f64| ior.clamp(1.01, 10.0), specular.specular_color_texture.is_some());
+        if has_texture || color != [mean; 3] {
+            self.import.warn("colours of specular reflection are not supported, so it is white");
+        }
+        if extensions.transmission.transmission_factor > 0.0 || mean == 1.0 && !has_texture {
+            return (limited(ior) as f32, mean.clamp(0.0, 1.0));
+        }
+        let root = (ior - 1.0) / (ior + 1.0);
+        let reflected = root * root * mean;
+        // Most surfaces reflect 0.04, and so may those whose reflectance only a texture tells.
+        let reflected = if has_texture && reflected > 0.5 { 0.04 } else { reflected };
+        let root = reflected.clamp(0.0, 0.99).sqrt();
+        (limited((1.0 + root) / (1.0 - root)) as f32, 1.0)
     }
 
     /// The opacity of a material.
