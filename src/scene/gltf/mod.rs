@@ -119,7 +119,8 @@ impl<'a> Gltf<'a> {
         Ok(())
     }
 
-    /// The content of a buffer of the file at `path`. `None` for one without content, which only compressed views can use.
+    /// The content of a buffer of the file at `path`. `None` for one without content, which only
+    /// compressed views can use.
     fn buffer(&self, index: usize, path: &Path, binary: Option<&[u8]>) -> Result<Option<Vec<u8>>> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let place = format!("buffers[{index}]");

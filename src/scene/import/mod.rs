@@ -98,9 +98,8 @@ const MOST_WARNINGS: usize = 100;
 
 /// A name like `own` that is not in `names` yet, which is added. Names that are taken get a number, at
 /// least `number`.
-fn unique(names: &mut HashSet<String>, own: &str, number: usize) -> String {
+fn unique(names: &mut HashSet<String>, own: &str, mut number: usize) -> String {
     let mut name = own.to_owned();
-    let mut number = number;
     while !names.insert(name.clone()) {
         name = format!("{own} {number}");
         number += 1;

@@ -131,21 +131,22 @@ impl Reader<'_, '_, '_> {
         // An index of 0 stands for an infinite one.
         let ior = extensions.ior.ior.map_or(1.5, |ior| if ior == 0.0 { f64::MAX } else { ior });
         let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
-        let mean = (color[0] + color[1] + color[2]) / 3.0;
-        let (limited, has_texture) =
-            (|ior: f64| ior.clamp(1.01, 10.0), specular.specular_color_texture.is_some());
-        if has_texture || color != [mean; 3] {
+        let is_grey = color == [color[0]; 3];
+        let mean = if is_grey { color[0] } else { (color[0] + color[1] + color[2]) / 3.0 };
+        let has_texture = specular.specular_color_texture.is_some();
+        let limited = |ior: f64| ior.clamp(1.01, 10.0) as f32;
+        if has_texture || !is_grey {
             self.import.warn("colours of specular reflection are not supported, so it is white");
         }
         if extensions.transmission.transmission_factor > 0.0 || mean == 1.0 && !has_texture {
-            return (limited(ior) as f32, mean.clamp(0.0, 1.0));
+            return (limited(ior), mean.clamp(0.0, 1.0));
         }
         let root = (ior - 1.0) / (ior + 1.0);
         let reflected = root * root * mean;
-        // Most surfaces reflect 0.04, and so may those whose reflectance only a texture tells.
+        // If only a texture tells the reflectance, it counts as 0.04, which is usual.
         let reflected = if has_texture && reflected > 0.5 { 0.04 } else { reflected };
         let root = reflected.clamp(0.0, 0.99).sqrt();
-        (limited((1.0 + root) / (1.0 - root)) as f32, 1.0)
+        (limited((1.0 + root) / (1.0 - root)), 1.0)
     }
 
     /// The opacity of a material.

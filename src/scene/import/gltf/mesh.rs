@@ -120,11 +120,10 @@ impl Reader<'_, '_, '_> {
         };
         let wide = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from)));
         let colors = triples("COLOR_0")?.into_iter().map(|color| color.map(|c| c.clamp(0.0, 1.0)));
-        let is_opaque = primitive.material.and_then(|i| self.gltf.document.materials.get(i));
-        let is_opaque = is_opaque.is_none_or(|material| material.alpha_mode() == "OPAQUE");
-        // Colours without alpha have three parts.
-        let alpha = (!is_opaque).then(|| attributes.vectors::<4>("COLOR_0"));
-        if let Some(Ok(Some(colors))) = alpha
+        let material = primitive.material.and_then(|i| self.gltf.document.materials.get(i));
+        // Colours without alpha have three parts, which gives an error.
+        if material.is_some_and(|material| material.alpha_mode() != "OPAQUE")
+            && let Ok(Some(colors)) = attributes.vectors::<4>("COLOR_0")
             && colors.iter().any(|color| color[3] < 0.999)
         {
             self.import.warn("alpha of vertex colours is not supported, so it has no effect");

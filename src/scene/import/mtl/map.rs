@@ -3,8 +3,9 @@
 use crate::scene::import::Import;
 use crate::scene::texture::{Image, Wrap};
 
-/// The options of a map that are read or change nothing here: filtering, and the strength of bumps.
-const READ: [&str; 7] = ["-s", "-o", "-clamp", "-blendu", "-blendv", "-boost", "-bm"];
+/// The options of a map that are read, or change nothing here: filtering, the strength of bumps, and the
+/// size of textures in memory.
+const READ: [&str; 8] = ["-s", "-o", "-clamp", "-blendu", "-blendv", "-boost", "-bm", "-texres"];
 
 /// The options of a map and its file, whose name may contain blanks.
 pub(super) fn options(text: &str, import: &mut Import<'_>) -> (Image, String) {
@@ -39,8 +40,8 @@ pub(super) fn options(text: &str, import: &mut Import<'_>) -> (Image, String) {
             }
             _ => {}
         }
-        // `-texres` limits the memory of textures, and `off` is the default of the others.
-        if !READ.contains(&option) && option != "-texres" && values.first() != Some(&"off") {
+        // `off` is the default of the others.
+        if !READ.contains(&option) && values.first() != Some(&"off") {
             import.warn(format!(
                 "the option `{option}` of maps is not supported, so it has no effect"
             ));

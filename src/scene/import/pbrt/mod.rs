@@ -64,11 +64,11 @@ struct State {
 #[derive(Default)]
 struct Materials {
     named: HashMap<String, Rc<Definition>>,
-    /// The names in the scene, by definition, medium inside and holes.
+    /// The names in the scene, by definition, medium inside and alpha.
     known: HashMap<(*const Definition, Option<String>, Option<String>), String>,
     kept: Vec<Rc<Definition>>,
     names: HashSet<String>,
-    /// The names of those with textures.
+    /// The names in the scene of the materials that have textures.
     textured: HashSet<String>,
 }
 

@@ -152,13 +152,13 @@ impl Reader<'_, '_> {
             "triangle" => PixelFilter::Triangle { radius: radius(2.0) },
             "gaussian" => {
                 let radius = radius(1.5);
-                let sigma = number("sigma", 0.5)?;
-                let limited = sigma.clamp(0.25 * radius, 16.0);
-                if sigma != limited {
-                    let message = "sigmas of filters below a quarter of the radius are not supported, so they are that";
-                    self.import.warn(message);
+                let asked = number("sigma", 0.5)?;
+                let sigma = asked.clamp(0.25 * radius, 16.0);
+                if sigma != asked {
+                    self.import.warn(
+                        "a sigma below a quarter of the filter's radius is not supported, so it is a quarter",
+                    );
                 }
-                let sigma = limited;
                 PixelFilter::Gaussian { radius, sigma }
             }
             "mitchell" => {
@@ -180,7 +180,8 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// The directive `Integrator`. All of pbrt's give the same image, but for these two.
+    /// The directive `Integrator`. Most integrators of pbrt converge to the image that path tracing gives.
+    /// The two that do not are named here.
     pub(super) fn integrator(&mut self, class: &str, params: &Params) -> Result<(), String> {
         if ["ambientocclusion", "function"].contains(&class) {
             self.import
