@@ -179,9 +179,9 @@ fn header(line: &[u8]) -> Result<Header, String> {
         return Err(message);
     }
     let header: Header = serde_json::from_value(header).map_err(wrong)?;
-    let Identity { width, height, spp, depth, crop: [left, upper, right, lower], .. } =
+    let Identity { width, height, spp, depth, roulette, crop: [left, upper, right, lower], .. } =
         header.identity;
-    check_image(width, height).and_then(|()| check_sampling(spp, depth))?;
+    check_image(width, height).and_then(|()| check_sampling(spp, depth, roulette))?;
     if !(left < right && right <= width && upper < lower && lower <= height) {
         return Err(format!("the crop is not within the image of {width} x {height} pixels"));
     }

@@ -2,7 +2,7 @@
 //!
 //! Checkpoints store it, and PNG and EXR images store it in their metadata.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
 use crate::engine::{BITS, Backdrop, RenderSettings};
@@ -34,13 +34,29 @@ pub struct Identity {
     pub sampling: String,
     /// Name of the sampler, which provides the random numbers.
     pub sampler: String,
-    /// Whether paths of little weight end early by Russian roulette.
-    pub roulette: bool,
+    /// First segment that a path reaches only if it survives Russian roulette; `None` for no roulette.
+    #[serde(deserialize_with = "roulette")]
+    pub roulette: Option<u32>,
     /// Limit for the components of a sample; `None` for no limit.
     pub clamp: Option<f32>,
     /// What the camera sees behind the scene. Checkpoints of earlier versions lack it.
     #[serde(default)]
     pub backdrop: Backdrop,
+}
+
+/// Reads the first segment of Russian roulette. Checkpoints of earlier versions have `true` for segment
+/// 5 and `false` for no roulette.
+fn roulette<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Roulette {
+        Switch(bool),
+        First(Option<u32>),
+    }
+    Ok(match Roulette::deserialize(deserializer)? {
+        Roulette::Switch(on) => on.then_some(5),
+        Roulette::First(first) => first,
+    })
 }
 
 impl Identity {

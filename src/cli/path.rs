@@ -5,7 +5,7 @@ use clap::Args;
 use super::camera_args::CameraArgs;
 use super::console::say;
 use super::limits::SceneLimitArgs;
-use super::sample_args::{SampleArgs, SceneArg};
+use super::sample_args::{Roulette, SampleArgs, SceneArg};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Hit;
@@ -48,7 +48,7 @@ pub(super) fn command(
          --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
         sampling.name(),
         sampler.name(),
-        if *roulette { "on" } else { "off" }
+        Roulette(*roulette)
     )
 }
 
@@ -115,7 +115,7 @@ mod tests {
         let command =
             command(&SceneArg::of("it's.ron"), &CameraArgs::default(), &settings, (3, 4), 5);
         assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
-        assert!(command.ends_with("--roulette on --pixel 3,4 --sample 5"), "{command}");
+        assert!(command.ends_with("--roulette 5 --pixel 3,4 --sample 5"), "{command}");
         assert_eq!(
             (pixel("3,4"), pixel("3").is_err(), pixel("a,4").is_err()),
             (Ok((3, 4)), true, true)

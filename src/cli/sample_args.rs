@@ -1,8 +1,9 @@
 //! The arguments that name a scene, and those that decide the value of a sample.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::camera_args::{CameraArgs, quoted};
 use super::named::named;
@@ -128,15 +129,31 @@ pub(super) struct SampleArgs {
     /// Source of random numbers
     #[arg(long, value_name = "SAMPLER", help_heading = IMAGE, default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
     pub(super) sampler: Sampler,
-    /// Russian roulette: end paths of low throughput at random, without bias
-    #[arg(long, value_enum, help_heading = IMAGE, default_value_t = Switch::On)]
-    pub(super) roulette: Switch,
+    /// First segment that paths reach only if they survive Russian roulette, which ends paths of low throughput at
+    /// random, without bias; or off [default: the scene's]
+    #[arg(long, value_name = "N|off", help_heading = IMAGE, value_parser = roulette)]
+    pub(super) roulette: Option<Roulette>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Switch {
-    On,
-    Off,
+/// First segment of Russian roulette, or `off`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roulette(pub(super) Option<u32>);
+
+impl fmt::Display for Roulette {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(first) => first.fmt(f),
+            None => f.write_str("off"),
+        }
+    }
+}
+
+fn roulette(text: &str) -> std::result::Result<Roulette, String> {
+    match text.parse() {
+        _ if text == "off" => Ok(Roulette(None)),
+        Ok(first @ 1..=MAX_DEPTH) => Ok(Roulette(Some(first))),
+        _ => Err(format!("is neither off nor a number from 1 to {MAX_DEPTH}")),
+    }
 }
 
 impl SampleArgs {
@@ -152,7 +169,7 @@ impl SampleArgs {
             seed: self.seed,
             sampling: self.sampling.unwrap_or(defaults.sampling),
             sampler: self.sampler,
-            roulette: self.roulette == Switch::On,
+            roulette: self.roulette.map_or(defaults.roulette, |roulette| roulette.0),
             pin: Pin::Auto,
             ..defaults
         })

@@ -2,6 +2,7 @@
 
 use super::console::say;
 use super::record::Run;
+use super::sample_args::Roulette;
 use super::target::Target;
 use crate::engine::RenderSettings;
 use crate::error::Result;
@@ -12,7 +13,7 @@ pub(super) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
     let RenderSettings { width, height, spp, depth, seed, .. } = settings;
     let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
     let engine = settings.engine.name();
-    let roulette = if settings.roulette { "on" } else { "off" };
+    let roulette = Roulette(settings.roulette);
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
     let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;

@@ -9,8 +9,6 @@ use crate::scene::material::SPECULAR;
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
 pub const BITS: u32 = 3;
 
-/// First segment that a path reaches only if it survives Russian roulette.
-pub(super) const ROULETTE_FROM: u32 = 5;
 /// Maximum probability of surviving Russian roulette.
 pub(super) const ROULETTE_MAX: f32 = 0.95;
 

@@ -52,8 +52,9 @@ pub struct RenderSettings {
     pub sampling: Sampling,
     /// The source of random numbers.
     pub sampler: Sampler,
-    /// Whether Russian roulette may terminate paths of low throughput, from segment 5 on.
-    pub roulette: bool,
+    /// First segment that a path reaches only if it survives Russian roulette, 1 to 65 536; `None`
+    /// for no roulette. The camera ray is segment 1.
+    pub roulette: Option<u32>,
     /// Maximum component of a sample, above 0; infinite to disable clamping. Brighter samples are
     /// scaled down, which hides fireflies and loses energy.
     pub clamp: f32,
@@ -96,7 +97,7 @@ impl RenderSettings {
             seed: 1,
             sampling: scene.default_sampling(),
             sampler: Sampler::default(),
-            roulette: true,
+            roulette: Some(defaults.roulette),
             clamp: f32::INFINITY,
             backdrop: Backdrop::default(),
             engine: Engine::default(),
@@ -135,7 +136,7 @@ impl RenderSettings {
     pub fn check(&self) -> Result<()> {
         limits::check_image(self.width, self.height)
             .and_then(|()| self.limits.check(Limit::Pixels, self.image().pixels()))
-            .and_then(|()| limits::check_sampling(self.spp, self.depth))
+            .and_then(|()| limits::check_sampling(self.spp, self.depth, self.roulette))
             .and_then(|()| limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE))
             .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))
             .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))

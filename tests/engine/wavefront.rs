@@ -41,7 +41,7 @@ fn built_in_scenes() {
         let scene = Scene::load(name).unwrap();
         for sampling in SAMPLINGS {
             for (sampler, roulette) in
-                [(Sampler::Sobol, true), (Sampler::Sobol, false), (Sampler::Independent, true)]
+                [(Sampler::Sobol, Some(5)), (Sampler::Sobol, None), (Sampler::Independent, Some(2))]
             {
                 let settings = RenderSettings {
                     width: 61,
@@ -88,7 +88,7 @@ fn random_scenes() {
     for seed in 0..400 {
         let scene = Scene::from_file(&random_scene(seed)).unwrap();
         let mut random = Stream::new(!seed);
-        let roulette = random.bits().is_multiple_of(2);
+        let roulette = [None, Some(1), Some(3)][random.bits() as usize % 3];
         let plan = random_plan(&mut random);
         let sampler = Sampler::ALL[seed as usize % 2];
         let base = RenderSettings::of(&scene);

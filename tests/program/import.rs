@@ -26,6 +26,7 @@ fn scenes_are_the_same_in_ron() {
         let scene = load(name);
         let shown = succeeds(&folder(), &["scenes", "show", name]);
         assert_eq!(scene.hash(), ron.hash(), "{name} is now\n{shown}");
+        assert_eq!(scene.defaults(), ron.defaults(), "{name}");
         let images = Engine::ALL.map(|engine| {
             let settings = RenderSettings { spp: 2, engine, ..RenderSettings::of(&scene) };
             Renderer::new(&scene, settings).unwrap().render().unwrap().image.hash()

@@ -4,9 +4,7 @@ use glam::Vec3;
 
 use super::intersect::Intersect;
 use crate::engine::backdrop::Backdrop;
-use crate::engine::contract::{
-    ROULETTE_FROM, ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic,
-};
+use crate::engine::contract::{ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic};
 use crate::engine::settings::RenderSettings;
 use crate::engine::{Endings, RayCounts};
 use crate::geometry::{Hit, Ray, Shape, Surface};
@@ -144,7 +142,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             self.endings.black += 1;
             return false;
         }
-        if self.settings.roulette && path.segment + 1 >= ROULETTE_FROM {
+        if self.settings.roulette.is_some_and(|first| path.segment + 1 >= first) {
             survival = min(survival, ROULETTE_MAX);
             if vertex.randoms.one(Dimension::ROULETTE) >= survival {
                 self.endings.roulette += 1;

@@ -193,6 +193,9 @@ pub struct RenderDefaults {
     pub spp: u32,
     /// Largest number of segments of a path.
     pub depth: u32,
+    /// First segment that a path reaches only if it survives Russian roulette. Small numbers suit
+    /// interiors, where long paths take most of the time.
+    pub roulette: u32,
     /// How paths find light. Without a value, the default is `mis` if the scene has lights that can
     /// be sampled, else `bsdf`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -201,7 +204,7 @@ pub struct RenderDefaults {
 
 impl Default for RenderDefaults {
     fn default() -> Self {
-        Self { width: 1280, height: 720, spp: 100, depth: 50, sampling: None }
+        Self { width: 1280, height: 720, spp: 100, depth: 50, roulette: 5, sampling: None }
     }
 }
 

@@ -135,7 +135,7 @@ impl<'a> Resolver<'a> {
         let render = &self.file.render;
         let pixels = u64::from(render.width) * u64::from(render.height);
         limits::check_image(render.width, render.height)
-            .and_then(|()| limits::check_sampling(render.spp, render.depth))
+            .and_then(|()| limits::check_sampling(render.spp, render.depth, Some(render.roulette)))
             .and_then(|()| self.budget.limits.check(Limit::Pixels, pixels))
             .map_err(|message| {
                 self.element(Places::section(self.places.render), "render").error(message)

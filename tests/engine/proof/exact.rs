@@ -84,7 +84,7 @@ fn energy_is_conserved_by_every_material() {
         let settings = RenderSettings {
             width: 50,
             height: 50,
-            roulette: false,
+            roulette: None,
             depth: 1000,
             ..settings(&scene, Sampling::Bsdf, 16, 1)
         };

@@ -58,7 +58,7 @@ fn surfaces_scatter_and_emit() {
     let scene = Scene::from_ron(text).unwrap();
     for sampling in SAMPLINGS {
         let images = Engine::ALL.map(|engine| {
-            let (width, height, spp, roulette) = (32, 32, 64, false);
+            let (width, height, spp, roulette) = (32, 32, 64, None);
             let base = RenderSettings::of(&scene);
             let settings =
                 RenderSettings { width, height, spp, sampling, engine, roulette, ..base };

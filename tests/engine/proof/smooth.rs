@@ -55,7 +55,7 @@ fn smooth_balls_neither_gain_nor_lose_light() {
             for engine in [Engine::Wavefront, Engine::Scalar] {
                 // Roulette would make some paths brighter than the light.
                 let settings =
-                    RenderSettings { engine, roulette: false, ..RenderSettings::of(&scene) };
+                    RenderSettings { engine, roulette: None, ..RenderSettings::of(&scene) };
                 let image = Renderer::new(&scene, settings).unwrap().render().unwrap().image;
                 let most = image.pixels().iter().flatten().fold(0.0, |most: f32, c| most.max(*c));
                 let mean = image.pixels().iter().flatten().map(|c| f64::from(*c)).sum::<f64>()

@@ -178,7 +178,7 @@ fn other_renders_are_not_continued() {
         (&["--spp", "40", "--depth", "7"], "depth "),
         (&["--spp", "40", "--sampling", "bsdf"], "sampling \"mis\", not \"bsdf\""),
         (&["--spp", "40", "--sampler", "independent"], "sampler "),
-        (&["--spp", "40", "--roulette", "off"], "roulette true, not false"),
+        (&["--spp", "40", "--roulette", "off"], "roulette 5, not null"),
         (&["--spp", "40", "--clamp", "2"], "clamp null, not 2"),
         (&["--spp", "40", "--scene", "checker"], "scene_hash "),
         (&["--spp", "40", "--crop", "0,0,9,9"], "crop [0,0,24,24], not [0,0,9,9]"),
@@ -252,7 +252,7 @@ fn damaged_checkpoints_are_refused() {
     refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds must be");
     refused(&text("\"schema\":2", "\"schema\":1"), "version 1 is not supported");
     refused(&text("\"schema\":2", "\"shemca\":1"), "version null");
-    refused(&text("\"roulette\":true", "\"wealth\":true"), "header: unknown field");
+    refused(&text("\"roulette\":5", "\"wealth\":5"), "header: unknown field");
     refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
     refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");
     refused(&text("[0,0,24,24]", "[0,0,24,20]"), "damaged");

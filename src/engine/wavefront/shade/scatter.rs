@@ -2,7 +2,7 @@
 
 use super::vertex::Vertex;
 use super::{Shaded, Shading};
-use crate::engine::contract::{ROULETTE_FROM, ROULETTE_MAX};
+use crate::engine::contract::ROULETTE_MAX;
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Ray, Shape, Surface};
@@ -86,7 +86,7 @@ impl Shading<'_> {
         let endings = &mut *shaded.endings;
         endings.absorbed += u64::from((present & !scattered).count_ones());
         endings.black += u64::from(black.count_ones());
-        if self.settings.roulette && self.segment + 1 >= ROULETTE_FROM {
+        if self.settings.roulette.is_some_and(|first| self.segment + 1 >= first) {
             survival = survival.min(Float::splat(ROULETTE_MAX));
             let ended = goes_on & vertex.randoms.one(Dimension::ROULETTE).ge(survival).bits();
             endings.roulette += u64::from(ended.count_ones());

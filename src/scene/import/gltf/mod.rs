@@ -14,7 +14,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use self::pose::Pose;
-use super::Import;
+use super::{Import, ROULETTE};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
 use crate::scene::affine::rows;
@@ -283,7 +283,7 @@ impl Reader<'_, '_, '_> {
             self.import
                 .note("has no lights, so it is under a bright sky; --env FILE sets another one");
         }
-        self.scene.render.spp = 64;
+        (self.scene.render.spp, self.scene.render.roulette) = (64, ROULETTE);
     }
 
     /// Warns of extensions that ptfast lacks.

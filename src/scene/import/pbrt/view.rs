@@ -7,6 +7,7 @@ use super::params::Params;
 use super::transform::{rounded, twice_angle_of};
 use crate::scene::description::CameraFile;
 use crate::scene::filter::PixelFilter;
+use crate::scene::import::ROULETTE;
 
 /// What the directives before `WorldBegin` say about the picture.
 #[derive(Default)]
@@ -213,6 +214,7 @@ impl Reader<'_, '_> {
         (render.width, render.height) = (width, height);
         // The usual values of pbrt.
         (render.spp, render.depth) = (self.view.spp.unwrap_or(16), self.view.depth.unwrap_or(6));
+        render.roulette = ROULETTE;
         let Camera { to_scene, fov, half, lens_radius, focal_distance } =
             self.view.camera.take().unwrap_or_default();
         let from = to_scene.translation;
