@@ -157,12 +157,14 @@ mod tests {
         let sheared = shear(origin, Vec3x(splat(turned)), vertices);
         let mut distances = [f32::NAN; LANES];
         let all = crate::simd::first_bits(LANES);
-        sheared.decide(sheared.candidates(all), |lane, t| distances[lane] = t);
+        sheared.decide::<false>(sheared.candidates(all), |lane, t| distances[lane] = t);
+        let mut selected = [f32::NAN; LANES];
+        sheared.decide::<true>(sheared.candidates(all), |lane, t| selected[lane] = t);
         let at_once = sheared.distances(all).to_array();
         let alone = |lane: usize| sheared.distances(1 << lane).to_array()[lane];
         for (lane, triangle) in triangles.iter().enumerate() {
             let scalar = triangle.intersect(&prepared[0], f32::NEG_INFINITY, f32::INFINITY);
-            for vector in [distances[lane], at_once[lane], alone(lane)] {
+            for vector in [distances[lane], selected[lane], at_once[lane], alone(lane)] {
                 let vector = Some(vector).filter(|t| t.is_finite());
                 assert_eq!(
                     vector.map(f32::to_bits),

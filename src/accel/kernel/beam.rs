@@ -213,7 +213,7 @@ fn traverse<const ANY: bool, const V: usize>(
 ) {
     let mut limit = packet.farthest(&beam.scales);
     visits.start(BEAM);
-    while let Some(visit) = visits.pop() {
+    while let Some(visit) = visits.next::<true>() {
         match visit.child() {
             _ if visit.distance > limit.first() => {}
             Child::Node(index) => beam.visit(tree, index, limit, visits, count),

@@ -23,7 +23,7 @@ pub(super) fn search<const ANY: bool, const V: usize>(
     }
     let mut looking = rays;
     visits.start(rays);
-    while let Some(visit) = visits.pop() {
+    while let Some(visit) = if ANY { visits.next::<false>() } else { visits.next::<true>() } {
         let rays = if ANY { visit.rays & looking } else { visit.rays };
         match visit.child() {
             Child::Node(index) => {

@@ -1,4 +1,4 @@
-//! The nodes and blocks that rays are still to visit, the nearest first.
+//! The nodes and blocks that rays are still to visit.
 
 use crate::accel::leaf::BlockRef;
 use crate::accel::tree::wide::{WideNode, WideTree};
@@ -32,26 +32,38 @@ impl Visit {
     }
 }
 
-/// A stack of visits.
+/// The visits to come: a stack if they are ordered, else a queue.
 #[derive(Debug, Default)]
-pub(super) struct Visits(Vec<Visit>);
+pub(super) struct Visits {
+    list: Vec<Visit>,
+    /// Number of visits that the queue has let go.
+    gone: usize,
+}
 
 impl Visits {
-    /// Creates an empty stack whose capacity suffices for any traversal of `tree`.
+    /// Creates an empty list whose capacity suffices for any ordered traversal of `tree`.
     pub(super) fn for_tree(tree: &WideTree) -> Self {
-        Self(Vec::with_capacity(1 + tree.depth * LANES))
+        Self { list: Vec::with_capacity(1 + tree.depth * LANES), gone: 0 }
     }
 
     /// Replaces all visits by one of the root.
     #[inline(always)]
     pub(super) fn start(&mut self, rays: u32) {
-        self.0.clear();
-        self.0.push(Visit { distance: 0.0, child: 0, rays });
+        self.list.clear();
+        self.list.push(Visit { distance: 0.0, child: 0, rays });
+        self.gone = 0;
     }
 
+    /// Takes the newest visit if `ORDER` is set, else the oldest, whose data has had the most time to
+    /// arrive from memory.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<Visit> {
-        self.0.pop()
+    pub(super) fn next<const ORDER: bool>(&mut self) -> Option<Visit> {
+        if ORDER {
+            return self.list.pop();
+        }
+        let visit = self.list.get(self.gone).copied();
+        self.gone += 1;
+        visit
     }
 
     /// Pushes the children of `node` that rays enter. In the lane of each child, `entering` has the
@@ -65,7 +77,7 @@ impl Visits {
         entering: Int,
         nearest: Float,
     ) {
-        let Self(visits) = self;
+        let visits = &mut self.list;
         let entered = (!entering.eq(Int::ZERO)).bits();
         let (rays, distance) = (entering.to_array(), nearest.to_array());
         let first = visits.len();
@@ -119,18 +131,19 @@ mod tests {
         WideNode { planes: [[[0.0; LANES]; 2]; 3], children: std::array::from_fn(child) }
     }
 
-    /// Pushes the children of [`node`] onto a visit of the root, and returns the popped visits.
+    /// Pushes the children of [`node`] onto a visit of the root, and returns them as they are taken.
     fn order<const ORDER: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
         let tree = WideTree { blocks: Blocks::default(), depth: 1, ..WideTree::default() };
         let mut visits = Visits::for_tree(&tree);
         visits.start(9);
         visits.push::<ORDER>(&tree, &node(), Int::new(entering), Float::new(nearest));
-        let mut popped = Vec::new();
-        while let Some(visit) = visits.pop() {
-            popped.push((visit.child, visit.distance, visit.rays));
+        let mut taken = Vec::new();
+        while let Some(visit) = visits.next::<ORDER>() {
+            taken.push((visit.child, visit.distance, visit.rays));
         }
-        assert_eq!(popped.pop(), Some((0, 0.0, 9)));
-        popped
+        let root = taken.remove(if ORDER { taken.len() - 1 } else { 0 });
+        assert_eq!(root, (0, 0.0, 9));
+        taken
     }
 
     #[test]
@@ -145,7 +158,7 @@ mod tests {
         let block = (BlockRef::LEAF, 0.5, 4 | 8);
         let in_order = [block, (101, 1.0, 2), (105, 2.0, 3), (100, 5.0, 1), (107, 7.0, 1)];
         assert_eq!(order::<true>(entering, nearest), in_order);
-        let by_lane = [(107, 7.0, 1), (105, 2.0, 3), block, (101, 1.0, 2), (100, 5.0, 1)];
+        let by_lane = [(100, 5.0, 1), (101, 1.0, 2), block, (105, 2.0, 3), (107, 7.0, 1)];
         assert_eq!(order::<false>(entering, nearest), by_lane);
         assert!(order::<true>([0; LANES], nearest).is_empty());
     }
@@ -170,7 +183,7 @@ mod tests {
             visits.start(1);
             visits.push::<true>(&tree, &node, Int::new(entering), Float::new(nearest));
             let mut popped = Vec::new();
-            while let Some(visit) = visits.pop() {
+            while let Some(visit) = visits.next::<true>() {
                 popped.push(visit);
             }
             assert_eq!(popped.pop().map(|root| root.child), Some(0));

@@ -79,6 +79,7 @@ impl Leaf for Block {
     fn test_one<const ANY: bool>(
         &self,
         valid: u32,
+        _: bool,
         one: &OneRay<'_>,
         best: &mut Best,
         meshes: &mut impl Meshes,
@@ -132,7 +133,7 @@ impl Leaf for Block {
             for ray in Members(looking) {
                 count.leaf(LANES as u32, lanes.count_ones());
                 let mut best = group.best(ray);
-                self.test_one::<ANY>(lanes, &group.ray(ray), &mut best, meshes, count);
+                self.test_one::<ANY>(lanes, false, &group.ray(ray), &mut best, meshes, count);
                 group.set_best(ray, best);
             }
             group.store::<ANY>(rays);

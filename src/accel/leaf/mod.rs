@@ -87,6 +87,10 @@ impl BlockRef {
     }
 }
 
+/// Up to this many rays that visit a block together are few: they have little in common, so CPUs cannot
+/// predict what they hit. Twice this number is as fast on average, but slower in scans.
+const FEW: u32 = 8;
+
 /// Up to [`LANES`] primitives of one shape, in structure-of-arrays form.
 trait Leaf: Sized {
     /// Creates the block of these primitives. Lanes without a primitive hold NaN.
@@ -99,10 +103,11 @@ trait Leaf: Sized {
     }
 
     /// Tests one ray against all primitives. `valid` has the bits of their lanes. If `ANY` is set,
-    /// any hit suffices.
+    /// any hit suffices. `few` tells that few rays are tested together. It affects only speed.
     fn test_one<const ANY: bool>(
         &self,
         valid: u32,
+        few: bool,
         one: &OneRay<'_>,
         best: &mut Best,
         meshes: &mut impl Meshes,
@@ -254,7 +259,7 @@ macro_rules! blocks {
                 meshes: &mut impl Meshes,
                 count: &mut impl Count,
             ) -> u32 {
-                let (mut found, valid) = (0, block.valid());
+                let (mut found, valid, few) = (0, block.valid(), rays.count_ones() <= FEW);
                 match block.shape_of(meshes.some()) {
                     $(Shape::$name => {
                         let leaf = &self.$module[block.index()];
@@ -264,7 +269,7 @@ macro_rules! blocks {
                                 continue;
                             }
                             count.leaf(LANES as u32, block.count());
-                            leaf.test_one::<ANY>(valid, &group.ray(ray), &mut best, meshes, count);
+                            leaf.test_one::<ANY>(valid, few, &group.ray(ray), &mut best, meshes, count);
                             group.set_best(ray, best);
                             if ANY {
                                 found |= u32::from(best.found()) << ray;

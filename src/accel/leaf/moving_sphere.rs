@@ -28,6 +28,7 @@ impl Leaf for Block {
     fn test_one<const ANY: bool>(
         &self,
         _: u32,
+        _: bool,
         one: &OneRay<'_>,
         best: &mut Best,
         _: &mut impl Meshes,

@@ -44,6 +44,7 @@ impl Leaf for Block {
     fn test_one<const ANY: bool>(
         &self,
         valid: u32,
+        few: bool,
         one: &OneRay<'_>,
         best: &mut Best,
         meshes: &mut impl Meshes,
@@ -56,12 +57,20 @@ impl Leaf for Block {
         let candidates = sheared.candidates(valid);
         if candidates != 0 {
             let t_min = one.table.t_min[one.lane];
-            sheared.decide(candidates, |lane, t| {
-                let primitive = self.primitive[lane];
-                if t > t_min && (t > best.t || meshes.is_solid(primitive, || one.scalar_ray(), t)) {
-                    best.offer(t, primitive);
-                }
-            });
+            // Shadow rays rarely hit anything, which CPUs can predict.
+            if few && !ANY && !meshes.cut() {
+                sheared.decide::<true>(candidates, |lane, t| {
+                    best.offer_by_select(t, t_min, self.primitive[lane]);
+                });
+            } else {
+                sheared.decide::<false>(candidates, |lane, t| {
+                    let primitive = self.primitive[lane];
+                    let solid = || meshes.is_solid(primitive, || one.scalar_ray(), t);
+                    if t > t_min && (t > best.t || solid()) {
+                        best.offer(t, primitive);
+                    }
+                });
+            }
         }
     }
 

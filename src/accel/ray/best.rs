@@ -28,6 +28,15 @@ impl Best {
         }
     }
 
+    /// [`Self::offer`] without a branch, of a hit beyond `t_min`. For hits that no CPU can predict.
+    #[inline(always)]
+    pub(crate) fn offer_by_select(&mut self, t: f32, t_min: f32, primitive: u32) {
+        let tie = (t == self.t) & self.found() & (primitive < self.primitive);
+        let closer = (t > t_min) & ((t < self.t) | tie);
+        self.t = if closer { t } else { self.t };
+        self.primitive = if closer { primitive } else { self.primitive };
+    }
+
     /// An empty search for closer hits, or for equally close ones if `ties` is set.
     #[inline(always)]
     pub(crate) fn before(&self, ties: bool) -> Self {

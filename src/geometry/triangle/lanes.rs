@@ -72,12 +72,17 @@ impl ShearedTriangles {
     }
 
     /// Calls `visit` with the lane and distance of each candidate. The distance is NaN for a miss.
+    /// `SELECT` decides misses without a branch.
     #[inline(always)]
-    pub(crate) fn decide(&self, candidates: u32, mut visit: impl FnMut(usize, f32)) {
+    pub(crate) fn decide<const SELECT: bool>(
+        &self,
+        candidates: u32,
+        mut visit: impl FnMut(usize, f32),
+    ) {
         let lanes: [[Lanes; 3]; 3] = axes(|i| axes(|axis| self.vertices[i][axis].to_array()));
         for lane in Bits(candidates) {
             let sheared = axes(|i| axes(|axis| lanes[i][axis][lane]));
-            visit(lane, distance(sheared));
+            visit(lane, if SELECT { distance_by_select(sheared) } else { distance(sheared) });
         }
     }
 }

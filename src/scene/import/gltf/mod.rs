@@ -88,18 +88,18 @@ pub(super) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
     Ok(reader.scene)
 }
 
-/// The number of the variant that the options choose.
+/// The number of the variant that the options choose, or else of the first one.
 fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, String> {
     let variants = &gltf.document.extensions.variants.variants;
     let Some(name) = &import.options.variant else {
         if !variants.is_empty() {
             let names: Vec<_> = variants.iter().take(10).map(|variant| &*variant.name).collect();
             import.note(format!(
-                "has variants of its materials, which --variant NAME chooses: {}",
+                "is shown with the first variant of its materials; --variant NAME chooses one: {}",
                 names.join(", ")
             ));
         }
-        return Ok(None);
+        return Ok((!variants.is_empty()).then_some(0));
     };
     let found = variants.iter().position(|variant| variant.name == *name);
     found.map(Some).ok_or_else(|| {
