@@ -48,7 +48,7 @@ pub struct Identity {
 /// 5 and `false` for no roulette.
 fn roulette<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged)]
+    #[serde(untagged, expecting = "roulette must be a number or null")]
     enum Roulette {
         Switch(bool),
         First(Option<u32>),
@@ -139,5 +139,29 @@ impl Identity {
             .with("ptfast:scene", &self.scene_hash)
             .with("ptfast:seed", self.seed)
             .with("ptfast:settings", settings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roulette_of_all_versions() {
+        #[derive(Deserialize)]
+        struct Header {
+            #[serde(deserialize_with = "roulette")]
+            roulette: Option<u32>,
+        }
+        let read = |value: &str| {
+            serde_json::from_str(&format!(r#"{{"roulette": {value}}}"#))
+                .map(|header: Header| header.roulette)
+                .map_err(|error| error.to_string())
+        };
+        for (value, first) in [("true", Some(5)), ("false", None), ("null", None), ("7", Some(7))] {
+            assert_eq!(read(value), Ok(first), "{value}");
+        }
+        let error = read("-1").unwrap_err();
+        assert!(error.starts_with("roulette must be a number or null"), "{error}");
     }
 }

@@ -149,11 +149,12 @@ impl fmt::Display for Roulette {
 }
 
 fn roulette(text: &str) -> std::result::Result<Roulette, String> {
-    match text.parse() {
-        _ if text == "off" => Ok(Roulette(None)),
-        Ok(first @ 1..=MAX_DEPTH) => Ok(Roulette(Some(first))),
-        _ => Err(format!("is neither off nor a number from 1 to {MAX_DEPTH}")),
+    if text == "off" {
+        return Ok(Roulette(None));
     }
+    let first = text.parse().ok().filter(|first| (1..=MAX_DEPTH).contains(first));
+    let wrong = || format!("must be off or a number from 1 to {MAX_DEPTH}");
+    first.map(|first| Roulette(Some(first))).ok_or_else(wrong)
 }
 
 impl SampleArgs {

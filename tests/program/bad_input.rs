@@ -164,6 +164,12 @@ fn values_out_of_range() {
     let lamp = "light(radiance: (-1, 0, 0))";
     ron("lambertian(albedo: (0.5, 0.5, 0.5))", lamp, ":4:", &["radiance must be"]);
     ron("materials:", "render: (width: 0), materials:", "", &["render: width must be in 1 to"]);
+    ron(
+        "materials:",
+        "render: (roulette: 0), materials:",
+        "",
+        &["render: roulette must be in 1 to"],
+    );
     let absurd = "render: (width: 1000000000, height: 1000000000), materials:";
     ron("materials:", absurd, "", &["render: width must be in 1 to 65536"]);
     let sky = "background: constant(radiance: (0, NaN, 0)), materials:";
@@ -338,7 +344,7 @@ fn wrong_usage() {
     wrong(&["--width", "0"], &["--width", "0 is not in 1..=65536"]);
     wrong(&["--spp", "0"], &["--spp"]);
     wrong(&["--depth", "0"], &["--depth"]);
-    wrong(&["--roulette", "on"], &["--roulette", "is neither off nor a number from 1 to 65536"]);
+    wrong(&["--roulette", "on"], &["--roulette", "must be off or a number from 1 to 65536"]);
     wrong(&["--threads", "0"], &["--threads"]);
     wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
     wrong(

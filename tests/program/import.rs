@@ -27,6 +27,8 @@ fn scenes_are_the_same_in_ron() {
         let shown = succeeds(&folder(), &["scenes", "show", name]);
         assert_eq!(scene.hash(), ron.hash(), "{name} is now\n{shown}");
         assert_eq!(scene.defaults(), ron.defaults(), "{name}");
+        let roulette = if name == "obj.obj" { 5 } else { 3 };
+        assert_eq!(RenderSettings::of(&scene).roulette, Some(roulette), "{name}");
         let images = Engine::ALL.map(|engine| {
             let settings = RenderSettings { spp: 2, engine, ..RenderSettings::of(&scene) };
             Renderer::new(&scene, settings).unwrap().render().unwrap().image.hash()
@@ -119,6 +121,9 @@ fn animations_and_variants_can_be_chosen() {
     assert_eq!(show(&["--animation", "0", "--at", "1"]), middle);
     assert!(rest.contains("(0.0, 3.25, 0.0)") && end.contains("(0.0, 3.5, 0.0)"), "{end}");
     let variant = show(&["--variant", "shiny"]);
+    assert_eq!(show(&["--variant", "plain"]), rest);
+    let notices = stderr(&ptfast(&folder(), &["scenes", "check", "gltf.gltf"]));
+    assert!(notices.contains("--variant NAME chooses one: plain, shiny"), "{notices}");
     assert!(
         variant != rest && variant.matches("\"car\"").count() > rest.matches("\"car\"").count()
     );

@@ -170,8 +170,9 @@ def medium(description):
     return inside
 
 
-def translate(scene, width, height, exact, sampler="independent", folder=""):
-    """Returns the scene for Mitsuba. Paths of files are relative to `folder`."""
+def translate(scene, width, height, exact, sampler="independent", folder="", rr_depth=5):
+    """Returns the scene for Mitsuba. Paths of files are relative to `folder`. `rr_depth` is that of Mitsuba's
+    integrator, where 5 is the default. It means Russian roulette from segment `rr_depth` + 1 on."""
     camera, textures = scene["camera"], scene.get("textures", {})
     sensor = {
         "type": "perspective", "fov": camera["vfov"], "fov_axis": "y", "near_clip": 1e-3, "far_clip": 1e5,
@@ -184,7 +185,7 @@ def translate(scene, width, height, exact, sampler="independent", folder=""):
         radius = camera["focus_distance"] * math.tan(math.radians(camera["defocus_angle"] / 2))
         sensor.update(type="thinlens", aperture_radius=radius, focus_distance=camera["focus_distance"])
     world = {"type": "scene", "sensor": sensor,
-             "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": 5}}
+             "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": rr_depth}}
     kind, background = only(scene["background"])
     if kind == "image":
         world["background"] = environment(background, folder)

@@ -129,7 +129,7 @@ impl<const V: usize> Beam<V> {
         let (entry, entered) = self.enter(plane, limit);
         count.node(LANES as u32, entered.bits().count_ones());
         let entering = entered.select(Int::splat(BEAM), Int::ZERO);
-        visits.push::<true>(tree, node, entering, entry);
+        visits.push::<false>(tree, node, entering, entry);
     }
 
     /// Returns the lanes of those primitives of a block whose boxes the beam may enter up to
@@ -213,7 +213,7 @@ fn traverse<const ANY: bool, const V: usize>(
 ) {
     let mut limit = packet.farthest(&beam.scales);
     visits.start(BEAM);
-    while let Some(visit) = visits.next::<true>() {
+    while let Some(visit) = visits.next::<false>() {
         match visit.child() {
             _ if visit.distance > limit.first() => {}
             Child::Node(index) => beam.visit(tree, index, limit, visits, count),

@@ -23,7 +23,7 @@ pub(super) fn search<const ANY: bool, const V: usize>(
     }
     let mut looking = rays;
     visits.start(rays);
-    while let Some(visit) = if ANY { visits.next::<false>() } else { visits.next::<true>() } {
+    while let Some(visit) = visits.next::<ANY>() {
         let rays = if ANY { visit.rays & looking } else { visit.rays };
         match visit.child() {
             Child::Node(index) => {
@@ -39,11 +39,7 @@ pub(super) fn search<const ANY: bool, const V: usize>(
                         nearest = entered.select(nearest.min(entry), nearest);
                     }
                 }
-                if ANY {
-                    visits.push::<false>(tree, node, entering, nearest);
-                } else {
-                    visits.push::<true>(tree, node, entering, nearest);
-                }
+                visits.push::<ANY>(tree, node, entering, nearest);
             }
             Child::Block(block) => {
                 let least = visit.distance;

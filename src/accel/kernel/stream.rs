@@ -8,7 +8,8 @@
 //! 1. A stream has at most 32 rays, so a set of them is a mask in a register instead of a list in
 //!    memory. Which rays enter which child is computed without a branch.
 //! 2. The children are visited in the order of their least entry distances over all rays. Rays that
-//!    only ask whether there is a hit take the oldest first, so that memory has the most time to deliver it.
+//!    only ask whether there is a hit take the oldest first, so that memory has the most time to deliver
+//!    their data.
 
 use super::job::Job;
 use super::meshes::MeshTrees;

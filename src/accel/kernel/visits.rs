@@ -32,7 +32,8 @@ impl Visit {
     }
 }
 
-/// The visits to come: a stack if they are ordered, else a queue.
+/// The visits to come: a queue of rays for which any hit suffices, a stack of other rays. A queue keeps
+/// at most one visit for each node and each block of the tree.
 #[derive(Debug, Default)]
 pub(super) struct Visits {
     list: Vec<Visit>,
@@ -41,7 +42,7 @@ pub(super) struct Visits {
 }
 
 impl Visits {
-    /// Creates an empty list whose capacity suffices for any ordered traversal of `tree`.
+    /// Creates an empty list whose capacity suffices for any stack.
     pub(super) fn for_tree(tree: &WideTree) -> Self {
         Self { list: Vec::with_capacity(1 + tree.depth * LANES), gone: 0 }
     }
@@ -54,11 +55,11 @@ impl Visits {
         self.gone = 0;
     }
 
-    /// Takes the newest visit if `ORDER` is set, else the oldest, whose data has had the most time to
-    /// arrive from memory.
+    /// Takes the newest visit. If `ANY` is set, takes the oldest instead, whose data has had the most time
+    /// to arrive from memory.
     #[inline(always)]
-    pub(super) fn next<const ORDER: bool>(&mut self) -> Option<Visit> {
-        if ORDER {
+    pub(super) fn next<const ANY: bool>(&mut self) -> Option<Visit> {
+        if !ANY {
             return self.list.pop();
         }
         let visit = self.list.get(self.gone).copied();
@@ -67,10 +68,10 @@ impl Visits {
     }
 
     /// Pushes the children of `node` that rays enter. In the lane of each child, `entering` has the
-    /// set of rays that enter it, and `nearest` their least distance. If `ORDER` is set, the nearest
-    /// child is visited next.
+    /// set of rays that enter it, and `nearest` their least distance. The nearest child is visited
+    /// next, unless `ANY` is set.
     #[inline(always)]
-    pub(super) fn push<const ORDER: bool>(
+    pub(super) fn push<const ANY: bool>(
         &mut self,
         tree: &WideTree,
         node: &WideNode,
@@ -98,7 +99,7 @@ impl Visits {
                 }
             }
         }
-        if ORDER {
+        if !ANY {
             sort(&mut visits[first..]);
         }
     }
@@ -132,16 +133,16 @@ mod tests {
     }
 
     /// Pushes the children of [`node`] onto a visit of the root, and returns them as they are taken.
-    fn order<const ORDER: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
+    fn order<const ANY: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
         let tree = WideTree { blocks: Blocks::default(), depth: 1, ..WideTree::default() };
         let mut visits = Visits::for_tree(&tree);
         visits.start(9);
-        visits.push::<ORDER>(&tree, &node(), Int::new(entering), Float::new(nearest));
+        visits.push::<ANY>(&tree, &node(), Int::new(entering), Float::new(nearest));
         let mut taken = Vec::new();
-        while let Some(visit) = visits.next::<ORDER>() {
+        while let Some(visit) = visits.next::<ANY>() {
             taken.push((visit.child, visit.distance, visit.rays));
         }
-        let root = taken.remove(if ORDER { taken.len() - 1 } else { 0 });
+        let root = taken.remove(if ANY { 0 } else { taken.len() - 1 });
         assert_eq!(root, (0, 0.0, 9));
         taken
     }
@@ -157,10 +158,10 @@ mod tests {
         }
         let block = (BlockRef::LEAF, 0.5, 4 | 8);
         let in_order = [block, (101, 1.0, 2), (105, 2.0, 3), (100, 5.0, 1), (107, 7.0, 1)];
-        assert_eq!(order::<true>(entering, nearest), in_order);
+        assert_eq!(order::<false>(entering, nearest), in_order);
         let by_lane = [(100, 5.0, 1), (101, 1.0, 2), block, (105, 2.0, 3), (107, 7.0, 1)];
-        assert_eq!(order::<false>(entering, nearest), by_lane);
-        assert!(order::<true>([0; LANES], nearest).is_empty());
+        assert_eq!(order::<true>(entering, nearest), by_lane);
+        assert!(order::<false>([0; LANES], nearest).is_empty());
     }
 
     #[test]
@@ -181,9 +182,9 @@ mod tests {
             node.children = std::array::from_fn(|lane| 100 + lane as u32);
             let entering: Lanes<u32> = std::array::from_fn(|_| random.bits() as u32 % 3);
             visits.start(1);
-            visits.push::<true>(&tree, &node, Int::new(entering), Float::new(nearest));
+            visits.push::<false>(&tree, &node, Int::new(entering), Float::new(nearest));
             let mut popped = Vec::new();
-            while let Some(visit) = visits.next::<true>() {
+            while let Some(visit) = visits.next::<false>() {
                 popped.push(visit);
             }
             assert_eq!(popped.pop().map(|root| root.child), Some(0));

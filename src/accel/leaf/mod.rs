@@ -88,7 +88,8 @@ impl BlockRef {
 }
 
 /// Up to this many rays that visit a block together are few: they have little in common, so CPUs cannot
-/// predict what they hit. Twice this number is as fast on average, but slower in scans.
+/// predict what they hit. Rays in instances are always alone. Twice this number is as fast on average, but
+/// slower in scans.
 const FEW: u32 = 8;
 
 /// Up to [`LANES`] primitives of one shape, in structure-of-arrays form.

@@ -42,8 +42,8 @@ pub(super) fn distance(sheared: Sheared) -> f32 {
     ahead([u, v, w], sheared)
 }
 
-/// [`distance`] without a branch, for loops that the compiler vectorizes. For tests of single
-/// rays, the version with a branch is 4% faster.
+/// [`distance`] without a branch, for loops that the compiler vectorizes and for rays whose hits no CPU
+/// can predict. Else the version with a branch is faster.
 #[inline(always)]
 pub(super) fn distance_by_select(sheared: Sheared) -> f32 {
     let [u, v, w] = weights(sheared);

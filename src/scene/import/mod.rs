@@ -93,8 +93,8 @@ pub(super) struct Import<'a> {
     notes: Vec<String>,
 }
 
-/// First segment of Russian roulette in scenes for pbrt and glTF, as in pbrt-v4's path integrator. In six
-/// interiors, error times render time is 1.15 times smaller than from segment 5 on (`profiling/`).
+/// First segment of Russian roulette in scenes for pbrt and glTF, as in pbrt-v4's path integrator. Interiors
+/// have less error after the same time than with 5 (`profiling/measured.md`).
 const ROULETTE: u32 = 3;
 
 /// Largest number of different warnings that are kept.

@@ -88,7 +88,8 @@ pub(super) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
     Ok(reader.scene)
 }
 
-/// The number of the variant that the options choose, or else of the first one.
+/// The number of the variant that the options choose, or else of the first one, so that all files with
+/// variants are shown with one.
 fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, String> {
     let variants = &gltf.document.extensions.variants.variants;
     let Some(name) = &import.options.variant else {

@@ -6,6 +6,7 @@ mod directives;
 mod light;
 mod material;
 mod medium;
+mod parallelogram;
 mod params;
 mod shape;
 mod spectrum;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::light::AreaLight;
+use super::parallelogram::parallelogram;
 use super::params::Params;
 use super::texture::Value;
 use super::transform::{rounded, uniform_scale};
@@ -12,7 +13,7 @@ use super::{Reader, State};
 use crate::math::precise::{sin_cos_degrees, unit};
 use crate::scene::affine::rows;
 use crate::scene::medium::MediumFile;
-use crate::scene::primitive::{MeshFile, PrimitiveFile, SphereFile, TrianglesFile};
+use crate::scene::primitive::{MeshFile, PrimitiveFile, QuadFile, SphereFile, TrianglesFile};
 
 /// A list of triangles before the transform of the scene.
 #[derive(Default)]
@@ -202,7 +203,17 @@ impl Reader<'_, '_> {
             }
         }
         let side = if *reversed { -1.0 } else { 1.0 };
-        let vertices = positions.iter().map(|p| rounded(transform.transform_point3(*p))).collect();
+        let vertices: Vec<_> =
+            positions.iter().map(|p| rounded(transform.transform_point3(*p))).collect();
+        // Light samples of a quad are better distributed than those of two triangles. Objects may hold
+        // triangles only.
+        if self.state.area_light.is_some()
+            && self.object.is_none()
+            && let Some([q, u, v]) = parallelogram(&vertices, &indices)
+        {
+            self.add(QuadFile { q, u, v, material });
+            return Ok(());
+        }
         let triangles = TrianglesFile {
             normals: normals.iter().map(|n| rounded(unit(inverse * *n) * side)).collect(),
             uvs: uvs.iter().map(|uv| uv.as_vec2().to_array()).collect(),
