@@ -16,7 +16,7 @@ const PRIMITIVE: u64 = 160;
 const VERTEX: u64 = 96;
 
 /// Bytes of memory for each vertex and each triangle of a list in the description of a scene.
-const LISTED: [u64; 2] = [100, 24];
+const LISTED: [u64; 2] = [140, 24];
 
 /// Bytes of memory for each instance while the list grows. An instance has 96.
 const INSTANCE: u64 = 200;

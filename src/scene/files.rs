@@ -97,7 +97,9 @@ impl<'a> Images<'a> {
     /// Opens the glTF file that an image is in.
     fn open(&mut self, (path, index, _): &Key) -> Result<()> {
         if index.is_some() && !self.containers.contains_key(path) {
-            self.containers.insert(path.clone(), Gltf::read(path, self.budget)?);
+            // The reader of the scene has reported buffers that are missing.
+            let exists = |file: &str| path.with_file_name(file).exists();
+            self.containers.insert(path.clone(), Gltf::read(path, self.budget, exists)?);
         }
         Ok(())
     }

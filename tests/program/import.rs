@@ -120,6 +120,13 @@ fn animations_and_variants_can_be_chosen() {
     }
     assert_eq!(show(&["--animation", "0", "--at", "1"]), middle);
     assert!(rest.contains("(0.0, 3.25, 0.0)") && end.contains("(0.0, 3.5, 0.0)"), "{end}");
+    // A cubic moves one of two joints from y = 1 to 5. It begins with the slope 4 and ends with 0, so
+    // that at the middle, y is 4. The vertices that follow both joints move by half as much.
+    let [start, middle, end] = ["0", "1", "2"].map(|at| show(&["--animation", "bend", "--at", at]));
+    for (shown, y) in [(&rest, "2.0"), (&start, "2.0"), (&middle, "3.5"), (&end, "4.0")] {
+        let line = shown.lines().find(|line| line.ends_with("material: \"veil\"),")).unwrap();
+        assert!(line.contains(&format!("(1.5, {y}, 1.0), (0.5, {y}, 1.0)]")), "{y}: {line}");
+    }
     let variant = show(&["--variant", "shiny"]);
     assert_eq!(show(&["--variant", "plain"]), rest);
     let notices = stderr(&ptfast(&folder(), &["scenes", "check", "gltf.gltf"]));
@@ -163,6 +170,33 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     ] {
         assert_eq!(said.matches(line).count(), 1, "{line}: {said}");
     }
+    // A part of a mesh is in the file that exists, the other one is not.
+    let mut json: Value = serde_json::from_str(
+        r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [
+        {"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 1}}]}], "scenes": [{"nodes": [0]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 72}],
+        "buffers": [{"uri": "a.bin", "byteLength": 36}, {"uri": "no.bin", "byteLength": 72}]}"#,
+    )
+    .unwrap();
+    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+    fs::write(there.path().join("a.bin"), corners.as_flattened()).unwrap();
+    for (triangles, text) in [("1 triangle", "so the triangles in it"), ("0 triangles", "no.bin")] {
+        fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+        let check = |options: &[&str]| {
+            ptfast(there.path(), &[&["scenes", "check", "a.gltf"], options].concat())
+        };
+        let output = check(&[]);
+        assert_eq!(output.status.code(), Some(74));
+        assert!(stderr(&output).contains("no.bin: cannot read"), "{}", stderr(&output));
+        let output = check(&["--missing", "grey"]);
+        let said = stderr(&output);
+        assert!(output.status.success() && said.contains(text), "{said}");
+        assert!(stdout(&output).contains(triangles), "{}", stdout(&output));
+        json["buffers"][0]["uri"] = "no.bin".into();
+        json["buffers"][0]["byteLength"] = 72.into();
+    }
     let output = check(&["--missing", "grey", "--strict"]);
     let error = stderr(&output);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
@@ -173,6 +207,21 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
 fn shown(there: &Path, text: &str) -> Value {
     fs::write(there.join("a.pbrt"), text).unwrap();
     serde_json::from_str(&succeeds(there, &["scenes", "show", "--json", "a.pbrt"])).unwrap()
+}
+
+#[test]
+fn float_textures_of_pbrt_files_are_alpha_if_the_image_has_it() {
+    let there = tempfile::tempdir().unwrap();
+    image::RgbImage::new(1, 1).save(there.path().join("rgb.png")).unwrap();
+    image::RgbaImage::new(1, 1).save(there.path().join("rgba.png")).unwrap();
+    for (file, channel) in [("rgb.png", "r"), ("rgba.png", "a")] {
+        let text = format!(
+            r#"WorldBegin Texture "t" "float" "imagemap" "string filename" "{file}"
+            Shape "disk" "texture alpha" "t""#
+        );
+        let scene = shown(there.path(), &text).to_string();
+        assert!(scene.contains(&format!(r#""channel":"{channel}""#)), "{file}: {scene}");
+    }
 }
 
 /// The numbers in `value`, in order.

@@ -16,6 +16,7 @@ use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
 struct Part {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
+    tangents: Vec<DVec3>,
     uvs: Vec<[f32; 2]>,
     second_uvs: Vec<[f32; 2]>,
     colors: Vec<[f32; 3]>,
@@ -128,10 +129,18 @@ impl Reader<'_, '_, '_> {
         {
             self.import.warn("alpha of vertex colours is not supported, so it has no effect");
         }
+        let normals: Vec<_> = wide(triples("NORMAL")?).collect();
+        let uvs = pairs("TEXCOORD_0")?;
+        // The side of the bitangent, the fourth number, follows from the texture coordinates.
+        let tangents = attributes.vectors::<4>("TANGENT")?.unwrap_or_default();
+        same("TANGENT", tangents.len())?;
+        let used = !normals.is_empty() && !uvs.is_empty();
+        let tangents = tangents.into_iter().filter(|_| used).map(|[x, y, z, _]| [x, y, z]);
         let mut part = Part {
             positions: wide(positions).collect(),
-            normals: wide(triples("NORMAL")?).collect(),
-            uvs: pairs("TEXCOORD_0")?,
+            normals,
+            tangents: wide(tangents.collect()).collect(),
+            uvs,
             second_uvs: pairs("TEXCOORD_1")?,
             colors: colors.collect(),
             faces,
@@ -184,7 +193,11 @@ impl Reader<'_, '_, '_> {
             if weight == 0.0 {
                 continue;
             }
-            for (name, list) in [("POSITION", &mut part.positions), ("NORMAL", &mut part.normals)] {
+            for (name, list) in [
+                ("POSITION", &mut part.positions),
+                ("NORMAL", &mut part.normals),
+                ("TANGENT", &mut part.tangents),
+            ] {
                 let Some(&accessor) = target.get(name) else { continue };
                 let moves = self.gltf.vectors::<3>(accessor)?;
                 for (vector, by) in list.iter_mut().zip(moves) {
@@ -248,13 +261,16 @@ impl Reader<'_, '_, '_> {
             if let Some(normal) = part.normals.get_mut(i) {
                 *normal = map.matrix3 * *normal;
             }
+            if let Some(tangent) = part.tangents.get_mut(i) {
+                *tangent = map.matrix3 * *tangent;
+            }
         }
         Ok(())
     }
 
     /// The triangles of a part, placed by `map`.
     fn placed(&mut self, part: Part, map: &DAffine3, material: String) -> TrianglesFile {
-        let Part { positions, normals, uvs, second_uvs, colors, mut faces } = part;
+        let Part { positions, normals, tangents, uvs, second_uvs, colors, mut faces } = part;
         if map.matrix3.determinant() < 0.0 {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
@@ -270,8 +286,10 @@ impl Reader<'_, '_, '_> {
             let turned = if turned == DVec3::ZERO { DVec3::Z } else { unit(turned) };
             turned.as_vec3().to_array()
         };
+        let tangent = |t: &DVec3| (map.matrix3 * *t).as_vec3().to_array();
         TrianglesFile {
             normals: normals.iter().map(normal).collect(),
+            tangents: tangents.iter().map(tangent).collect(),
             uvs,
             second_uvs,
             colors,
