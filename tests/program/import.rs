@@ -27,7 +27,7 @@ fn scenes_are_the_same_in_ron() {
         let shown = succeeds(&folder(), &["scenes", "show", name]);
         assert_eq!(scene.hash(), ron.hash(), "{name} is now\n{shown}");
         assert_eq!(scene.defaults(), ron.defaults(), "{name}");
-        let roulette = if name == "obj.obj" { 5 } else { 3 };
+        let roulette = if name == "obj.obj" { 5 } else { 2 };
         assert_eq!(RenderSettings::of(&scene).roulette, Some(roulette), "{name}");
         let images = Engine::ALL.map(|engine| {
             let settings = RenderSettings { spp: 2, engine, ..RenderSettings::of(&scene) };

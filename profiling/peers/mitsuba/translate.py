@@ -138,8 +138,20 @@ def shape(description, folder=""):
                              "normals and soft_terminator: false")
         _, extension = os.path.splitext(values["file"])
         file = os.path.join(folder, values["file"])
-        return {"type": extension[1:], "filename": file, "face_normals": flat}, values["material"]
+        return {"type": extension[1:], "filename": file, "face_normals": flat,
+                "to_world": placement(values)}, values["material"]
     raise SystemExit(f"the primitive {kind} cannot be translated to Mitsuba")
+
+
+def placement(values):
+    """Returns the transform of a mesh: a scale, rotations about x, y and z, a translation, and a matrix."""
+    to_world = mi.ScalarTransform4f()
+    if "matrix" in values:
+        to_world = mi.ScalarTransform4f(values["matrix"] + [[0, 0, 0, 1]])
+    to_world = to_world.translate(values.get("translation", [0, 0, 0]))
+    for axis in (2, 1, 0):
+        to_world = to_world.rotate([float(axis == i) for i in range(3)], values.get("rotation", [0, 0, 0])[axis])
+    return to_world.scale(values.get("scale", 1))
 
 
 def triangles(values):

@@ -93,9 +93,9 @@ pub(super) struct Import<'a> {
     notes: Vec<String>,
 }
 
-/// First segment of Russian roulette in scenes for pbrt and glTF, as in pbrt-v4's path integrator. Interiors
-/// have less error after the same time than with 5 (`profiling/measured.md`).
-const ROULETTE: u32 = 3;
+/// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
+/// time than with 3, as in pbrt-v4's path integrator, or with 5 (`profiling/measured.md`).
+const ROULETTE: u32 = 2;
 
 /// Largest number of different warnings that are kept.
 const MOST_WARNINGS: usize = 100;
