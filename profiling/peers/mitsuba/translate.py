@@ -197,7 +197,7 @@ def translate(scene, width, height, exact, sampler="independent", folder="", rr_
         radius = camera["focus_distance"] * math.tan(math.radians(camera["defocus_angle"] / 2))
         sensor.update(type="thinlens", aperture_radius=radius, focus_distance=camera["focus_distance"])
     world = {"type": "scene", "sensor": sensor,
-             "integrator": {"type": "path", "max_depth": scene["render"]["depth"] + 1, "rr_depth": rr_depth}}
+             "integrator": {"type": "path", "max_depth": scene["render"]["depth"], "rr_depth": rr_depth}}
     kind, background = only(scene["background"])
     if kind == "image":
         world["background"] = environment(background, folder)
