@@ -59,8 +59,9 @@ impl Planning {
 /// the paths no longer fit in the caches.
 const USUAL_WAVE: u32 = 1 << 14;
 /// Number of primitives from which it pays to order rays that are not traced in packets, because the
-/// tree is much larger than the caches: such scenes were rendered 0.99 to 1.12 times as fast, smaller
-/// ones 0.94 to 1.04 times (`profiling/measured.md`). Scenes with instances count as such.
+/// tree is much larger than the caches: such scenes were rendered 0.99 to 1.12 times as fast. Of smaller
+/// ones, rooms with the camera in them gained up to 1.09, because many rays are traced between walls, and
+/// objects lost up to 0.96 (`profiling/measured.md`). Scenes with instances count as large.
 const ORDERED: usize = 1 << 18;
 /// Minimum number of waves per thread in small renders, so that all threads finish at about the
 /// same time.
@@ -82,16 +83,26 @@ impl Plan {
         limits::check("number of segments", self.segments.len() as u32, limits::MAX_DEPTH)
     }
 
-    /// The best plan for most scenes with `primitives` primitives, in a render of `paths` paths. A
-    /// `wave_size` of 0 stands for the usual size.
-    pub(super) fn usual(primitives: usize, paths: u64, threads: usize, wave_size: u32) -> Self {
+    /// The best plan for most scenes with `primitives` primitives, in a render of `paths` paths. `inside`
+    /// tells that the camera is in the box around all primitives. A `wave_size` of 0 stands for the usual
+    /// size.
+    pub(super) fn usual(
+        (primitives, inside): (usize, bool),
+        paths: u64,
+        threads: usize,
+        wave_size: u32,
+    ) -> Self {
         let share = (paths / (LEAST_WAVES * threads as u64)).max(1);
         let [first, later] = match primitives {
             0..20 => [Kernel::Flat, Kernel::Flat],
             20..0x4000 => [Kernel::Beam, Kernel::Packet],
             _ => [Kernel::Beam, Kernel::Stream],
         };
-        let ordered = later == Kernel::Packet || primitives >= ORDERED;
+        let ordered = match later {
+            Kernel::Flat => false,
+            Kernel::Packet => true,
+            _ => inside || primitives >= ORDERED,
+        };
         let of = |ordered, closest| SegmentPlan {
             ordered,
             closest,

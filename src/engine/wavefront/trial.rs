@@ -12,6 +12,7 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
 use crate::engine::unit::Task;
 use crate::film::{CHUNK, Grid, Tile, Unit};
+use crate::geometry::Bounds;
 
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
@@ -49,7 +50,10 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     // Only these kernels trace instances, whatever their number.
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
-    let mut usual = Plan::usual(primitives, paths, pool.threads(), settings.wave_size);
+    let (bounds, camera) = (view.prepared.accelerator().bounds(), view.camera.origin);
+    let inside = bounds.union(Bounds::of([camera])) == bounds;
+    let scene = (primitives, inside);
+    let mut usual = Plan::usual(scene, paths, pool.threads(), settings.wave_size);
     let shadows_ordered =
         settings.samples_lights(view.scene()) && view.prepared.tables().lights.len() >= SEVERAL;
     usual.segments.iter_mut().for_each(|segment| segment.shadows_ordered = shadows_ordered);
