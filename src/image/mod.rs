@@ -18,7 +18,6 @@ pub(crate) use compare::compare;
 pub use display::Display;
 pub(crate) use display::MAX_STOPS;
 pub use metadata::Metadata;
-pub(crate) use read::has_alpha;
 pub(crate) use size::Size;
 pub(crate) use source::Source;
 pub(crate) use texels::Texels;

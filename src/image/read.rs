@@ -12,7 +12,7 @@ use super::display::{GRADE_KEYS, TRANSFER_KEY};
 use super::header::{self, MAX_HEADER};
 use super::pfm::Pfm;
 use super::size::{Allow, Size};
-use super::source::{Source, Stream};
+use super::source::Source;
 use super::texels::Texels;
 use super::{Encoding, Format, Image, Metadata, Transfer, jpeg};
 use crate::error::{Error, Result};
@@ -53,11 +53,19 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
     // A text header may be as long as the file, and decoders load headers into memory.
     let memory = length.saturating_mul(3);
     allow(Size { pixels: 0, deep: false, memory }).map_err(bad)?;
+    let mut reader =
+        ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
+    // TGA files do not start with a signature.
+    if reader.format().is_none() && source.has_extension("tga") {
+        reader.set_format(ImageFormat::Tga);
+    }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BESIDES);
-    let reader = reader(source, limits.clone())?;
+    reader.limits(limits.clone());
+    header::check(reader.format(), open()?)
+        .map_err(|message| bad(format!("damaged image: {message}")))?;
     if reader.format() == Some(ImageFormat::Jpeg) {
         let pixels = jpeg::decode(open()?, length, allow).map_err(bad)?;
         return Ok(Decoded { pixels, transfer: Transfer::Srgb });
@@ -105,29 +113,6 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
     decoder.set_limits(limits).map_err(explain)?;
     let pixels = DynamicImage::from_decoder(decoder).map_err(explain)?;
     Ok(Decoded { pixels, transfer })
-}
-
-/// A reader of an image file whose header is within the limits.
-fn reader<'a>(source: &Source<'a>, limits: Limits) -> Result<ImageReader<Box<dyn Stream + 'a>>> {
-    let mut reader = ImageReader::new(source.open()?)
-        .with_guessed_format()
-        .map_err(Error::io(source.path(), "read"))?;
-    // TGA files do not start with a signature.
-    if reader.format().is_none() && source.has_extension("tga") {
-        reader.set_format(ImageFormat::Tga);
-    }
-    reader.limits(limits);
-    header::check(reader.format(), source.open()?)
-        .map_err(|message| source.bad(format!("damaged image: {message}")))?;
-    Ok(reader)
-}
-
-/// Whether an image file has an alpha channel. Of a file that cannot be read, the answer is no.
-pub(crate) fn has_alpha(source: &Source<'_>) -> bool {
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_BESIDES);
-    let decoder = reader(source, limits).ok().and_then(|reader| reader.into_decoder().ok());
-    decoder.is_some_and(|decoder| decoder.color_type().has_alpha())
 }
 
 impl Decoded {

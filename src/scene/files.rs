@@ -97,9 +97,7 @@ impl<'a> Images<'a> {
     /// Opens the glTF file that an image is in.
     fn open(&mut self, (path, index, _): &Key) -> Result<()> {
         if index.is_some() && !self.containers.contains_key(path) {
-            // The reader of the scene has reported buffers that are missing.
-            let exists = |file: &str| path.with_file_name(file).exists();
-            self.containers.insert(path.clone(), Gltf::read(path, self.budget, exists)?);
+            self.containers.insert(path.clone(), Gltf::read(path, self.budget)?);
         }
         Ok(())
     }

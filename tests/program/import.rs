@@ -68,6 +68,36 @@ fn containers_have_the_same_scene() {
     assert_eq!(scene.hash(), load("gltf.gltf").hash());
 }
 
+/// Exporters write zeros where texture coordinates define no tangent.
+#[test]
+fn tangents_of_gltf_files_that_cannot_be_used_are_computed() {
+    let there = tempfile::tempdir().unwrap();
+    for file in ["gltf parts.bin", "grid.png"] {
+        fs::copy(folder().join(file), there.path().join(file)).unwrap();
+    }
+    let (json, mut buffer) = gltf();
+    let shown = |attributes: &str| {
+        let mut json = json.clone();
+        let attributes = serde_json::from_str(attributes).unwrap();
+        json["meshes"][0]["primitives"][0]["attributes"] = attributes;
+        fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+        let checked = ptfast(there.path(), &["scenes", "check", "a.gltf"]);
+        let warned = stderr(&checked).contains("so all of their part are computed");
+        (succeeds(there.path(), &["scenes", "show", "a.gltf"]).contains("tangents: ["), warned)
+    };
+    let all = r#"{"POSITION": 0, "NORMAL": 1, "TANGENT": 20, "TEXCOORD_0": 2}"#;
+    assert_eq!(shown(all), (true, false));
+    // Accessor 1 has vectors of three numbers, and 14 has three vectors for four vertices.
+    for wrong in ["1", "14"] {
+        assert_eq!(shown(&all.replace("20", wrong)), (false, true), "{wrong}");
+    }
+    // They have no meaning without normals and texture coordinates.
+    assert_eq!(shown(r#"{"POSITION": 0, "NORMAL": 1, "TANGENT": 1}"#), (false, false));
+    buffer[796..812].fill(0);
+    fs::write(there.path().join("gltf parts.bin"), &buffer).unwrap();
+    assert_eq!(shown(all), (false, true));
+}
+
 /// Converters write an index of refraction of 1000 beside the colour of the reflection that was meant.
 #[test]
 fn colours_of_gltf_reflections_change_the_index_of_refraction() {
@@ -170,33 +200,6 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     ] {
         assert_eq!(said.matches(line).count(), 1, "{line}: {said}");
     }
-    // A part of a mesh is in the file that exists, the other one is not.
-    let mut json: Value = serde_json::from_str(
-        r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [
-        {"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 1}}]}], "scenes": [{"nodes": [0]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-        {"bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 72}],
-        "buffers": [{"uri": "a.bin", "byteLength": 36}, {"uri": "no.bin", "byteLength": 72}]}"#,
-    )
-    .unwrap();
-    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
-    fs::write(there.path().join("a.bin"), corners.as_flattened()).unwrap();
-    for (triangles, text) in [("1 triangle", "so the triangles in it"), ("0 triangles", "no.bin")] {
-        fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
-        let check = |options: &[&str]| {
-            ptfast(there.path(), &[&["scenes", "check", "a.gltf"], options].concat())
-        };
-        let output = check(&[]);
-        assert_eq!(output.status.code(), Some(74));
-        assert!(stderr(&output).contains("no.bin: cannot read"), "{}", stderr(&output));
-        let output = check(&["--missing", "grey"]);
-        let said = stderr(&output);
-        assert!(output.status.success() && said.contains(text), "{said}");
-        assert!(stdout(&output).contains(triangles), "{}", stdout(&output));
-        json["buffers"][0]["uri"] = "no.bin".into();
-        json["buffers"][0]["byteLength"] = 72.into();
-    }
     let output = check(&["--missing", "grey", "--strict"]);
     let error = stderr(&output);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
@@ -207,21 +210,6 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
 fn shown(there: &Path, text: &str) -> Value {
     fs::write(there.join("a.pbrt"), text).unwrap();
     serde_json::from_str(&succeeds(there, &["scenes", "show", "--json", "a.pbrt"])).unwrap()
-}
-
-#[test]
-fn float_textures_of_pbrt_files_are_alpha_if_the_image_has_it() {
-    let there = tempfile::tempdir().unwrap();
-    image::RgbImage::new(1, 1).save(there.path().join("rgb.png")).unwrap();
-    image::RgbaImage::new(1, 1).save(there.path().join("rgba.png")).unwrap();
-    for (file, channel) in [("rgb.png", "r"), ("rgba.png", "a")] {
-        let text = format!(
-            r#"WorldBegin Texture "t" "float" "imagemap" "string filename" "{file}"
-            Shape "disk" "texture alpha" "t""#
-        );
-        let scene = shown(there.path(), &text).to_string();
-        assert!(scene.contains(&format!(r#""channel":"{channel}""#)), "{file}: {scene}");
-    }
 }
 
 /// The numbers in `value`, in order.

@@ -147,6 +147,8 @@ def placement(values):
     """Returns the transform of a mesh: a scale, rotations about x, y and z, a translation, and a matrix."""
     to_world = mi.ScalarTransform4f()
     if "matrix" in values:
+        if numpy.linalg.det(numpy.array(values["matrix"])[:, :3]) < 0:
+            raise SystemExit(f"the mesh {values['file']} is mirrored, so its front cannot be translated to Mitsuba")
         to_world = mi.ScalarTransform4f(values["matrix"] + [[0, 0, 0, 1]])
     to_world = to_world.translate(values.get("translation", [0, 0, 0]))
     for axis in (2, 1, 0):

@@ -12,7 +12,6 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
 use crate::engine::unit::Task;
 use crate::film::{CHUNK, Grid, Tile, Unit};
-use crate::geometry::Bounds;
 
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
@@ -51,9 +50,8 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
     let (bounds, camera) = (view.prepared.accelerator().bounds(), view.camera.origin);
-    let inside = bounds.union(Bounds::of([camera])) == bounds;
-    let scene = (primitives, inside);
-    let mut usual = Plan::usual(scene, paths, pool.threads(), settings.wave_size);
+    let inside = camera.cmpge(bounds.min).all() && camera.cmple(bounds.max).all();
+    let mut usual = Plan::usual(primitives, inside, paths, pool.threads(), settings.wave_size);
     let shadows_ordered =
         settings.samples_lights(view.scene()) && view.prepared.tables().lights.len() >= SEVERAL;
     usual.segments.iter_mut().for_each(|segment| segment.shadows_ordered = shadows_ordered);

@@ -15,7 +15,6 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 pub(super) use self::attributes::Attributes;
-use self::document::Buffer;
 pub(super) use self::document::{
     Animation, Camera, Document, Light, Material, MaterialExtensions, Node, Primitive, TextureInfo,
 };
@@ -60,17 +59,12 @@ pub(super) struct Gltf<'a> {
 }
 
 impl<'a> Gltf<'a> {
-    /// Reads the document and the buffers of the file at `path`. Buffers in other files for which
-    /// `is_usable` is false consist of zeros: the triangles in them have no area and are left out.
+    /// Reads the document and the buffers of the file at `path`.
     ///
     /// # Errors
     /// If a file cannot be read, its content is wrong, an extension is required that ptfast lacks, or
     /// a limit is exceeded.
-    pub(super) fn read(
-        path: &Path,
-        budget: &'a Budget,
-        mut is_usable: impl FnMut(&str) -> bool,
-    ) -> Result<Self> {
+    pub(super) fn read(path: &Path, budget: &'a Budget) -> Result<Self> {
         let name = path.display().to_string();
         let bad = |message: String| Error::input(&*name, "", message);
         let allow = |length| budget.check_file(Limit::MeshBytes, length);
@@ -100,7 +94,7 @@ impl<'a> Gltf<'a> {
         let (buffers, decoded) = Default::default();
         let mut gltf = Self { document, buffers, decoded, budget };
         for i in 0..gltf.document.buffers.len() {
-            let buffer = gltf.buffer(i, path, binary, &mut is_usable)?;
+            let buffer = gltf.buffer(i, path, binary)?;
             let length = buffer.as_ref().map_or(0, |buffer| buffer.len() as u64);
             if buffer.is_some() && length < gltf.document.buffers[i].byte_length {
                 return Err(bad(format!(
@@ -127,20 +121,13 @@ impl<'a> Gltf<'a> {
 
     /// The content of a buffer of the file at `path`. `None` for one without content, which only
     /// compressed views can use.
-    fn buffer(
-        &self,
-        index: usize,
-        path: &Path,
-        binary: Option<&[u8]>,
-        is_usable: &mut impl FnMut(&str) -> bool,
-    ) -> Result<Option<Vec<u8>>> {
+    fn buffer(&self, index: usize, path: &Path, binary: Option<&[u8]>) -> Result<Option<Vec<u8>>> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let place = format!("buffers[{index}]");
         let bad = |message: String| Error::input(path.display().to_string(), &*place, message);
         let budget = &self.budget;
         let allow = |length| budget.check_file(Limit::MeshBytes, length);
-        let Buffer { uri, byte_length } = &self.document.buffers[index];
-        match uri {
+        match &self.document.buffers[index].uri {
             None => match binary {
                 Some(binary) if index == 0 => {
                     allow(binary.len() as u64).map_err(bad)?;
@@ -151,13 +138,8 @@ impl<'a> Gltf<'a> {
             Some(uri) => match data(uri) {
                 Some(data) => data.map(Some).map_err(bad),
                 None => {
-                    let file = unescaped(uri);
-                    let path = path_within(folder, &file, &budget.limits)?;
-                    if is_usable(&file) {
-                        return read_bytes(&path, allow).map(Some);
-                    }
-                    allow(*byte_length).map_err(bad)?;
-                    Ok(Some(vec![0; *byte_length as usize]))
+                    let path = path_within(folder, &unescaped(uri), &budget.limits)?;
+                    read_bytes(&path, allow).map(Some)
                 }
             },
         }

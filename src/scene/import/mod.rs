@@ -94,7 +94,7 @@ pub(super) struct Import<'a> {
 }
 
 /// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
-/// time than with 3, as in pbrt-v4's path integrator, or with 5 (`profiling/measured.md`).
+/// time than with 5, or with 3 as in pbrt-v4 (`profiling/measured.md`).
 const ROULETTE: u32 = 2;
 
 /// Largest number of different warnings that are kept.

@@ -131,15 +131,14 @@ impl Reader<'_, '_, '_> {
         }
         let normals: Vec<_> = wide(triples("NORMAL")?).collect();
         let uvs = pairs("TEXCOORD_0")?;
-        // The side of the bitangent, the fourth number, follows from the texture coordinates.
-        let tangents = attributes.vectors::<4>("TANGENT")?.unwrap_or_default();
-        same("TANGENT", tangents.len())?;
-        let used = !normals.is_empty() && !uvs.is_empty();
-        let tangents = tangents.into_iter().filter(|_| used).map(|[x, y, z, _]| [x, y, z]);
+        let tangents = match normals.is_empty() || uvs.is_empty() {
+            true => Vec::new(),
+            false => self.tangents(&attributes, count),
+        };
         let mut part = Part {
             positions: wide(positions).collect(),
             normals,
-            tangents: wide(tangents.collect()).collect(),
+            tangents,
             uvs,
             second_uvs: pairs("TEXCOORD_1")?,
             colors: colors.collect(),
@@ -148,6 +147,24 @@ impl Reader<'_, '_, '_> {
         self.morph(node, mesh, primitive, &mut part)?;
         self.skin(node, &attributes, &mut part)?;
         Ok(Some(part))
+    }
+
+    /// The tangents of a part, or none if the file has none that can be used. The side of the bitangent,
+    /// the fourth number, follows from the texture coordinates.
+    fn tangents(&mut self, attributes: &Attributes<'_, '_>, count: usize) -> Vec<DVec3> {
+        let tangents = match attributes.vectors::<4>("TANGENT") {
+            Ok(None) => return Vec::new(),
+            Ok(Some(tangents)) => tangents,
+            Err(_) => Vec::new(),
+        };
+        let tangents =
+            tangents.into_iter().map(|[x, y, z, _]| DVec3::from([x, y, z].map(f64::from)));
+        let tangents: Vec<_> = tangents.filter(|tangent| *tangent != DVec3::ZERO).collect();
+        if tangents.len() == count {
+            return tangents;
+        }
+        self.import.warn("tangents that are missing, 0 or not finite are wrong, so all of their part are computed");
+        Vec::new()
     }
 
     /// The triangles of a part; `None` for points and lines.
@@ -281,15 +298,13 @@ impl Reader<'_, '_, '_> {
         let vertices: Vec<_> =
             positions.iter().map(|&p| map.transform_point3(p).as_vec3().to_array()).collect();
         self.bounds = self.bounds.union(Bounds::of(vertices.iter().map(|&v| v.into())));
-        let normal = |n: &DVec3| {
-            let turned = turn * *n;
-            let turned = if turned == DVec3::ZERO { DVec3::Z } else { unit(turned) };
-            turned.as_vec3().to_array()
+        let rounded = |v: DVec3| {
+            let v = if v == DVec3::ZERO { DVec3::Z } else { unit(v) };
+            v.as_vec3().to_array()
         };
-        let tangent = |t: &DVec3| (map.matrix3 * *t).as_vec3().to_array();
         TrianglesFile {
-            normals: normals.iter().map(normal).collect(),
-            tangents: tangents.iter().map(tangent).collect(),
+            normals: normals.iter().map(|&n| rounded(turn * n)).collect(),
+            tangents: tangents.iter().map(|&t| rounded(map.matrix3 * t)).collect(),
             uvs,
             second_uvs,
             colors,

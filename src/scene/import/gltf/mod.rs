@@ -63,9 +63,7 @@ struct Reader<'i, 'a, 'g> {
 /// Reads the scene in `path`.
 pub(super) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
-    let mut gltf = Gltf::read(path, import.budget, |file| {
-        import.is_usable(file, "so the triangles in it are left out")
-    })?;
+    let mut gltf = Gltf::read(path, import.budget)?;
     gltf.decompress().map_err(bad)?;
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut reader = Reader {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::params::{Param, Params, Values};
 use super::{Reader, spectrum};
-use crate::image::{Encoding, Source, has_alpha};
+use crate::image::Encoding;
 use crate::scene::texture::{
     Channel, Color, Filter, Image, Number, Texture, TextureRef, UvChecker, Wrap,
 };
@@ -13,12 +13,7 @@ use crate::scene::texture::{
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     Constant([f64; 3]),
-    /// As a number, the texture is its `channel`.
-    Texture {
-        name: String,
-        channel: Channel,
-        factor: [f64; 3],
-    },
+    Texture { name: String, factor: [f64; 3] },
 }
 
 impl Value {
@@ -30,8 +25,8 @@ impl Value {
         let product = |a: [f64; 3]| [a[0] * by[0], a[1] * by[1], a[2] * by[2]];
         match self {
             Self::Constant(value) => Self::Constant(product(*value)),
-            Self::Texture { name, channel, factor } => {
-                Self::Texture { name: name.clone(), channel: *channel, factor: product(*factor) }
+            Self::Texture { name, factor } => {
+                Self::Texture { name: name.clone(), factor: product(*factor) }
             }
         }
     }
@@ -41,7 +36,7 @@ impl Value {
         let limited = |color: [f64; 3]| color.map(|c| c.clamp(0.0, 1.0) as f32);
         match self {
             Self::Constant(color) => Color::Rgb(limited(*color)),
-            Self::Texture { name, factor, .. } => Color::Texture {
+            Self::Texture { name, factor } => Color::Texture {
                 texture: TextureRef::Named(name.clone()),
                 factor: limited(*factor),
             },
@@ -52,9 +47,9 @@ impl Value {
     pub(super) fn mapped(&self, map: impl Fn(f64) -> f64) -> Number {
         match self {
             Self::Constant([value, ..]) => Number::Value(map(*value).clamp(0.0, 1.0) as f32),
-            Self::Texture { name, channel, factor } => Number::Texture {
+            Self::Texture { name, factor } => Number::Texture {
                 texture: TextureRef::Named(name.clone()),
-                channel: *channel,
+                channel: Channel::R,
                 factor: factor[0].clamp(0.0, 1.0) as f32,
             },
         }
@@ -161,19 +156,7 @@ impl Reader<'_, '_> {
         if !self.import.is_usable(&file, "so it is grey") {
             return Ok(Value::number(0.5));
         }
-        let channel = if self.has_alpha(&file) { Channel::A } else { Channel::R };
-        Ok(Value::Texture { name: self.add_texture(name, kind, image), channel, factor })
-    }
-
-    /// Whether an image has alpha, which is what float textures then contain. pbrt takes the mean of
-    /// red, green and blue if it has none, which for grey images is any of them.
-    fn has_alpha(&self, file: &str) -> bool {
-        self.import.path_within(file).is_ok_and(|path| {
-            let length = std::fs::metadata(&path).map_or(0, |data| data.len());
-            // Decoders may load the header, which may be as long as the file.
-            self.import.budget.check(length.saturating_mul(3)).is_ok()
-                && has_alpha(&Source::file(&path))
-        })
+        Ok(Value::Texture { name: self.add_texture(name, kind, image), factor })
     }
 
     /// The factors and offsets of texture coordinates.
@@ -225,8 +208,7 @@ impl Reader<'_, '_> {
         }
         let [scale, offset] = self.mapping(params)?;
         let checker = UvChecker { odd, even, scale, offset };
-        let name = self.add_texture(name, kind, checker);
-        Ok(Value::Texture { name, channel: Channel::R, factor: [1.0; 3] })
+        Ok(Value::Texture { name: self.add_texture(name, kind, checker), factor: [1.0; 3] })
     }
 
     /// Adds a texture of a name like `name`, and returns its name.
