@@ -163,7 +163,8 @@ impl Reader<'_, '_, '_> {
         if tangents.len() == count {
             return tangents;
         }
-        self.import.warn("tangents that are missing, 0 or not finite are wrong, so all of their part are computed");
+        self.import
+            .warn("some tangents are missing, 0 or not finite, so all of their part are computed");
         Vec::new()
     }
 
