@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::{Geometry, PreparedRay, Ray, Triangles};
+use super::{Ray, Triangles};
 
 /// Decides where triangles have holes.
 pub trait Holes: Debug + Send + Sync {
@@ -55,38 +55,19 @@ impl Cutouts {
     pub(crate) fn any(&self) -> bool {
         self.0.is_some()
     }
-}
 
-impl Geometry {
-    /// Whether triangles, including those of meshes, may have holes.
-    pub(crate) fn has_cutouts(&self) -> bool {
-        self.cutouts.any() || self.instances.triangles().cutouts.any()
-    }
-
-    /// Whether a hit of primitive `primitive` at distance `t` counts: it is not in a hole.
+    /// Whether `ray` hits triangle `triangle` of `triangles` at distance `t` in a hole.
     #[inline]
-    pub(crate) fn is_solid(&self, primitive: u32, instance: u32, ray: &Ray, t: f32) -> bool {
-        let Some(marked) = &self.cutouts.0 else { return true };
-        let Some(triangle) = (primitive as usize).checked_sub(self.first_triangle()) else {
-            return true;
-        };
-        let has_holes = marked.bits[triangle / 64] >> (triangle % 64) & 1 == 1;
-        let is_hole = || marked.holes.is_hole(&self.triangles, triangle as u32, instance, ray, t);
-        !(has_holes && is_hole())
-    }
-
-    /// Distance of the first hit of a primitive in the open interval `(t_min, t_max)` that is not in
-    /// a hole.
-    #[inline(always)]
-    pub(crate) fn intersect(
+    pub(super) fn is_hole(
         &self,
-        primitive: u32,
+        triangles: &Triangles,
+        triangle: usize,
         instance: u32,
-        ray: &PreparedRay,
-        t_min: f32,
-        t_max: f32,
-    ) -> Option<f32> {
-        let t = self.get(primitive).intersect(ray, t_min, t_max)?;
-        self.is_solid(primitive, instance, &ray.ray, t).then_some(t)
+        ray: &Ray,
+        t: f32,
+    ) -> bool {
+        let Some(marked) = &self.0 else { return false };
+        let may = marked.bits[triangle / 64] >> (triangle % 64) & 1 == 1;
+        may && marked.holes.is_hole(triangles, triangle as u32, instance, ray, t)
     }
 }

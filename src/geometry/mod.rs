@@ -7,6 +7,7 @@
 //! acceleration structure.
 
 mod bounds;
+mod collection;
 mod cutouts;
 mod instance;
 mod primitive;
@@ -20,15 +21,20 @@ mod triangles;
 mod volume;
 
 pub use bounds::Bounds;
+pub(crate) use collection::Primitive;
+pub use collection::{Geometry, Instances};
 pub use cutouts::{Cutouts, Holes};
 pub use instance::Instance;
 pub(crate) use instance::ToObject;
-pub use primitive::*;
+pub(crate) use primitive::{PrimitiveModel, Shape, primitives, shapes};
+pub use quad::Quad;
 pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;
 pub use ray::{Hit, Ray};
+pub use sphere::Sphere;
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::{Partials, Surfaces};
+pub use triangle::Triangle;
 pub use triangles::{Triangles, Vertices};
 pub(crate) use volume::Volume;
 

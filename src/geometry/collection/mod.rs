@@ -1,44 +1,13 @@
-//! The lists of all primitives and shapes, and the trait that each primitive implements.
+//! All primitives of a scene, and the definition of the closest hit.
 
 mod instances;
 
 use glam::Vec3;
 
 pub use self::instances::Instances;
-use super::{Bounds, Cutouts, Hit, Instance, PreparedRay, Ray, Triangles};
+use super::primitive::{PrimitiveModel, Shape, primitives};
+use super::{Bounds, Cutouts, Hit, Instance, PreparedRay, Quad, Ray, Sphere, Triangle, Triangles};
 use crate::math::max;
-
-/// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
-/// name and type of its list in [`Geometry`].
-macro_rules! primitives {
-    ($list:ident) => {
-        $list! {
-            /// Spheres, still or moving.
-            Sphere in sphere listed in spheres: Vec<Sphere>,
-            /// Parallelograms.
-            Quad in quad listed in quads: Vec<Quad>,
-            /// Triangles.
-            Triangle in triangle listed in triangles: Triangles,
-        }
-    };
-}
-pub(crate) use primitives;
-
-/// Passes the list of shapes to the macro `$list`. Each entry has the variant of [`Shape`], and the
-/// name of its module in `accel/leaf` and `geometry/surfaces`. Every shape has its own code for ray
-/// tests, leaf blocks and shading.
-macro_rules! shapes {
-    ($list:ident) => {
-        $list! {
-            Sphere in sphere,
-            MovingSphere in moving_sphere,
-            Quad in quad,
-            Triangle in triangle,
-            Instance in instance,
-        }
-    };
-}
-pub(crate) use shapes;
 
 /// A list of the primitives of one kind.
 trait List {
@@ -66,36 +35,8 @@ impl List for Triangles {
     }
 }
 
-/// A kind of primitive.
-pub(crate) trait PrimitiveModel: Sized {
-    /// The numbers that define a primitive.
-    type Record;
-
-    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of
-    /// the ray's direction.
-    fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
-
-    /// A box that contains the primitive at all times in `[0, 1]`.
-    fn bounds(&self) -> Bounds;
-
-    /// The shape, which selects the code that tests and shades the primitive.
-    fn shape(&self) -> Shape;
-
-    /// The vectors that define the primitive, for the scene's hash.
-    fn identity(&self) -> [Vec3; 3];
-
-    /// The numbers that define the primitive, for ray sets.
-    fn record(&self) -> Self::Record;
-
-    /// Builds the primitive that the finite numbers of `record` define. `Err` contains the
-    /// condition that the numbers must satisfy.
-    fn from_record(record: &Self::Record) -> Result<Self, &'static str>;
-}
-
 macro_rules! primitive {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
-        $(pub use super::$module::$name;)*
-
         /// All primitives of a scene. A primitive's number is its position in the concatenation of
         /// these lists. The triangles of meshes that instances place have the numbers that follow.
         #[derive(Clone, Debug, Default, PartialEq)]
@@ -179,33 +120,6 @@ macro_rules! primitive {
 
 primitives!(primitive);
 
-macro_rules! shape {
-    ($($name:ident in $module:ident,)*) => {
-        /// The shape of a primitive. Still and moving spheres are different shapes, and so are
-        /// triangles and instances of triangles.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum Shape {
-            $($name,)*
-        }
-
-        impl Shape {
-            /// All shapes, in the order of their discriminants.
-            pub(crate) const ALL: [Self; [$(Self::$name,)*].len()] = [$(Self::$name,)*];
-
-            /// The shape with this discriminant, or the last one if there is none.
-            #[inline(always)]
-            pub(crate) fn of_bits(bits: u32) -> Self {
-                $(if bits == Self::$name as u32 {
-                    return Self::$name;
-                })*
-                Self::ALL[Self::ALL.len() - 1]
-            }
-        }
-    };
-}
-
-shapes!(shape);
-
 impl Geometry {
     /// The index of the first triangle among all primitives.
     pub(crate) fn first_triangle(&self) -> usize {
@@ -273,6 +187,34 @@ impl Geometry {
         self.triangles.attributes((primitive as usize).checked_sub(self.first_triangle())?)
     }
 
+    /// Whether triangles, including those of meshes, may have holes.
+    pub(crate) fn has_cutouts(&self) -> bool {
+        self.cutouts.any() || self.instances.triangles().cutouts.any()
+    }
+
+    /// Whether a hit of primitive `primitive` at distance `t` counts: it is not in a hole.
+    #[inline]
+    pub(crate) fn is_solid(&self, primitive: u32, instance: u32, ray: &Ray, t: f32) -> bool {
+        let triangle = (primitive as usize).checked_sub(self.first_triangle());
+        let is_hole = |i| self.cutouts.is_hole(&self.triangles, i, instance, ray, t);
+        !(self.cutouts.any() && triangle.is_some_and(is_hole))
+    }
+
+    /// Distance of the first hit of a primitive in the open interval `(t_min, t_max)` that is not in
+    /// a hole.
+    #[inline(always)]
+    pub(crate) fn intersect(
+        &self,
+        primitive: u32,
+        instance: u32,
+        ray: &PreparedRay,
+        t_min: f32,
+        t_max: f32,
+    ) -> Option<f32> {
+        let t = self.get(primitive).intersect(ray, t_min, t_max)?;
+        self.is_solid(primitive, instance, &ray.ray, t).then_some(t)
+    }
+
     /// Finds the closest hit by testing every primitive. This is the definition that every
     /// acceleration structure is tested against.
     pub fn closest_by_brute_force(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
@@ -289,15 +231,4 @@ impl Geometry {
         }
         self.instances.closest_by_brute_force(&ray.ray, (t_min, t_max), self.len() as u32, best)
     }
-}
-
-/// The components of three vectors, in order.
-pub(super) fn components(vectors: [Vec3; 3]) -> [f32; 9] {
-    let [[a, b, c], [d, e, f], [g, h, i]] = vectors.map(|vector| vector.to_array());
-    [a, b, c, d, e, f, g, h, i]
-}
-
-/// The inverse of [`components`].
-pub(super) fn vectors(&[a, b, c, d, e, f, g, h, i]: &[f32; 9]) -> [Vec3; 3] {
-    [[a, b, c], [d, e, f], [g, h, i]].map(Vec3::from_array)
 }

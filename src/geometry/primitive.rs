@@ -1,0 +1,102 @@
+//! The lists of all primitives and shapes, and the trait that each primitive implements.
+
+use glam::Vec3;
+
+use super::bounds::Bounds;
+use super::ray::PreparedRay;
+
+/// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
+/// name and type of its list in [`Geometry`].
+macro_rules! primitives {
+    ($list:ident) => {
+        $list! {
+            /// Spheres, still or moving.
+            Sphere in sphere listed in spheres: Vec<Sphere>,
+            /// Parallelograms.
+            Quad in quad listed in quads: Vec<Quad>,
+            /// Triangles.
+            Triangle in triangle listed in triangles: Triangles,
+        }
+    };
+}
+pub(crate) use primitives;
+
+/// Passes the list of shapes to the macro `$list`. Each entry has the variant of [`Shape`], and the
+/// name of its module in `accel/leaf` and `geometry/surfaces`. Every shape has its own code for ray
+/// tests, leaf blocks and shading.
+macro_rules! shapes {
+    ($list:ident) => {
+        $list! {
+            Sphere in sphere,
+            MovingSphere in moving_sphere,
+            Quad in quad,
+            Triangle in triangle,
+            Instance in instance,
+        }
+    };
+}
+pub(crate) use shapes;
+
+/// A kind of primitive.
+pub(crate) trait PrimitiveModel: Sized {
+    /// The numbers that define a primitive.
+    type Record;
+
+    /// Distance of the first hit in the open interval `(t_min, t_max)`, in units of the length of
+    /// the ray's direction.
+    fn intersect(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32>;
+
+    /// A box that contains the primitive at all times in `[0, 1]`.
+    fn bounds(&self) -> Bounds;
+
+    /// The shape, which selects the code that tests and shades the primitive.
+    fn shape(&self) -> Shape;
+
+    /// The vectors that define the primitive, for the scene's hash.
+    fn identity(&self) -> [Vec3; 3];
+
+    /// The numbers that define the primitive, for ray sets.
+    fn record(&self) -> Self::Record;
+
+    /// Builds the primitive that the finite numbers of `record` define. `Err` contains the
+    /// condition that the numbers must satisfy.
+    fn from_record(record: &Self::Record) -> Result<Self, &'static str>;
+}
+
+macro_rules! shape {
+    ($($name:ident in $module:ident,)*) => {
+        /// The shape of a primitive. Still and moving spheres are different shapes, and so are
+        /// triangles and instances of triangles.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Shape {
+            $($name,)*
+        }
+
+        impl Shape {
+            /// All shapes, in the order of their discriminants.
+            pub(crate) const ALL: [Self; [$(Self::$name,)*].len()] = [$(Self::$name,)*];
+
+            /// The shape with this discriminant, or the last one if there is none.
+            #[inline(always)]
+            pub(crate) fn of_bits(bits: u32) -> Self {
+                $(if bits == Self::$name as u32 {
+                    return Self::$name;
+                })*
+                Self::ALL[Self::ALL.len() - 1]
+            }
+        }
+    };
+}
+
+shapes!(shape);
+
+/// The components of three vectors, in order.
+pub(super) fn components(vectors: [Vec3; 3]) -> [f32; 9] {
+    let [[a, b, c], [d, e, f], [g, h, i]] = vectors.map(|vector| vector.to_array());
+    [a, b, c, d, e, f, g, h, i]
+}
+
+/// The inverse of [`components`].
+pub(super) fn vectors(&[a, b, c, d, e, f, g, h, i]: &[f32; 9]) -> [Vec3; 3] {
+    [[a, b, c], [d, e, f], [g, h, i]].map(Vec3::from_array)
+}
