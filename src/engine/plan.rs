@@ -63,6 +63,10 @@ const USUAL_WAVE: u32 = 1 << 14;
 /// scenes, rooms with the camera in them were rendered 1.01 to 1.09 times as fast, and objects 0.96 to 1.01
 /// times (`profiling/measured.md`). Scenes with instances count as large.
 const ORDERED: usize = 1 << 18;
+/// Number of lights from which shadow rays are usually sorted. With four lamps in a room, whole
+/// renders were 1.09 times as fast, with ten lamps spread over a plain 1.87 times; with one lamp or a
+/// map, 0.86 to 1.07 times. Each primitive that emits is a light.
+const SEVERAL: usize = 4;
 /// Minimum number of waves per thread in small renders, so that all threads finish at about the
 /// same time.
 const LEAST_WAVES: u64 = 4;
@@ -83,12 +87,13 @@ impl Plan {
         limits::check("number of segments", self.segments.len() as u32, limits::MAX_DEPTH)
     }
 
-    /// The best plan for most scenes with `primitives` primitives, in a render of `paths` paths. `inside`
-    /// is true if the camera is in the box around all primitives. A `wave_size` of 0 stands for the usual
-    /// size.
+    /// The best plan for most scenes with `primitives` primitives and `lights` lights that are sampled, in a
+    /// render of `paths` paths. `inside` is true if the camera is in the box around all primitives. A
+    /// `wave_size` of 0 stands for the usual size.
     pub(super) fn usual(
         primitives: usize,
         inside: bool,
+        lights: usize,
         paths: u64,
         threads: usize,
         wave_size: u32,
@@ -108,7 +113,7 @@ impl Plan {
             ordered,
             closest,
             occluded: later,
-            shadows_ordered: false,
+            shadows_ordered: lights >= SEVERAL,
         };
         Self {
             wave_size: match wave_size {
@@ -150,9 +155,17 @@ mod tests {
             (1_000_000, false, true),
             (usize::MAX, false, true),
         ] {
-            let plan = Plan::usual(primitives, inside, 1 << 20, 1, 0);
+            let plan = Plan::usual(primitives, inside, 0, 1 << 20, 1, 0);
             let found = [1, 2, 9].map(|segment| plan.segment(segment).ordered);
             assert_eq!(found, [false, ordered, ordered], "{primitives} {inside}");
+        }
+    }
+
+    #[test]
+    fn usual_plans_sort_shadow_rays_to_several_lights() {
+        for (lights, ordered) in [(0, false), (3, false), (4, true)] {
+            let plan = Plan::usual(100, false, lights, 1 << 20, 1, 0);
+            assert!(plan.segments.iter().all(|segment| segment.shadows_ordered == ordered));
         }
     }
 }

@@ -16,11 +16,6 @@ use crate::film::{CHUNK, Grid, Tile, Unit};
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
 
-/// Number of lights from which shadow rays are usually sorted. With four lamps in a room, whole
-/// renders were 1.09 times as fast, with ten lamps spread over a plain 1.87 times; with one lamp or a
-/// map, 0.86 to 1.07 times. Each primitive that emits is a light.
-const SEVERAL: usize = 4;
-
 /// Limits the length of a trial.
 #[derive(Clone, Copy)]
 struct Effort {
@@ -51,10 +46,9 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
     let (bounds, camera) = (view.prepared.accelerator().bounds(), view.camera.origin);
     let inside = camera.cmpge(bounds.min).all() && camera.cmple(bounds.max).all();
-    let mut usual = Plan::usual(primitives, inside, paths, pool.threads(), settings.wave_size);
-    let shadows_ordered =
-        settings.samples_lights(view.scene()) && view.prepared.tables().lights.len() >= SEVERAL;
-    usual.segments.iter_mut().for_each(|segment| segment.shadows_ordered = shadows_ordered);
+    let sampled = settings.samples_lights(view.scene());
+    let lights = if sampled { view.prepared.tables().lights.len() } else { 0 };
+    let usual = Plan::usual(primitives, inside, lights, paths, pool.threads(), settings.wave_size);
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);
