@@ -7,7 +7,6 @@ use super::rendering::Rendering;
 use super::settings::RenderSettings;
 use crate::error::Result;
 use crate::film::Film;
-use crate::math::clamp;
 
 impl RenderSettings {
     /// The settings that render 1 - alpha of the image of these settings.
@@ -21,8 +20,9 @@ impl RenderSettings {
 impl Renderer {
     /// Renders the alpha channel of the pixels and samples of `film`, which is empty: for each
     /// pixel, row by row, the fraction of its samples, in [0, 1], whose camera rays meet a surface or
-    /// a medium. Samples count as much as in the image. The numbers depend on the same settings as
-    /// the image.
+    /// a medium. All samples count equally, also with a pixel filter that gives some a negative weight: with
+    /// these weights, pixels without a surface would not be quite transparent. The numbers depend on the same
+    /// settings as the image.
     ///
     /// Returns `None` if `observer` stops the render.
     ///
@@ -34,8 +34,7 @@ impl Renderer {
         if rendering.film.samples_done() < rendering.film.samples_to_do() {
             return Ok(None);
         }
-        // Pixel filters with negative weights leave [0, 1].
-        let alpha = |beyond: &[f32; 3]| clamp(1.0 - beyond[0], 0.0, 1.0);
+        let alpha = |beyond: &[f32; 3]| 1.0 - beyond[0];
         Ok(Some(rendering.image()?.pixels().iter().map(alpha).collect()))
     }
 }

@@ -12,7 +12,8 @@ pub enum Backdrop {
     Shown,
     /// Black.
     Hidden,
-    /// White, and nothing else emits light: with a depth of 1, the image is 1 - alpha.
+    /// White, nothing else emits light, and all samples of a pixel count equally: with a depth of 1, the image
+    /// is 1 - alpha.
     Alone,
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::backdrop::Backdrop;
 use super::settings::RenderSettings;
 use crate::accel::Accelerator;
 use crate::scene::{CameraFrame, Scene, SceneTables};
@@ -70,6 +71,8 @@ pub(super) struct View {
 impl View {
     pub(super) fn new(prepared: PreparedScene, settings: RenderSettings) -> Self {
         let camera = settings.camera.frame(settings.width, settings.height);
+        let alone = settings.backdrop == Backdrop::Alone;
+        let camera = if alone { camera.unweighted() } else { camera };
         Self { prepared, settings, camera }
     }
 

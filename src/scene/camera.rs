@@ -173,6 +173,13 @@ impl CameraFrame {
         self.filter.is_some()
     }
 
+    /// The same camera, whose samples all have the weight 1.
+    #[must_use]
+    pub(crate) fn unweighted(mut self) -> Self {
+        self.filter = self.filter.map(FilterTable::unweighted);
+        self
+    }
+
     /// A random ray for pixel `(x, y)`, with a direction of unit length, and its weight: the value
     /// of the pixel filter divided by the density. The weight is 1 with the box, and may be
     /// negative with other filters.

@@ -54,11 +54,14 @@ fn the_background_is_hidden_where_alpha_is_missing() {
     }
 }
 
-/// Weights of a pixel filter that are negative do not leave [0, 1].
+/// Pixel filters with negative weights count samples equally, so that pixels without a surface are transparent.
 #[test]
-fn alpha_is_a_fraction() {
+fn negative_weights_do_not_change_alpha() {
     let scene = SCENE.replace("vfov: 40", "vfov: 40, filter: mitchell()");
     let scene = Scene::from_ron(&scene).unwrap();
     let (_, alpha) = render(&scene, Backdrop::Hidden, Engine::Wavefront);
     assert!(alpha.iter().all(|alpha| (0.0..=1.0).contains(alpha)));
+    // The radius of the filter is 2 pixels.
+    let of = |x: usize, y: usize| alpha[y * 32 + x];
+    assert_eq!([of(3, 9), of(22, 8), of(31, 1)], [1.0, 1.0, 0.0], "lamp, glass, background");
 }
