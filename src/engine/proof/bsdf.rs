@@ -310,6 +310,27 @@ fn coats_scatter_about_as_much_as_a_random_walk() {
     assert!(worst < 0.02, "{worst}");
 }
 
+/// Glass reflects all light that arrives from inside at a grazing angle, whatever reflects outside.
+#[test]
+fn principled_glass_reflects_totally() {
+    for (index, specular) in (0..).zip([0.0, 0.1, 1.0]) {
+        for coat in [0.0, 0.6] {
+            let mut material = Principled { base_color: [1.0; 3].into(), ..Principled::default() };
+            (material.roughness, material.transmission) = (0.0.into(), 1.0.into());
+            (material.specular, material.coat) = (specular.into(), coat.into());
+            let direction = Vec3::new(0.8, 0.0, -0.6);
+            let bsdf = scattering(&material.into(), direction, Vec3::Z, false);
+            let weights = (0..1000)
+                .map(|sample| bsdf.sample(&randoms(index, sample)).map_or(0.0, |s| s.weight.y));
+            let weights: Vec<f32> = weights.collect();
+            let mean = weights.iter().sum::<f32>() / 1000.0;
+            let most = weights.iter().copied().fold(0.0, f32::max);
+            let expected = if coat > 0.0 { 0.8..1.01 } else { 0.999..1.001 };
+            assert!(expected.contains(&mean) && most < 2.0, "{specular} {coat}: {mean}, {most}");
+        }
+    }
+}
+
 /// White `principled` surfaces never scatter more light than arrives, from outside or inside.
 #[test]
 fn principled_gains_no_light() {
@@ -320,7 +341,7 @@ fn principled_gains_no_light() {
         material.roughness = one_of(&[0.0, 0.2, 0.5, 1.0]).into();
         material.metalness = one_of(&[0.0, 0.0, 0.5, 1.0]).into();
         material.transmission = one_of(&[0.0, 0.3, 0.7, 1.0]).into();
-        material.specular = one_of(&[0.3, 1.0]).into();
+        material.specular = one_of(&[0.0, 0.3, 1.0]).into();
         material.coat = one_of(&[0.0, 0.0, 0.6]).into();
         material.coat_roughness = one_of(&[0.0, 0.5]).into();
         material.ior = one_of(&[1.1, 1.5, 2.5]);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Bsdf, MaterialModel, Opacity, Scatter};
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
-use crate::math::{Mask, Real, Row, dot, max};
+use crate::math::{Mask, Real, Row, Vector, dot, max};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
@@ -26,7 +26,7 @@ pub struct DiffuseTransmission {
     /// Transmittance τ, a colour with each channel in [0, 1] or a texture.
     pub transmittance: Color,
     /// Factor of both, 0 to 1. Reflectance and transmittance times this factor must not exceed 1
-    /// together in any channel, unless they are textures.
+    /// together in any channel. Where textures do, both are divided by their sum.
     #[serde(default = "one")]
     pub scale: f32,
     /// Name of a normal map: an image texture with linear encoding.
@@ -107,6 +107,10 @@ impl MaterialModel for DiffuseTransmission {
         let color = |i: usize| at.color(R::gather(table, index, |entry: &[Row; 3]| &entry[i]));
         let (scale, _) = R::gather(table, index, |entry| &entry[2]);
         let (reflectance, transmittance) = (color(0) * scale[0], color(1) * scale[0]);
+        let sum = reflectance + transmittance;
+        let limit = |i: usize| R::ONE / max(sum[i], R::ONE);
+        let limit = R::Vec3::new(limit(0), limit(1), limit(2));
+        let (reflectance, transmittance) = (reflectance * limit, transmittance * limit);
         let weight = |color: R::Vec3| color[0] + color[1] + color[2];
         let (reflected, transmitted) = (weight(reflectance), weight(transmittance));
         let chance = reflected / max(reflected + transmitted, R::splat(1e-12));

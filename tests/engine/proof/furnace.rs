@@ -5,12 +5,15 @@
 
 use std::f64::consts::PI;
 
-use super::{Known, compare};
+use ptfast::Sampling;
+
+use super::{Known, compare, compare_in};
 
 /// A quad at the origin, seen at an angle of cosine 0.6, in a hollow sphere of radiance 3.
 fn room(material: &str) -> String {
     format!(
         r#"(camera: (look_from: (0, 0.6, 0.8), look_at: (0, 0, 0), up: (1, 0, 0), vfov: 0.02),
+            textures: {{"white": uv_checker(odd: (1, 1, 1), even: (1, 1, 1), scale: (1, 1))}},
             materials: {{"m": {material}, "wall": light(radiance: (3, 3, 3))}},
             primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"),
                          quad(q: (-5, 0, -5), u: (0, 0, 10), v: (10, 0, 0), material: "m")])"#
@@ -100,6 +103,31 @@ fn reflection(fresnel: &str) -> String {
     )
 }
 
+/// A ball of glass that hardly bends light and does not reflect it. Light crosses 2 units of it.
+fn absorber(color: &str, distance: f64) -> String {
+    format!(
+        r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 0.02),
+            materials: {{"wall": light(radiance: (3, 3, 3)),
+                "m": principled(base_color: (1, 1, 1), transmission: 1, roughness: 0, ior: 1.01, specular: 0,
+                    attenuation_color: {color}, attenuation_distance: {distance})}},
+            primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"),
+                         sphere(center: (0, 0, 0), radius: 1, material: "m")])"#
+    )
+}
+
+#[test]
+fn glass_absorbs_what_it_should() {
+    // Light samples rarely fit the narrow lobe.
+    compare_in(
+        &[Sampling::Bsdf],
+        "absorption",
+        &[
+            Known::new("strong", &absorber("(0.5, 0.5, 0.5)", 1.0), 3.0 * 0.25),
+            Known::new("weak", &absorber("(0.9, 0.9, 0.9)", 4.0), 3.0 * 0.9f64.sqrt()),
+        ],
+    );
+}
+
 #[test]
 fn materials_scatter_what_they_should() {
     let known = |material: &str, share: f64| Known::new(material, &room(material), 3.0 * share);
@@ -120,6 +148,7 @@ fn materials_scatter_what_they_should() {
                 "diffuse_transmission(reflectance: (0.5, 0.5, 0.5), transmittance: (0.2, 0.2, 0.2))",
                 0.7,
             ),
+            known("diffuse_transmission(reflectance: \"white\", transmittance: \"white\")", 1.0),
             known(thin, microfacets(0.36, |_| 1.0, None)),
             known("lambertian(albedo: (0.8, 0.8, 0.8))", 0.8),
             known("metal(albedo: (0.9, 0.9, 0.9))", 0.9),

@@ -142,12 +142,14 @@ fn scene(primitives: &str, background: &str, media: &str) -> Scene {
         r#"(camera: (look_from: (0, 2, 7), look_at: (0, 0.6, 0), vfov: 45),
             background: {background},
             render: (width: 48, height: 48, depth: 8),
+            textures: {{"bars": uv_checker(odd: (0.9, 0.9, 0.9), even: (0.2, 0.2, 0.2), scale: (6, 2))}},
             materials: {{
                 "floor": lambertian(albedo: (0.5, 0.6, 0.7)),
                 "ideal": diffuse(albedo: (0.7, 0.6, 0.5)),
                 "gold": conductor(eta: (0.143, 0.375, 1.442), k: (3.983, 2.386, 1.603), alpha: 0.3),
                 "frosted": rough_dielectric(ior: 1.5, alpha: 0.4),
                 "glass": dielectric(ior: 1.5, fresnel: exact),
+                "fence": lambertian(albedo: (0.3, 0.5, 0.2), opacity: blend(alpha: (texture: "bars", channel: r))),
                 "brushed": metal(albedo: (0.8, 0.8, 0.9), fuzz: 0.4),
                 "lamp": light(radiance: (4, 5, 6)),
                 "front": light(radiance: (9, 7, 5), sides: front),
@@ -177,7 +179,21 @@ fn modes_agree_in_every_tile() {
                box(min: (1, 0.1, -1), max: (3, 2, 1), rotation: (0, 20, 0), density: 0.6, albedo: (0.5, 0.7, 0.9))";
     let dark = "constant(radiance: (0, 0, 0))";
     let sky = "gradient(bottom: (0.1, 0.1, 0.1), top: (0.3, 0.5, 0.9))";
+    // 90 lamps, chosen by a light tree, behind holes.
+    let lamps = (0..90).map(|i| {
+        let (x, y, z) = (f64::from(i % 10) - 4.5, 0.5 + f64::from(i % 7) / 2.0, f64::from(i / 10) - 6.0);
+        format!(
+            r#"triangles(vertices: [({x}, {y}, {z}), ({}, {y}, {z}), ({x}, {}, {z})], indices: [(0, 1, 2)], material: "lamp")"#,
+            x + 0.2,
+            y + 0.2
+        )
+    });
+    let fence = r#"triangles(vertices: [(-3, 0, 1), (3, 0, 1), (-3, 2, 0), (3, 2, 0)], indices: [(0, 1, 2), (1, 3, 2)],
+        uvs: [(0, 0), (1, 0), (0, 1), (1, 1)], material: "fence")"#;
+    let many = lamps.chain([fence.to_owned()]).collect::<Vec<_>>().join(", ");
     let scenes = [
+        ("many lamps and holes", scene(&many, dark, ""), 60),
+        ("environment map", Scene::load("tests/data/environment.ron").unwrap(), 60),
         ("materials and lamps", scene(&things, dark, ""), 120),
         ("the same under a sky", scene(&things, sky, ""), 120),
         ("the same in fog", scene(&things, sky, fog), 120),

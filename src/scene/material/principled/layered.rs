@@ -106,6 +106,7 @@ impl<R: Real> LayeredBsdf<R> {
         let below = below * (R::ONE - coat_share);
         // Lobes are chosen by their share of the reflected light.
         let reflected = (f0 * shares.low + R::Vec3::gray(f90 * shares.high)) * compensation;
+        let reflected = enclosed.select(R::Vec3::gray(R::ONE), reflected);
         let weight = |color: R::Vec3| mean_of(color * below);
         let weights = [
             coat_share,
