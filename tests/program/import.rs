@@ -160,7 +160,7 @@ fn animations_and_variants_can_be_chosen() {
     let variant = show(&["--variant", "shiny"]);
     assert_eq!(show(&["--variant", "plain"]), rest);
     let notices = stderr(&ptfast(&folder(), &["scenes", "check", "gltf.gltf"]));
-    assert!(notices.contains("--variant NAME chooses one: plain, shiny"), "{notices}");
+    assert!(notices.contains("`variant` chooses one: plain, shiny"), "{notices}");
     assert!(
         variant != rest && variant.matches("\"car\"").count() > rest.matches("\"car\"").count()
     );
@@ -203,7 +203,7 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     let output = check(&["--missing", "grey", "--strict"]);
     let error = stderr(&output);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
-    assert!(error.contains("spherical") && error.contains("--strict rejects that"), "{error}");
+    assert!(error.contains("spherical") && error.contains("`strict` rejects that"), "{error}");
 }
 
 /// The scene `a.pbrt` with this text, as JSON.

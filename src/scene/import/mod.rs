@@ -173,7 +173,7 @@ impl<'a> Import<'a> {
 
 /// The error that [`ImportOptions::strict`] makes of a warning.
 pub(super) fn rejected(warning: &str) -> Error {
-    Error::Usage(format!("{warning}; --strict rejects that"))
+    Error::Usage(format!("{warning}; `strict` rejects that"))
 }
 
 /// Adds the materials that OBJ files name to the scene called `name`, for meshes without a material.

@@ -96,7 +96,7 @@ fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, St
         if !variants.is_empty() {
             let names: Vec<_> = variants.iter().take(10).map(|variant| &*variant.name).collect();
             import.note(format!(
-                "is shown with the first variant of its materials; --variant NAME chooses one: {}",
+                "is shown with the first variant of its materials; `variant` chooses one: {}",
                 names.join(", ")
             ));
         }
@@ -282,7 +282,7 @@ impl Reader<'_, '_, '_> {
         if self.scene.lights.is_empty() {
             self.scene.background = SKY;
             self.import
-                .note("has no lights, so it is under a bright sky; --env FILE sets another one");
+                .note("has no lights, so it is under a bright sky; `env` sets an environment map");
         }
         (self.scene.render.spp, self.scene.render.roulette) = (64, ROULETTE);
     }

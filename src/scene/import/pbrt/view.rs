@@ -107,8 +107,9 @@ impl Reader<'_, '_> {
         let height = whole(params, "yresolution", most)?.unwrap_or(720);
         self.view.size = Some([width, height]);
         if params.find("cropwindow").or(params.find("pixelbounds")).is_some() {
-            self.import
-                .warn("crops of the film are not supported, so the picture is whole; use --crop");
+            self.import.warn(
+                "crops of the film are not supported, so the picture is whole; `crop` cuts it",
+            );
         }
         params.ignore(&["filename", "savefp16", "diagonal"]);
         // These are the usual values of pbrt.
