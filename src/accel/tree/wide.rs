@@ -259,13 +259,17 @@ impl WideTree {
         let instances = &geometry.instances;
         let triangles = instances.triangles();
         let boxes = triangles.boxes();
-        // Many meshes are built at once, and few by all threads each.
-        let meshes: Vec<usize> = (0..instances.meshes()).collect();
-        let (at_once, each) = if meshes.len() < 4 * threads { (1, threads) } else { (threads, 1) };
-        let build =
-            |mesh: usize| Self::over(triangles, &boxes, instances.range(mesh).collect(), each);
+        let build = |mesh: usize, threads: usize| {
+            (mesh, Self::over(triangles, &boxes, instances.range(mesh).collect(), threads))
+        };
+        // Large meshes use all threads each, the others one.
+        let is_small = |&mesh: &usize| instances.range(mesh).len() <= MAX_CLUSTER;
+        let (small, large): (Vec<_>, Vec<_>) = (0..instances.meshes()).partition(is_small);
+        let mut trees: Vec<_> = large.into_iter().map(|mesh| build(mesh, threads)).collect();
+        trees.extend(map(threads, small, |mesh| build(mesh, 1)));
+        trees.sort_unstable_by_key(|&(mesh, _)| mesh);
         self.first = geometry.len() as u32;
-        self.meshes = map(at_once, meshes, build);
+        self.meshes = trees.into_iter().map(|(_, tree)| tree).collect();
         self
     }
 
