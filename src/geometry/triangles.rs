@@ -1,5 +1,6 @@
 //! Indexed triangles.
 
+use std::collections::HashMap;
 use std::mem::take;
 use std::ops::Range;
 
@@ -275,16 +276,36 @@ impl Triangles {
         }
     }
 
-    /// Removes the data that only textures use, and not the shape or the smooth normals.
-    pub(crate) fn drop_textures(&mut self) {
-        (self.colors, self.tangents) = Default::default();
-        let flags = !(MAPPED_TWICE | COLORED | TANGENT);
-        self.corners.iter_mut().for_each(|corners| corners[3] &= flags);
+    /// A copy of some of the triangles, with the vertices that they use.
+    pub(crate) fn select(&self, range: Range<usize>) -> Self {
+        let (mut numbers, mut used) = (HashMap::new(), Vec::new());
+        let mut number = |vertex: u32| {
+            *numbers.entry(vertex).or_insert_with(|| {
+                used.push(vertex as usize);
+                used.len() as u32 - 1
+            })
+        };
+        let corners = self.corners[range].iter();
+        let corners = corners.map(|&[a, b, c, flags]| [number(a), number(b), number(c), flags]);
+        let corners = corners.collect();
+        // Some tables may be empty.
+        let rows = |table: &[Row]| used.iter().filter_map(|&i| table.get(i).copied()).collect();
+        Self {
+            corners,
+            positions: rows(&self.positions),
+            normals: rows(&self.normals),
+            colors: rows(&self.colors),
+            tangents: rows(&self.tangents),
+        }
     }
 
-    /// A copy of some of the triangles, with all vertices.
-    pub(crate) fn select(&self, range: Range<usize>) -> Self {
-        Self { corners: self.corners[range].to_vec(), ..self.clone() }
+    /// Removes the triangles for which `kept` is false, but not their vertices.
+    ///
+    /// # Panics
+    /// If `kept` is shorter than the list.
+    pub(crate) fn retain(&mut self, kept: &[bool]) {
+        let mut kept = kept.iter();
+        self.corners.retain(|_| *kept.next().expect("one flag for each triangle"));
     }
 
     /// Appends the triangles of another list.
@@ -326,8 +347,7 @@ impl Triangles {
     /// Removes the triangles without area.
     pub(super) fn remove_degenerate(&mut self) {
         let kept: Vec<bool> = self.iter().map(|triangle| !triangle.is_degenerate()).collect();
-        let mut kept = kept.iter();
-        self.corners.retain(|_| *kept.next().expect("one flag for each triangle"));
+        self.retain(&kept);
     }
 
     /// Replaces the position of each vertex by `f` of it.

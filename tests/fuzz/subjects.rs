@@ -94,23 +94,25 @@ pub fn mesh_mtl(bytes: &[u8]) {
     in_file("m.mtl", bytes, |_| scene("m.obj", MESH.as_bytes()));
 }
 
-/// Loads a mesh file through a scene that names it.
+/// Loads a mesh file through a scene that names it, and through one that places it with the materials
+/// that the file names.
 fn mesh(name: &str, bytes: &[u8]) {
-    let scene = format!(
-        "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40), \
-         materials: {{\"m\": lambertian(albedo: (0.5, 0.5, 0.5))}}, \
-         primitives: [mesh(file: \"{name}\", material: \"m\")])"
-    );
+    let instance = "instance(mesh: \"a\", matrix: ((2, 0, 0, 0), (0, 1, 0, 0), (0, 0, -1, 3)))";
     in_file(name, bytes, |_| {
-        in_file("a.ron", scene.as_bytes(), |path| {
-            let Ok(scene) = Scene::load_within(&path.display().to_string(), &limits()) else {
-                return;
-            };
-            for triangle in scene.geometry().triangles.iter() {
+        for primitive in [&format!("mesh(file: \"{name}\", material: \"m\")"), instance] {
+            let scene = format!(
+                "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40), \
+                 materials: {{\"m\": lambertian(albedo: (0.5, 0.5, 0.5)), \"l\": light(radiance: (1, 1, 1))}}, \
+                 meshes: {{\"a\": \"{name}\"}}, primitives: [{primitive}])"
+            );
+            let scene = in_file("a.ron", scene.as_bytes(), |path| {
+                Scene::load_within(&path.display().to_string(), &limits())
+            });
+            for triangle in scene.iter().flat_map(|scene| scene.geometry().triangles.iter()) {
                 let in_range = |c: f32| c.abs() <= 1e9;
                 assert!(triangle.vertices.iter().all(|v| v.to_array().into_iter().all(in_range)));
             }
-        });
+        }
     });
 }
 

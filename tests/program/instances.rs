@@ -102,6 +102,8 @@ fn obj_files_name_materials() {
     file("a.obj", &format!("{corners}{faces}"));
     file("nameless.obj", &format!("{corners}f 1 2 3\n{faces}"));
     file("unknown.obj", &format!("{corners}usemtl dark grey\nf 1 2 3\n"));
+    // A material is needed only for triangles with an area.
+    file("late.obj", &format!("{corners}f 1 1 2\nusemtl none\nf 1 2 2\nusemtl grey\nf 1 2 3\n"));
     let load = |meshes: &str, primitives: &str| {
         file("a.ron", &scene(meshes, primitives));
         Scene::load(folder.path().join("a.ron").to_str().unwrap())
@@ -109,6 +111,7 @@ fn obj_files_name_materials() {
     let own = load("", r#"mesh(file: "a.obj")"#).unwrap();
     assert_eq!((counts(&own), own.lights()), ([3, 0, 0], 1));
     assert_eq!([0, 1, 2].map(|i| own.material(i).name()), ["lambertian", "lambertian", "light"]);
+    assert_eq!(counts(&load("", r#"mesh(file: "late.obj")"#).unwrap()), [1, 0, 0]);
     let one = load("", r#"mesh(file: "a.obj", material: "grey")"#).unwrap();
     assert_eq!((counts(&one), one.lights()), ([3, 0, 0], 0));
     let a = instance("a", IDENTITY);
@@ -134,6 +137,30 @@ fn obj_files_name_materials() {
         let error = load(meshes, primitives).unwrap_err().to_string();
         assert!(error.contains(want), "{error}");
     }
+}
+
+/// Triangles that emit light keep all that their material may use.
+#[test]
+fn placed_lights_are_those_of_the_list() {
+    let lists = [("grey", "(0.5, 0.5, 0.5)"), ("warm", "(1, 0.8, 0.6)")].map(|(name, color)| {
+        format!(
+            r#"triangles(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], indices: [(0, 1, 2), (0, 1, 3)],
+               normals: [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
+               uvs: [(0, 0), (1, 0), (0, 1), (1, 1)], second_uvs: [(0, 0), (1, 0), (0, 1), (1, 1)],
+               colors: [(1, 0, 0), (0, 1, 0), {color}, (0, 0, 1)],
+               tangents: [(1, 0, 0), (0, 1, 0), (1, 0, 0), (0, 1, 0)], material: "{name}")"#
+        )
+    });
+    let with = |meshes: &str, primitives: &str| {
+        let shining = r#""warm": principled(base_color: "c", emission: (1, 1, 1)), "grey""#;
+        let text = scene(meshes, primitives).replacen(r#""grey""#, shining, 1);
+        let textures = r#"textures: {"c": vertex_color()}, materials:"#;
+        Scene::from_ron(&text.replacen("materials:", textures, 1)).unwrap()
+    };
+    let listed = with("", &lists[1]);
+    let placed = with(&format!(r#""a": [{}]"#, lists.join(", ")), &instance("a", IDENTITY));
+    assert_eq!((counts(&placed), placed.lights()), ([2, 1, 2], 2));
+    assert_eq!(placed.geometry().triangles, listed.geometry().triangles);
 }
 
 #[test]
@@ -168,6 +195,7 @@ fn bad_instances_are_errors() {
         (&mesh, &instance("a", &with("(1, 1e6, 0, 0)")), "matrix must have a condition number of"),
         (&mesh, &instance("a", &with("(inf, 0, 0, 0)")), "matrix must be finite"),
         (&mesh, &instance("a", &with("(NaN, 0, 0, 0)")), "matrix must be finite"),
+        (&mesh, &instance("a", &with("(1, 0, 0, NaN)")), "matrix must be finite"),
         (
             &mesh,
             &instance("a", &with("(1, 0, 0, 1e10)")),

@@ -50,7 +50,8 @@ impl Instance {
     pub fn new(mesh: u32, matrix: &[[f32; 4]; 3]) -> Result<Self, String> {
         let rows = matrix.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()));
         let center = Vec3::from_array(matrix.map(|[.., t]| t));
-        if !(rows.iter().all(|row| row.is_finite()) && center.abs().max_element() <= 1e9) {
+        let is_finite = rows.iter().all(|row| row.is_finite()) && center.is_finite();
+        if !(is_finite && center.abs().max_element() <= 1e9) {
             return Err("must be finite, with a translation within ±1e9".to_owned());
         }
         let to_world = DMat3::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose();

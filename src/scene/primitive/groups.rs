@@ -4,12 +4,11 @@
 //! group becomes one instance for each mesh in it. Triangles that are lights become ordinary
 //! triangles wherever they are placed, because each of them is a light of its own.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::mem::{replace, take};
 use std::rc::Rc;
 
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 
 use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
 use crate::error::{Result, suggestion};
@@ -48,6 +47,13 @@ struct Group {
     nesting: usize,
 }
 
+/// Triangles that do not emit light, and the ranges of their materials.
+#[derive(Default)]
+struct Still {
+    triangles: Triangles,
+    ranges: Ranges,
+}
+
 impl<'a> Groups<'a> {
     pub(super) fn new(meshes: &'a Named<NamedMesh>) -> Self {
         let (known, open) = Default::default();
@@ -57,8 +63,8 @@ impl<'a> Groups<'a> {
 
 /// Checks that a mesh whose box is `placed` is within the range of coordinates.
 fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
-    let farthest = placed.min.abs().max(placed.max.abs()).max_element();
-    if placed == Bounds::EMPTY || farthest <= MAX_COORDINATE {
+    let within = |p: Vec3| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE;
+    if placed == Bounds::EMPTY || within(placed.min) && within(placed.max) {
         return Ok(());
     }
     let (from, to) = (placed.min.to_array(), placed.max.to_array());
@@ -151,8 +157,7 @@ impl<'a> Builder<'a> {
         material: Option<u32>,
     ) -> Result<Group> {
         let mut group = Group::default();
-        let mut still = Triangles::default();
-        let mut ranges = Vec::new();
+        let mut still = Still::default();
         let [mut instances, mut triangles, mut vertices] = [0u64; 3];
         for (i, part) in parts.iter().enumerate() {
             let e = Element { file: e.file, place: place(i), kind: part.name() };
@@ -173,25 +178,8 @@ impl<'a> Builder<'a> {
                 }
                 PrimitiveFile::Triangles(_) | PrimitiveFile::Mesh(_) => {
                     let (list, materials) = self.part(&e, part, material)?;
-                    let mut begin = 0;
-                    for (end, material) in materials {
-                        let list = match begin..end as usize {
-                            none if none.is_empty() => continue,
-                            all if all.len() == list.len() => Cow::Borrowed(&list),
-                            some => Cow::Owned(list.select(some)),
-                        };
-                        begin = end as usize;
-                        if self.materials.shine[material as usize] {
-                            triangles = triangles.saturating_add(list.len() as u64);
-                            vertices = vertices.saturating_add(list.vertex_count() as u64);
-                            let mut list = list.into_owned();
-                            list.drop_textures();
-                            group.lights.push((list, material));
-                        } else {
-                            still.append(&list);
-                            ranges.push((still.len(), material));
-                        }
-                    }
+                    self.sort(list, materials, &mut group.lights, &mut still)
+                        .map_err(|message| e.error(message))?;
                 }
                 _ => {
                     let message = "a mesh consists of `triangles`, `mesh` and `instance` only";
@@ -199,16 +187,51 @@ impl<'a> Builder<'a> {
                 }
             }
         }
-        if !still.is_empty() {
+        for (list, _) in &group.lights {
+            triangles = triangles.saturating_add(list.len() as u64);
+            vertices = vertices.saturating_add(list.vertex_count() as u64);
+        }
+        if !still.triangles.is_empty() {
             instances = instances.saturating_add(1);
             let before = self.geometry.instances.triangle_count();
-            group.mesh = Some(self.geometry.instances.add_mesh(still));
-            for (end, material) in ranges {
-                self.mesh_ranges.cover(before + end, material);
+            group.mesh = Some(self.geometry.instances.add_mesh(still.triangles));
+            for (end, material) in still.ranges.0 {
+                self.mesh_ranges.cover(before + end as usize, material);
             }
         }
         group.adds = [instances, triangles, vertices];
         Ok(group)
+    }
+
+    /// Adds triangles, with the ranges of their materials, to `lights` if they emit light, and to `still`
+    /// if not.
+    fn sort(
+        &self,
+        mut list: Triangles,
+        materials: Vec<(u32, u32)>,
+        lights: &mut Vec<(Triangles, u32)>,
+        still: &mut Still,
+    ) -> Result<(), String> {
+        let mut is_still = Vec::with_capacity(list.len());
+        let mut count = still.triangles.len();
+        for (end, material) in materials {
+            let range = is_still.len()..end as usize;
+            let shines = self.materials.shine[material as usize];
+            is_still.resize(range.end, !shines);
+            if !shines {
+                count += range.len();
+                still.ranges.cover(count, material);
+            } else if !range.is_empty() {
+                let light = list.select(range);
+                self.budget.hold_vertices(light.vertex_count())?;
+                lights.push((light, material));
+            }
+        }
+        list.retain(&is_still);
+        if !list.is_empty() {
+            still.triangles.append(&list);
+        }
+        Ok(())
     }
 
     /// Reads a part that consists of triangles. Returns them with the ranges of their materials.

@@ -88,8 +88,9 @@ fn is_auto(smooth: &Smooth) -> bool {
     *smooth == Smooth::Auto
 }
 
-/// Bytes of memory for each byte of a mesh file while it is read.
-const READING: u64 = 20;
+/// Most bytes of memory for each byte of a mesh file while it is read: a corner of a polygon in a binary PLY
+/// file may take one byte, and becomes a triangle.
+const READING: u64 = 40;
 
 impl Builder<'_> {
     /// Reads the files of `primitives` on all threads, if there is memory for all at once. Those that
@@ -107,7 +108,7 @@ impl Builder<'_> {
         paths.sort_unstable();
         paths.dedup();
         // The size of a compressed file says nothing about its content.
-        paths.retain(|path| path.extension().is_some_and(|extension| extension != "gz"));
+        paths.retain(|path| path.extension().is_some_and(|of| !of.eq_ignore_ascii_case("gz")));
         let bytes: u64 = paths.iter().filter_map(|path| length(path).ok()).sum();
         if paths.len() < 2 || READING.saturating_mul(bytes) > budget.room() {
             return;
@@ -175,8 +176,15 @@ impl Expand for MeshFile {
             to.materials.find(e, name)
         };
         let ranges = if self.material.is_some() { Vec::new() } else { ranges };
-        let materials = ranges.into_iter().map(|(end, name)| Ok((end, material_of(name)?)));
-        let materials = materials.collect::<Result<Vec<(u32, u32)>>>()?;
+        let mut begin = 0;
+        let mut materials: Vec<(u32, u32)> = Vec::new();
+        for (end, name) in ranges {
+            // All triangles of a range may lack an area. Then its material need not exist.
+            if end > begin {
+                materials.push((end, material_of(name)?));
+            }
+            begin = end;
+        }
         let before = to.geometry.triangles.len();
         to.triangles(e, vertices, faces, soft_terminator)?;
         for (end, material) in materials {

@@ -10,8 +10,8 @@ use super::{InstanceFile, MeshFile, PrimitiveFile, TrianglesFile};
 
 /// A mesh with a name: the path of a file, or a list of parts.
 ///
-/// A part is `triangles`, `mesh`, or an `instance` of another named mesh. A file has no materials,
-/// so its instances must name one.
+/// A part is `triangles`, `mesh`, or an `instance` of another named mesh. Instances of a file must name
+/// a material, unless it is an OBJ file that names materials of the scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NamedMesh {

@@ -107,9 +107,9 @@ fn kernels_agree_with_brute_force_on_instances() {
         let mut random = Stream::new(99);
         let make = |i| adversarial(&mut random, i, &placed, scale, shift);
         let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
-        check_kernels(&name, &geometry, RAYS / 8, make, oracle);
+        check_kernels(&name, &geometry, RAYS / 4, make, oracle);
         let mut bundles = Bundles::new(98, &placed, scale, shift);
-        check_kernels(&name, &geometry, RAYS / 8, |i| bundles.next(i), oracle);
+        check_kernels(&name, &geometry, RAYS / 4, |i| bundles.next(i), oracle);
     }
 }
 
@@ -203,7 +203,7 @@ fn wild_rays_find_instances() {
         (ray, t_max)
     };
     let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
-    check_kernels("wild", &geometry, RAYS / 8, make, oracle);
+    check_kernels("wild", &geometry, RAYS / 4, make, oracle);
 }
 
 /// Trees that are larger than the fast caches, for which brute force takes too long: of instances

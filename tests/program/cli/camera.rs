@@ -1,4 +1,4 @@
-//! Tests of the options that choose the camera.
+//! Tests of the options that choose the camera and the background.
 
 use std::fs;
 use std::path::Path;
@@ -92,4 +92,27 @@ fn wrong_cameras_are_refused() {
     let want = "ptfast: a.ron:3:21: cameras.side: camera: vfov must be in (0, 180)";
     assert!(stderr(&output).starts_with(want), "{}", stderr(&output));
     assert_eq!(output.status.code(), Some(65));
+}
+
+#[test]
+fn environment_maps_replace_the_background() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/sky.pfm");
+    fs::copy(map, here.join("sky.pfm")).unwrap();
+    let plain = SCENE.replace("CAMERAS", "");
+    fs::write(here.join("a.ron"), &plain).unwrap();
+    let gradient = "gradient(bottom: (0, 0, 0), top: (1, 1, 1))";
+    let mapped = plain.replace(gradient, r#"image(file: "sky.pfm")"#);
+    fs::write(here.join("b.ron"), mapped).unwrap();
+    let hash = |arguments: &[&str]| {
+        let output = render(here, &[arguments, &["--print", "hash"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        output.stdout
+    };
+    let mapped = hash(&["b.ron"]);
+    assert_eq!(hash(&["a.ron", "--env", "sky.pfm"]), mapped);
+    assert_ne!(hash(&["a.ron"]), mapped);
+    let error = stderr(&render(here, &["a.ron", "--env", "none.hdr"]));
+    assert!(error.contains("none.hdr") && error.lines().count() == 1, "{error}");
 }

@@ -44,6 +44,8 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         case(&mesh, &instance("a", &ONE.replacen('1', number, 1)), &format!("matrix {says}"));
     }
+    let nowhere = ONE.replacen("0)", "NaN)", 1);
+    case(&mesh, &instance("a", &nowhere), "matrix must be finite");
     case(&mesh, &instance("b", ONE), "unknown mesh `b`");
     case(&format!(r#""a": [{a}]"#), &a, "contains itself");
     case(&nested(9, 10), &instance("m9", ONE), "the limit of primitives");
