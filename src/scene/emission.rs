@@ -30,8 +30,11 @@ impl Emission {
     }
 }
 
-/// Relative luminance of a linear colour (Rec. 709).
+/// The parts of red, green and blue in the relative luminance of a linear colour (Rec. 709).
+pub(super) const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Relative luminance of a linear colour.
 pub(super) fn luminance(color: Vec3) -> f64 {
     let [r, g, b] = color.as_dvec3().to_array();
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
 }

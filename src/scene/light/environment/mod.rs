@@ -2,6 +2,7 @@
 
 mod file;
 mod mapping;
+mod patch;
 mod table;
 
 use std::f32::consts::PI;
@@ -15,6 +16,7 @@ pub use file::EnvironmentMap;
 pub use mapping::Mapping;
 
 use self::mapping::neighbor;
+use self::patch::{Patch, Span, line};
 use self::table::{Cell, CellTable};
 use super::LightModel;
 use super::sample::LightSample;
@@ -25,8 +27,12 @@ use crate::math::trig::{atan2, sin_cos_turns};
 use crate::math::{Mask, Real, Row, Vector, Word, clamp, dot, normalize, whole};
 use crate::scene::emission::luminance;
 
-/// The light of an environment map. Its radiance is interpolated between the centres of texels, and
-/// the density of samples is constant in each texel.
+/// The light of an environment map. Its radiance is interpolated between the centres of texels.
+///
+/// Samples are drawn from a grid of patches, whose corners are the centres of texels, or on the edges of the map.
+/// A table gives the patch, and the bilinear function of the luminance at its corners gives the place in it
+/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 2.4.2). So the density is nearly proportional to
+/// the luminance, also around a sun of one texel, where a constant density in each texel doubles the variance.
 #[derive(Debug)]
 pub(crate) struct Environment {
     texels: Arc<Texels>,
@@ -34,9 +40,9 @@ pub(crate) struct Environment {
     /// The axes of the map's frame in the scene.
     axes: [Vec3; 3],
     table: CellTable,
-    /// For each row of a latitude-longitude map: 1 − |cos θ| where it begins and how much that grows
-    /// to its end, the sign of cos θ, and the reciprocal of a texel's solid angle. Equal-area maps
-    /// have only the last, in a single row.
+    /// For each row of patches of a latitude-longitude map: 1 − |cos θ| where it begins and how much that
+    /// grows to its end, the sign of cos θ, and the reciprocal of the solid angle of a patch of whole width.
+    /// Equal-area maps have only the last, for a patch of whole size, in a single row.
     rows: Vec<Row>,
 }
 
@@ -44,33 +50,43 @@ impl Environment {
     /// Creates the light of a map, whose image is loaded. Returns `None` if the map is black.
     pub(super) fn new(map: &EnvironmentMap) -> Option<Self> {
         let texels = Arc::clone(map.texels());
-        let (width, height) = (texels.width(), texels.height());
-        let rows: Vec<BandOfSphere> = match map.mapping {
-            Mapping::LatLong => (0..height).map(|row| BandOfSphere::new(row, height)).collect(),
+        let size @ [width, height] = [texels.width(), texels.height()];
+        let bands: Vec<BandOfSphere> = match map.mapping {
+            Mapping::LatLong => (0..=height).map(|row| BandOfSphere::new(row, height)).collect(),
             Mapping::EqualArea => vec![BandOfSphere::whole()],
         };
-        let texel_angle = |row: u32| match map.mapping {
-            Mapping::LatLong => rows[row as usize].solid_angle() / f64::from(width),
+        // The solid angle of a patch of whole width, and in equal-area maps of whole height.
+        let whole = |row: u32| match map.mapping {
+            Mapping::LatLong => bands[row as usize].solid_angle() / f64::from(width),
             Mapping::EqualArea => 4.0 * f64::consts::PI / (f64::from(width) * f64::from(height)),
         };
+        let tall = |row: u32| match map.mapping {
+            Mapping::LatLong => 1.0,
+            Mapping::EqualArea => line(row + 1, height).0 - line(row, height).0,
+        };
         let luminances = luminances(&texels);
-        let means = |row: u32| means(&luminances, map.mapping, [width, height], row);
+        // For each patch of a row, the mean luminance and the solid angle.
+        let patches = |row: u32| {
+            let corners = |number: u32| corners(&luminances, map.mapping, size, number);
+            let (upper, lower, angle) = (corners(row), corners(row + 1), whole(row) * tall(row));
+            (0..=width as usize).map(move |i| {
+                let wide = line(i as u32 + 1, width).0 - line(i as u32, width).0;
+                ((upper[i] + upper[i + 1] + lower[i] + lower[i + 1]) / 4.0, wide * angle)
+            })
+        };
         let mut less = 0.0;
         if map.compensated {
-            let sum = |row: u32| texel_angle(row) * means(row).sum::<f64>();
-            less = (0..height).map(sum).sum::<f64>() / (4.0 * f64::consts::PI);
+            let sum = |row: u32| patches(row).map(|(mean, angle)| mean * angle).sum::<f64>();
+            less = (0..=height).map(sum).sum::<f64>() / (4.0 * f64::consts::PI);
         }
         let table = |less: f64| {
-            let weight = |row: u32| {
-                let angle = texel_angle(row);
-                let weight = |mean: f64| if mean > less { (mean - less) * angle } else { 0.0 };
-                means(row).map(weight).collect()
-            };
-            CellTable::new(width, height, weight)
+            let weight =
+                |(mean, angle): (f64, f64)| if mean > less { (mean - less) * angle } else { 0.0 };
+            CellTable::new(width + 1, height + 1, |row| patches(row).map(weight).collect())
         };
         // A map of one colour has nothing left after compensation.
         let table = table(less).or_else(|| table(0.0))?;
-        let rows = (0..rows.len() as u32).map(|row| rows[row as usize].row(texel_angle(row)));
+        let rows = (0..bands.len() as u32).map(|row| bands[row as usize].row(whole(row)));
         Some(Self {
             mapping: map.mapping,
             axes: map.axes().map(|axis| axis.as_vec3()),
@@ -84,21 +100,23 @@ impl Environment {
     /// [`LightModel::sample`] draws it.
     #[inline(always)]
     pub(crate) fn look<R: Real>(&self, direction: R::Vec3) -> (R::Vec3, R) {
-        let along = |axis: Vec3| dot(R::Vec3::splat(axis), direction);
-        let [x, y, z] = self.axes.map(along);
-        let (u, v) = self.mapping.place::<R>(R::Vec3::new(x, y, z));
-        let size = [self.texels.width(), self.texels.height()];
-        let (x, y) = (u * size[0] as f32, v * size[1] as f32);
-        let cell = |x: R, size: u32| whole(clamp(x, R::ZERO, R::splat(size as f32 - 0.5)));
-        let (row, column) = (cell(y, size[1]), cell(x, size[0]));
-        (self.radiance(x, y), self.pdf_of(row, column))
-    }
-
-    /// The density of the samples in a texel per unit solid angle.
-    #[inline(always)]
-    fn pdf_of<R: Real>(&self, row: R::Word, column: R::Word) -> R {
-        let (_, per_angle) = self.row::<R>(row);
-        self.table.probability::<R>(row, column) * per_angle
+        let along = |axis: usize| dot(R::Vec3::splat(self.axes[axis]), direction);
+        let local = R::Vec3::new(along(0), along(1), along(2));
+        let (u, v) = self.mapping.place::<R>(local);
+        let place = |u: R, size: u32| clamp(u * size as f32, R::ZERO, R::splat(size as f32));
+        let (x, y) = (place(u, self.texels.width()), place(v, self.texels.height()));
+        let (column, row) = (whole(x + 0.5), whole(y + 0.5));
+        let patch = self.patch::<R>(row, column);
+        let (band, per_angle) = self.row::<R>(row);
+        let (across, mut down) = patch.place(x, y);
+        if self.mapping == Mapping::LatLong {
+            // 1 − |cos θ|, without the cancellation.
+            let squared = local[0] * local[0] + local[2] * local[2];
+            let begun = squared / (R::ONE + local[1] * band[2]) - band[0];
+            down = clamp(begun / band[1], R::ZERO, R::ONE);
+        }
+        let density = patch.density(across, down) * per_angle;
+        (patch.radiance(x, y), self.table.probability::<R>(row, column) * density)
     }
 
     #[inline(always)]
@@ -107,26 +125,25 @@ impl Environment {
         R::gather(&self.rows, R::index(row, self.rows.len()), |row| row)
     }
 
-    /// The radiance at the position (x, y) in texels from the upper left corner.
+    /// The patch in this row and column of the grid.
     #[inline(always)]
-    fn radiance<R: Real>(&self, x: R, y: R) -> R::Vec3 {
-        let (x, y) = (x - R::splat(0.5), y - R::splat(0.5));
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
+    fn patch<R: Real>(&self, row: R::Word, column: R::Word) -> Patch<R> {
+        let size = [self.texels.width(), self.texels.height()];
         let fetch = |_, [x, y]: [f32; 2]| {
             let (x, y) = (x as i32, y as i32);
-            let size = [self.texels.width(), self.texels.height()];
             let texel = |x, y| {
                 let [x, y] = neighbor(self.mapping, [x, y], size);
                 self.texels.get(x, y)
             };
-            let taps = [texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)];
+            let taps = [texel(x - 1, y - 1), texel(x, y - 1), texel(x - 1, y), texel(x, y)];
             std::array::from_fn::<f32, 12, _>(|i| taps[i / 3][i % 3])
         };
-        let taps = R::each_lane(R::Word::splat(0), [x0, y0], fetch);
-        let tap = |i: usize| R::Vec3::new(taps[3 * i], taps[3 * i + 1], taps[3 * i + 2]);
-        let row = |i: usize| tap(i) * (R::ONE - fx) + tap(i + 1) * fx;
-        row(0) * (R::ONE - fy) + row(2) * fy
+        let (x, y) = (R::from_word(column), R::from_word(row));
+        let taps = R::each_lane(R::Word::splat(0), [x, y], fetch);
+        let down = Span::new(y, size[1]);
+        // The solid angles of the rows of a latitude-longitude map contain their heights.
+        let tall = if self.mapping == Mapping::LatLong { R::ONE } else { down.len() };
+        Patch::new(&taps, [Span::new(x, size[0]), down], tall)
     }
 }
 
@@ -140,32 +157,32 @@ impl LightModel for Environment {
         uv: (R, R),
     ) -> LightSample<R> {
         let [map] = table else { unreachable!("a scene has at most one environment") };
-        let Cell { row, column, position: (fx, fy) } = map.table.choose(uv);
+        let Cell { row, column, position } = map.table.choose(uv);
+        let patch = map.patch::<R>(row, column);
+        let (across, down) = patch.sample(position);
         let (band, per_angle) = map.row::<R>(row);
-        let x = R::from_word(column) + fx;
+        let (x, mut y) = patch.at(across, down);
         let (width, height) = (map.texels.width() as f32, map.texels.height() as f32);
-        let (local, y) = match map.mapping {
+        let u = x * (1.0 / width);
+        let local = match map.mapping {
             Mapping::LatLong => {
-                let down = band[0] + band[1] * fy;
-                let across = (down * (R::splat(2.0) - down)).sqrt();
+                let down = band[0] + band[1] * down;
+                let sin = (down * (R::splat(2.0) - down)).sqrt();
                 let cos = (R::ONE - down) * band[2];
-                let (sin_turn, cos_turn) = sin_cos_turns(x * (1.0 / width) - R::splat(0.5));
-                let local = R::Vec3::new(across * sin_turn, cos, -(across * cos_turn));
-                (local, atan2(across, cos) * (height / PI))
+                y = patch.clamp_down(atan2(sin, cos) * (height / PI));
+                let (sin_turn, cos_turn) = sin_cos_turns(u - R::splat(0.5));
+                R::Vec3::new(sin * sin_turn, cos, -(sin * cos_turn))
             }
-            Mapping::EqualArea => {
-                let y = R::from_word(row) + fy;
-                let (u, v) = (x * (1.0 / width), y * (1.0 / height));
-                (Mapping::equal_area_direction(u, v), y)
-            }
+            Mapping::EqualArea => Mapping::equal_area_direction(u, y * (1.0 / height)),
         };
         let [ax, ay, az] = map.axes.map(R::Vec3::splat);
         let direction = normalize(ax * local[0] + ay * local[1] + az * local[2]);
+        let density = patch.density(across, down) * per_angle;
         LightSample {
             direction,
             distance: R::INFINITY,
-            pdf: map.table.probability::<R>(row, column) * per_angle,
-            tint: map.radiance(x, y),
+            pdf: map.table.probability::<R>(row, column) * density,
+            tint: patch.radiance(x, y),
             front: R::Mask::ALL,
             visible: R::Mask::ALL,
         }
@@ -180,24 +197,25 @@ impl LightModel for Environment {
 
 /// The part of the sphere between two latitudes.
 struct BandOfSphere {
-    /// 1 − |cos θ| at the first and the last latitude.
+    /// 1 − |cos θ| at the first and the last latitude. In the band across the equator, it exceeds 1 on one side.
     down: [f64; 2],
     /// Sign of cos θ.
     sign: f64,
 }
 
 impl BandOfSphere {
-    /// The part that row `row` of `height` shows.
+    /// The part that row `row` of patches shows, in a map of `height` texels.
     fn new(row: u32, height: u32) -> Self {
+        let middle = f64::from(height) / 2.0;
+        let above = f64::from(row) <= middle;
         // 1 − cos θ = 2 sin² θ/2, without the cancellation.
-        let down = |row: u32| {
-            let (sin, _) = sin_cos_degrees(90.0 * f64::from(row) / f64::from(height));
+        let down = |number: u32| {
+            let y = line(number, height).0;
+            let y = if above { y } else { f64::from(height) - y };
+            let (sin, _) = sin_cos_degrees(90.0 * y / f64::from(height));
             2.0 * sin * sin
         };
-        match 2 * row < height {
-            true => Self { down: [down(row), down(row + 1)], sign: 1.0 },
-            false => Self { down: [down(height - row), down(height - row - 1)], sign: -1.0 },
-        }
+        Self { down: [down(row), down(row + 1)], sign: if above { 1.0 } else { -1.0 } }
     }
 
     fn whole() -> Self {
@@ -208,10 +226,10 @@ impl BandOfSphere {
         2.0 * f64::consts::PI * (self.down[1] - self.down[0]).abs()
     }
 
-    /// The row of [`Environment::rows`] for texels of this solid angle.
-    fn row(&self, texel: f64) -> Row {
+    /// The row of [`Environment::rows`] for patches of this solid angle.
+    fn row(&self, patch: f64) -> Row {
         let [begin, end] = self.down;
-        [begin, end - begin, self.sign, 1.0 / texel].map(|value| (value as f32).to_bits())
+        [begin, end - begin, self.sign, 1.0 / patch].map(|value| (value as f32).to_bits())
     }
 }
 
@@ -224,25 +242,19 @@ fn luminances(texels: &Texels) -> Vec<f32> {
     (0..texels.len()).into_par_iter().map(of).collect()
 }
 
-/// The mean luminance of the texels of a row, interpolated as [`Environment::radiance`] does.
-fn means(
-    luminances: &[f32],
-    mapping: Mapping,
-    size: [u32; 2],
-    row: u32,
-) -> impl Iterator<Item = f64> {
-    const WEIGHTS: [(i32, f64); 3] = [(-1, 0.125), (0, 0.75), (1, 0.125)];
-    (0..size[0] as i32).map(move |x| {
-        let mut sum = 0.0;
-        for (dy, weight_y) in WEIGHTS {
-            for (dx, weight_x) in WEIGHTS {
-                let texel = neighbor(mapping, [x + dx, row as i32 + dy], size);
-                let luminance = luminances[Texels::index::<f32>(texel, size) as usize];
-                sum += weight_x * weight_y * f64::from(luminance);
-            }
-        }
-        sum
-    })
+/// The luminance at the corners of patches on line number `number` of the grid, from left to right.
+fn corners(luminances: &[f32], mapping: Mapping, size: [u32; 2], number: u32) -> Vec<f64> {
+    let [width, height] = size;
+    let at = |x: i32, y: i32| {
+        let texel = neighbor(mapping, [x, y], size);
+        f64::from(luminances[Texels::index::<f32>(texel, size) as usize])
+    };
+    let (_, [above, below]) = line(number, height);
+    let corner = |column: u32| {
+        let (_, [left, right]) = line(column, width);
+        (at(left, above) + at(right, above) + at(left, below) + at(right, below)) / 4.0
+    };
+    (0..width + 2).map(corner).collect()
 }
 
 #[cfg(test)]
