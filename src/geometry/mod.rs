@@ -18,6 +18,7 @@ pub(crate) mod sphere;
 mod surfaces;
 pub(crate) mod triangle;
 mod triangles;
+mod vertices;
 mod volume;
 
 pub use bounds::Bounds;
@@ -35,7 +36,8 @@ pub use sphere::Sphere;
 pub(crate) use sphere::distance as sphere_distance;
 pub(crate) use surfaces::{Partials, Surfaces};
 pub use triangle::Triangle;
-pub use triangles::{Triangles, Vertices};
+pub use triangles::Triangles;
+pub use vertices::Vertices;
 pub(crate) use volume::Volume;
 
 use crate::math::{Mask, Real};
