@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::{SAMPLES, Table, randoms, seed};
-use crate::geometry::Ray;
 use crate::math::random::PixelKey;
 use crate::math::{cross, dot};
 use crate::sampler::{Dimension, Randoms, Sampler};
@@ -26,7 +25,7 @@ fn rays_fill_pixel_lens_and_shutter() {
     let (mut pixel, mut lens, mut time) = (vec![0; 256], vec![0; 256], vec![0; 256]);
     for index in 0..SAMPLES {
         let (x, y) = (7.0, 11.0);
-        let (ray, _): (Ray, f32) = frame.ray(x, y, &randoms(5, index));
+        let (ray, _) = frame.ray::<f32, false>(x, y, &randoms(5, index));
         // The point at which the ray crosses the plane in focus. `cell` converts it to pixels.
         let focus = ray.direction * (4.0 / dot(ray.direction, forward)) + ray.origin - frame.origin;
         let (right, down) = frame.pixel_steps;

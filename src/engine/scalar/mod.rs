@@ -39,7 +39,7 @@ impl ScalarEngine {
         let View { settings, camera, .. } = &self.0;
         let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
         let randoms = Randoms::new(settings.sampler, key, 0);
-        let (ray, weight) = camera.ray(x as f32, y as f32, &randoms);
+        let (ray, weight) = camera.ray::<f32, false>(x as f32, y as f32, &randoms);
         (ray, weight, key)
     }
 

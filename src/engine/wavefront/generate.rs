@@ -21,6 +21,20 @@ pub(super) fn generate(
     paths: &mut Paths,
     rays: &mut Rays,
 ) {
+    // Without choices in the loop, it takes 0.9 of the time.
+    match camera.is_plain() {
+        true => generate_by::<true>(camera, settings, unit, paths, rays),
+        false => generate_by::<false>(camera, settings, unit, paths, rays),
+    }
+}
+
+fn generate_by<const PLAIN: bool>(
+    camera: &CameraFrame,
+    settings: &RenderSettings,
+    unit: Unit,
+    paths: &mut Paths,
+    rays: &mut Rays,
+) {
     let mut samples = Samples::new(settings, unit);
     let count = unit.paths() as usize;
     rays.begin(count);
@@ -28,13 +42,16 @@ pub(super) fn generate(
         let sampled = samples.next_lanes();
         let keys = settings.sampler.path(sampled.pixel_key, sampled.sample);
         let randoms = Randoms::new(settings.sampler, keys, 0);
-        let (ray, weights) = camera.ray(sampled.x.to_float(), sampled.y.to_float(), &randoms);
+        let (x, y) = (sampled.x.to_float(), sampled.y.to_float());
+        let (ray, weights) = camera.ray::<Float, PLAIN>(x, y, &randoms);
         let indices = paths.indices(rays.paths(first));
         paths.set_segments(&indices, &Segment { ray, pdf: Float::splat(SPECULAR) });
         let history = History { beta: Vec3x([Float::ONE; 3]), radiance: Vec3x::ZERO, keys };
         paths.set_beta(&indices, &history);
         paths.set_radiance(&indices, &history);
-        paths.set_weights(first, weights);
+        if !PLAIN {
+            paths.set_weights(first, weights);
+        }
         rays.batch.extend(&RayVector::unbounded(ray), LANES.min(count - first));
     }
 }
