@@ -6,7 +6,7 @@ use super::bounds::Bounds;
 use super::ray::PreparedRay;
 
 /// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
-/// name and type of its list in [`Geometry`].
+/// name and type of its list in [`Geometry`](super::Geometry).
 macro_rules! primitives {
     ($list:ident) => {
         $list! {
