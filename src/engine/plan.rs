@@ -59,8 +59,8 @@ impl Planning {
 /// the paths no longer fit in the caches.
 const USUAL_WAVE: u32 = 1 << 14;
 /// Number of primitives from which bounce and shadow rays are traced as streams. Meshes of 968 to 20 088 triangles
-/// were rendered 1.05 to 1.81 times as fast as with packets, and clouds of 1000 to 10 000 spheres 1.04 to 1.46
-/// times; the 488 spheres on the ground of the report's scenes 0.67 to 0.84 times (`profiling/measured.md`).
+/// were rendered 1.08 to 1.86 times as fast as with packets, and clouds of 1000 to 10 000 spheres 1.05 to 1.41
+/// times; the 488 spheres of the report's scene 0.67 to 0.81 times (`profiling/measured.md`).
 const SMALL: usize = 1 << 9;
 /// Number of primitives from which it pays to order rays that are not traced in packets, because the
 /// tree is much larger than the caches: such scenes were rendered 0.99 to 1.12 times as fast. Of smaller
@@ -153,8 +153,8 @@ mod tests {
     fn usual_plans_order_bounce_rays_in_packets_large_scenes_and_rooms() {
         for (primitives, inside, ordered) in [
             (10, true, false),
-            (500, false, true),
-            (1000, false, false),
+            (511, false, true),
+            (512, false, false),
             (100_000, false, false),
             (100_000, true, true),
             (1_000_000, false, true),

@@ -173,6 +173,11 @@ impl Triangles {
         self.positions.len()
     }
 
+    /// Number of tables with a row for each vertex. Those of positions and normals count as one.
+    pub(crate) fn tables(&self) -> usize {
+        1 + usize::from(!self.colors.is_empty()) + usize::from(!self.tangents.is_empty())
+    }
+
     /// Moves the tables to huge pages. Call this after the last triangle has been added.
     pub(super) fn settle(&mut self) {
         let Self { corners, positions, normals, colors, tangents } = self;

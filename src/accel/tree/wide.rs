@@ -262,10 +262,11 @@ impl WideTree {
         let build = |mesh: usize, threads: usize| {
             (mesh, Self::over(triangles, &boxes, instances.range(mesh).collect(), threads))
         };
-        // Large meshes use all threads each, the others one.
+        // Large meshes use all threads each if they are few. All others are built at once.
         let is_small = |&mesh: &usize| instances.range(mesh).len() <= MAX_CLUSTER;
         let (small, large): (Vec<_>, Vec<_>) = (0..instances.meshes()).partition(is_small);
-        let mut trees: Vec<_> = large.into_iter().map(|mesh| build(mesh, threads)).collect();
+        let (at_once, each) = if large.len() < threads { (1, threads) } else { (threads, 1) };
+        let mut trees = map(at_once, large, |mesh| build(mesh, each));
         trees.extend(map(threads, small, |mesh| build(mesh, 1)));
         trees.sort_unstable_by_key(|&(mesh, _)| mesh);
         self.first = geometry.len() as u32;

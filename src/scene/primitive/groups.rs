@@ -189,7 +189,7 @@ impl<'a> Builder<'a> {
         }
         for (list, _) in &group.lights {
             triangles = triangles.saturating_add(list.len() as u64);
-            vertices = vertices.saturating_add(list.vertex_count() as u64);
+            vertices = vertices.saturating_add(list.vertex_count() as u64 * list.tables() as u64);
         }
         if !still.triangles.is_empty() {
             instances = instances.saturating_add(1);
@@ -222,9 +222,9 @@ impl<'a> Builder<'a> {
                 count += range.len();
                 still.ranges.cover(count, material);
             } else if !range.is_empty() {
-                let light = list.select(range);
-                self.budget.hold_vertices(light.vertex_count())?;
-                lights.push((light, material));
+                let vertices = list.vertex_count().min(3 * range.len());
+                self.budget.hold_vertices(vertices * list.tables())?;
+                lights.push((list.select(range), material));
             }
         }
         list.retain(&is_still);

@@ -262,3 +262,35 @@ fn equal_instances_tie_in_favour_of_the_first() {
     geometry.triangles.push(Triangle { vertices: vertices.map(|v| v + Vec3::Z * 2.0) });
     assert_eq!(hit(&geometry), (3.0, 0, 0));
 }
+
+/// Trees of meshes are built in another order than that of the meshes if some are large.
+#[test]
+fn small_and_large_meshes_keep_their_numbers() {
+    let mut geometry = Geometry::default();
+    let side = 265;
+    let at = |x: u32, y: u32| Vec3::new(x as f32 / side as f32, y as f32 / side as f32, 0.0);
+    let cell = |i: u32| {
+        let (x, y) = (i % side, i / side);
+        let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+        [Triangle { vertices: [a, b, c] }, Triangle { vertices: [b, d, c] }]
+    };
+    let large: Triangles = (0..side * side).flat_map(cell).collect();
+    assert!(large.len() > 131_072);
+    let one = Triangle { vertices: [Vec3::ZERO, Vec3::X, Vec3::Y] };
+    let small = || Triangles::from_iter([one]);
+    for (index, mesh) in [small(), large, small()].into_iter().enumerate() {
+        let mesh = geometry.instances.add_mesh(mesh);
+        let rows =
+            [[1.0, 0.0, 0.0, 2.0 * index as f32], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        geometry.instances.push(Instance::new(mesh, &rows).unwrap());
+    }
+    let mut random = Stream::new(12);
+    let tree = Bvh2::new(&geometry, 2);
+    let make = |_| {
+        let target = Vec3::new(random.between(-0.5, 4.5), random.between(-0.5, 1.0), 0.0);
+        let origin = vector(&mut random, 1.0) + Vec3::new(2.0, 0.0, 4.0);
+        (Ray { origin, direction: target - origin, time: 0.0 }, f32::INFINITY)
+    };
+    let oracle = |ray: &Ray, t_min, t_max| tree.closest(&geometry, ray, t_min, t_max);
+    check_kernels("small and large meshes", &geometry, 4096, make, oracle);
+}

@@ -16,7 +16,7 @@ pub use file::EnvironmentMap;
 pub use mapping::Mapping;
 
 use self::mapping::neighbor;
-use self::patch::{Patch, Span, line};
+use self::patch::{BLACK, Patch, Span, line};
 use self::table::{Cell, CellTable};
 use super::LightModel;
 use super::sample::LightSample;
@@ -80,8 +80,11 @@ impl Environment {
             less = (0..=height).map(sum).sum::<f64>() / (4.0 * f64::consts::PI);
         }
         let table = |less: f64| {
-            let weight =
-                |(mean, angle): (f64, f64)| if mean > less { (mean - less) * angle } else { 0.0 };
+            let weight = |(mean, angle): (f64, f64)| {
+                // Twice, because the mean is computed with other roundings in patches.
+                let shines = mean > less && mean > 2.0 * f64::from(BLACK);
+                if shines { (mean - less) * angle } else { 0.0 }
+            };
             CellTable::new(width + 1, height + 1, |row| patches(row).map(weight).collect())
         };
         // A map of one colour has nothing left after compensation.
@@ -261,6 +264,7 @@ fn corners(luminances: &[f32], mapping: Mapping, size: [u32; 2], number: u32) ->
 mod tests {
     use super::*;
     use crate::math::random::Stream;
+    use crate::math::warp::uniform_sphere;
     use crate::math::{length, max};
 
     /// A map with a dark sky, a sun and a few coloured texels.
@@ -335,10 +339,51 @@ mod tests {
         }
     }
 
+    /// The sun makes the estimate hardly noisier than a map of one colour, in maps of any size.
+    #[test]
+    fn samples_follow_the_luminance() {
+        for (mapping, width, height) in [
+            (Mapping::LatLong, 64, 32),
+            (Mapping::LatLong, 33, 17),
+            (Mapping::LatLong, 1, 9),
+            (Mapping::LatLong, 7, 1),
+            (Mapping::EqualArea, 32, 32),
+            (Mapping::EqualArea, 5, 5),
+            (Mapping::EqualArea, 1, 1),
+        ] {
+            let mut random = Stream::new(10);
+            let mut texels: Vec<[f32; 4]> =
+                (0..width * height).map(|_| [random.uniform(); 4]).collect();
+            texels[(width * (height / 3) + width / 3) as usize] = [400.0; 4];
+            let mut map = EnvironmentMap::from_file("");
+            map.mapping = mapping;
+            map.set_texels(Texels::from_floats(width, height, texels));
+            let map = Environment::new(&map).unwrap();
+            let (mut sum, mut squares, mut measure) = (0.0, 0.0, 0.0);
+            const COUNT: u32 = 100_000;
+            for _ in 0..COUNT {
+                let sample = sample(&map, (random.uniform(), random.uniform()));
+                let estimate = luminance(sample.tint) / f64::from(sample.pdf);
+                (sum, squares) = (sum + estimate, squares + estimate * estimate);
+                let (x, y) = (random.uniform(), random.uniform());
+                let (radiance, pdf) = map.look::<f32>(uniform_sphere(x, y));
+                assert!(radiance.min_element() >= 0.0);
+                measure += f64::from(pdf) * 4.0 * f64::consts::PI;
+            }
+            let (mean, count) = (sum / f64::from(COUNT), f64::from(COUNT));
+            let variance = squares / count / (mean * mean) - 1.0;
+            assert!(variance < 0.1, "{mapping:?} {width} {height}: {variance}");
+            // The sun makes this integral noisy.
+            assert!((measure / count - 1.0).abs() < 0.3, "{mapping:?} {width} {height}: {measure}");
+        }
+    }
+
     #[test]
     fn black_maps_are_no_lights() {
         let mut map = EnvironmentMap::from_file("");
         map.set_texels(Texels::from_floats(2, 2, vec![[0.0; 4]; 4]));
+        assert!(Environment::new(&map).is_none());
+        map.set_texels(Texels::from_floats(2, 2, vec![[1e-38; 4]; 4]));
         assert!(Environment::new(&map).is_none());
         map.set_texels(Texels::from_floats(2, 2, vec![[3.0; 4]; 4]));
         map.compensated = true;

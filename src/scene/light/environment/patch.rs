@@ -6,6 +6,9 @@
 use crate::math::{Real, Vector, clamp, max, min};
 use crate::scene::emission::LUMINANCE;
 
+/// Patches of this mean luminance or less are as black: they are not drawn.
+pub(super) const BLACK: f32 = 1e-36;
+
 /// The position of line `number` of the grid along an axis of `size` texels, and the texels whose mean is the
 /// value there.
 pub(super) fn line(number: u32, size: u32) -> (f64, [i32; 2]) {
@@ -36,10 +39,10 @@ impl<R: Real> Span<R> {
         Self { first, low: max(first, R::ZERO), high }
     }
 
-    /// The weight of the second texel at the position `x`.
+    /// The weight of the second texel at the position `x`, which rounding may have moved out of the patch.
     #[inline(always)]
     fn weight(&self, x: R) -> R {
-        x - self.first
+        clamp(x - self.first, R::ZERO, R::ONE)
     }
 
     #[inline(always)]
@@ -92,8 +95,7 @@ impl<R: Real> Patch<R> {
         let (upper, lower) = (down.weight(down.low), down.weight(down.high));
         let (a, b) = (bilinear(luminances, (left, upper)), bilinear(luminances, (right, upper)));
         let (c, d) = (bilinear(luminances, (left, lower)), bilinear(luminances, (right, lower)));
-        // Patches of which one is drawn are not black.
-        let each = R::ONE / max((a + b + c + d) * 0.25, R::splat(1e-37));
+        let each = R::ONE / max((a + b + c + d) * 0.25, R::splat(BLACK));
         let corners = [a * each, b * each, c * each, d * each];
         Self { texels, spans, corners, per_size: R::ONE / (across.len() * tall) }
     }
