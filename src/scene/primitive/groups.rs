@@ -217,11 +217,16 @@ impl<'a> Builder<'a> {
         for (end, material) in materials {
             let range = is_still.len()..end as usize;
             let shines = self.materials.shine[material as usize];
+            if shines && range == (0..list.len()) && !list.is_empty() {
+                lights.push((list, material));
+                return Ok(());
+            }
             is_still.resize(range.end, !shines);
             if !shines {
                 count += range.len();
                 still.ranges.cover(count, material);
             } else if !range.is_empty() {
+                // A copy, because the others keep all vertices.
                 let vertices = list.vertex_count().min(3 * range.len());
                 self.budget.hold_vertices(vertices * list.tables())?;
                 lights.push((list.select(range), material));

@@ -143,7 +143,9 @@ impl EnvironmentMap {
             );
             return Err(e.error(message));
         }
-        images.hold(e, TABLE_BYTES * texels.len() as u64)?;
+        // The grid of patches has a row and a column more than the image.
+        let [width, height] = [texels.width(), texels.height()].map(|side| u64::from(side) + 1);
+        images.hold(e, TABLE_BYTES * (width * height))?;
         self.texels = Some(texels);
         Ok(())
     }
