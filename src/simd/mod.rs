@@ -8,7 +8,7 @@
 //! sign operations are contract arithmetic: each lane equals the result of the scalar operation of
 //! the same name in [`crate::math`], bit for bit. [`Float::free_mul_add`] and
 //! [`Float::free_mul_sub`] are not contract arithmetic: use them only to decide where to look for
-//! hits.
+//! hits, and for decisions that hold despite any rounding.
 
 mod compress;
 mod float;

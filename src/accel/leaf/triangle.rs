@@ -54,23 +54,28 @@ impl Leaf for Block {
         let origin = axes(|axis| one.splat(&one.table.origin[order[axis]]));
         let vertices = axes(|i| axes(|axis| Float::new(self.vertices[i][order[axis]])));
         let sheared = shear(origin, one.vector(&one.table.shear), vertices);
-        let candidates = sheared.candidates(valid);
-        if candidates != 0 {
-            let t_min = one.table.t_min[one.lane];
-            // Shadow rays rarely hit anything, which CPUs can predict.
-            if few && !ANY && !meshes.cut() {
-                sheared.decide::<true>(candidates, |lane, t| {
-                    best.offer_by_select(t, t_min, self.primitive[lane]);
-                });
-            } else {
-                sheared.decide::<false>(candidates, |lane, t| {
-                    let primitive = self.primitive[lane];
-                    let solid = || meshes.is_solid(primitive, || one.scalar_ray(), t);
-                    if t > t_min && (t > best.t || solid()) {
-                        best.offer(t, primitive);
-                    }
-                });
-            }
+        let t_min = one.table.t_min[one.lane];
+        let verdict = sheared.verdict::<ANY>(valid, Float::splat(t_min), Float::splat(best.t));
+        if verdict.possible == 0 {
+            return;
+        }
+        let holes = meshes.cut();
+        if ANY && !holes && verdict.certain != 0 {
+            // Only whether there is a hit is read.
+            best.primitive = self.primitive[0];
+        } else if few && !ANY && !holes {
+            // No CPU can predict these, unlike what remains of shadow rays.
+            sheared.decide::<true>(verdict.possible, |lane, t| {
+                best.offer_by_select(t, t_min, self.primitive[lane]);
+            });
+        } else {
+            sheared.decide::<false>(verdict.possible, |lane, t| {
+                let primitive = self.primitive[lane];
+                let solid = || meshes.is_solid(primitive, || one.scalar_ray(), t);
+                if t > t_min && (t > best.t || solid()) {
+                    best.offer(t, primitive);
+                }
+            });
         }
     }
 
