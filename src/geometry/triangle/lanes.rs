@@ -9,6 +9,7 @@ use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 pub(crate) struct ShearedTriangles {
     /// Each vertex has two coordinates across the ray, followed by its distance along the ray.
     vertices: [[Float; 3]; 3],
+    /// The edge functions.
     edges: [Float; 3],
     /// Bound on the products of two coordinates across the ray, one on each axis, up to rounding.
     most: Float,
@@ -28,7 +29,7 @@ pub(crate) struct Verdict {
 
 /// Shears triangles and filters the lanes: f32 edge functions whose signs are certain reject nearly
 /// all misses. The remaining candidates are decided in f64 (rule 1 of the contract in
-/// ARCHITECTURE.md).
+/// ARCHITECTURE.md), unless [`ShearedTriangles::verdict`] is certain of them.
 ///
 /// `origin` and `vertices` are in the order of [`crate::geometry::PreparedRay`]'s axes, and `shear`
 /// maps the rays' directions to (0, 0, 1) in that order.
@@ -58,8 +59,8 @@ pub(crate) fn shear(
 
 /// Bound on the error of an edge function, relative to the largest product in it.
 const EDGE_ERROR: f32 = 5.0 * UNIT_ROUNDOFF;
-/// Bound on the error of a distance times the sum of the edge functions, relative to `most` times the sum of
-/// the largest distances. See [`ShearedTriangles::verdict`].
+/// Bound on the error of a distance t times the sum of the edge functions, relative to `most * (farthest + t)`.
+/// See [`ShearedTriangles::verdict`].
 const DISTANCE_ERROR: f32 = 64.0 * UNIT_ROUNDOFF;
 
 /// Up to this many candidates are decided one by one. If there are more, all lanes are decided at
@@ -251,10 +252,9 @@ mod tests {
     /// The exact test rounds the distance to 0, which lies outside the interval.
     #[test]
     fn subnormal_distances_are_not_certain() {
-        let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let vertices =
-            [corner(-1e5, -1e5, 0.0), corner(1e5, -1e5, 0.0), corner(0.0, 1e5, f32::from_bits(1))];
-        let ray = Ray { origin: corner(0.0, -5e4, 0.0), direction: Vec3::Z, time: 0.0 };
+            [(-1e5, -1e5, 0.0), (1e5, -1e5, 0.0), (0.0, 1e5, f32::from_bits(1))].map(Vec3::from);
+        let ray = Ray { origin: Vec3::Y * -5e4, direction: Vec3::Z, time: 0.0 };
         let triangle = Triangle { vertices };
         assert_eq!(triangle.intersect(&PreparedRay::new(&ray), 0.0, 1.0), None);
         let sheared = sheared(&[triangle; LANES], &ray);
