@@ -109,6 +109,7 @@ fn test_rays<const ANY: bool>(
 ) {
     let looking = rays.looking();
     let (mut t, mut decided) = (Float::ZERO, 0);
+    rays.find_views();
     for view in rays.views() {
         count.leaf(LANES as u32, (looking & view.rays).count_ones());
         let origin = axes(|axis| rays.setup.ray.origin[view.axes[axis]]);

@@ -42,21 +42,20 @@ struct Views {
 impl Views {
     const NONE: Self = Self { views: [View { axes: [0; 3], rays: 0 }; 6], count: 0 };
 
+    /// Replaces the views by those of the rays of `setup`.
     #[inline(always)]
-    fn new(setup: &Setup) -> Self {
-        let mut views = Self::NONE;
+    fn set(&mut self, setup: &Setup) {
+        self.count = 0;
         let negative = setup.shear.negative.bits();
         for longest in 0..3 {
             let along = setup.shear.longest[longest].bits() & setup.active;
             for (is_negative, rays) in [(false, along & !negative), (true, along & negative)] {
                 if rays != 0 {
-                    views.views[views.count] =
-                        View { axes: shear_axes(longest, is_negative), rays };
-                    views.count += 1;
+                    self.views[self.count] = View { axes: shear_axes(longest, is_negative), rays };
+                    self.count += 1;
                 }
             }
         }
-        views
     }
 }
 
@@ -76,14 +75,20 @@ impl Rays {
         let wild = self.setup.load(rays, present, extent);
         self.t = self.only(rays.t_max, Float::splat(f32::NEG_INFINITY));
         self.primitive = Int::splat(HitBatch::MISS);
-        if extent.triangles {
-            self.views = Views::new(&self.setup);
-        }
+        self.views.count = 0;
         wild
     }
 
-    /// Returns the rays in groups with the same longest axis and sign. Usually all rays are in one
-    /// group.
+    /// Finds the views, unless they are known. Many rays are never tested in this way.
+    #[inline(always)]
+    pub(crate) fn find_views(&mut self) {
+        if self.views.count == 0 {
+            self.views.set(&self.setup);
+        }
+    }
+
+    /// Returns the rays in groups with the same longest axis and sign, which [`Self::find_views`] has
+    /// found. Usually all rays are in one group.
     #[inline(always)]
     pub(crate) fn views(&self) -> &[View] {
         &self.views.views[..self.views.count]
