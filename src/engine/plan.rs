@@ -55,9 +55,10 @@ impl Planning {
     }
 }
 
-/// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more,
-/// the paths no longer fit in the caches.
-const USUAL_WAVE: u32 = 1 << 14;
+/// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more, the
+/// paths crowd the scene out of the caches. Twice as many rendered thirteen scenes 0.98 to 1.00 times as
+/// fast, and meshes of up to a million triangles 0.85 to 0.96 times (`profiling/measured.md`).
+const USUAL_WAVE: u32 = 1 << 13;
 /// Number of primitives from which bounce and shadow rays are traced as streams. Meshes of 968 to 20 088 triangles
 /// were rendered 1.08 to 1.86 times as fast as with packets, and clouds of 1000 to 10 000 spheres 1.05 to 1.41
 /// times; the 488 spheres of the report's scene 0.67 to 0.81 times (`profiling/measured.md`).

@@ -40,11 +40,19 @@ impl Tile {
     }
 }
 
-/// Iterator over the parts of a tile, row by row. All parts are about equally large, and about as
-/// wide as high.
+/// Largest step of [`Grid`]: the number of rays in a packet.
+const WIDEST_STEP: u64 = 32;
+
+/// Iterator over the parts of a tile, row by row. The parts are about as wide as high.
+///
+/// Paths are numbered pixel by pixel in rows. A packet of rays that begins in one row and ends in the
+/// next would span the part, so that a beam around it enters many boxes. The widths are therefore
+/// multiples of a power of two.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grid {
     whole: Tile,
+    /// Columns are cut at multiples of this number of pixels.
+    step: u32,
     columns: u32,
     rows: u32,
     next: u64,
@@ -55,10 +63,14 @@ impl Grid {
     pub(crate) fn new(whole: Tile, pixels: u64) -> Self {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
-        let columns = u64::from(width).div_ceil(pixels.isqrt()).max(1);
-        let widest = u64::from(width).div_ceil(columns).max(1);
+        let side = pixels.isqrt();
+        // Few steps would divide badly into columns.
+        let step = 1 << (side / 2).min(u64::from(width / 4)).clamp(1, WIDEST_STEP).ilog2();
+        let steps = u64::from(width).div_ceil(step);
+        let columns = steps.div_ceil((side / step).max(1)).max(1);
+        let widest = (steps.div_ceil(columns) * step).clamp(1, u64::from(width).max(1));
         let rows = u64::from(height).div_ceil(pixels / widest);
-        Self { whole, columns: columns as u32, rows: rows as u32, next: 0 }
+        Self { whole, step: step as u32, columns: columns as u32, rows: rows as u32, next: 0 }
     }
 
     /// Number of columns and rows.
@@ -68,12 +80,13 @@ impl Grid {
 
     /// The part at `column` and `row`.
     pub(crate) fn part(&self, column: u32, row: u32) -> Tile {
-        let cut = |begin: u32, length: u32, parts: u32, part: u32| {
-            let at = |part: u32| (u64::from(length) * u64::from(part) / u64::from(parts)) as u32;
-            (begin + at(part), at(part + 1) - at(part))
+        let cut = |begin: u32, length: u32, step: u32, parts: u32, part: u32| {
+            let steps = u64::from(length.div_ceil(step));
+            let at = |part: u32| (steps * u64::from(part) / u64::from(parts)) as u32 * step;
+            (begin + at(part), at(part + 1).min(length) - at(part))
         };
-        let (x, width) = cut(self.whole.x, self.whole.width, self.columns, column);
-        let (y, height) = cut(self.whole.y, self.whole.height, self.rows, row);
+        let (x, width) = cut(self.whole.x, self.whole.width, self.step, self.columns, column);
+        let (y, height) = cut(self.whole.y, self.whole.height, 1, self.rows, row);
         Tile { x, y, width, height }
     }
 }
@@ -106,8 +119,22 @@ mod tests {
     }
 
     #[test]
+    fn parts_have_the_widths_of_whole_packets() {
+        for (width, pixels, step) in [(640, 2048, 16), (1000, 4096, 32), (333, 512, 8), (50, 5, 1)]
+        {
+            let parts: Vec<_> =
+                Grid::new(Tile { x: 3, y: 0, width, height: 300 }, pixels).collect();
+            for Tile { x, width: wide, .. } in &parts {
+                assert!(wide.is_multiple_of(step) || x + wide == width + 3, "{width}: {x} {wide}");
+            }
+            let mean = width * 300 / parts.len() as u32;
+            assert!(2 * u64::from(mean) > pixels, "{width}: {mean} of {pixels} pixels");
+        }
+    }
+
+    #[test]
     fn parts_cover_every_pixel_once() {
-        for (width, height) in [(1, 1), (33, 16), (7, 90), (100, 3), (400, 400)] {
+        for (width, height) in [(1, 1), (33, 16), (7, 90), (100, 3), (400, 400), (333, 50)] {
             let whole = Tile { x: 5, y: 8, width, height };
             for pixels in [0, 1, 2, 3, 16, 100, 512, 1 << 20] {
                 let grid = Grid::new(whole, pixels);

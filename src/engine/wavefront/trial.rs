@@ -14,7 +14,7 @@ use crate::engine::unit::Task;
 use crate::film::{CHUNK, Grid, Tile, Unit};
 
 /// Wave sizes to try.
-const SIZES: [u32; 3] = [1 << 13, 1 << 14, 1 << 15];
+const SIZES: [u32; 3] = [1 << 12, 1 << 13, 1 << 14];
 
 /// Limits the length of a trial.
 #[derive(Clone, Copy)]
@@ -222,7 +222,8 @@ mod tests {
                 assert!((1 << 14..=1 << 15).contains(&paths), "{side} {spp}: {paths} paths");
                 for Unit { tile: Tile { x, y, width, height }, end, .. } in units {
                     assert!(end <= spp);
-                    for (x, y) in [(x, y), (x + width - 1, y + height - 1)] {
+                    let (right, lower) = (x + width - 1, y + height - 1);
+                    for (x, y) in [(x, y), (right, y), (x, lower), (right, lower)] {
                         quarters[(2 * x / side + 2 * (2 * y / side)) as usize] += 1;
                     }
                 }
