@@ -55,10 +55,11 @@ impl Planning {
     }
 }
 
-/// Usual number of paths of a wave. With fewer, the last segments have too few paths; with more, the
-/// paths crowd the scene out of the caches. Twice as many rendered thirteen scenes 0.98 to 1.00 times as
-/// fast, and meshes of up to a million triangles 0.85 to 0.96 times (`profiling/measured.md`).
-const USUAL_WAVE: u32 = 1 << 13;
+/// Usual number of paths of a wave. With fewer, the last segments have too few paths to sort into packets.
+const USUAL_WAVE: u32 = 1 << 14;
+/// The same for streams, which need no sorting, but the caches: twice as many paths rendered meshes 0.85 to 1.00
+/// times as fast (`profiling/measured.md`).
+const USUAL_WAVE_OF_STREAMS: u32 = 1 << 13;
 /// Number of primitives from which bounce and shadow rays are traced as streams. Meshes of 968 to 20 088 triangles
 /// were rendered 1.08 to 1.86 times as fast as with packets, and clouds of 1000 to 10 000 spheres 1.05 to 1.41
 /// times; the 488 spheres of the report's scene 0.67 to 0.81 times (`profiling/measured.md`).
@@ -109,6 +110,10 @@ impl Plan {
             20..SMALL => [Kernel::Beam, Kernel::Packet],
             _ => [Kernel::Beam, Kernel::Stream],
         };
+        let usual_wave = match later {
+            Kernel::Stream => USUAL_WAVE_OF_STREAMS,
+            _ => USUAL_WAVE,
+        };
         let ordered = match later {
             Kernel::Flat => false,
             Kernel::Packet => true,
@@ -122,7 +127,7 @@ impl Plan {
         };
         Self {
             wave_size: match wave_size {
-                0 => share.min(USUAL_WAVE.into()) as u32,
+                0 => share.min(usual_wave.into()) as u32,
                 size => size,
             },
             segments: vec![of(false, first), of(ordered, later)],
