@@ -29,7 +29,7 @@ pub(super) struct Extent {
     /// Whether the scene has boxes to test.
     boxes: bool,
     /// Whether the scene has triangles to test.
-    pub(super) triangles: bool,
+    triangles: bool,
 }
 
 impl Extent {

@@ -46,8 +46,8 @@ const WIDEST_STEP: u64 = 32;
 /// Iterator over the parts of a tile, row by row. The parts are about as wide as high.
 ///
 /// Paths are numbered pixel by pixel in rows. A packet of rays that begins in one row and ends in the
-/// next would span the part, so that a beam around it enters many boxes. The widths are therefore
-/// multiples of a power of two.
+/// next would span the part, so that a beam around it enters many boxes. All widths but the
+/// last in a row are therefore multiples of a power of two.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grid {
     whole: Tile,
@@ -64,7 +64,7 @@ impl Grid {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
         let side = pixels.isqrt();
-        // Few steps would divide badly into columns.
+        // Larger steps would make columns of very different widths.
         let step = 1 << (side / 2).min(u64::from(width / 4)).clamp(1, WIDEST_STEP).ilog2();
         let steps = u64::from(width).div_ceil(step);
         let columns = steps.div_ceil((side / step).max(1)).max(1);

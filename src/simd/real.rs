@@ -127,11 +127,6 @@ impl Real for Float {
 
     #[inline(always)]
     fn each_word(word: Int, f: impl Fn(u32) -> u32) -> Int {
-        // A loop, since `array::map` is not always inlined.
-        let mut words = word.to_array();
-        for word in &mut words {
-            *word = f(*word);
-        }
-        Int::new(words)
+        Int::new(word.to_array().map(f))
     }
 }
