@@ -17,8 +17,8 @@ const PRIMITIVE: u64 = 200;
 const MESH: u64 = 1400;
 /// Bytes per primitive of a cluster while a thread builds its tree: up to 120 were measured.
 const BUILD: u64 = 180;
-/// Number of paths of the largest waves in trials.
-const PATHS: u64 = 1 << 15;
+/// Number of paths of the largest waves, usual ones and in trials.
+const PATHS: u64 = 1 << 14;
 /// Bytes per path of a wave, in scenes with many kinds of materials.
 const PATH: u64 = 380;
 

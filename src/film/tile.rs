@@ -40,14 +40,15 @@ impl Tile {
     }
 }
 
-/// Largest step of [`Grid`]: the number of rays in a packet.
+/// Largest step of [`Grid`]: a row of so many pixels has whole packets of 32 rays, and beams of 64 if
+/// pixels have two samples or more.
 const WIDEST_STEP: u64 = 32;
 
 /// Iterator over the parts of a tile, row by row. The parts are about as wide as high.
 ///
 /// Paths are numbered pixel by pixel in rows. A packet of rays that begins in one row and ends in the
 /// next would span the part, so that a beam around it enters many boxes. All widths but the
-/// last in a row are therefore multiples of a power of two.
+/// last in a row are therefore multiples of `step`, a power of two of at most [`WIDEST_STEP`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grid {
     whole: Tile,
@@ -64,7 +65,7 @@ impl Grid {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
         let side = pixels.isqrt();
-        // Larger steps would make columns of very different widths.
+        // At least two steps in a column, so that no column is much wider than another.
         let step = 1 << (side / 2).min(u64::from(width / 4)).clamp(1, WIDEST_STEP).ilog2();
         let steps = u64::from(width).div_ceil(step);
         let columns = steps.div_ceil((side / step).max(1)).max(1);
@@ -129,6 +130,24 @@ mod tests {
             }
             let mean = width * 300 / parts.len() as u32;
             assert!(2 * u64::from(mean) > pixels, "{width}: {mean} of {pixels} pixels");
+        }
+    }
+
+    /// The sizes by hand: (image), pixels, widths of the columns, number of rows.
+    #[test]
+    fn parts_are_cut_in_steps() {
+        for ([width, height], pixels, columns, rows) in [
+            // Steps of 16 pixels, two of which fit into the root of 2048.
+            ([640, 360], 2048, &[32; 20][..], 6),
+            // Five steps of 32 in two columns, the last step a pixel wide.
+            ([129, 300], 16_384, &[64, 65], 2),
+            ([130, 300], 4096, &[32, 64, 34], 5),
+            ([50, 10], 5, &[2; 25], 5),
+        ] {
+            let grid = Grid::new(Tile { x: 0, y: 0, width, height }, pixels);
+            let widths: Vec<_> =
+                (0..grid.columns).map(|column| grid.part(column, 0).width).collect();
+            assert_eq!((&widths[..], grid.rows), (columns, rows), "{width} {height} {pixels}");
         }
     }
 

@@ -56,23 +56,38 @@ impl Table {
             let of = |longest| Int::splat(shear_axes(longest, negative)[axis] as u32);
             is_x.select(of(0), is_y.select(of(1), of(2)))
         };
-        self.origin = lanes(setup.ray.origin);
-        self.direction = lanes(setup.ray.direction);
-        self.time = setup.ray.time.to_array();
-        self.t_min = setup.ray.t_min.to_array();
-        self.length2 = setup.ray.length2.to_array();
-        self.inv_length2 = setup.ray.inv_length2.to_array();
-        self.inverse = lanes(setup.slab.inverse);
-        self.near_offset = axes(|axis| by_sign(axis, axis + 3, axis));
-        self.far_offset = axes(|axis| by_sign(axis, axis, axis + 3));
-        self.shear = lanes(setup.shear.shear);
-        for (down, mask) in self.down.iter_mut().zip(down) {
+        // Names all fields, so that none is forgotten.
+        let Self {
+            origin,
+            direction,
+            time,
+            t_min,
+            length2,
+            inv_length2,
+            inverse,
+            near_offset,
+            far_offset,
+            shear,
+            down: is_down,
+            axes: view,
+        } = self;
+        *origin = lanes(setup.ray.origin);
+        *direction = lanes(setup.ray.direction);
+        *time = setup.ray.time.to_array();
+        *t_min = setup.ray.t_min.to_array();
+        *length2 = setup.ray.length2.to_array();
+        *inv_length2 = setup.ray.inv_length2.to_array();
+        *inverse = lanes(setup.slab.inverse);
+        *near_offset = axes(|axis| by_sign(axis, axis + 3, axis));
+        *far_offset = axes(|axis| by_sign(axis, axis, axis + 3));
+        *shear = lanes(setup.shear.shear);
+        for (is_down, mask) in is_down.iter_mut().zip(down) {
             let bits = mask.bits();
-            for (lane, down) in down.iter_mut().enumerate() {
-                *down = bits >> lane & 1 == 1;
+            for (lane, is_down) in is_down.iter_mut().enumerate() {
+                *is_down = bits >> lane & 1 == 1;
             }
         }
-        self.axes = axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array());
+        *view = axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array());
     }
 }
 

@@ -91,6 +91,7 @@ impl Rays {
     /// found. Usually all rays are in one group.
     #[inline(always)]
     pub(crate) fn views(&self) -> &[View] {
+        debug_assert!(self.views.count > 0 || self.setup.active == 0, "views were not looked for");
         &self.views.views[..self.views.count]
     }
 
