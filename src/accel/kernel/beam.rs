@@ -11,6 +11,8 @@
 //!    on the other two axes then describe the frustum around the rays.
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
+//! 3. In large trees, a beam may be much wider than the boxes. Once it has tested as many primitives as it
+//!    has rays, the rays visit the rest as a stream.
 
 use super::job::Job;
 use super::meshes::MeshTrees;
@@ -20,7 +22,7 @@ use super::visits::{Child, Visits};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{BlockRef, Blocks, Meshes, NoMeshes};
-use crate::accel::ray::packet::Packet;
+use crate::accel::ray::packet::{Packet, VECTORS};
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::WideTree;
 use crate::simd::{Float, Int, LANES, Mask, axes};
@@ -95,6 +97,13 @@ impl<const V: usize> Beam<V> {
         spread[0] || spread[1] || spread[2]
     }
 
+    /// Factor for distances along the beam's axis that makes them lower bounds of the distances along
+    /// its rays. It is smaller than exact by more than rounding.
+    fn least_distance(&self) -> f32 {
+        let most = self.scales.iter().fold(Float::ZERO, |most, scale| scale.max(most));
+        0.999_99 / most.largest_lane().first()
+    }
+
     /// Returns a lower bound of the distances at which any ray enters the boxes, and a mask of the
     /// boxes that some ray may enter up to `limit`. `plane` returns the lower (0) or the upper (1)
     /// planes on an axis.
@@ -156,7 +165,10 @@ const BEAM: u32 = 1;
 /// Number of vectors in a beam of 64 rays, for trees that fit into the fast caches.
 const MANY: usize = 64 / LANES;
 /// Number of vectors in a beam for larger trees, whose boxes are small compared with a beam.
-const FEW: usize = 2;
+const FEW: usize = VECTORS;
+/// Number of tested primitives after which such a beam leaves the rest to its rays: one for each ray. From 8 to
+/// 64, speeds differ by less than 10% in most scenes (`profiling/measured.md`).
+const MOST_TESTS: u32 = (FEW * LANES) as u32;
 
 /// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are
 /// traced as streams. Returns the indices of the wild rays (see `Setup::load`), which are left to
@@ -195,13 +207,17 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
             Some(beam) if !(tree.is_large && beam.is_wide()) => {
                 let Tracer { visits, meshes, .. } = &mut tracer;
                 traverse::<ANY, V>(tree, packet, &beam, visits, meshes, count);
+                if !visits.is_empty() {
+                    tracer.finish::<ANY>(tree, &mut packet.vectors, beam.least_distance(), count);
+                }
             }
             _ => tracer.trace::<ANY>(tree, &mut packet.vectors, count),
         }
     })
 }
 
-/// Visits the blocks in boxes that the beam may enter, nearer boxes first.
+/// Visits the blocks in boxes that the beam may enter, nearer boxes first. If the beam proves to be wide,
+/// leaves visits to its rays.
 #[inline(always)]
 fn traverse<const ANY: bool, const V: usize>(
     tree: &WideTree,
@@ -211,6 +227,7 @@ fn traverse<const ANY: bool, const V: usize>(
     meshes: &mut impl Meshes,
     count: &mut impl Count,
 ) {
+    let mut tests = 0;
     let mut limit = packet.farthest(&beam.scales);
     visits.start(BEAM);
     while let Some(visit) = visits.next::<false>() {
@@ -224,6 +241,10 @@ fn traverse<const ANY: bool, const V: usize>(
                         block, candidates, packet, meshes, count,
                     );
                     limit = packet.farthest(&beam.scales);
+                    tests += candidates.count_ones();
+                    if V == FEW && tests >= MOST_TESTS {
+                        return;
+                    }
                 }
             }
         }

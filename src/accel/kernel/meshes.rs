@@ -57,6 +57,7 @@ impl Meshes for MeshTrees<'_> {
         let tree = &self.trees[mesh as usize];
         let cut = self.cut.map(|geometry| &**geometry.instances.triangles());
         let mut within = WithinInstance { cut, instance };
+        self.visits.start(1 << ray);
         search::<ANY, 1>(tree, group, 1 << ray, &mut self.visits, &mut within, count);
     }
 }

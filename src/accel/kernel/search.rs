@@ -8,7 +8,7 @@ use crate::accel::ray::one_ray::OneRay;
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
-/// Searches the tree for hits of those rays of `group` that are in the set `rays`.
+/// Searches for hits of those rays of `group` that are in the set `rays`, which have `visits` to come.
 #[inline(always)]
 pub(super) fn search<const ANY: bool, const V: usize>(
     tree: &WideTree,
@@ -22,7 +22,6 @@ pub(super) fn search<const ANY: bool, const V: usize>(
         return;
     }
     let mut looking = rays;
-    visits.start(rays);
     while let Some(visit) = visits.next::<ANY>() {
         let rays = if ANY { visit.rays & looking } else { visit.rays };
         match visit.child() {

@@ -75,8 +75,26 @@ impl<M: Meshes> Tracer<M> {
         let Self { group, visits, meshes } = self;
         for vectors in vectors.chunks_mut(VECTORS) {
             let looking = group.load(vectors);
+            visits.start(looking);
             search::<ANY, VECTORS>(tree, group, looking, visits, meshes, count);
             group.store::<ANY>(vectors);
         }
+    }
+
+    /// Traces rays through what their beam has left to visit. They enter the boxes at a distance of at
+    /// least `factor` times that of the beam.
+    #[inline(always)]
+    pub(super) fn finish<const ANY: bool>(
+        &mut self,
+        tree: &WideTree,
+        vectors: &mut [Rays],
+        factor: f32,
+        count: &mut impl Count,
+    ) {
+        let Self { group, visits, meshes } = self;
+        let looking = group.load(vectors);
+        visits.hand_over(looking, factor);
+        search::<ANY, VECTORS>(tree, group, looking, visits, meshes, count);
+        group.store::<ANY>(vectors);
     }
 }

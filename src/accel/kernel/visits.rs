@@ -55,6 +55,21 @@ impl Visits {
         self.gone = 0;
     }
 
+    /// Whether no visit of a stack is to come.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Gives the visits of a stack to `rays`, which enter the boxes at a distance of at least `factor` times
+    /// the former one.
+    #[inline(always)]
+    pub(super) fn hand_over(&mut self, rays: u32, factor: f32) {
+        for visit in &mut self.list {
+            (visit.distance, visit.rays) = (visit.distance * factor, rays);
+        }
+    }
+
     /// Takes the newest visit. If `ANY` is set, takes the oldest instead, whose data has had the most time
     /// to arrive from memory.
     #[inline(always)]
@@ -162,6 +177,23 @@ mod tests {
         let by_lane = [(100, 5.0, 1), (101, 1.0, 2), block, (105, 2.0, 3), (107, 7.0, 1)];
         assert_eq!(order::<true>(entering, nearest), by_lane);
         assert!(order::<false>([0; LANES], nearest).is_empty());
+    }
+
+    #[test]
+    fn visits_are_handed_over() {
+        let tree = WideTree { depth: 1, ..WideTree::default() };
+        let mut visits = Visits::for_tree(&tree);
+        visits.start(1);
+        visits.next::<false>();
+        assert!(visits.is_empty());
+        let lanes = |value: f32| std::array::from_fn(|lane| if lane < 2 { value } else { 0.0 });
+        let entering = Int::new(std::array::from_fn(|lane| u32::from(lane == 1 || lane == 6)));
+        visits.push::<false>(&tree, &node(), entering, Float::new(lanes(4.0)));
+        assert!(!visits.is_empty());
+        visits.hand_over(0b101, 0.5);
+        let taken = [(); 2].map(|()| visits.next::<false>().expect("two visits"));
+        let taken = taken.map(|visit| (visit.child, visit.distance, visit.rays));
+        assert_eq!(taken, [(106, 0.0, 0b101), (101, 2.0, 0b101)]);
     }
 
     #[test]
