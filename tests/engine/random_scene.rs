@@ -266,6 +266,9 @@ impl Maker {
             Material::Lambertian(lambertian) => lambertian.normal = normal,
             Material::Metal(metal) => metal.normal = normal,
             Material::Conductor(conductor) => conductor.normal = normal,
+            Material::Dielectric(glass) => glass.normal = normal,
+            Material::RoughDielectric(frosted) => frosted.normal = normal,
+            Material::DiffuseTransmission(leaf) => leaf.normal = normal,
             Material::CoatedDiffuse(coated) => coated.normal = normal,
             Material::Principled(principled) => principled.normal = normal,
             _ => {}
@@ -296,11 +299,15 @@ impl Maker {
             4 => {
                 let ior = self.0.between(1.0, 2.5);
                 let fresnel = if self.one_in(2) { Fresnel::Schlick } else { Fresnel::Exact };
-                Dielectric { ior, fresnel }.into()
+                Dielectric::new(ior, fresnel).into()
             }
             5 => {
-                let (ior, alpha) = (self.0.between(1.02, 2.5), self.0.between(0.001, 1.0));
-                RoughDielectric { ior, alpha }.into()
+                let ior = self.0.between(1.02, 2.5);
+                let alpha = match self.number(textures) {
+                    Number::Value(_) => self.0.between(0.001, 1.0).into(),
+                    texture => texture,
+                };
+                RoughDielectric::new(ior, alpha).into()
             }
             6 => {
                 let (eta, k) = (self.vector(0.0, 2.0), self.vector(0.1, 5.0));
@@ -402,18 +409,48 @@ impl Maker {
                 false => Opacity::Blend { alpha },
             })
         });
-        let mut card = Lambertian::new([0.5; 3]);
-        card.opacity = first;
+        let card: Material = match self.below(3) {
+            0 => {
+                let mut card = Lambertian::new([0.5; 3]);
+                card.opacity = first;
+                card.into()
+            }
+            1 => {
+                let mut foil = Metal::new([0.7; 3], 0.1);
+                foil.opacity = first;
+                foil.into()
+            }
+            _ => {
+                let mut foil = Conductor::new([0.2; 3], [3.0; 3], 0.2);
+                foil.opacity = first;
+                foil.into()
+            }
+        };
         let mut leaf = DiffuseTransmission::new([0.3; 3], [0.4; 3]);
         leaf.opacity = second;
-        let mut glass = Principled::default();
-        (glass.opacity, glass.transmission) = (third, 0.5.into());
-        if self.one_in(2) {
-            // A texture that is known to vary.
-            glass.emission = "bumps".into();
-        }
+        let glass: Material = match self.below(3) {
+            0 => {
+                let mut glass = Dielectric::new(1.5, Fresnel::Exact);
+                glass.opacity = third;
+                glass.into()
+            }
+            1 => {
+                let mut glass = RoughDielectric::new(1.5, 0.3);
+                glass.opacity = third;
+                glass.into()
+            }
+            _ => {
+                let mut glass = Principled::default();
+                (glass.opacity, glass.transmission) = (third, 0.5.into());
+                if self.one_in(2) {
+                    // A texture that is known to vary.
+                    glass.emission = "bumps".into();
+                }
+                glass.into()
+            }
+        };
         let named = |name: &str, material: Material| (name.to_owned(), material);
-        [named("h0", card.into()), named("h1", leaf.into()), named("h2", glass.into())]
+        [named("h0", card), named("h1", leaf.into()), named("h2", glass)]
     }
 
     fn triangles(&mut self, material: String) -> TrianglesFile {

@@ -205,6 +205,8 @@ fn values_of_materials_and_media_are_checked() {
         ("dielectric(ior: 1.5, fresnel: fast)", "unknown kind `fast`, known: `schlick`"),
         ("rough_dielectric(ior: 1, alpha: 0.5)", "ior must be in [0.01, 0.99] or [1.01, 100]"),
         ("rough_dielectric(ior: 1.5, alpha: 0)", "alpha must be in [0.001, 1]"),
+        ("rough_dielectric(ior: 1.5, alpha: (texture: \"t\"))", "unknown texture `t`"),
+        ("dielectric(ior: 1.5, opacity: blend(alpha: 7))", "alpha must be in [0, 1]"),
         ("conductor(eta: (1, 1, 1), k: (1, 1, 1), alpha: 2)", "alpha must be in [0, 1], is 2.0"),
         ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be at least 0.001 in channels"),

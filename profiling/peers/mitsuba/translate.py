@@ -99,6 +99,12 @@ def material(description, textures, exact, folder=""):
         if plain["alpha"] < 1e-3:
             plain.pop("alpha")
             plain["type"] = "conductor"
+    elif kind == "principled":
+        # Without metal, the base and the glass of Mitsuba's model differ from ours.
+        if exact and (values["metalness"] < 1 or values["coat"] > 0 or values["roughness"] > 0.15):
+            raise SystemExit(f"Mitsuba has no material like {description}")
+        plain = {"type": "principled", "base_color": color(values["base_color"], textures, folder),
+                 "metallic": values["metalness"], "roughness": values["roughness"]}
     elif kind == "dielectric":
         return {"type": "dielectric", "int_ior": values["ior"], "ext_ior": 1.0}
     else:

@@ -94,7 +94,7 @@ fn conductor(alpha: f32) -> Material {
 fn cases() -> Vec<Case> {
     let metal = |fuzz| (format!("metal {fuzz}"), Metal::new(ALBEDO, fuzz).into());
     let frosted = |ior, alpha| {
-        (format!("rough_dielectric {ior} {alpha}"), RoughDielectric { ior, alpha }.into())
+        (format!("rough_dielectric {ior} {alpha}"), RoughDielectric::new(ior, alpha).into())
     };
     let principled = |name: &str, edit: fn(&mut Principled)| {
         let mut material = Principled { base_color: ALBEDO.into(), ..Principled::default() };
@@ -231,7 +231,7 @@ fn scattering_is_reciprocal() {
         let coat = Principled { coat: 0.7.into(), coat_roughness: 0.5.into(), ..plastic.clone() };
         let glass = Principled { transmission: 0.6.into(), ..plastic.clone() };
         let opaque = [conductor(alpha), plastic.into(), coat.into()];
-        let glasses = [RoughDielectric { ior: 1.5, alpha }.into(), glass.into()];
+        let glasses = [RoughDielectric::new(1.5, alpha).into(), glass.into()];
         for (material, transmits) in
             opaque.map(|m| (m, false)).into_iter().chain(glasses.map(|m| (m, true)))
         {
@@ -268,7 +268,7 @@ fn coats_scatter_about_as_much_as_a_random_walk() {
     let mut worst = 0.0;
     println!("\nroughness  rho  cosine    walk  coated");
     for roughness in [0.1f32, 0.4, 0.7] {
-        let glass: Material = RoughDielectric { ior: 1.5, alpha: roughness * roughness }.into();
+        let glass: Material = RoughDielectric::new(1.5, roughness * roughness).into();
         for rho in [0.2f32, 0.5, 0.9] {
             let coated: Material = CoatedDiffuse::new([rho; 3], roughness).into();
             for cos in [0.95f32, 0.6, 0.3] {

@@ -22,7 +22,7 @@ pub(super) fn scene(count: u32) -> SceneFile {
         } else if kind < 0.95 {
             Metal::new(albedo, 0.3 * random.uniform()).into()
         } else {
-            Dielectric { ior: 1.5, fresnel: Fresnel::Schlick }.into()
+            Dielectric::new(1.5, Fresnel::Schlick).into()
         };
         (format!("m{index}"), material)
     });

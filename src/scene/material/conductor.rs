@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
 use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, row};
@@ -31,12 +31,15 @@ pub struct Conductor {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
 impl Conductor {
-    /// Creates the material without a normal map.
+    /// Creates the material without a normal map and without holes.
     pub fn new(eta: [f32; 3], k: [f32; 3], alpha: impl Into<Number>) -> Self {
-        Self { eta, k, alpha: alpha.into(), normal: None }
+        Self { eta, k, alpha: alpha.into(), normal: None, opacity: None }
     }
 }
 
@@ -52,11 +55,16 @@ impl MaterialModel for Conductor {
     const TEXTURED: bool = true;
 
     fn textures(&mut self) -> Vec<&mut TextureRef> {
-        self.alpha.reference().into_iter().chain(&mut self.normal).collect()
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
     }
 
     fn normal(&self) -> Option<&TextureRef> {
         self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -3,25 +3,39 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, reflect, row};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::TextureTables;
+use crate::scene::texture::{TextureRef, TextureTables};
 
 /// Clear glass in air. Each path is randomly either reflected or refracted.
 ///
 /// Paths carry basic radiance, L/n², which refraction does not change; see ARCHITECTURE.md.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Dielectric {
     /// Index of refraction relative to air, 0.01 to 100.
     pub ior: f32,
     /// Formula for the reflectance.
     #[serde(default)]
     pub fresnel: Fresnel,
+    /// Name of a normal map: an image texture with linear encoding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
+}
+
+impl Dielectric {
+    /// Creates the material without a normal map and without holes.
+    pub fn new(ior: f32, fresnel: Fresnel) -> Self {
+        Self { ior, fresnel, normal: None, opacity: None }
+    }
 }
 
 /// Formula for the reflectance of a dielectric.
@@ -43,6 +57,20 @@ impl MaterialModel for Dielectric {
 
     const GLOSSY: bool = true;
     const TRANSMITS: bool = true;
+    const TEXTURED: bool = true;
+
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        self.normal.iter_mut().chain(opacity).collect()
+    }
+
+    fn normal(&self) -> Option<&TextureRef> {
+        self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
+    }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)

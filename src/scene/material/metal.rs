@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
 use crate::error::Result;
 use crate::math::warp::uniform_ball;
 use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect};
@@ -27,12 +27,15 @@ pub struct Metal {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
 impl Metal {
-    /// Creates the material without a normal map.
+    /// Creates the material without a normal map and without holes.
     pub fn new(albedo: impl Into<Color>, fuzz: impl Into<Number>) -> Self {
-        Self { albedo: albedo.into(), fuzz: fuzz.into(), normal: None }
+        Self { albedo: albedo.into(), fuzz: fuzz.into(), normal: None, opacity: None }
     }
 }
 
@@ -45,16 +48,17 @@ impl MaterialModel for Metal {
     const TEXTURED: bool = true;
 
     fn textures(&mut self) -> Vec<&mut TextureRef> {
-        self.albedo
-            .reference()
-            .into_iter()
-            .chain(self.fuzz.reference())
-            .chain(&mut self.normal)
-            .collect()
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        let parameters = self.albedo.reference().into_iter().chain(self.fuzz.reference());
+        parameters.chain(&mut self.normal).chain(opacity).collect()
     }
 
     fn normal(&self) -> Option<&TextureRef> {
         self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
     }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {

@@ -1,16 +1,15 @@
 //! Frosted glass, whose GGX microfacets reflect and refract (Walter et al. 2007).
 
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Scatter};
+use super::{Bsdf, MaterialModel, Opacity, Scatter};
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
-use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, row};
+use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, max, min, normalize};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::interaction::Interaction;
 use crate::scene::place::Element;
-use crate::scene::texture::TextureTables;
+use crate::scene::texture::{Number, TextureRef, TextureTables};
 
 /// Frosted glass in air, with GGX microfacets and the exact Fresnel equations.
 ///
@@ -18,31 +17,63 @@ use crate::scene::texture::TextureTables;
 /// radiance. Masking and shadowing on opposite sides are treated as independent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct RoughDielectric {
     /// Index of refraction relative to air, 0.01 to 0.99 or 1.01 to 100.
     pub ior: f32,
-    /// GGX roughness α, 0.001 to 1.
-    pub alpha: f32,
+    /// GGX roughness α, 0.001 to 1, or a texture, which counts as at least 0.001.
+    pub alpha: Number,
+    /// Name of a normal map: an image texture with linear encoding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<TextureRef>,
+    /// Holes in the surface, which must then be of triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<Opacity>,
 }
 
+impl RoughDielectric {
+    /// Creates the material without a normal map and without holes.
+    pub fn new(ior: f32, alpha: impl Into<Number>) -> Self {
+        Self { ior, alpha: alpha.into(), normal: None, opacity: None }
+    }
+}
+
+/// Smallest α.
+const LEAST_ALPHA: f32 = 0.001;
+
 impl MaterialModel for RoughDielectric {
-    /// (index of refraction, 0, 0), α.
+    /// The words of α, and the index of refraction.
     type Entry = Row;
     type Bsdf<R: Real> = RoughDielectricBsdf<R>;
 
     const GLOSSY: bool = true;
     const TRANSMITS: bool = true;
+    const TEXTURED: bool = true;
+
+    fn textures(&mut self) -> Vec<&mut TextureRef> {
+        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+        self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
+    }
+
+    fn normal(&self) -> Option<&TextureRef> {
+        self.normal.as_ref()
+    }
+
+    fn opacity(&self) -> Option<&Opacity> {
+        self.opacity.as_ref()
+    }
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
-        let Self { ior, alpha } = self;
+        let Self { ior, alpha, .. } = self;
         // As the index approaches 1, all microfacets transmit light without deflecting it.
         let ok = (0.01..=0.99).contains(ior) || (1.01..=100.0).contains(ior);
         e.check(ok, "ior", "in [0.01, 0.99] or [1.01, 100]", ior)?;
-        e.check((0.001..=1.0).contains(alpha), "alpha", "in [0.001, 1]", alpha)
+        alpha.check(e, "alpha", LEAST_ALPHA..=1.0)
     }
 
-    fn entry(&self, _: &mut TextureTables) -> Row {
-        row(Vec3::X * self.ior, self.alpha)
+    fn entry(&self, textures: &mut TextureTables) -> Row {
+        let [alpha, code] = textures.number(&self.alpha);
+        [alpha, code, self.ior.to_bits(), 0]
     }
 
     #[inline(always)]
@@ -51,10 +82,11 @@ impl MaterialModel for RoughDielectric {
         index: R::Index,
         at: &Interaction<'_, R>,
     ) -> RoughDielectricBsdf<R> {
-        let (ior, alpha) = R::gather(table, index, |row| row);
+        let (row, _) = R::gather(table, index, |row| row);
+        let alpha = max(at.number([row[0], row[1]]), R::splat(LEAST_ALPHA));
         let frame = Frame::new(at.shading);
         let wo = frame.local(-at.ray.direction);
-        let eta = at.front.select(ior[0], R::ONE / ior[0]);
+        let eta = at.front.select(row[2], R::ONE / row[2]);
         RoughDielectricBsdf { frame, wo, eta, ggx: Ggx { alpha } }
     }
 }

@@ -30,6 +30,7 @@ fn pictures_are_those_of_mitsuba() {
         "mitsuba/checker",
         "mitsuba/spheres",
         "mitsuba/materials",
+        "mitsuba/principled",
         "mitsuba/media",
         "mitsuba/instances",
         "environment",

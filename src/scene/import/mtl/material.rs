@@ -133,8 +133,7 @@ impl Section<'_> {
         }
         let ior = self.ior()?;
         if tint == [1.0; 3] {
-            let glass = Dielectric { ior: ior.clamp(0.01, 100.0), fresnel: Fresnel::Exact };
-            return Ok(Some(glass.into()));
+            return Ok(Some(Dielectric::new(ior.clamp(0.01, 100.0), Fresnel::Exact).into()));
         }
         let glass = Principled {
             base_color: Color::Rgb(tint),

@@ -138,23 +138,13 @@ impl Reader<'_, '_> {
                 .into()
             }
             "dielectric" => {
-                if normal.is_some() {
-                    self.import.warn("normal maps of glass are not supported, so it is flat");
-                }
                 let ior = self.ior(params, "eta", 1.5)?;
-                match self.roughness(params, "", false)? {
-                    Number::Value(alpha)
-                        if f64::from(alpha) >= ROUGH && (ior - 1.0).abs() >= 0.01 =>
-                    {
-                        RoughDielectric { ior, alpha }.into()
-                    }
-                    Number::Value(_) => Dielectric { ior, fresnel: Fresnel::Exact }.into(),
-                    Number::Texture { .. } => {
-                        self.import.warn(
-                            "textures of the roughness of glass are not supported, so it is 0.1",
-                        );
-                        RoughDielectric { ior, alpha: 0.1 }.into()
-                    }
+                let alpha = self.roughness(params, "", false)?;
+                let smooth = matches!(alpha, Number::Value(alpha) if f64::from(alpha) < ROUGH);
+                if smooth || (ior - 1.0).abs() < 0.01 {
+                    Dielectric { normal, ..Dielectric::new(ior, Fresnel::Exact) }.into()
+                } else {
+                    RoughDielectric { normal, ..RoughDielectric::new(ior, alpha) }.into()
                 }
             }
             "thindielectric" => Principled {
@@ -305,11 +295,19 @@ impl Reader<'_, '_> {
     /// Glass filled with a medium that absorbs light.
     fn absorbing(&mut self, glass: Material, medium: &str) -> Result<Material, String> {
         let medium = self.medium(medium)?;
-        let (ior, roughness) = match &glass {
-            Material::Dielectric(glass) => (glass.ior, 0.0),
-            Material::RoughDielectric(glass) => (glass.ior, glass.alpha.sqrt()),
+        let (ior, roughness, normal) = match &glass {
+            Material::Dielectric(glass) => (glass.ior, 0.0.into(), &glass.normal),
+            Material::RoughDielectric(glass) => {
+                // The square root of a texture is not supported, see `roughness`.
+                let roughness = match &glass.alpha {
+                    Number::Value(alpha) => alpha.sqrt().into(),
+                    texture => texture.clone(),
+                };
+                (glass.ior, roughness, &glass.normal)
+            }
             _ => return Ok(glass),
         };
+        let normal = normal.clone();
         if medium.scatters() {
             self.import.warn("glass cannot scatter light inside, so it only absorbs light");
         }
@@ -322,11 +320,12 @@ impl Reader<'_, '_> {
         let color = absorbed.map(|sigma| crate::math::precise::exp(-sigma / largest) as f32);
         Ok(Principled {
             base_color: [1.0; 3].into(),
-            roughness: roughness.into(),
+            roughness,
             ior: ior.clamp(1.01, 10.0),
             transmission: 1.0.into(),
             attenuation_color: color,
             attenuation_distance: (1.0 / largest) as f32,
+            normal,
             ..Principled::default()
         }
         .into())
@@ -350,6 +349,9 @@ fn opacity_of(material: &mut Material) -> Option<&mut Option<Opacity>> {
         Material::Lambertian(material) => Some(&mut material.opacity),
         Material::CoatedDiffuse(material) => Some(&mut material.opacity),
         Material::DiffuseTransmission(material) => Some(&mut material.opacity),
+        Material::Conductor(material) => Some(&mut material.opacity),
+        Material::Dielectric(material) => Some(&mut material.opacity),
+        Material::RoughDielectric(material) => Some(&mut material.opacity),
         Material::Principled(material) => Some(&mut material.opacity),
         _ => None,
     }
