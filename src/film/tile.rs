@@ -65,7 +65,7 @@ impl Grid {
         let Tile { width, height, .. } = whole;
         let pixels = pixels.max(1);
         let side = pixels.isqrt();
-        // At least two steps in a column, so that no column is much wider than another.
+        // At most half a side, so that no column is more than about twice as wide as another.
         let step = 1 << (side / 2).min(u64::from(width / 4)).clamp(1, WIDEST_STEP).ilog2();
         let steps = u64::from(width).div_ceil(step);
         let columns = steps.div_ceil((side / step).max(1)).max(1);

@@ -11,8 +11,8 @@
 //!    on the other two axes then describe the frustum around the rays.
 //! 2. The boxes of individual primitives are taken from the leaf blocks, so that rays are tested
 //!    only against primitives whose own box the beam may enter.
-//! 3. In large trees, a beam may be much wider than the boxes. Once it has tested as many primitives as it
-//!    has rays, the rays visit the rest as a stream.
+//! 3. In trees that are large, or have instances or holes, a beam may be much wider than the boxes. Such
+//!    a beam does a limited amount of work, and its rays visit the rest as a stream.
 
 use super::job::Job;
 use super::meshes::MeshTrees;
@@ -85,8 +85,9 @@ impl<const V: usize> Beam<V> {
         Some(beam)
     }
 
-    /// Returns whether the rays spread by more than a quarter of the distance. Such a beam enters
-    /// so many boxes of a large tree that it would take a thousand times as long as its rays alone.
+    /// Returns whether the rays spread by more than a quarter of the distance. In large trees, such rays
+    /// are a stream from the start: without this test, shadow rays of coffee ran at 0.61 of the speed
+    /// (`profiling/measured.md`).
     #[inline(always)]
     fn is_wide(&self) -> bool {
         let across = |slope: Float| Float::splat(1.0) / slope.abs();
@@ -97,9 +98,9 @@ impl<const V: usize> Beam<V> {
         spread[0] || spread[1] || spread[2]
     }
 
-    /// Factor for distances along the beam's axis that makes them lower bounds of the distances along
-    /// its rays. It is smaller than exact by more than rounding.
-    fn least_distance(&self) -> f32 {
+    /// Factor that turns lower bounds of distances along the beam's axis into lower bounds along its
+    /// rays. It is 0.001% too small, which covers rounding.
+    fn distance_factor(&self) -> f32 {
         let most = self.scales.iter().fold(Float::ZERO, |most, scale| scale.max(most));
         0.999_99 / most.largest_lane().first()
     }
@@ -164,11 +165,11 @@ const BEAM: u32 = 1;
 
 /// Number of vectors in a beam of 64 rays, for trees that fit into the fast caches.
 const MANY: usize = 64 / LANES;
-/// Number of vectors in a beam for larger trees, whose boxes are small compared with a beam.
+/// Number of vectors in a beam for all other trees, whose boxes are small compared with a beam.
 const FEW: usize = VECTORS;
-/// Number of tested primitives after which such a beam leaves the rest to its rays: one for each ray. From 8 to
-/// 64, speeds differ by less than 10% in most scenes (`profiling/measured.md`).
-const MOST_TESTS: u32 = (FEW * LANES) as u32;
+/// Number of visits and of tested primitives after which such a beam leaves the rest to its rays: two for each
+/// ray. Half of it, or a limit of tests alone, makes little difference (`profiling/measured.md`).
+const MOST_WORK: u32 = (2 * FEW * LANES) as u32;
 
 /// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are
 /// traced as streams. Returns the indices of the wild rays (see `Setup::load`), which are left to
@@ -207,8 +208,8 @@ fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>
             Some(beam) if !(tree.is_large && beam.is_wide()) => {
                 let Tracer { visits, meshes, .. } = &mut tracer;
                 traverse::<ANY, V>(tree, packet, &beam, visits, meshes, count);
-                if !visits.is_empty() {
-                    tracer.finish::<ANY>(tree, &mut packet.vectors, beam.least_distance(), count);
+                if V == FEW && !visits.is_empty() {
+                    tracer.finish::<ANY>(tree, &mut packet.vectors, beam.distance_factor(), count);
                 }
             }
             _ => tracer.trace::<ANY>(tree, &mut packet.vectors, count),
@@ -227,10 +228,12 @@ fn traverse<const ANY: bool, const V: usize>(
     meshes: &mut impl Meshes,
     count: &mut impl Count,
 ) {
-    let mut tests = 0;
+    let mut work = 0;
     let mut limit = packet.farthest(&beam.scales);
     visits.start(BEAM);
-    while let Some(visit) = visits.next::<false>() {
+    while V != FEW || work < MOST_WORK {
+        let Some(visit) = visits.next::<false>() else { return };
+        work += 1;
         match visit.child() {
             _ if visit.distance > limit.first() => {}
             Child::Node(index) => beam.visit(tree, index, limit, visits, count),
@@ -241,10 +244,7 @@ fn traverse<const ANY: bool, const V: usize>(
                         block, candidates, packet, meshes, count,
                     );
                     limit = packet.farthest(&beam.scales);
-                    tests += candidates.count_ones();
-                    if V == FEW && tests >= MOST_TESTS {
-                        return;
-                    }
+                    work += candidates.count_ones();
                 }
             }
         }

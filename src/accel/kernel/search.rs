@@ -8,7 +8,7 @@ use crate::accel::ray::one_ray::OneRay;
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
-/// Searches for hits of those rays of `group` that are in the set `rays`, which have `visits` to come.
+/// Makes all `visits`, and searches there for hits of those rays of `group` that are in the set `rays`.
 #[inline(always)]
 pub(super) fn search<const ANY: bool, const V: usize>(
     tree: &WideTree,

@@ -81,8 +81,8 @@ impl<M: Meshes> Tracer<M> {
         }
     }
 
-    /// Traces rays through what their beam has left to visit. They enter the boxes at a distance of at
-    /// least `factor` times that of the beam.
+    /// Continues the search of a beam with its rays. `factor` turns the beam's distances into lower
+    /// bounds of theirs.
     #[inline(always)]
     pub(super) fn finish<const ANY: bool>(
         &mut self,

@@ -55,14 +55,14 @@ impl Visits {
         self.gone = 0;
     }
 
-    /// Whether no visit of a stack is to come.
+    /// Whether a stack is empty.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Gives the visits of a stack to `rays`, which enter the boxes at a distance of at least `factor` times
-    /// the former one.
+    /// Turns the visits of a beam, which are on a stack, into visits of `rays`. Multiplies their distances
+    /// by `factor`, which must keep them lower bounds.
     #[inline(always)]
     pub(super) fn hand_over(&mut self, rays: u32, factor: f32) {
         for visit in &mut self.list {

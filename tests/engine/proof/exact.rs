@@ -34,6 +34,25 @@ fn furnace_of_diffuse_spheres() {
     }
 }
 
+/// A texture that is too smooth gives frosted glass its least roughness.
+#[test]
+fn textures_of_roughness_have_a_least_value() {
+    let [textured, constant] = [r#"(texture: "black", channel: r)"#, "0.001"].map(|alpha| {
+        let scene = Scene::from_ron(&format!(
+            r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 30),
+                background: gradient(bottom: (0, 0, 0), top: (1, 1, 1)),
+                textures: {{"black": uv_checker(odd: (0, 0, 0), even: (0, 0, 0), scale: (2, 2))}},
+                materials: {{"m": rough_dielectric(ior: 1.5, alpha: {alpha})}},
+                primitives: [sphere(center: (0, 0, 0), radius: 1, material: "m")])"#
+        ))
+        .unwrap();
+        let base = settings(&scene, Sampling::Bsdf, 4, 1);
+        render(&scene, RenderSettings { width: 20, height: 20, ..base })
+    });
+    assert!(constant.mean()[0] > 0.3);
+    assert_eq!(textured.hash(), constant.hash());
+}
+
 /// A one-sided lamp lights nothing behind it.
 #[test]
 fn one_sided_lights_are_dark_behind() {

@@ -2,6 +2,47 @@
 
 use super::{Known, compare};
 
+/// A square of this material at the origin, whose normal map is tilted, seen along −z under a sky of
+/// radiance y + 1.
+fn seen_from_above(name: &str, material: &str, radiance: f64) -> Known {
+    let text = format!(
+        r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 0.02),
+            background: gradient(bottom: (0, 0, 0), top: (2, 2, 2)),
+            textures: {{"tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
+            materials: {{"m": {material}}}, primitives: [{SQUARE}])"#
+    );
+    Known::new(name, &text, radiance)
+}
+
+/// Light that passes a square of glass stays inside.
+#[test]
+fn glass_refracts_as_its_map_says() {
+    let (ior, cos) = (1.5, 1.0 / 1.08_f64.sqrt());
+    let inside = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
+    let across = (cos - ior * inside) / (cos + ior * inside);
+    let along = (ior * cos - inside) / (ior * cos + inside);
+    let reflectance = (across * across + along * along) / 2.0;
+    // The heights of the two directions: those of −z mirrored and refracted at (0.2, −0.2, 1)/√1.08.
+    let height = -0.2 * cos;
+    let (reflected, refracted) = (2.0 * cos * height, (cos / ior - inside) * height);
+    let radiance = 1.0 + reflectance * reflected + (1.0 - reflectance) * refracted;
+    compare(
+        "glass with a normal map",
+        &[
+            seen_from_above(
+                "smooth",
+                r#"dielectric(ior: 1.5, fresnel: exact, normal: "tilted")"#,
+                radiance,
+            ),
+            seen_from_above(
+                "frosted",
+                r#"rough_dielectric(ior: 1.5, alpha: 0.002, normal: "tilted")"#,
+                radiance,
+            ),
+        ],
+    );
+}
+
 /// A primitive at the origin, seen along −z or, from behind, along z, under a sky of radiance y + 1.
 fn mirror(name: &str, from: f32, primitives: &str, y: f64) -> Known {
     let text = format!(

@@ -87,3 +87,34 @@ fn blends_let_their_share_of_light_through() {
                                indices: [(0, 1, 2)], material: "card")])"#;
     compare("a sky behind a card", &[Known::new("opacity 0.35", card, 1.3)]);
 }
+
+/// A slanted card that is one hole shows the sky behind it, of radiance 1, whatever its material. Its
+/// surface would reflect and refract light from other heights.
+#[test]
+fn all_materials_can_have_holes() {
+    let known = |material: &str| {
+        let text = format!(
+            r#"(camera: (look_from: (0, 0, 0), look_at: (0, 0, -1), vfov: 0.02),
+                background: gradient(bottom: (0, 0, 0), top: (2, 2, 2)),
+                materials: {{"card": {material}, opacity: blend(alpha: 0))}},
+                primitives: [triangles(vertices: [(-9, -0.9, -1.9), (9, -0.9, -1.9), (0, 0.9, -0.1)],
+                                       indices: [(0, 1, 2)], material: "card")])"#
+        );
+        Known::new(material, &text, 1.0)
+    };
+    compare(
+        "a sky behind a hole",
+        &[
+            known("lambertian(albedo: (0.5, 0.5, 0.5)"),
+            known("metal(albedo: (0.5, 0.5, 0.5)"),
+            known("conductor(eta: (1, 1, 1), k: (2, 2, 2)"),
+            known("dielectric(ior: 1.5"),
+            known("rough_dielectric(ior: 1.5, alpha: 0.1"),
+            known("coated_diffuse(reflectance: (0.5, 0.5, 0.5)"),
+            known(
+                "diffuse_transmission(reflectance: (0.2, 0.2, 0.2), transmittance: (0.1, 0.1, 0.1)",
+            ),
+            known("principled(transmission: 1"),
+        ],
+    );
+}

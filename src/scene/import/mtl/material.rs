@@ -49,7 +49,7 @@ impl Section<'_> {
         let factor = if emitted == [0.0; 3] { [1.0; 3] } else { emitted };
         let emission = textured(maps.emission.clone(), factor, emitted);
         let opaque = self.opaque()?;
-        if let Some(glass) = self.glass(&base_color, opaque, import)? {
+        if let Some(glass) = self.glass(&maps, &base_color, opaque, import)? {
             return Ok(glass);
         }
         let mut opacity = match maps.alpha.clone() {
@@ -118,6 +118,7 @@ impl Section<'_> {
     /// The glass of illumination models 4, 6, 7 and 9.
     fn glass(
         &self,
+        maps: &Maps,
         base_color: &Color,
         opaque: f32,
         import: &mut Import<'_>,
@@ -128,18 +129,21 @@ impl Section<'_> {
         if !passes || ![4.0, 6.0, 7.0, 9.0].contains(&self.illumination_model()?) {
             return Ok(None);
         }
-        if matches!(base_color, Color::Texture { .. }) {
-            import.warn("maps on glass are not supported, so it is clear");
+        if matches!(base_color, Color::Texture { .. }) || maps.alpha.is_some() {
+            import.warn("maps on glass, except of normals, are not supported, so it is clear");
         }
+        let normal = maps.normal.clone();
         let ior = self.ior()?;
         if tint == [1.0; 3] {
-            return Ok(Some(Dielectric::new(ior.clamp(0.01, 100.0), Fresnel::Exact).into()));
+            let clear = Dielectric::new(ior.clamp(0.01, 100.0), Fresnel::Exact);
+            return Ok(Some(Dielectric { normal, ..clear }.into()));
         }
         let glass = Principled {
             base_color: Color::Rgb(tint),
             roughness: 0.0.into(),
             ior: ior.clamp(1.01, 10.0),
             transmission: 1.0.into(),
+            normal,
             ..Principled::default()
         };
         Ok(Some(glass.into()))

@@ -39,6 +39,9 @@ impl Definition {
 /// Largest number of mixtures within each other.
 const MAX_MIXTURES: usize = 100;
 
+const NO_ROOT: &str =
+    "the square root of textures of roughness is not supported, so they are used as they are";
+
 /// The α from which glass counts as rough.
 const ROUGH: f64 = 0.001;
 
@@ -153,6 +156,7 @@ impl Reader<'_, '_> {
                 ior: self.ior(params, "eta", 1.5)?.clamp(1.01, 10.0),
                 transmission: 1.0.into(),
                 thin: true,
+                normal,
                 ..Principled::default()
             }
             .into(),
@@ -262,9 +266,7 @@ impl Reader<'_, '_> {
         let alpha = |value: f64| if remapped { value.clamp(0.0, 1.0).sqrt() } else { value };
         let textured = matches!(value, Value::Texture { .. });
         if textured && (root || remapped) {
-            self.import.warn(
-                "the square root of textures of roughness is not supported, so they are used as they are",
-            );
+            self.import.warn(NO_ROOT);
         }
         Ok(value
             .mapped(|value| if root { alpha(value).clamp(0.0, 1.0).sqrt() } else { alpha(value) }))
@@ -295,19 +297,13 @@ impl Reader<'_, '_> {
     /// Glass filled with a medium that absorbs light.
     fn absorbing(&mut self, glass: Material, medium: &str) -> Result<Material, String> {
         let medium = self.medium(medium)?;
-        let (ior, roughness, normal) = match &glass {
-            Material::Dielectric(glass) => (glass.ior, 0.0.into(), &glass.normal),
+        let (ior, alpha, normal) = match &glass {
+            Material::Dielectric(glass) => (glass.ior, 0.0.into(), glass.normal.clone()),
             Material::RoughDielectric(glass) => {
-                // The square root of a texture is not supported, see `roughness`.
-                let roughness = match &glass.alpha {
-                    Number::Value(alpha) => alpha.sqrt().into(),
-                    texture => texture.clone(),
-                };
-                (glass.ior, roughness, &glass.normal)
+                (glass.ior, glass.alpha.clone(), glass.normal.clone())
             }
             _ => return Ok(glass),
         };
-        let normal = normal.clone();
         if medium.scatters() {
             self.import.warn("glass cannot scatter light inside, so it only absorbs light");
         }
@@ -316,6 +312,13 @@ impl Reader<'_, '_> {
         if largest <= 0.0 {
             return Ok(glass);
         }
+        let roughness = match alpha {
+            Number::Value(alpha) => alpha.sqrt().into(),
+            texture => {
+                self.import.warn(NO_ROOT);
+                texture
+            }
+        };
         // The distance at which the strongest absorption leaves 1/e.
         let color = absorbed.map(|sigma| crate::math::precise::exp(-sigma / largest) as f32);
         Ok(Principled {
