@@ -71,7 +71,7 @@ def material(description, textures, exact, folder=""):
     """Returns a material for Mitsuba, or None for a light. If `exact`, rejects materials that Mitsuba does not have."""
     kind, values = only(description)
     if exact and (values.get("opacity") or values.get("normal") and kind != "lambertian"
-                  or any(isinstance(values.get(name), dict) for name in ("alpha", "fuzz", "metalness", "roughness"))
+                  or any(isinstance(values.get(name), dict) for name in ("alpha", "coat", "fuzz", "metalness", "roughness"))
                   or values.get("emission", [0, 0, 0]) != [0, 0, 0]):
         raise SystemExit(f"this script does not translate all of {description}")
     fuzzy = kind == "metal" and values.get("fuzz", 0.0) > 0

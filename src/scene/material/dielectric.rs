@@ -64,13 +64,7 @@ impl MaterialModel for Dielectric {
         self.normal.iter_mut().chain(opacity).collect()
     }
 
-    fn normal(&self) -> Option<&TextureRef> {
-        self.normal.as_ref()
-    }
-
-    fn opacity(&self) -> Option<&Opacity> {
-        self.opacity.as_ref()
-    }
+    normal_and_opacity!();
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)

@@ -69,13 +69,7 @@ impl MaterialModel for DiffuseTransmission {
             .collect()
     }
 
-    fn normal(&self) -> Option<&TextureRef> {
-        self.normal.as_ref()
-    }
-
-    fn opacity(&self) -> Option<&Opacity> {
-        self.opacity.as_ref()
-    }
+    normal_and_opacity!();
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         let scale = self.scale;

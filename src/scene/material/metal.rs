@@ -53,13 +53,7 @@ impl MaterialModel for Metal {
         parameters.chain(&mut self.normal).chain(opacity).collect()
     }
 
-    fn normal(&self) -> Option<&TextureRef> {
-        self.normal.as_ref()
-    }
-
-    fn opacity(&self) -> Option<&Opacity> {
-        self.opacity.as_ref()
-    }
+    normal_and_opacity!();
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")?;

@@ -3,6 +3,23 @@
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
 //! the tables and the dispatch.
 
+/// The methods of [`MaterialModel`] for the fields `normal` and `opacity`.
+macro_rules! normal_and_opacity {
+    () => {
+        fn normal(&self) -> Option<&TextureRef> {
+            self.normal.as_ref()
+        }
+
+        fn opacity(&self) -> Option<&Opacity> {
+            self.opacity.as_ref()
+        }
+
+        fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
+            Some(&mut self.opacity)
+        }
+    };
+}
+
 mod coated_diffuse;
 mod conductor;
 mod dielectric;
@@ -74,6 +91,11 @@ pub(crate) trait MaterialModel {
 
     /// Returns where the surface has holes, if anywhere.
     fn opacity(&self) -> Option<&Opacity> {
+        None
+    }
+
+    /// Returns the field `opacity`, if the material has one.
+    fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
         None
     }
 
@@ -193,6 +215,13 @@ macro_rules! materials {
             pub(super) fn opacity(&self) -> Option<&Opacity> {
                 match self {
                     $(Self::$name(material) => material.opacity(),)*
+                }
+            }
+
+            /// Returns the field `opacity`, if the material has one.
+            pub(super) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
+                match self {
+                    $(Self::$name(material) => material.opacity_mut(),)*
                 }
             }
 

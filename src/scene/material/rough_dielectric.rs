@@ -55,13 +55,7 @@ impl MaterialModel for RoughDielectric {
         self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
     }
 
-    fn normal(&self) -> Option<&TextureRef> {
-        self.normal.as_ref()
-    }
-
-    fn opacity(&self) -> Option<&Opacity> {
-        self.opacity.as_ref()
-    }
+    normal_and_opacity!();
 
     fn check(&self, e: &Element<'_>) -> Result<()> {
         let Self { ior, alpha, .. } = self;

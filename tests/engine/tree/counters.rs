@@ -177,7 +177,7 @@ fn both_levels_of_instances_are_counted() {
     }
 }
 
-/// In a large tree, a beam of diverging rays does not do much more work than a stream.
+/// In a large tree, the work of a beam is limited, and diverging rays are a stream from the start.
 #[test]
 fn wide_beams_do_limited_work() {
     let scene = ptfast::Scene::load("mesh:61440").unwrap();

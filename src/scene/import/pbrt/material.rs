@@ -72,7 +72,7 @@ impl Reader<'_, '_> {
         }
         if let Some(alpha) = alpha {
             let alpha = alpha.mapped(|alpha| alpha);
-            match opacity_of(&mut material) {
+            match material.opacity_mut() {
                 Some(opacity) => *opacity = Some(Opacity::Blend { alpha }),
                 None => {
                     self.import.warn(format!("alpha of {class} is not supported, so it is opaque"))
@@ -344,18 +344,4 @@ fn limited(reflectance: Color, transmittance: Color) -> (Color, Color) {
     let shares = [share(0), share(1), share(2)];
     let scaled = |color: &[f32; 3]| Color::Rgb([0, 1, 2].map(|i| color[i] * shares[i] * 0.999_999));
     if shares == [1.0; 3] { (reflectance, transmittance) } else { (scaled(a), scaled(b)) }
-}
-
-/// The opacity of a material that can have one.
-fn opacity_of(material: &mut Material) -> Option<&mut Option<Opacity>> {
-    match material {
-        Material::Lambertian(material) => Some(&mut material.opacity),
-        Material::CoatedDiffuse(material) => Some(&mut material.opacity),
-        Material::DiffuseTransmission(material) => Some(&mut material.opacity),
-        Material::Conductor(material) => Some(&mut material.opacity),
-        Material::Dielectric(material) => Some(&mut material.opacity),
-        Material::RoughDielectric(material) => Some(&mut material.opacity),
-        Material::Principled(material) => Some(&mut material.opacity),
-        _ => None,
-    }
 }

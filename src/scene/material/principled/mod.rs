@@ -124,13 +124,7 @@ impl MaterialModel for Principled {
             .collect()
     }
 
-    fn normal(&self) -> Option<&TextureRef> {
-        self.normal.as_ref()
-    }
-
-    fn opacity(&self) -> Option<&Opacity> {
-        self.opacity.as_ref()
-    }
+    normal_and_opacity!();
 
     fn emission(&self) -> Option<Emission> {
         let radiance = Vec3::from(self.emission.constant()?);
