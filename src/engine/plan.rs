@@ -55,11 +55,11 @@ impl Planning {
     }
 }
 
-/// Usual number of paths of a wave. With fewer, the last segments have too few paths to sort into packets.
+/// Usual number of paths of a wave. With fewer, later segments have too few rays to sort them well.
 const USUAL_WAVE: u32 = 1 << 14;
-/// The same for streams whose rays are not sorted, so that a wave can be as small as the caches like: twice as many
-/// paths rendered scenes 0.94 to 1.02 times as fast, and with sorted rays 1.01 to 1.03 times (`profiling/measured.md`).
-const USUAL_WAVE_OF_STREAMS: u32 = 1 << 13;
+/// The same for streams whose rays are not sorted. Then a wave can be as small as the caches like: twice as many
+/// paths rendered scenes 0.94 to 1.02 times as fast (`profiling/measured.md`).
+const USUAL_WAVE_UNSORTED: u32 = 1 << 13;
 /// Number of primitives from which bounce and shadow rays are traced as streams. Meshes of 968 to 20 088 triangles
 /// were rendered 1.08 to 1.86 times as fast as with packets, and clouds of 1000 to 10 000 spheres 1.05 to 1.41
 /// times; the 488 spheres of the report's scene 0.67 to 0.81 times (`profiling/measured.md`).
@@ -116,7 +116,7 @@ impl Plan {
             _ => inside || primitives >= ORDERED,
         };
         let usual_wave = match later {
-            Kernel::Stream if !ordered => USUAL_WAVE_OF_STREAMS,
+            Kernel::Stream if !ordered => USUAL_WAVE_UNSORTED,
             _ => USUAL_WAVE,
         };
         let of = |ordered, closest| SegmentPlan {
@@ -179,6 +179,9 @@ mod tests {
             (511, false, 1 << 20, 0, 1 << 14),
             (512, false, 1 << 20, 0, 1 << 13),
             (512, true, 1 << 20, 0, 1 << 14),
+            (ORDERED - 1, false, 1 << 20, 0, 1 << 13),
+            (ORDERED, false, 1 << 20, 0, 1 << 14),
+            (usize::MAX, false, 1 << 20, 0, 1 << 14),
             // Four waves per thread.
             (10, false, 1 << 12, 0, 1 << 9),
             (10, false, 1 << 12, 77, 77),

@@ -1,11 +1,11 @@
-//! Cells: groups of rays that start near each other and have similar directions.
+//! Cells: sorts rays so that neighbours start near each other and have similar directions.
 
 use glam::Vec3;
 
 use crate::geometry::Bounds;
 use crate::simd::{Float, Int, Vec3x, axes};
 
-/// A grid over a scene.
+/// A grid over a scene, which numbers the cells of rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells {
     low: Vec3,
@@ -14,8 +14,10 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// The highest position of a cell along an axis.
-    const LAST: u32 = 255;
+    /// Number of bits of a position along an axis.
+    const BITS: usize = 8;
+    /// The highest position.
+    const LAST: u32 = (1 << Self::BITS) - 1;
 
     pub(super) fn new(bounds: &Bounds) -> Self {
         let edges = bounds.max - bounds.min;
@@ -23,15 +25,17 @@ impl Cells {
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
     }
 
-    /// The cell numbers of rays. From the lowest bits up, a number consists of the position along each
-    /// axis (8 bits each), the direction within its octant (4 bits), and the octant (3 bits).
+    /// The cell numbers of rays. From the lowest bits up, a number consists of the position along
+    /// each axis (8 bits each), the direction within its octant (4 bits), and the octant (3 bits).
+    /// Rays that start outside the grid belong to its border.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // Adding 1.5 · 2²³ rounds to an integer and moves it to the lowest bits of the sum.
         let magic = Float::splat(12_582_912.0);
-        let position = axes(|axis| {
-            let position = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
-            (position + magic).to_bits() & Int::splat(Self::LAST)
+        let along = axes(|axis| {
+            let at = (origin[axis] - Float::splat(self.low[axis])) * Float::splat(self.scale);
+            let inside = at.max(Float::ZERO).min(Float::splat(Self::LAST as f32));
+            (inside + magic).to_bits() & Int::splat(Self::LAST)
         });
         // The squares of x, y and z add up to 1, so those of x and z are enough.
         let part = axes(|axis| {
@@ -39,9 +43,9 @@ impl Cells {
             (square * Float::splat(3.0) + magic).to_bits() & Int::splat(3)
         });
         let down = axes(|axis| direction[axis].to_bits() >> 31);
-        position[0]
-            | position[1] << 8
-            | position[2] << 16
+        along[0]
+            | along[1] << 8
+            | along[2] << 16
             | part[0] << 24
             | part[2] << 26
             | down[0] << 28
@@ -52,15 +56,15 @@ impl Cells {
     /// The position of a cell along `axis`.
     #[inline(always)]
     fn position(cell: u32, axis: usize) -> u32 {
-        cell >> (8 * axis) & Self::LAST
+        cell >> (Self::BITS * axis) & Self::LAST
     }
 }
 
-/// The box around the cells in which the rays of a wave start. It is small at first and grows to the whole
-/// scene, so positions are divided by its edges, not by those of the scene.
+/// The box around the cells of a wave's rays. In the first segments it is small, later it covers
+/// the whole scene, so positions are measured by its longest edge.
 struct Region {
     low: [u32; 3],
-    /// Eighths of the longest edge per cell, times 2^16.
+    /// Eighths of the longest edge per cell, times 2^16, rounded up.
     scale: u32,
 }
 
@@ -77,22 +81,24 @@ impl Region {
             }
         }
         let [x, y, z] = axes(|axis| high[axis].saturating_sub(low[axis]));
-        Self { low, scale: (8 << 16) / (1 + x.max(y).max(z)) }
+        Self { low, scale: (8_u32 << 16).div_ceil(1 + x.max(y).max(z)) }
     }
 
-    /// Returns how many bits of the keys, counted from the highest, to use for sorting `rays` rays. These
-    /// bits distinguish about as many keys as there are rays, since more keys cost more than they gain.
+    /// Returns how many bits of the keys, counted from the highest, to use for sorting `rays` rays.
+    /// These bits distinguish about as many keys as there are rays, since more keys cost more than
+    /// they gain.
     fn bits_for(rays: usize) -> u32 {
         rays.max(1).ilog2().clamp(3, Self::BITS)
     }
 
-    /// The key by which rays of a cell are sorted. From the highest bits down, it consists of the octant of
-    /// the direction, the position along each axis in quarters of the longest edge, the direction within
-    /// the octant, and the position within a quarter.
+    /// The key by which the rays of a cell are sorted. The cell must be in the region. From the
+    /// highest bits down, a key consists of the octant of the direction, the position along each
+    /// axis in quarters of the longest edge, the direction within the octant, and which half of its
+    /// quarter the position is in along each axis.
     #[inline(always)]
     fn key(&self, cell: u32) -> u32 {
-        let [x, y, z] =
-            axes(|axis| ((Cells::position(cell, axis) - self.low[axis]) * self.scale) >> 16);
+        let eighths = |axis| ((Cells::position(cell, axis) - self.low[axis]) * self.scale) >> 16;
+        let [x, y, z] = axes(eighths);
         let quarters = x >> 1 | y >> 1 << 2 | z >> 1 << 4;
         let halves = x & 1 | (y & 1) << 1 | (z & 1) << 2;
         let (octant, part) = (cell >> 28, cell >> 24 & 15);
@@ -100,7 +106,7 @@ impl Region {
     }
 }
 
-/// A counting sort by cell.
+/// A counting sort by the keys of cells.
 #[derive(Debug, Default)]
 pub(super) struct CellSort {
     /// The key of each value.
@@ -110,8 +116,8 @@ pub(super) struct CellSort {
 }
 
 impl CellSort {
-    /// Replaces the contents of `list` with `values`, sorted by `cells`. Values with the same key stay in
-    /// order.
+    /// Replaces the contents of `list` with `values`, sorted by the keys of their `cells`. Values
+    /// with the same key stay in order.
     #[inline(always)]
     pub(super) fn list(
         &mut self,
@@ -120,6 +126,7 @@ impl CellSort {
         list: &mut Vec<u32>,
     ) {
         let (region, bits) = (Region::of(cells), Region::bits_for(cells.len()));
+        self.keys.reserve_exact(cells.len().saturating_sub(self.keys.len()));
         self.keys.resize(cells.len(), 0);
         self.starts.clear();
         self.starts.resize(1 << bits, 0);
@@ -174,6 +181,12 @@ mod tests {
             let mirrored = Vec3::ONE - 2.0 * by;
             assert_eq!(cell(Vec3::ZERO, along * mirrored), 1 << (28 + axis));
         }
+        for outside in [-1.0, -300.0, f32::NEG_INFINITY, f32::NAN] {
+            assert_eq!(cell(Vec3::X * outside, along), 0);
+        }
+        for outside in [256.0, 1000.0, 1e38, f32::INFINITY] {
+            assert_eq!(cell(Vec3::Y * outside, along), 255 << 8);
+        }
         for (direction, part) in [(Vec3::X, 3), (Vec3::Z, 3 << 2), (Vec3::Y, 0)] {
             assert_eq!(cell(Vec3::ZERO, direction) >> 24, part);
         }
@@ -205,6 +218,21 @@ mod tests {
     }
 
     #[test]
+    fn eighths_of_all_regions_are_exact() {
+        for edge in 0..=Cells::LAST {
+            for axis in 0..3 {
+                let at = |position: u32| position << (Cells::BITS * axis);
+                let region = Region::of(&[0, at(edge)]);
+                for position in 0..=edge {
+                    let eighth = 8 * position / (edge + 1);
+                    let expected = eighth >> 1 << (7 + 2 * axis) | (eighth & 1) << axis;
+                    assert_eq!(region.key(at(position)), expected, "{position} of {edge}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn lists_are_sorted_and_stable() {
         let mut random = Stream::new(4);
         let (mut sort, mut list) = (CellSort::default(), Vec::new());
@@ -220,8 +248,8 @@ mod tests {
         }
     }
 
-    /// Every key is a valid index into the table of counts, even for rays with non-finite or extreme
-    /// components.
+    /// Every key is a valid index into the table of counts, even for rays with non-finite or
+    /// extreme components.
     #[test]
     fn keys_are_in_range() {
         let (mut random, odd) =

@@ -8,7 +8,7 @@ use super::rays::Rays;
 /// The paths that continue. Columns: path, cell.
 pub(super) type Next = Columns<2>;
 
-/// Builds the rays of the paths `next`, sorted by cell if `by_cell` is set, else in the given
+/// Builds the rays of the paths `next`, sorted by their cells if `by_cell` is set, else in the given
 /// order.
 #[inline(never)]
 pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
