@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::limits::{Limit, Limits};
 
 /// Bytes of memory for each byte of a scene file, for its text and its parsed form together. Up to
-/// 14 were computed, for materials of the flat form while their list grows.
+/// 14 were computed, for lists of materials while they grow.
 const TEXT: u64 = 15;
 /// Bytes of memory for each primitive of a scene while the lists of primitives grow. A quad has 80,
 /// a triangle 16 besides its vertices.

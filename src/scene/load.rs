@@ -11,8 +11,7 @@ use super::generate::Generated;
 use super::import::{self, Format, ImportOptions, Imported};
 use super::light::EnvironmentMap;
 use super::parse::Form;
-use super::place::Places;
-use super::{Scene, flat, locate, parse, resolve, view};
+use super::{Scene, locate, parse, resolve, view};
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Limit, Limits};
@@ -44,7 +43,6 @@ pub struct Parsed {
     folder: PathBuf,
     /// The scene as written.
     pub file: SceneFile,
-    places: Places,
     budget: Budget,
     /// The text with its form, to locate errors.
     text: Option<(Form, String)>,
@@ -71,7 +69,11 @@ impl Source {
         let form = match extension.as_deref() {
             Some("ron") => Form::Ron,
             Some("json") => Form::Json,
-            Some("txt") => Form::Flat,
+            Some("txt") => {
+                return Err(Error::Usage(format!(
+                    "{name_or_path}: scenes are .ron or .json files (the flat form in .txt files is not read any more)"
+                )));
+            }
             Some("obj" | "ply") => return Ok(Self::Mesh(path.to_owned())),
             Some(extension) if let Some(format) = Format::of(extension) => {
                 return Ok(Self::Import(path.to_owned(), format));
@@ -82,7 +84,7 @@ impl Source {
             _ => {
                 let near = suggestion(name_or_path, BUILTIN_NAMES);
                 return Err(Error::Usage(format!(
-                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, forest:N, a .ron, .json, .txt, .gltf, .glb or .pbrt file, or an .obj or .ply mesh{near}"
+                    "unknown scene `{name_or_path}`: expected a built-in scene, cloud:N, mesh:N, forest:N, a .ron, .json, .gltf, .glb or .pbrt file, or an .obj or .ply mesh{near}"
                 )));
             }
         };
@@ -168,15 +170,13 @@ impl Source {
             }
         };
         let budget = Budget::new(limits, text.len() as u64);
-        let (mut file, places) = match form {
-            Form::Ron => (parse::from_ron(&name, &text)?, Places::default()),
-            Form::Json => (parse::from_json(&name, &text)?, Places::default()),
-            Form::Flat => flat::from_flat(&name, &text)?,
+        let mut file = match form {
+            Form::Ron => parse::from_ron(&name, &text)?,
+            Form::Json => parse::from_json(&name, &text)?,
         };
-        // Errors in the flat form already have line numbers, so its text is not needed.
-        let text = (form != Form::Flat).then_some((form, text));
+        let text = Some((form, text));
         let warnings = import::add_materials(&name, &folder, options, &budget, &mut file)?;
-        Ok(Parsed { places, text, warnings, ..Parsed::new(name, folder, file, budget) })
+        Ok(Parsed { text, warnings, ..Parsed::new(name, folder, file, budget) })
     }
 }
 
@@ -189,8 +189,8 @@ fn folder_of(file: &Path) -> PathBuf {
 
 impl Parsed {
     fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
-        let (places, text, warnings) = Default::default();
-        Self { name, folder, file, places, budget, text, warnings }
+        let (text, warnings) = Default::default();
+        Self { name, folder, file, budget, text, warnings }
     }
 
     /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder.
@@ -207,7 +207,7 @@ impl Parsed {
     /// read, or a limit is exceeded.
     pub fn resolve(&self) -> Result<Scene> {
         let budget = self.budget.clone();
-        resolve::resolve(&self.name, &self.folder, &self.file, &self.places, budget)
+        resolve::resolve(&self.name, &self.folder, &self.file, budget)
             .map(|scene| scene.with_warnings(&self.warnings))
             .map_err(|error| self.with_line(error))
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 use super::parse::{self, Form};
 
 /// Returns `line:column` of the element at `path`, such as `camera`, `primitives[3]` or
-/// `materials.grey` or `meshes.tree[1]`. Returns `None` if the text has no such element or is in the flat form.
+/// `materials.grey` or `meshes.tree[1]`. Returns `None` if the text has no such element.
 ///
 /// The text is parsed again, and parsing deliberately fails at the element, so that the parser
 /// reports the position of the element.
@@ -29,7 +29,6 @@ pub(super) fn locate(form: Form, text: &str, path: &str) -> Option<String> {
             let found = error.to_string().starts_with(FOUND);
             found.then(|| format!("{}:{}", error.line(), error.column().max(1)))
         }
-        Form::Flat => None,
     }
 }
 

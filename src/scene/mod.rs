@@ -10,7 +10,6 @@ mod description;
 mod emission;
 mod files;
 mod filter;
-mod flat;
 mod generate;
 mod gltf;
 mod hash;
@@ -112,7 +111,7 @@ struct SceneData {
 
 impl Scene {
     /// Loads the built-in scene with this name, generates `cloud:N`, `mesh:N` or `forest:N`, or reads the file
-    /// at this path: a scene (`.ron`, `.json`, or `.txt` in the flat form) or a mesh (`.obj` or
+    /// at this path: a scene (`.ron` or `.json`) or a mesh (`.obj` or
     /// `.ply`).
     ///
     /// # Errors
@@ -158,7 +157,7 @@ impl Scene {
     /// As [`from_file`](Self::from_file), and if a limit is exceeded.
     pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
         let budget = budget::Budget::new(limits, 0);
-        resolve::resolve("scene", folder, file, &place::Places::default(), budget)
+        resolve::resolve("scene", folder, file, budget)
     }
 
     /// Adds sentences that name the ignored data of its file.

@@ -12,8 +12,6 @@ pub enum Form {
     Ron,
     /// `.json`, with the same schema.
     Json,
-    /// `.txt`, the flat text form.
-    Flat,
 }
 
 /// Allows `light(radiance: …)` for `light((radiance: …))`, and values of optional fields without

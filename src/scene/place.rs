@@ -1,4 +1,4 @@
-//! The places of elements in a scene file, and range checks of their values.
+//! Range checks of the values in a scene file, with errors that name the place.
 
 use glam::Vec3;
 
@@ -13,55 +13,6 @@ pub(super) const MAX_RADIANCE: f32 = 1e30;
 /// The sine and cosine of each angle, in degrees.
 pub(super) fn angles(degrees: [f32; 3]) -> [(f64, f64); 3] {
     degrees.map(|degrees| crate::math::precise::sin_cos_degrees(f64::from(degrees)))
-}
-
-/// The places of the elements of a file: line numbers, or paths such as `primitives[3]`.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Places {
-    /// Line of each material, for files whose errors are reported by line.
-    pub(super) materials: Vec<usize>,
-    /// Line of each primitive.
-    pub(super) primitives: Vec<usize>,
-    /// Line of the camera, or 0 if the camera is missing or places are not lines.
-    pub(super) camera: usize,
-    /// Line of the background, or 0.
-    pub(super) background: usize,
-    /// Line of the render settings, or 0.
-    pub(super) render: usize,
-    by_line: bool,
-}
-
-impl Places {
-    /// Places that are line numbers, which the reader of the file fills in.
-    pub(super) fn lines() -> Self {
-        Self { by_line: true, ..Self::default() }
-    }
-
-    /// The place of a section at `line`. It is empty for line 0, since messages name the section.
-    pub(super) fn section(line: usize) -> String {
-        if line == 0 { String::new() } else { line.to_string() }
-    }
-
-    pub(super) fn material(&self, index: usize, name: &str) -> String {
-        if self.by_line { self.materials[index].to_string() } else { format!("materials.{name}") }
-    }
-
-    /// The place of a texture. The flat form names a texture after its material: `m` and the
-    /// material's number.
-    pub(super) fn texture(&self, name: &str) -> String {
-        match name.get(1..).unwrap_or_default().parse() {
-            Ok(index) if self.by_line => self.material(index, name),
-            _ => format!("textures.{name}"),
-        }
-    }
-
-    pub(super) fn primitive(&self, index: usize) -> String {
-        if self.by_line {
-            self.primitives[index].to_string()
-        } else {
-            format!("primitives[{index}]")
-        }
-    }
 }
 
 /// An upper bound, as error messages write it.

@@ -5,6 +5,7 @@
 mod alpha;
 mod common;
 mod determinism;
+mod flat;
 mod proof;
 mod random_scene;
 mod scenes;

@@ -6,6 +6,7 @@ use std::fs;
 use ron::extensions::Extensions;
 
 use crate::common::{Estimate, render};
+use crate::flat;
 use ptfast::internals::Source;
 use ptfast::material::Lambertian;
 use ptfast::texture::{Checker, Image, Texture};
@@ -23,7 +24,10 @@ fn built_in_scenes_equal_the_flat_files() {
     // Flat files have no images.
     for name in BUILTIN_NAMES.into_iter().filter(|name| *name != "garden") {
         let built_in = Scene::load(name).unwrap();
-        let flat = Scene::load(&format!("tests/data/{name}.txt")).unwrap();
+        let flat = Scene::from_file(&flat::parse(
+            &fs::read_to_string(format!("tests/data/{name}.txt")).unwrap(),
+        ))
+        .unwrap();
         assert_eq!(built_in.geometry(), flat.geometry(), "{name}");
         assert_eq!(built_in.camera(), flat.camera(), "{name}");
         assert_eq!(built_in.background(), flat.background(), "{name}");

@@ -28,12 +28,6 @@ const GOOD_JSON: &str = r#"{
     ]
 }"#;
 
-const GOOD_FLAT: &str = "size 8 8
-camera 0 0 5 0 0 0 0 1 0 40 0 5 0 0
-mat lambert 0.5 0.5 0.5
-sphere 0 0 0 0 0 0 1 0
-";
-
 /// Checks that the program fails with `code` and one line that contains all `parts`, and adds no
 /// file to the folder.
 #[track_caller]
@@ -68,7 +62,7 @@ fn refused(name: &str, good: &str, from: &str, to: &str, place: &str, parts: &[&
 #[test]
 fn the_scenes_without_faults_are_accepted() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in [("a.ron", GOOD), ("a.json", GOOD_JSON), ("a.txt", GOOD_FLAT)] {
+    for (name, text) in [("a.ron", GOOD), ("a.json", GOOD_JSON)] {
         fs::write(folder.path().join(name), text).unwrap();
         let output = ptfast(folder.path(), &["scenes", "check", name]);
         assert!(output.status.success(), "{}", stderr(&output));
@@ -106,25 +100,16 @@ fn syntax_and_names_in_json() {
 }
 
 #[test]
-fn faults_in_the_flat_form() {
-    let flat = |from, to, line, parts: &[&str]| refused("a.txt", GOOD_FLAT, from, to, line, parts);
-    flat("sphere", "shpere", ":4", &["unknown record `shpere`, did you mean `sphere`?"]);
-    flat("lambert", "lambrt", ":3", &["unknown material `lambrt`, did you mean `lambert`?"]);
-    flat("0 0 0 1 0\n", "0 0 0 1 7\n", ":4", &["unknown material 7, the file defines 1"]);
-    flat("40 0 5 0 0", "40 0 5 0", ":2", &["expected a number, but the line ends"]);
-    flat("40 0 5 0 0", "40 0 5 0 0 9", ":2", &["`9` is one value too many"]);
-    flat("0.5 0.5 0.5", "0.5 x 0.5", ":3", &["`x` is not a finite number"]);
-    flat("0 0 0 1 0\n", "0 0 0 -1 0\n", ":4", &["radius must be above 0", "-1"]);
-    flat("size 8 8", "size 8 -8", ":1", &["`-8` is not a whole number"]);
-    flat("camera 0 0 5 0 0 0", "camera 0 0 5 0 0 5", ":2", &["camera: look_from and look_at"]);
-    flat("size 8 8", "size 8 0", ":1", &["render: height must be in 1 to"]);
-    flat(
-        "mat lambert",
-        "size 9 9\nmat lambert",
-        ":3",
-        &["a second `size`, the first is in line 1"],
-    );
-    flat("camera", "# camera", "", &["the record `camera` is missing"]);
+fn the_flat_form_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("a.txt"),
+        "size 8 8
+",
+    )
+    .unwrap();
+    let parts = ["a.txt: scenes are .ron or .json files"];
+    fails(folder.path(), &["render", "a.txt", "-o", "out.png"], 2, &parts);
 }
 
 #[test]

@@ -14,8 +14,8 @@ impl Resolver<'_> {
     pub(super) fn materials(&self, images: &mut Images<'_>) -> Result<Vec<Material>> {
         let textures = self.textures(images)?;
         let mut materials = Vec::new();
-        for (index, (name, material)) in self.file.materials.0.iter().enumerate() {
-            let e = self.element(self.places.material(index, name), "material");
+        for (name, material) in &self.file.materials.0 {
+            let e = self.element(format!("materials.{name}"), "material");
             let mut material = material.clone();
             for reference in material.textures() {
                 let texture = match reference {
@@ -49,7 +49,7 @@ impl Resolver<'_> {
         images.preload(named.chain(unnamed).filter_map(Texture::file));
         let mut textures = HashMap::new();
         for (name, texture) in &self.file.textures.0 {
-            let e = self.element(self.places.texture(name), "texture");
+            let e = self.element(format!("textures.{name}"), "texture");
             let mut texture = texture.clone();
             texture.load(&e, images)?;
             textures.insert(name.as_str(), Arc::new(texture));

@@ -17,7 +17,7 @@ use super::holes::cut_out;
 use super::light::LightFile;
 use super::medium::Medium;
 use super::mesh::Mesh;
-use super::place::{Element, Places};
+use super::place::Element;
 use super::{Scene, SceneData};
 use crate::error::{Error, Result};
 use crate::limits::{self, Limit, MAX_MEDIA};
@@ -28,11 +28,10 @@ pub(super) fn resolve(
     name: &str,
     folder: &Path,
     file: &SceneFile,
-    places: &Places,
     budget: Budget,
 ) -> Result<Scene> {
-    let resolver = Resolver { name, file, places, budget };
-    let e = resolver.element(Places::section(places.camera), "camera");
+    let resolver = Resolver { name, file, budget };
+    let e = resolver.section("camera");
     let camera = Camera::new(&e, &file.camera)?;
     resolver.check_names("camera", file.cameras.names())?;
     for (name, camera) in &file.cameras.0 {
@@ -48,8 +47,7 @@ pub(super) fn resolve(
     let mut images = Images::new(folder, &resolver.budget);
     let materials = resolver.materials(&mut images)?;
     let mut background = file.background.clone();
-    background
-        .load(&resolver.element(Places::section(places.background), "background"), &mut images)?;
+    background.load(&resolver.section("background"), &mut images)?;
     let images = images.files();
     let (geometry, material_map, meshes) = resolver.primitives(&materials, folder)?;
     let mut geometry = geometry;
@@ -108,13 +106,17 @@ fn ignored(meshes: &BTreeMap<PathBuf, Mesh>) -> Vec<String> {
 struct Resolver<'a> {
     name: &'a str,
     file: &'a SceneFile,
-    places: &'a Places,
     budget: Budget,
 }
 
 impl<'a> Resolver<'a> {
     fn element(&self, place: String, kind: &'a str) -> Element<'a> {
         Element { file: self.name, place, kind }
+    }
+
+    /// A section of the file. Its messages begin with its name, which is therefore not its place.
+    fn section(&self, name: &'a str) -> Element<'a> {
+        self.element(String::new(), name)
     }
 
     /// Rejects duplicate names. The readers of files reject them as well, but a scene may also be
@@ -137,9 +139,7 @@ impl<'a> Resolver<'a> {
         limits::check_image(render.width, render.height)
             .and_then(|()| limits::check_sampling(render.spp, render.depth, Some(render.roulette)))
             .and_then(|()| self.budget.limits.check(Limit::Pixels, pixels))
-            .map_err(|message| {
-                self.element(Places::section(self.places.render), "render").error(message)
-            })
+            .map_err(|message| self.section("render").error(message))
     }
 
     /// Returns the lights that are not primitives after checking them.

@@ -24,7 +24,7 @@ impl Resolver<'_> {
         builder.preload(self.file.primitives.iter());
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {
-            let e = self.element(self.places.primitive(index), primitive.name());
+            let e = self.element(format!("primitives[{index}]"), primitive.name());
             let material = primitive.material().map(|name| materials.find(&e, name)).transpose()?;
             let solids_before = [builder.geometry.spheres.len(), builder.geometry.quads.len()];
             primitive.expand(&e, &mut builder)?;

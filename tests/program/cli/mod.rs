@@ -64,7 +64,7 @@ fn documented_scenes_are_valid() {
     let manual = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scenes.md");
     let manual = fs::read_to_string(manual).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    for form in ["ron", "json", "txt"] {
+    for form in ["ron", "json"] {
         let (_, rest) = manual.split_once(&format!("\n```{form}\n")).expect("a block of this form");
         let (scene, _) = rest.split_once("\n```\n").expect("the end of the block");
         let name = format!("first.{form}");
