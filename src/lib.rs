@@ -105,6 +105,7 @@ mod accel;
 mod bench;
 #[cfg(feature = "cli")]
 mod checkpoint;
+mod checks;
 #[cfg(feature = "cli")]
 mod cli;
 #[cfg(feature = "cli")]
@@ -114,6 +115,7 @@ mod dashboard;
 mod engine;
 mod error;
 mod film;
+mod formats;
 mod geometry;
 mod huge_pages;
 mod image;
@@ -130,6 +132,7 @@ mod output;
 mod rayset;
 mod sampler;
 mod scene;
+mod shading;
 mod simd;
 #[cfg(feature = "cli")]
 mod statistics;
@@ -141,14 +144,17 @@ pub use engine::{
     Tally,
 };
 pub use error::{Error, Result};
+pub use formats::BUILTIN_NAMES;
 pub use glam;
 pub use image::{Display, Image, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    BUILTIN_NAMES, Background, Camera, CameraFile, MediumFile, Named, NamedMesh, PixelFilter,
-    PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, light, material, primitive, texture,
+    Named, NamedMesh, PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, primitive,
+};
+pub use shading::{
+    Background, Camera, CameraFile, MediumFile, PixelFilter, light, material, texture,
 };
 
 /// Items for the program, the benches, the tests and the fuzz targets of this package. They are not
@@ -162,6 +168,7 @@ pub mod internals {
     pub use crate::cli::run;
     pub use crate::engine::{BITS, Stage};
     pub use crate::film::{Film, Tile};
+    pub use crate::formats::Source;
     pub use crate::geometry::{
         Bounds, Cutouts, Geometry, Hit, Holes, Instance, Instances, Quad, Ray, Sphere, Triangle,
         Triangles, Vertices,
@@ -172,7 +179,6 @@ pub mod internals {
     pub use crate::math::{cross, dot, length, min, normalize};
     #[cfg(feature = "cli")]
     pub use crate::rayset::{Query, RaySet, record};
-    pub use crate::scene::Source;
 
     /// The alpha channel of a render.
     ///

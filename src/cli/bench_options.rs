@@ -7,8 +7,8 @@ use super::files;
 use crate::bench::{Format, Options};
 use crate::engine::{Engine, RenderSettings};
 use crate::error::{Error, Result, suggestion};
+use crate::formats::BUILTIN_NAMES;
 use crate::limits::Limit;
-use crate::scene::BUILTIN_NAMES;
 
 /// Default values of arguments.
 struct Usual {

@@ -3,7 +3,8 @@
 use clap::Args;
 
 use crate::error::{Error, Result, suggestion};
-use crate::scene::{Camera, CameraFile, Scene};
+use crate::scene::Scene;
+use crate::shading::{Camera, CameraFile};
 
 const CAMERA: &str = "Camera";
 

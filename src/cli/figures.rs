@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::console::{advise_on_build, say, suppress_notices};
-use super::folder;
-use super::progress::{self, ProgressMode};
+use super::progress::ProgressMode;
+use super::{folder, progress};
 use crate::checkpoint::Identity;
 use crate::engine::{Pin, RenderSettings, Renderer};
 use crate::error::{Error, Result};

@@ -5,8 +5,9 @@ use clap::Args;
 
 use super::sample_args::SceneArg;
 use crate::error::Result;
+use crate::formats::{Parsed, Source};
 use crate::limits::{Limit, Limits, Refused};
-use crate::scene::{Parsed, Scene, Source};
+use crate::scene::Scene;
 
 const HEADING: &str = "Limits";
 

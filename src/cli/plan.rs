@@ -7,7 +7,8 @@ use crate::engine::{Plan, SegmentPlan};
 use crate::error::{Error, Result};
 use crate::input::read_json;
 use crate::limits::MAX_PLAN;
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
+use crate::shading::Camera;
 
 /// Reads a plan from a file that contains just the plan, or the record of a render. Prints a notice
 /// if the record is of another scene or camera.

@@ -7,12 +7,14 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::checkpoint_file::CheckpointFile;
-use super::console::{self, advise_on_build, notice, say};
-use super::progress::{self, ProgressMode, ProgressReport};
-use super::record::{self, Run, StepSeconds};
+use super::console::{advise_on_build, notice, say};
+use super::progress::{ProgressMode, ProgressReport};
+use super::record::{Run, StepSeconds};
 use super::target::Target;
 use super::watch::{Schedule, UntilSignal};
-use super::{checkpointing, files, path, plan, stats, summary, timeline};
+use super::{
+    checkpointing, console, files, path, plan, progress, record, stats, summary, timeline,
+};
 use crate::checkpoint::{Checkpoint, Part};
 use crate::engine::{Backdrop, Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
 use crate::error::{Error, Result};

@@ -9,9 +9,10 @@ use super::camera_args::{CameraArgs, quoted};
 use super::named::named;
 use crate::engine::{Pin, RenderSettings};
 use crate::error::Result;
+use crate::formats::{ImportOptions, Missing};
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
-use crate::scene::{ImportOptions, Missing, Sampling, Scene};
+use crate::scene::{Sampling, Scene};
 
 /// Heading in the help.
 pub(super) const IMAGE: &str = "Image";

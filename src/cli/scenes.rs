@@ -8,7 +8,9 @@ use bytesize::ByteSize;
 use super::args::ScenesCommand;
 use super::console::{notice, say, say_lines};
 use crate::error::Result;
-use crate::scene::{BUILTIN_NAMES, Background, Scene};
+use crate::formats::BUILTIN_NAMES;
+use crate::scene::Scene;
+use crate::shading::Background;
 
 pub(super) fn run(command: &ScenesCommand) -> Result<()> {
     match command {
@@ -51,11 +53,14 @@ fn contents(scene: &Scene) -> Vec<(&'static str, String)> {
         Background::Image(_) => "an environment map",
         _ => "a sky",
     };
-    let textures = ByteSize::b(scene.texture_bytes()).display().iec();
+    let textures = ByteSize::b(scene.world().texture_bytes()).display().iec();
     let rows = [
         ("cameras", names.join(", ") + more),
         ("files", count(&mut scene.files().map(extension))),
-        ("textures", if scene.texture_bytes() > 0 { textures.to_string() } else { String::new() }),
+        (
+            "textures",
+            if scene.world().texture_bytes() > 0 { textures.to_string() } else { String::new() },
+        ),
         (
             "materials",
             count(&mut scene.materials().iter().map(|material| material.name().to_owned())),

@@ -8,7 +8,9 @@
 mod plot;
 mod slope;
 
+pub(crate) use plot::plot;
 use serde::Serialize;
+pub(crate) use slope::{Slope, at_seconds};
 
 use crate::engine::{Render, RenderSettings, Renderer};
 use crate::error::Result;
@@ -16,8 +18,6 @@ use crate::image::Image;
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 use crate::statistics::{middle, sorted};
-pub(crate) use plot::plot;
-pub(crate) use slope::{Slope, at_seconds};
 
 /// Options of a measurement.
 pub(crate) struct Options {

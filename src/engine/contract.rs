@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::math::{Mask, Real, Vector, max_element};
 use crate::scene::Sampling;
-use crate::scene::material::SPECULAR;
+use crate::shading::material::SPECULAR;
 
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
 pub const BITS: u32 = 4;

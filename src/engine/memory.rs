@@ -41,7 +41,7 @@ impl RenderSettings {
             + MESH * geometry.instances.meshes() as u64
             + BUILD * primitives.min(MAX_CLUSTER as u64 * threads)
             + LIGHT_BYTES * u64::from(scene.lights())
-            + scene.texture_bytes()
+            + scene.world().texture_bytes()
             + PATH * paths
             + events as u64
             + film;

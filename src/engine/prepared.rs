@@ -5,7 +5,8 @@ use std::sync::{Arc, OnceLock};
 use super::backdrop::Backdrop;
 use super::settings::RenderSettings;
 use crate::accel::Accelerator;
-use crate::scene::{CameraFrame, Scene, SceneTables};
+use crate::scene::Scene;
+use crate::shading::{CameraFrame, SceneTables};
 
 /// A scene with the trees and tables from which engines render it.
 ///
@@ -38,7 +39,7 @@ impl PreparedScene {
     }
 
     pub(super) fn tables(&self) -> &SceneTables {
-        self.0.tables.get_or_init(|| SceneTables::new(&self.0.scene))
+        self.0.tables.get_or_init(|| SceneTables::new(self.0.scene.world()))
     }
 }
 

@@ -1,14 +1,14 @@
 //! Settings of a render: the camera, image size, sampling and engine.
 
+use super::backdrop::Backdrop;
+use super::plan::Plan;
+use super::pool::Pin;
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::limits::{self, Limit, Limits};
 use crate::sampler::Sampler;
-use crate::scene::{Camera, Sampling, Scene};
-
-use super::backdrop::Backdrop;
-use super::plan::Plan;
-use super::pool::Pin;
+use crate::scene::{Sampling, Scene};
+use crate::shading::Camera;
 
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,8 +1,10 @@
 //! Limits on inputs, which are checked before memory is allocated for them.
 
+mod budget;
 mod limit;
 mod memory;
 
+pub(crate) use budget::Budget;
 pub use limit::{Limit, Limits, Refused};
 
 /// Largest width or height of an image, in pixels.

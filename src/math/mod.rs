@@ -4,6 +4,7 @@
 //! in one fixed order, so that each function returns the same bits on every instruction set and
 //! thread count. See ARCHITECTURE.md, "The contract".
 
+pub(crate) mod affine;
 pub(crate) mod fresnel;
 pub(crate) mod microfacet;
 pub(crate) mod powers;

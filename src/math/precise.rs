@@ -32,6 +32,11 @@ pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     }
 }
 
+/// The sine and cosine of each angle, in degrees, for [`rotate`].
+pub(crate) fn turns(degrees: [f32; 3]) -> [(f64, f64); 3] {
+    degrees.map(|degrees| sin_cos_degrees(f64::from(degrees)))
+}
+
 /// Rotates `point` about the axes x, y and z in this order, given the sine and cosine of each
 /// angle. The rotations are right-handed.
 pub(crate) fn rotate(mut point: [f64; 3], turns: [(f64, f64); 3]) -> [f64; 3] {

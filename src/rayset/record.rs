@@ -115,10 +115,11 @@ fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMu
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::geometry::Ray;
     use crate::math::random::{Stream, mix32};
-    use glam::Vec3;
 
     /// A path of one to five segments, some with shadow rays, whose rays are all different.
     fn path(x: u32, y: u32, sample: u32) -> Vec<TracedRay> {

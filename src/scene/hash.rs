@@ -5,13 +5,13 @@ use std::io::{BufWriter, Write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::material::Material;
-use super::texture::TextureRef;
-use super::{Camera, Medium, Scene};
+use crate::shading::material::Material;
+use crate::shading::texture::TextureRef;
+use crate::shading::{Camera, Medium, World};
 
 /// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their materials, and the media, in a
 /// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
-pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
+pub(crate) fn hash(world: &World, camera: &Camera) -> String {
     let mut hasher = Hasher::new();
     hasher.text("camera");
     for number in camera.numbers() {
@@ -22,28 +22,28 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
     if !camera.filter.is_box() {
         hasher.value(json!({ "filter": camera.filter }));
     }
-    hasher.value(scene.background().identity());
-    if !scene.light_files().is_empty() {
-        hasher.value(json!(scene.light_files()));
+    hasher.value(world.background.identity());
+    if !world.lights.is_empty() {
+        hasher.value(json!(world.lights));
     }
     let materials: Vec<_> =
-        scene.materials().iter().map(|material| blake3::hash(&identity(material))).collect();
-    for index in 0..scene.geometry().len() as u32 {
-        let material = scene.material_map().get(index);
-        let primitive = scene.geometry().get(index);
+        world.materials.iter().map(|material| blake3::hash(&identity(material))).collect();
+    for index in 0..world.geometry.len() as u32 {
+        let material = world.material_map.get(index);
+        let primitive = world.geometry.get(index);
         hasher.vectors(primitive.name(), &primitive.identity());
-        hasher.attributes(scene.geometry().attributes(index));
+        hasher.attributes(world.geometry.attributes(index));
         hasher.bytes(materials[material as usize].as_bytes());
     }
-    let instances = &scene.geometry().instances;
-    let first = scene.geometry().len() as u32;
+    let instances = &world.geometry.instances;
+    let first = world.geometry.len() as u32;
     for mesh in 0..instances.meshes() {
         hasher.text("mesh");
         for triangle in instances.range(mesh) {
             let vertices = instances.triangles().triangles.vertices(triangle as usize);
             hasher.vectors("triangle", &vertices);
             hasher.attributes(instances.triangles().attributes(triangle));
-            let material = scene.material_map().get(first + triangle);
+            let material = world.material_map.get(first + triangle);
             hasher.bytes(materials[material as usize].as_bytes());
         }
     }
@@ -51,7 +51,7 @@ pub(super) fn hash(scene: &Scene, camera: &Camera) -> String {
         hasher.text(&format!("instance {}", instance.mesh()));
         hasher.numbers(&instance.identity());
     }
-    for Medium { volume, density, albedo } in scene.media() {
+    for Medium { volume, density, albedo } in &world.media {
         let (name, vectors) = volume.identity();
         hasher.vectors(name, &vectors);
         hasher.vectors("medium", &[Vec3::splat(*density), *albedo]);

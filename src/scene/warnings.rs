@@ -1,9 +1,10 @@
 //! Reasons why the picture of a valid scene may be black or incomplete.
 
-use super::material::{Material, Sides};
-use super::{Camera, Scene};
+use super::Scene;
 use crate::geometry::Primitive;
 use crate::math::length;
+use crate::shading::Camera;
+use crate::shading::material::{Material, Sides};
 
 impl Scene {
     /// Returns the reasons why the picture may be black, and the data in the scene's files that
@@ -66,7 +67,7 @@ mod tests {
         for open in ["dielectric(ior: 1.5)", "light(radiance: (1, 1, 1), sides: both)"] {
             assert_eq!(warnings(&format!("({camera}, {sky}, {})", sphere(open))), "", "{open}");
         }
-        for name in crate::scene::BUILTIN_NAMES {
+        for name in crate::formats::BUILTIN_NAMES {
             assert_eq!(Scene::load(name).unwrap().warnings(), [""; 0], "{name}");
         }
     }

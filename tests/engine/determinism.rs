@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::{Mutex, mpsc};
 
-use crate::common::{SAMPLINGS, render};
 use ptfast::internals::BITS;
 use ptfast::{Engine, Observer, Progress, RenderSettings, Renderer, Sampler, Scene};
+
+use crate::common::{SAMPLINGS, render};
 
 /// Small settings whose last chunk of samples is not full.
 fn small(scene: &Scene) -> RenderSettings {

@@ -3,10 +3,6 @@
 
 use std::fs;
 
-use ron::extensions::Extensions;
-
-use crate::common::{Estimate, render};
-use crate::flat;
 use ptfast::internals::Source;
 use ptfast::material::Lambertian;
 use ptfast::texture::{Checker, Image, Texture};
@@ -14,6 +10,10 @@ use ptfast::{
     BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, PixelFilter, RenderSettings, Sampling, Scene,
     SceneFile,
 };
+use ron::extensions::Extensions;
+
+use crate::common::{Estimate, render};
+use crate::flat;
 
 /// The report's scenes contain exactly the primitives, materials and camera of the flat files that other
 /// programs read.

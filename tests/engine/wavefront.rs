@@ -2,13 +2,14 @@
 
 use std::sync::Mutex;
 
-use crate::common::SAMPLINGS;
-use crate::random_scene::random_scene;
 use ptfast::internals::{Stage, Stream};
 use ptfast::{
     BUILTIN_NAMES, Engine, Kernel, Observer, Plan, Planning, Progress, Render, RenderSettings,
     Renderer, Sampler, Scene, SegmentPlan,
 };
+
+use crate::common::SAMPLINGS;
+use crate::random_scene::random_scene;
 
 fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
     let settings = RenderSettings { engine, ..settings.clone() };

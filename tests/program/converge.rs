@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use crate::common::{ptfast, stderr, stdout};
 use serde_json::Value;
+
+use crate::common::{ptfast, stderr, stdout};
 
 #[test]
 fn errors_are_reported_as_table_record_and_plot() {

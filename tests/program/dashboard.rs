@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::{ptfast, stderr, stdout};
 use serde_json::{Value, json};
+
+use crate::common::{ptfast, stderr, stdout};
 
 /// Speeds of the scene `spheres` on the first of two machines. They drop by 8% at the fifth of 8
 /// commits.

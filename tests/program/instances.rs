@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use crate::common::{ptfast, stderr, stdout};
 use ptfast::Scene;
+
+use crate::common::{ptfast, stderr, stdout};
 
 const IDENTITY: &str = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))";
 const TRIANGLE: &str = r#"triangles(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], indices: [(0, 1, 2)], material: "grey")"#;

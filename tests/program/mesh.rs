@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{ptfast, stderr, stdout};
 use ptfast::Scene;
+
+use crate::common::{ptfast, stderr, stdout};
 
 /// A tetrahedron.
 const VERTICES: [[f32; 3]; 4] =

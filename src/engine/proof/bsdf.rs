@@ -9,12 +9,13 @@ use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::random::Stream;
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
-use crate::scene::material::{
+use crate::shading::material::{
     Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, Material,
-    MaterialModel, MaterialTable, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
+    MaterialModel, MaterialTable, MaterialTables, MaterialVisitor, Metal, Principled,
+    RoughDielectric, Scatter,
 };
-use crate::scene::texture::{Color, Number};
-use crate::scene::{Interaction, Isotropic, MaterialTables};
+use crate::shading::texture::{Color, Number};
+use crate::shading::{Interaction, Isotropic};
 
 /// Scattering by a surface or a medium, with the type of its BSDF erased.
 struct Scattering {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::math::Real;
 use crate::math::random::Stream;
-use crate::scene::{FilterTable, PixelFilter};
+use crate::shading::{FilterTable, PixelFilter};
 use crate::simd::{Float, LANES};
 
 type Function = Box<dyn Fn(f64) -> f64>;

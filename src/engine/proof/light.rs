@@ -1,7 +1,8 @@
 //! Tests of lights: their samples follow the density that `pdf` reports for hits on them.
 
-use glam::Vec3;
 use std::f64::consts::PI;
+
+use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
 use crate::engine::contract::SHADOW_REACH;
@@ -9,7 +10,9 @@ use crate::geometry::{PreparedRay, Primitive, Ray};
 use crate::math::random::Stream;
 use crate::math::{length, normalize};
 use crate::sampler::Dimension;
-use crate::scene::{LightSample, Scene, SceneTables};
+use crate::scene::Scene;
+use crate::shading::SceneTables;
+use crate::shading::light::LightSample;
 
 fn scene() -> Scene {
     let text = r#"(
@@ -71,7 +74,7 @@ fn cone(scene: &Scene, primitive: u32, from: Vec3) -> Cone {
 #[test]
 fn samples_have_their_density() {
     let (scene, mut table) = (scene(), Table::new("directions to lights"));
-    let tables = SceneTables::new(&scene);
+    let tables = SceneTables::new(scene.world());
     for (index, (primitive, light)) in lights(&scene, &tables).into_iter().enumerate() {
         for (at, from) in FROM.into_iter().enumerate() {
             let case = FROM.len() * index + at;
@@ -99,7 +102,7 @@ fn samples_have_their_density() {
 #[test]
 fn samples_and_hits_agree() {
     let scene = scene();
-    let tables = SceneTables::new(&scene);
+    let tables = SceneTables::new(scene.world());
     for (index, (primitive, light)) in lights(&scene, &tables).into_iter().enumerate() {
         for (at, from) in FROM.into_iter().enumerate() {
             let mut missed = 0;
@@ -130,7 +133,7 @@ fn samples_and_hits_agree() {
 #[test]
 fn lights_are_chosen_by_their_power() {
     let (scene, mut table) = (scene(), Table::new("choice of lights"));
-    let tables = SceneTables::new(&scene);
+    let tables = SceneTables::new(scene.world());
     let chance = |light: u32| tables.lights.get::<f32>(light).chance(Vec3::ZERO);
     let chances: Vec<f64> = (0..scene.lights()).map(|light| f64::from(chance(light))).collect();
     let mut counts = vec![0; chances.len()];
@@ -176,7 +179,7 @@ fn shadow_rays_end_just_before_their_light() {
     for (name, scene, extent) in scenes {
         let scene = scene.unwrap();
         let mut checked = 0;
-        let tables = SceneTables::new(&scene);
+        let tables = SceneTables::new(scene.world());
         for (primitive, light) in lights(&scene, &tables) {
             for _ in 0..100_000 {
                 let [x, y, z, u, v, time] = [(); 6].map(|()| random.uniform());

@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::{SAMPLES, Table, randoms};
 use crate::geometry::{Hit, Ray};
-use crate::scene::{Scene, SceneTables};
+use crate::scene::Scene;
+use crate::shading::SceneTables;
 
 /// Two media along x: a ball from 1 to 3, and a box from 4 to 6.
 fn tables() -> SceneTables {
@@ -12,7 +13,7 @@ fn tables() -> SceneTables {
         sphere(center: (2, 0, 0), radius: 1, density: 0.6, albedo: (1, 1, 1)),
         box(min: (4, -1, -1), max: (6, 1, 1), density: 0.9, albedo: (0.5, 0.5, 0.5)),
     ])";
-    SceneTables::new(&Scene::from_ron(text).expect("the scene is valid"))
+    SceneTables::new(Scene::from_ron(text).expect("the scene is valid").world())
 }
 
 /// The optical depth along x up to `t`.

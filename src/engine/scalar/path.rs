@@ -11,10 +11,11 @@ use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
 use crate::math::{Real, dot, max_element, min};
 use crate::sampler::{Dimension, Randoms};
-use crate::scene::material::{
+use crate::scene::{Sampling, Scene};
+use crate::shading::material::{
     Bsdf, MaterialModel, MaterialTable, MaterialVisitor, SPECULAR, Scatter,
 };
-use crate::scene::{Key, Sampling, Scene, SceneTables};
+use crate::shading::{Key, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts rays and path endings.
 pub(in crate::engine) struct PathTracer<'a, I> {

@@ -4,7 +4,7 @@ use super::paths::Paths;
 use super::rays::Rays;
 use crate::accel::HitBatch;
 use crate::sampler::{Randoms, Sampler};
-use crate::scene::SceneTables;
+use crate::shading::SceneTables;
 use crate::simd::{Float, Int, LANES};
 
 /// Replaces the hit of each ray with its first collision in a medium, if it has one before the hit.

@@ -8,8 +8,8 @@ use crate::film::Unit;
 use crate::math::Real;
 use crate::math::random::PixelKey;
 use crate::sampler::Randoms;
-use crate::scene::CameraFrame;
-use crate::scene::material::SPECULAR;
+use crate::shading::CameraFrame;
+use crate::shading::material::SPECULAR;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 
 /// Creates the paths of `unit`: pixel by pixel in rows, and all samples of a pixel in sequence.

@@ -36,7 +36,7 @@ pub(super) struct Segment {
     /// Density with which a surface or a medium sampled the direction, or [`SPECULAR`] if no light
     /// sample could have found the hit.
     ///
-    /// [`SPECULAR`]: crate::scene::material::SPECULAR
+    /// [`SPECULAR`]: crate::shading::material::SPECULAR
     pub(super) pdf: Float,
 }
 

@@ -3,7 +3,7 @@
 use super::columns::Columns;
 use super::rays::Rays;
 use crate::accel::HitBatch;
-use crate::scene::Looks;
+use crate::shading::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 
 /// The paths of a wave, sorted by key. Each key needs room for only two additional vectors.

@@ -7,33 +7,33 @@ use glam::{DAffine3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::normals::{add_normals, unit};
+use crate::checks::MAX_COORDINATE;
 use crate::error::suggestion;
 use crate::geometry::{Triangle, Vertices};
 use crate::image::Transfer;
-use crate::math::precise::rotate;
-use crate::scene::budget::Budget;
-use crate::scene::place::{MAX_COORDINATE, angles};
+use crate::limits::Budget;
+use crate::math::precise::{rotate, turns};
 
 /// A mesh as read from its file. Its indices are in range and its coordinates are finite.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::scene) struct Mesh {
-    pub(in crate::scene) vertices: Vertices,
-    pub(in crate::scene) triangles: Vec<[u32; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) vertices: Vertices,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Its materials. Formats without them have neither names nor ranges.
-    pub(in crate::scene) materials: Labels,
+    pub(crate) materials: Labels,
     /// Its groups, and the objects that consist of groups.
-    pub(super) groups: [Labels; 2],
+    pub(crate) groups: [Labels; 2],
     /// Names of the ignored data in the file.
-    pub(super) ignored: BTreeSet<&'static str>,
+    pub(crate) ignored: BTreeSet<&'static str>,
 }
 
 /// Names that a file gives to its triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::scene) struct Labels {
-    pub(in crate::scene) names: Vec<String>,
+pub(crate) struct Labels {
+    pub(crate) names: Vec<String>,
     /// Ranges of triangles with the same name: one past the last triangle, and the index of the name,
     /// which is out of range for triangles without a name.
-    pub(super) ranges: Vec<(u32, u32)>,
+    pub(crate) ranges: Vec<(u32, u32)>,
 }
 
 impl Labels {
@@ -47,7 +47,7 @@ impl Labels {
     }
 
     /// Whether every triangle has a name.
-    pub(in crate::scene) fn name_all(&self) -> bool {
+    pub(crate) fn name_all(&self) -> bool {
         let named = |&(_, name): &(u32, u32)| (name as usize) < self.names.len();
         !self.ranges.is_empty() && self.ranges.iter().all(named)
     }
@@ -67,10 +67,10 @@ impl Labels {
 }
 
 /// The vertices of a transformed mesh, its triangles, and their ranges as in [`Labels::ranges`].
-pub(in crate::scene) struct Transformed {
-    pub(in crate::scene) vertices: Vertices,
-    pub(in crate::scene) faces: Vec<[u32; 3]>,
-    pub(in crate::scene) ranges: Vec<(u32, u32)>,
+pub(crate) struct Transformed {
+    pub(crate) vertices: Vertices,
+    pub(crate) faces: Vec<[u32; 3]>,
+    pub(crate) ranges: Vec<(u32, u32)>,
 }
 
 /// Whether triangles are shaded with the interpolated normals of their vertices.
@@ -89,18 +89,18 @@ pub enum Smooth {
 /// A scale about the origin, then rotations about the axes x, y and z in this order, then a
 /// translation, then an affine map.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::scene) struct Transform {
-    pub(in crate::scene) scale: f32,
+pub(crate) struct Transform {
+    pub(crate) scale: f32,
     /// Rotation about each axis in degrees.
-    pub(in crate::scene) rotation: [f32; 3],
-    pub(in crate::scene) translation: [f32; 3],
-    pub(in crate::scene) matrix: Option<DAffine3>,
+    pub(crate) rotation: [f32; 3],
+    pub(crate) translation: [f32; 3],
+    pub(crate) matrix: Option<DAffine3>,
 }
 
 impl Mesh {
     /// If there are more than three vertices per triangle, keeps only those that triangles refer to,
     /// because each vertex takes time to transform.
-    pub(super) fn without_stray_vertices(mut self) -> Self {
+    pub(crate) fn without_stray_vertices(mut self) -> Self {
         if self.vertices.positions.len() > 3 * self.triangles.len() {
             self.vertices = compact(&self.vertices, &mut self.triangles);
         }
@@ -111,7 +111,7 @@ impl Mesh {
     ///
     /// # Errors
     /// If no triangle belongs to it.
-    pub(in crate::scene) fn group(&self, name: &str) -> Result<Self, String> {
+    pub(crate) fn group(&self, name: &str) -> Result<Self, String> {
         let found = self.groups.iter().map(|groups| groups.find(name));
         let Some(ranges) = found.into_iter().find(|ranges| !ranges.is_empty()) else {
             let known = suggestion(name, self.groups.iter().flat_map(Labels::used));
@@ -140,7 +140,7 @@ impl Mesh {
 
     /// Converts the colours of the file from sRGB to linear RGB. If any is out of range, none is
     /// used.
-    pub(super) fn decode_colors(&mut self) {
+    pub(crate) fn decode_colors(&mut self) {
         let colors = &mut self.vertices.colors;
         if colors.iter().all(|color| color.to_array().iter().all(|c| (0.0..=1.0).contains(c))) {
             for color in colors {
@@ -155,25 +155,25 @@ impl Mesh {
     }
 
     /// Notes that none of its triangles has an area.
-    pub(in crate::scene) fn ignore_all(&mut self) {
+    pub(crate) fn ignore_all(&mut self) {
         self.ignored.insert("all triangles, since they have no area");
     }
 
     /// Notes that the names of the materials are ignored, if there are any.
-    pub(in crate::scene) fn ignore_materials(&mut self) {
+    pub(crate) fn ignore_materials(&mut self) {
         if !self.materials.names.is_empty() {
             self.ignored.insert("materials");
         }
     }
 
     /// Returns the names of the ignored data in the file, if any.
-    pub(in crate::scene) fn ignored(&self) -> Option<String> {
+    pub(crate) fn ignored(&self) -> Option<String> {
         let names: Vec<&str> = self.ignored.iter().copied().collect();
         (!names.is_empty()).then(|| names.join(", "))
     }
 
     /// Returns the bytes of memory that the mesh takes.
-    pub(in crate::scene) fn memory(&self) -> u64 {
+    pub(crate) fn memory(&self) -> u64 {
         let labels = self.groups.iter().chain([&self.materials]).map(Labels::memory);
         let lists = labels.sum::<usize>() + size_of_val(&*self.triangles);
         self.vertices.bytes() + lists as u64
@@ -188,7 +188,7 @@ impl Mesh {
     ///
     /// # Errors
     /// If a vertex ends up too far away, or the memory limit is exceeded.
-    pub(in crate::scene) fn transformed(
+    pub(crate) fn transformed(
         &self,
         transform: &Transform,
         smooth: Smooth,
@@ -198,7 +198,7 @@ impl Mesh {
         let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
         budget.check(68 * vertices + 144 * triangles + self.vertices.bytes())?;
-        let turns = angles(transform.rotation);
+        let turns = turns(transform.rotation);
         let transformed = |vertex: &Vec3| {
             let scaled = vertex.to_array().map(|c| f64::from(c) * f64::from(transform.scale));
             let turned = rotate(scaled, turns);
@@ -264,11 +264,11 @@ fn compact(vertices: &Vertices, triangles: &mut [[u32; 3]]) -> Vertices {
 }
 
 /// Whether the coordinates of a vertex are within the range of a scene.
-pub(in crate::scene) fn in_range(vertex: Vec3) -> bool {
+pub(crate) fn in_range(vertex: Vec3) -> bool {
     vertex.to_array().iter().all(|c| c.abs() <= MAX_COORDINATE)
 }
 
 /// Returns the triangles of the polygon with these corners, as a fan about the first corner.
-pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
+pub(crate) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
 }

@@ -11,7 +11,7 @@ use crate::math::trig::atan2;
 /// position, weighted by their angles there (Thürmer and Wüthrich 1998, "Computing Vertex Normals
 /// from Polygonal Facets"). Vertices at one position get the same normal even if their texture
 /// coordinates differ; without a triangle they get the normal 0.
-pub(in crate::scene) fn add_normals(vertices: &mut Vertices, triangles: &[[u32; 3]]) {
+pub(crate) fn add_normals(vertices: &mut Vertices, triangles: &[[u32; 3]]) {
     let positions = &vertices.positions;
     let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
     // Adding 0 turns −0 into 0.
@@ -40,7 +40,7 @@ pub(in crate::scene) fn add_normals(vertices: &mut Vertices, triangles: &[[u32; 
 }
 
 /// `v` scaled to unit length, or 0 if it has no length.
-pub(in crate::scene) fn unit(v: DVec3) -> Vec3 {
+pub(crate) fn unit(v: DVec3) -> Vec3 {
     let length = v.dot(v).sqrt();
     if length > 0.0 { (v * (1.0 / length)).as_vec3() } else { Vec3::ZERO }
 }

@@ -9,7 +9,7 @@ use crate::geometry::Vertices;
 use crate::math::trig::acos;
 
 /// Whether vertices have all that their tangents depend on, and no tangents yet.
-pub(in crate::scene) fn lacks_tangents(vertices: &Vertices) -> bool {
+pub(crate) fn lacks_tangents(vertices: &Vertices) -> bool {
     let Vertices { normals, uvs, tangents, .. } = vertices;
     !normals.is_empty() && !uvs.is_empty() && tangents.is_empty()
 }
@@ -21,7 +21,7 @@ pub(in crate::scene) fn lacks_tangents(vertices: &Vertices) -> bool {
 ///
 /// # Errors
 /// If more than [`MOST_AT_POINT`] triangles meet at a point.
-pub(in crate::scene) fn add_tangents(
+pub(crate) fn add_tangents(
     vertices: &mut Vertices,
     triangles: &mut [[u32; 3]],
 ) -> Result<(), String> {

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
+use crate::checks::Element;
 use crate::error::Result;
-use crate::math::precise::rotate;
-use crate::scene::place::{Element, angles};
+use crate::math::precise::{rotate, turns};
 
 /// A box of six quads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ type Face = [[f32; 3]; 3];
 fn faces(min: [f32; 3], max: [f32; 3], rotation: [f32; 3]) -> [Face; 6] {
     let (min, max) = (min.map(f64::from), max.map(f64::from));
     let middle: [f64; 3] = std::array::from_fn(|i| (min[i] + max[i]) * 0.5);
-    let turns = angles(rotation);
+    let turns = turns(rotation);
     let turn = |p: [f64; 3]| rotate(p, turns);
     let transformed = |p: [f64; 3]| {
         let turned = turn(std::array::from_fn(|i| p[i] - middle[i]));

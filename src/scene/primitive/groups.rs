@@ -11,11 +11,11 @@ use std::rc::Rc;
 use glam::{DAffine3, Vec3};
 
 use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
+use crate::checks::{Element, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
-use crate::scene::affine;
+use crate::math::affine;
 use crate::scene::named::Named;
-use crate::scene::place::{Element, MAX_COORDINATE};
 
 /// Largest number of instances around a mesh.
 const MAX_NESTING: usize = 64;

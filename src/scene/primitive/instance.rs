@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
+use crate::checks::Element;
 use crate::error::Result;
-use crate::scene::place::Element;
 
 /// A named mesh, placed by an affine map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

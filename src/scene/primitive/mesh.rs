@@ -8,13 +8,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, PrimitiveFile};
+use crate::checks::{Element, MAX_COORDINATE};
 use crate::error::Result;
 use crate::geometry::Instance;
-use crate::input::length;
-use crate::scene::mesh::{self, Smooth, Transform, Transformed};
-use crate::scene::place::{Element, MAX_COORDINATE};
-use crate::scene::within::path_within;
-use crate::scene::{affine, files};
+use crate::input::{length, path_within};
+use crate::math::affine;
+use crate::scene::mesh::{Smooth, Transform, Transformed};
 
 /// The triangles of an OBJ or PLY file.
 ///
@@ -95,11 +94,8 @@ const READING: u64 = 40;
 impl Builder<'_> {
     /// Reads the files of `primitives` on all threads, if there is memory for all at once. Those that
     /// cannot be read are left to `expand`, which knows where the scene names them.
-    pub(in crate::scene) fn preload<'p>(
-        &mut self,
-        primitives: impl Iterator<Item = &'p PrimitiveFile>,
-    ) {
-        let (folder, budget) = (self.folder, self.budget);
+    pub(crate) fn preload<'p>(&mut self, primitives: impl Iterator<Item = &'p PrimitiveFile>) {
+        let (folder, assets, budget) = (self.folder, self.assets, self.budget);
         let path = |primitive: &PrimitiveFile| match primitive {
             PrimitiveFile::Mesh(mesh) => path_within(folder, &mesh.file, &budget.limits).ok(),
             _ => None,
@@ -113,7 +109,7 @@ impl Builder<'_> {
         if paths.len() < 2 || READING.saturating_mul(bytes) > budget.room() {
             return;
         }
-        let read = |path: PathBuf| mesh::read(&path, budget).ok().map(|mesh| (path, mesh));
+        let read = |path: PathBuf| assets.mesh(&path, budget).ok().map(|mesh| (path, mesh));
         let meshes: Vec<_> = paths.into_par_iter().filter_map(read).collect();
         for (path, mesh) in meshes {
             if budget.hold(mesh.memory()).is_ok() {
@@ -130,12 +126,12 @@ impl Expand for MeshFile {
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
         e.rotation(rotation)?;
         e.point("translation", translation)?;
-        let path = files::path(e, to.folder, file, &to.budget.limits)?;
+        let path = e.path_within(to.folder, file, &to.budget.limits)?;
         let before = to.count();
         let mesh = match to.meshes.entry(path.clone()) {
             hash_map::Entry::Occupied(there) => there.into_mut(),
             hash_map::Entry::Vacant(new) => {
-                let mesh = mesh::read(new.key(), to.budget).map_err(|error| e.error(error))?;
+                let mesh = to.assets.mesh(new.key(), to.budget).map_err(|error| e.error(error))?;
                 to.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
                 new.insert(mesh)
             }

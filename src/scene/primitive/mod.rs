@@ -19,14 +19,15 @@ use serde::{Deserialize, Serialize};
 
 use self::groups::Groups;
 pub use self::named_mesh::NamedMesh;
-use super::budget::Budget;
-use super::material::Material;
+use super::assets::Assets;
 pub use super::mesh::Smooth;
 use super::mesh::{Mesh, add_tangents, lacks_tangents};
 use super::named::Named;
-use super::place::{Element, MAX_COORDINATE};
+use crate::checks::{Element, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Vertices};
+use crate::limits::Budget;
+use crate::shading::material::Material;
 
 /// Bytes of memory for each triangle while tangents are computed.
 const TANGENTS: u64 = 600;
@@ -59,23 +60,24 @@ impl MaterialName for Option<String> {
 }
 
 /// Collects the geometry of a scene while its primitives are expanded.
-pub(super) struct Builder<'a> {
-    pub(super) geometry: Geometry,
+pub(crate) struct Builder<'a> {
+    pub(crate) geometry: Geometry,
     /// The materials of the triangles in `geometry`.
-    pub(super) ranges: Ranges,
+    pub(crate) ranges: Ranges,
     /// The materials of the triangles of meshes that instances place.
-    pub(super) mesh_ranges: Ranges,
+    pub(crate) mesh_ranges: Ranges,
     /// The meshes read so far, by file.
-    pub(super) meshes: HashMap<PathBuf, Mesh>,
+    pub(crate) meshes: HashMap<PathBuf, Mesh>,
     groups: Groups<'a>,
     materials: &'a Materials<'a>,
     /// Folder of the scene file.
     folder: &'a Path,
+    assets: &'a dyn Assets,
     budget: &'a Budget,
 }
 
 /// The materials of a scene, by name.
-pub(super) struct Materials<'a> {
+pub(crate) struct Materials<'a> {
     names: HashMap<&'a str, u32>,
     /// Whether each of them is a light.
     shine: Vec<bool>,
@@ -88,7 +90,7 @@ pub(super) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// `names` are the names of `materials`.
-    pub(super) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
+    pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
         let shines = |material: &Material| material.emission().is_some_and(|e| e.shines());
         Self {
             names: names.zip(0..).collect(),
@@ -99,7 +101,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Returns the index of the material called `name`.
-    pub(super) fn find(&self, e: &Element<'_>, name: &str) -> Result<u32> {
+    pub(crate) fn find(&self, e: &Element<'_>, name: &str) -> Result<u32> {
         self.names.get(name).copied().ok_or_else(|| {
             let known = suggestion(name, self.names.keys().copied());
             e.error(format!("unknown material `{name}`{known}"))
@@ -109,11 +111,11 @@ impl<'a> Materials<'a> {
 
 /// Ranges of triangles with the same material: one past the last triangle, and the material.
 #[derive(Debug, Default)]
-pub(super) struct Ranges(pub(super) Vec<(u32, u32)>);
+pub(crate) struct Ranges(pub(crate) Vec<(u32, u32)>);
 
 impl Ranges {
     /// Sets the material of the triangles from the end of the last range up to `end`.
-    pub(super) fn cover(&mut self, end: usize, material: u32) {
+    pub(crate) fn cover(&mut self, end: usize, material: u32) {
         let (end, begin) = (end as u32, self.0.last().map_or(0, |&(end, _)| end));
         match self.0.last_mut() {
             Some((last, same)) if *same == material => *last = end,
@@ -125,10 +127,11 @@ impl Ranges {
 
 impl<'a> Builder<'a> {
     /// Creates a builder for primitives that may place `meshes`.
-    pub(super) fn new(
+    pub(crate) fn new(
         meshes: &'a Named<NamedMesh>,
         materials: &'a Materials<'a>,
         folder: &'a Path,
+        assets: &'a dyn Assets,
         budget: &'a Budget,
     ) -> Self {
         Self {
@@ -139,6 +142,7 @@ impl<'a> Builder<'a> {
             groups: Groups::new(meshes),
             materials,
             folder,
+            assets,
             budget,
         }
     }
@@ -214,7 +218,7 @@ macro_rules! primitive_files {
 
         impl PrimitiveFile {
             /// Returns the name of the primitive's kind in scene files.
-            pub(super) fn name(&self) -> &'static str {
+            pub(crate) fn name(&self) -> &'static str {
                 match self {
                     $(Self::$name(_) => $word,)*
                 }
@@ -222,14 +226,14 @@ macro_rules! primitive_files {
 
             /// Returns the name of the primitive's material; `None` for an instance whose mesh has
             /// its own materials.
-            pub(super) fn material(&self) -> Option<&str> {
+            pub(crate) fn material(&self) -> Option<&str> {
                 match self {
                     $(Self::$name(primitive) => primitive.material.name(),)*
                 }
             }
 
             /// Checks the parameters and adds the primitives that they describe.
-            pub(super) fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+            pub(crate) fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(primitive) => primitive.expand(e, to),)*
                 }

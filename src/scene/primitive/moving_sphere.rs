@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, radius};
+use crate::checks::Element;
 use crate::error::Result;
 use crate::geometry::Sphere;
-use crate::scene::place::Element;
 
 /// A sphere that moves linearly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
+use crate::checks::Element;
 use crate::error::Result;
-use crate::scene::place::Element;
 
 /// The parallelogram q + a u + b v, with a and b in [0, 1]. Its front is the side of u × v.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::mesh::{is_yes, yes};
 use super::{Builder, Expand};
+use crate::checks::Element;
 use crate::error::Result;
 use crate::geometry::{Triangle, Vertices};
 use crate::scene::mesh::unit;
-use crate::scene::place::Element;
 
 /// A list of triangles. The front is the side from which the vertices run counter-clockwise.
 ///

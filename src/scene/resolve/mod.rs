@@ -8,26 +8,23 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::background::Background;
-use super::budget::Budget;
-use super::camera::Camera;
+use super::assets::Assets;
 use super::description::SceneFile;
-use super::files::Images;
-use super::holes::cut_out;
-use super::light::LightFile;
-use super::medium::Medium;
 use super::mesh::Mesh;
-use super::place::Element;
 use super::{Scene, SceneData};
+use crate::checks::Element;
 use crate::error::{Error, Result};
-use crate::limits::{self, Limit, MAX_MEDIA};
+use crate::limits::{self, Budget, Limit, MAX_MEDIA};
+use crate::shading::light::LightFile;
+use crate::shading::{Background, Camera, Images, Medium, World, cut_out};
 
 /// Returns the scene that `file` describes. Error messages call the file `name`. Paths of textures
 /// and meshes are relative to `folder`.
-pub(super) fn resolve(
+pub(crate) fn resolve(
     name: &str,
     folder: &Path,
     file: &SceneFile,
+    assets: &dyn Assets,
     budget: Budget,
 ) -> Result<Scene> {
     let resolver = Resolver { name, file, budget };
@@ -44,12 +41,12 @@ pub(super) fn resolve(
     resolver.check_names("mesh", file.meshes.names())?;
     let room = resolver.budget.hold(ENTRY * entries as u64);
     room.map_err(|message| Error::input(name, "", message))?;
-    let mut images = Images::new(folder, &resolver.budget);
+    let mut images = Images::new(folder, &resolver.budget, assets);
     let materials = resolver.materials(&mut images)?;
     let mut background = file.background.clone();
     background.load(&resolver.section("background"), &mut images)?;
     let images = images.files();
-    let (geometry, material_map, meshes) = resolver.primitives(&materials, folder)?;
+    let (geometry, material_map, meshes) = resolver.primitives(&materials, folder, assets)?;
     let mut geometry = geometry;
     cut_out(&mut geometry, &materials, &material_map);
     let media = resolver.media()?;
@@ -68,14 +65,16 @@ pub(super) fn resolve(
         camera,
         camera_file: file.camera.clone(),
         cameras: file.cameras.clone(),
-        background,
         defaults: file.render.clone(),
-        materials,
-        geometry: Arc::new(geometry),
-        material_map,
-        light_files: free,
+        world: World {
+            background,
+            geometry: Arc::new(geometry),
+            materials,
+            material_map,
+            lights: free,
+            media,
+        },
         lights: lights as u32,
-        media,
         ignored: ignored(&meshes),
         files: images.chain(meshes.into_keys()).collect(),
         limits: resolver.budget.limits,

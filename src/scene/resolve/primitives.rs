@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use super::Resolver;
 use crate::error::Result;
 use crate::geometry::Geometry;
-use crate::scene::looks::MaterialMap;
-use crate::scene::material::Material;
+use crate::scene::assets::Assets;
 use crate::scene::mesh::Mesh;
 use crate::scene::primitive::{Builder, Materials};
+use crate::shading::MaterialMap;
+use crate::shading::material::Material;
 
 impl Resolver<'_> {
     /// Returns the primitives, their materials, and the meshes by file.
@@ -17,10 +18,11 @@ impl Resolver<'_> {
         &self,
         materials: &[Material],
         folder: &Path,
+        assets: &dyn Assets,
     ) -> Result<(Geometry, MaterialMap, BTreeMap<PathBuf, Mesh>)> {
         let all = materials;
         let materials = Materials::new(self.file.materials.names(), materials);
-        let mut builder = Builder::new(&self.file.meshes, &materials, folder, &self.budget);
+        let mut builder = Builder::new(&self.file.meshes, &materials, folder, assets, &self.budget);
         builder.preload(self.file.primitives.iter());
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {

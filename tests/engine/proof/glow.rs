@@ -1,9 +1,10 @@
 //! Surfaces that scatter and emit light, beside closed forms. Light of textures is found only by paths that
 //! hit the surface.
 
+use ptfast::{Engine, RenderSettings, Sampling, Scene};
+
 use super::{Known, compare};
 use crate::common::{SAMPLINGS, render};
-use ptfast::{Engine, RenderSettings, Sampling, Scene};
 
 /// A camera that looks down from (`x`, 0, 0.5), and these elements.
 fn scene(x: f32, more: &str, primitives: &str) -> String {

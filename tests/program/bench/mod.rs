@@ -12,8 +12,9 @@ mod record;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::{ptfast, stderr, stdout};
 use serde_json::{Value, json};
+
+use crate::common::{ptfast, stderr, stdout};
 
 /// Arguments of a bench of a few pixels, with both engines.
 const SMALL: [&str; 10] =

@@ -2,10 +2,11 @@
 
 use std::io::Write;
 
-use super::{Case, Content};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::{Value, json};
+
+use super::{Case, Content};
 
 fn pbrt(text: impl Into<String>, says: &str) -> Case {
     Case::scene("a.pbrt", text.into(), says)

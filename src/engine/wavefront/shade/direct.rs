@@ -8,8 +8,9 @@ use crate::engine::wavefront::connect::Shadows;
 use crate::geometry::{Ray, Surface};
 use crate::math::{Real, dot, max_element};
 use crate::sampler::Dimension;
-use crate::scene::material::Bsdf;
-use crate::scene::{LightSample, Sampling};
+use crate::scene::Sampling;
+use crate::shading::light::LightSample;
+use crate::shading::material::Bsdf;
 use crate::simd::{Float, Vec3x};
 
 impl Shading<'_> {

@@ -16,8 +16,9 @@ use crate::engine::settings::RenderSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
 use crate::geometry::Shape;
-use crate::scene::material::{MaterialModel, MaterialTable, MaterialVisitor};
-use crate::scene::{Key, Scene, SceneTables};
+use crate::scene::Scene;
+use crate::shading::material::{MaterialModel, MaterialTable, MaterialVisitor};
+use crate::shading::{Key, SceneTables};
 use crate::simd::LANES;
 
 /// The inputs that all paths of a segment share.

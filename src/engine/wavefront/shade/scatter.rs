@@ -8,7 +8,7 @@ use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::max_element;
 use crate::sampler::Dimension;
-use crate::scene::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
+use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
 /// The three loops over surfaces, from the fastest to the slowest: without textures, with textures, and

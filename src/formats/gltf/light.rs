@@ -1,0 +1,37 @@
+//! Lights of glTF files (KHR_lights_punctual). Their photometric units count as ours: an intensity of 1
+//! candela is 1.
+
+use glam::{DAffine3, DVec3};
+
+use super::Reader;
+use super::file::Light;
+use crate::shading::light::{Distant, Point, Spot};
+
+impl Reader<'_, '_, '_> {
+    /// Adds a light, which shines along the −z-axis of its node.
+    pub(crate) fn light(&mut self, light: &Light, map: &DAffine3) {
+        let color = light.color.map(|c| (c * light.intensity).clamp(0.0, 1e30) as f32);
+        let rounded = |v: DVec3| v.as_vec3().to_array();
+        let (position, forward) = (rounded(map.translation), -(map.matrix3 * DVec3::Z));
+        match &*light.kind {
+            "directional" => {
+                let direction = rounded(forward);
+                self.scene.lights.push(Distant { direction, irradiance: color, angle: 0.0 }.into());
+            }
+            "point" => self.scene.lights.push(Point { position, intensity: color }.into()),
+            "spot" => {
+                let outer =
+                    light.spot.outer_cone_angle.map_or(45.0, f64::to_degrees).clamp(0.1, 180.0);
+                let inner = light.spot.inner_cone_angle.to_degrees().clamp(0.0, 0.999 * outer);
+                let look_at = rounded(map.translation + forward);
+                let (outer, inner) = (outer as f32, inner as f32);
+                self.scene
+                    .lights
+                    .push(Spot { position, look_at, intensity: color, outer, inner }.into());
+            }
+            kind => self
+                .import
+                .warn(format!("lights of the type {kind} are not supported, so they are left out")),
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The import of scenes of other programs: options, warnings, and what all formats share.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::input::path_within;
+use crate::limits::Budget;
+use crate::scene::SceneFile;
+
+/// A format of scenes of other programs.
+#[derive(Debug)]
+pub struct Format {
+    /// The extensions of its files, in lower case.
+    pub(crate) extensions: &'static [&'static str],
+    /// Reads the scene in the file at this path.
+    pub(crate) read: fn(&Path, &mut Import<'_>) -> Result<SceneFile>,
+}
+
+/// What happens to a texture or mesh that a scene of another program names, but that is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Missing {
+    /// The scene is rejected.
+    #[default]
+    Error,
+    /// Textures become grey, meshes are left out, and a warning names the file.
+    Grey,
+}
+
+impl Missing {
+    /// All choices.
+    pub(crate) const ALL: [Self; 2] = [Self::Error, Self::Grey];
+
+    /// The name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Grey => "grey",
+        }
+    }
+}
+
+/// How scenes of other programs are read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ImportOptions {
+    /// What happens to missing textures and meshes.
+    pub missing: Missing,
+    /// Whether everything that ptfast lacks is an error instead of a warning.
+    pub strict: bool,
+    /// Name or number of the animation of a glTF file that poses its scene.
+    pub animation: Option<String>,
+    /// Time of the animation in seconds.
+    pub at: f64,
+    /// Name of the variant of materials of a glTF file.
+    pub variant: Option<String>,
+}
+
+/// A scene of another program.
+pub(crate) struct Imported {
+    pub(crate) file: SceneFile,
+    /// Sentences that name what ptfast lacks, and what it does instead.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// The circumstances of an import, and its warnings.
+pub(crate) struct Import<'a> {
+    /// The folder of the file, to which paths are relative.
+    pub(crate) folder: &'a Path,
+    pub(crate) options: &'a ImportOptions,
+    pub(crate) budget: &'a Budget,
+    /// Warnings, and how often each applies.
+    warnings: Vec<(String, usize)>,
+    /// Number of warnings that were not kept.
+    more: usize,
+    /// Sentences about choices that the user may want to change.
+    notes: Vec<String>,
+}
+
+/// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
+/// time than with 5, or with 3 as in pbrt-v4 (`profiling/measured.md`).
+pub(crate) const ROULETTE: u32 = 2;
+
+/// Largest number of different warnings that are kept.
+const MOST_WARNINGS: usize = 100;
+
+/// A name like `own` that is not in `names` yet, which is added. Names that are taken get a number, at
+/// least `number`.
+pub(crate) fn unique(names: &mut HashSet<String>, own: &str, mut number: usize) -> String {
+    let mut name = own.to_owned();
+    while !names.insert(name.clone()) {
+        name = format!("{own} {number}");
+        number += 1;
+    }
+    name
+}
+
+impl<'a> Import<'a> {
+    pub(crate) fn new(folder: &'a Path, options: &'a ImportOptions, budget: &'a Budget) -> Self {
+        Self { folder, options, budget, warnings: Vec::new(), more: 0, notes: Vec::new() }
+    }
+
+    /// Notes that ptfast lacks something, and what it does instead.
+    pub(crate) fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        if let Some((_, count)) = self.warnings.iter_mut().find(|(known, _)| *known == message) {
+            *count += 1;
+        } else if self.warnings.len() < MOST_WARNINGS {
+            self.warnings.push((message, 1));
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// The warnings and notes as sentences that begin with the `file`.
+    ///
+    /// # Errors
+    /// With [`ImportOptions::strict`], if there is a warning.
+    pub(crate) fn into_warnings(self, file: &str) -> Result<Vec<String>> {
+        let sentence = |(message, count): (String, usize)| match count {
+            1 => format!("{file}: {message}"),
+            _ => format!("{file}: {message} ({count} times)"),
+        };
+        let mut warnings: Vec<String> = self.warnings.into_iter().map(sentence).collect();
+        if let Some(warning) = warnings.first()
+            && self.options.strict
+        {
+            return Err(rejected(warning));
+        }
+        if self.more > 0 {
+            warnings.push(format!("{file}: there are {} more warnings", self.more));
+        }
+        warnings.extend(self.notes.iter().map(|note| format!("{file} {note}")));
+        Ok(warnings)
+    }
+
+    /// Notes a choice that the user may want to change. Its sentence begins with the file.
+    pub(crate) fn note(&mut self, message: impl Into<String>) {
+        self.notes.push(message.into());
+    }
+
+    /// The path of `file`, which must be within the folder unless the limits allow others.
+    pub(crate) fn path_within(&self, file: &str) -> Result<PathBuf> {
+        path_within(self.folder, file, &self.budget.limits)
+    }
+
+    /// Returns false, with a warning, if the texture or mesh in `file` is missing and
+    /// [`Missing::Grey`] is set. Otherwise the reader of the file reports that it is missing.
+    pub(crate) fn is_usable(&mut self, file: &str, instead: &str) -> bool {
+        let usable = self.options.missing == Missing::Error || self.folder.join(file).exists();
+        if !usable {
+            self.warn(format!("{file} is missing, {instead}"));
+        }
+        usable
+    }
+}
+
+/// The error that [`ImportOptions::strict`] makes of a warning.
+pub(crate) fn rejected(warning: &str) -> Error {
+    Error::Usage(format!("{warning}; `strict` rejects that"))
+}
+
+/// Reads the scene in `path`.
+///
+/// # Errors
+/// If a file cannot be read, its content is wrong, or a limit is exceeded. With
+/// [`ImportOptions::strict`], also if ptfast lacks something that the scene asks for.
+pub(crate) fn read(
+    path: &Path,
+    format: &Format,
+    options: &ImportOptions,
+    budget: &Budget,
+) -> Result<Imported> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut import = Import::new(folder, options, budget);
+    let file = (format.read)(path, &mut import)?;
+    let warnings = import.into_warnings(&path.display().to_string())?;
+    Ok(Imported { file, warnings })
+}

@@ -1,0 +1,50 @@
+//! Meshes that scene files name, in any of their formats.
+
+use std::path::Path;
+
+use super::MESHES;
+use crate::error::{Error, Result};
+use crate::input::{decompress, read_bytes};
+use crate::limits::{Budget, Limit};
+use crate::scene::mesh::Mesh;
+
+/// A format of meshes.
+pub(crate) struct Format {
+    /// The extension of its files, in lower case.
+    pub(crate) extension: &'static str,
+    /// Parses the content of the file with this name.
+    pub(crate) parse: fn(&str, &[u8], &Budget) -> Result<Mesh>,
+}
+
+/// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file, or a `.ply.gz`,
+/// the names of materials and groups, and ignores the rest. Polygons become fans of triangles.
+///
+/// # Errors
+/// If the file cannot be read, exceeds the limits or has invalid content. The message names the
+/// file and line.
+pub(crate) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
+    let extension_of = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let mut extension = extension_of(path);
+    let compressed = extension.as_deref() == Some("gz");
+    if compressed {
+        extension = path.file_stem().and_then(|stem| extension_of(Path::new(stem)));
+    }
+    let name = path.display().to_string();
+    let format = MESHES.iter().find(|format| Some(format.extension) == extension.as_deref());
+    let Some(Format { parse, .. }) = format else {
+        let message = "unsupported file extension, meshes are .obj or .ply files";
+        return Err(Error::input(name, "", message));
+    };
+    let allow = |length| budget.check_file(Limit::MeshBytes, length);
+    let mut bytes = read_bytes(path, allow)?;
+    if compressed {
+        bytes = decompress(&bytes, allow).map_err(|message| Error::input(&*name, "", message))?;
+    }
+    let within = budget.with(bytes.len() as u64);
+    let mut mesh = parse(&name, &bytes, &within)?;
+    mesh.decode_colors();
+    if mesh.triangles.is_empty() {
+        return Err(Error::input(name, "", "the file has no faces, a mesh needs at least one"));
+    }
+    Ok(mesh.without_stray_vertices())
+}

@@ -1,0 +1,343 @@
+//! Shapes of pbrt files.
+
+use std::f64::consts::TAU;
+
+use glam::{DAffine3, DVec2, DVec3};
+
+use super::light::AreaLight;
+use super::parallelogram::parallelogram;
+use super::params::Params;
+use super::texture::Value;
+use super::transform::{rounded, uniform_scale};
+use super::{Reader, State};
+use crate::math::affine::rows;
+use crate::math::precise::{sin_cos_degrees, unit};
+use crate::scene::primitive::{MeshFile, PrimitiveFile, QuadFile, SphereFile, TrianglesFile};
+use crate::shading::MediumFile;
+
+/// A list of triangles before the transform of the scene.
+#[derive(Default)]
+struct List {
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    uvs: Vec<DVec2>,
+    indices: Vec<[u32; 3]>,
+}
+
+impl Reader<'_, '_> {
+    /// The directive `Shape`.
+    pub(crate) fn shape(&mut self, class: &str, params: &Params) -> Result<(), String> {
+        let alpha = self.value(params, "alpha", "float")?;
+        let alpha =
+            alpha.filter(|alpha| !matches!(alpha, Value::Constant([alpha, ..]) if *alpha >= 1.0));
+        let light = self.state.area_light.clone();
+        if class == "sphere" && self.state.material.is_invisible() && light.is_none() {
+            return self.filled_ball(params);
+        }
+        if light.is_some() && alpha.is_some() {
+            self.import.warn("alpha of area lights is not supported, so they are opaque");
+        }
+        let material = match &light {
+            None => self.current_material(alpha.as_ref())?,
+            Some(light) => {
+                if !self.state.material.is_black() {
+                    self.import.warn(
+                        "area lights that scatter light are not supported, so they only emit it",
+                    );
+                }
+                Some(self.area_light(light, class, params)?)
+            }
+        };
+        let Some(material) = material else {
+            self.import.warn(
+                "volumes other than spheres are not supported, so surfaces without a material are left out",
+            );
+            return Ok(());
+        };
+        match class {
+            "plymesh" => self.ply_mesh(params, material)?,
+            "sphere" => self.sphere(params, material, alpha.is_some() && light.is_none())?,
+            _ => match self.list(class, params)? {
+                Some(list) => self.add_list(list, material)?,
+                None => {
+                    let message = format!("the shape {class} is not supported, so it is left out");
+                    self.import.warn(message);
+                    return Ok(());
+                }
+            },
+        }
+        self.warn_unused(params, &format!("the shape {class}"));
+        Ok(())
+    }
+
+    fn add(&mut self, primitive: impl Into<PrimitiveFile>) {
+        match &mut self.object {
+            Some((_, parts)) => parts.push(primitive.into()),
+            None => self.scene.add(primitive),
+        }
+    }
+
+    fn ply_mesh(&mut self, params: &Params, material: String) -> Result<(), String> {
+        let file = params.text("filename")?.ok_or("a plymesh needs a `filename`")?.to_owned();
+        if self.state.reversed {
+            self.import.warn("ReverseOrientation is not supported for files, so their front stays");
+        }
+        if self.import.is_usable(&file, "so it is left out") {
+            let mut mesh = MeshFile::new(file, material);
+            if self.state.transform != DAffine3::IDENTITY {
+                mesh.matrix = Some(rows(&self.state.transform));
+            }
+            self.add(mesh);
+        }
+        Ok(())
+    }
+
+    fn sphere(&mut self, params: &Params, material: String, has_alpha: bool) -> Result<(), String> {
+        let radius = params.number("radius")?.unwrap_or(1.0);
+        if self.state.reversed && self.state.area_light.is_some() {
+            self.import
+                .warn("lights on the inside of spheres are not supported, so they shine outwards");
+        }
+        if params.unused().any(|name| ["zmin", "zmax", "phimax"].contains(&name)) {
+            params.ignore(&["zmin", "zmax", "phimax"]);
+            self.import.warn("parts of spheres are not supported, so spheres are whole");
+        }
+        // Only triangles may be instanced or have opacity, and our spheres have other poles than pbrt's.
+        let needs_triangles =
+            has_alpha || self.object.is_some() || self.materials.textured.contains(&material);
+        match self.ball(radius) {
+            Some((center, radius)) if !needs_triangles => {
+                self.add(SphereFile { center, radius, material });
+                Ok(())
+            }
+            _ => {
+                self.import.warn("spheres that are stretched, textured, in objects or with alpha become 8192 triangles");
+                self.add_list(globe(radius), material)
+            }
+        }
+    }
+
+    /// Centre and radius of a sphere in the scene; `None` if it is stretched.
+    fn ball(&self, radius: f64) -> Option<([f32; 3], f32)> {
+        let scale = uniform_scale(&self.state.transform)?;
+        Some((rounded(self.state.transform.translation), (radius * scale) as f32))
+    }
+
+    /// A sphere without a material, which is the boundary of a medium.
+    fn filled_ball(&mut self, params: &Params) -> Result<(), String> {
+        let radius = params.number("radius")?.unwrap_or(1.0);
+        let Some(inside) = self.state.inside.clone() else { return Ok(()) };
+        let (density, albedo) = self.medium(&inside)?.mean();
+        match self.ball(radius) {
+            Some((center, radius)) if self.object.is_none() => {
+                self.scene.media.push(MediumFile::Ball { center, radius, density, albedo });
+            }
+            _ => self.import.warn(
+                "volumes that are stretched or in objects are not supported, so they are left out",
+            ),
+        }
+        Ok(())
+    }
+
+    /// The triangles of a shape; `None` for shapes that ptfast lacks.
+    fn list(&mut self, class: &str, params: &Params) -> Result<Option<List>, String> {
+        Ok(Some(match class {
+            "trianglemesh" | "loopsubdiv" => {
+                if class == "loopsubdiv" {
+                    self.import
+                        .warn("subdivision is not supported, so surfaces keep their triangles");
+                    params.ignore(&["levels", "scheme"]);
+                }
+                params.ignore(&["S", "faceIndices"]);
+                let mut list = vertices(params)?;
+                list.indices = match params.tuples::<3>("indices")? {
+                    Some(indices) => indices.into_iter().map(corners).collect::<Result<_, _>>()?,
+                    None if list.positions.len() == 3 => vec![[0, 1, 2]],
+                    None => return Err(format!("a {class} needs `indices`")),
+                };
+                list
+            }
+            "bilinearmesh" => {
+                let mut list = vertices(params)?;
+                let quads = match params.tuples::<4>("indices")? {
+                    Some(indices) => indices.into_iter().map(corners).collect::<Result<_, _>>()?,
+                    None if list.positions.len() == 4 => vec![[0, 1, 2, 3]],
+                    None => return Err("a bilinearmesh needs `indices`".to_owned()),
+                };
+                list.indices =
+                    quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, d], [a, d, c]]).collect();
+                list
+            }
+            "disk" => {
+                let (height, radius) = (
+                    params.number("height")?.unwrap_or(0.0),
+                    params.number("radius")?.unwrap_or(1.0),
+                );
+                if params.unused().any(|name| ["innerradius", "phimax"].contains(&name)) {
+                    params.ignore(&["innerradius", "phimax"]);
+                    self.import.warn("parts of disks are not supported, so disks are whole");
+                }
+                disk(height, radius)
+            }
+            _ => return Ok(None),
+        }))
+    }
+
+    /// Adds triangles, placed by the current transform.
+    fn add_list(&mut self, list: List, material: String) -> Result<(), String> {
+        self.import.budget.hold_list(list.positions.len(), list.indices.len())?;
+        let State { transform, reversed, .. } = &self.state;
+        let inverse = transform.matrix3.inverse().transpose();
+        let List { positions, normals, uvs, mut indices } = list;
+        let mirrored = transform.matrix3.determinant() < 0.0;
+        // If there are normals, the front is where they point, as in pbrt.
+        let agrees = |&[a, b, c]: &[u32; 3]| {
+            let at = |i: u32| positions.get(i as usize).copied().unwrap_or_default();
+            let normal = |i: u32| normals.get(i as usize).copied().unwrap_or_default();
+            let face = (at(b) - at(a)).cross(at(c) - at(a));
+            face.dot(normal(a) + normal(b) + normal(c)) >= 0.0
+        };
+        for face in &mut indices {
+            if (agrees(face) != mirrored) == *reversed {
+                face.swap(1, 2);
+            }
+        }
+        let side = if *reversed { -1.0 } else { 1.0 };
+        let vertices: Vec<_> =
+            positions.iter().map(|p| rounded(transform.transform_point3(*p))).collect();
+        // Light samples of a quad are better distributed than those of two triangles. Objects may hold
+        // triangles only.
+        if self.state.area_light.is_some()
+            && self.object.is_none()
+            && let Some([q, u, v]) = parallelogram(&vertices, &indices)
+        {
+            self.add(QuadFile { q, u, v, material });
+            return Ok(());
+        }
+        let triangles = TrianglesFile {
+            normals: normals.iter().map(|n| rounded(unit(inverse * *n) * side)).collect(),
+            uvs: uvs.iter().map(|uv| uv.as_vec2().to_array()).collect(),
+            ..TrianglesFile::new(vertices, indices, material)
+        };
+        self.add(triangles);
+        Ok(())
+    }
+
+    /// The name of a material for `light` on a shape.
+    fn area_light(
+        &mut self,
+        light: &AreaLight,
+        class: &str,
+        params: &Params,
+    ) -> Result<String, String> {
+        let area = match light.power {
+            None => 1.0,
+            Some(_) => self.mean_area(class, params)?,
+        };
+        Ok(self.light_material(light, area))
+    }
+
+    /// The area of a shape, or the mean area of its triangles or patches, each of which is a light in pbrt.
+    fn mean_area(&mut self, class: &str, params: &Params) -> Result<f64, String> {
+        let scale = self.state.transform;
+        let area = |list: &List, [a, b, c]: [u32; 3]| {
+            let at = |i: u32| {
+                let point = list.positions.get(i as usize).copied().unwrap_or_default();
+                scale.transform_point3(point)
+            };
+            let cross = (at(b) - at(a)).cross(at(c) - at(a));
+            0.5 * cross.dot(cross).sqrt()
+        };
+        let list = match class {
+            "sphere" => Some(globe(params.number("radius")?.unwrap_or(1.0))),
+            _ => self.list(class, params)?,
+        };
+        let Some(list) = list else {
+            self.import
+                .warn("the power of lights in files is not supported, so their area counts as 1");
+            return Ok(1.0);
+        };
+        let all: f64 = list.indices.iter().map(|face| area(&list, *face)).sum();
+        let lights = match class {
+            "sphere" | "disk" => 1,
+            // Two triangles stand for each patch.
+            "bilinearmesh" => list.indices.len() / 2,
+            _ => list.indices.len(),
+        };
+        Ok(all / lights.max(1) as f64)
+    }
+}
+
+/// The vertices of a mesh.
+fn vertices(params: &Params) -> Result<List, String> {
+    let positions = params.tuples::<3>("P")?.ok_or("a mesh needs the positions `P`")?;
+    let normals = params.tuples::<3>("N")?.unwrap_or_default();
+    let uvs = match params.tuples::<2>("uv")? {
+        None => params.tuples::<2>("st")?,
+        uvs => uvs,
+    };
+    Ok(List {
+        positions: positions.into_iter().map(DVec3::from).collect(),
+        normals: normals.into_iter().map(DVec3::from).collect(),
+        uvs: uvs.unwrap_or_default().into_iter().map(DVec2::from).collect(),
+        indices: Vec::new(),
+    })
+}
+
+/// The corners of a face as indices.
+fn corners<const N: usize>(numbers: [f64; N]) -> Result<[u32; N], String> {
+    let ok =
+        |&number: &f64| number >= 0.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0;
+    match numbers.iter().find(|number| !ok(number)) {
+        Some(number) => {
+            Err(format!("`indices` must be whole numbers of 0 or more, one is {number}"))
+        }
+        None => Ok(numbers.map(|number| number as u32)),
+    }
+}
+
+/// Number of sides of disks and globes.
+const SIDES: u32 = 64;
+
+/// A disk around the z-axis, with its front towards +z.
+fn disk(height: f64, radius: f64) -> List {
+    let mut list = List::default();
+    for i in 0..SIDES {
+        let (sin, cos) = sin_cos_degrees(360.0 * f64::from(i) / f64::from(SIDES));
+        list.positions.push(DVec3::new(radius * cos, radius * sin, height));
+        list.uvs.push(DVec2::new(f64::from(i) / f64::from(SIDES), 0.0));
+    }
+    // As large as the disk.
+    let (sin, _) = sin_cos_degrees(360.0 / f64::from(SIDES));
+    let grown = (TAU / (f64::from(SIDES) * sin)).sqrt();
+    list.positions.iter_mut().for_each(|p| *p = DVec3::new(p.x * grown, p.y * grown, p.z));
+    list.positions.push(DVec3::new(0.0, 0.0, height));
+    list.uvs.push(DVec2::new(0.5, 1.0));
+    list.indices = (0..SIDES).map(|i| [SIDES, i, (i + 1) % SIDES]).collect();
+    list
+}
+
+/// A sphere around the origin, with its poles on the z-axis.
+fn globe(radius: f64) -> List {
+    let mut list = List::default();
+    for row in 0..=SIDES {
+        let (sin, cos) = sin_cos_degrees(180.0 * f64::from(row) / f64::from(SIDES));
+        for column in 0..=SIDES {
+            let (y, x) = sin_cos_degrees(360.0 * f64::from(column) / f64::from(SIDES));
+            let normal = DVec3::new(sin * x, sin * y, -cos);
+            list.positions.push(normal * radius);
+            list.normals.push(normal);
+            let uv = DVec2::new(f64::from(column), f64::from(row)) / f64::from(SIDES);
+            list.uvs.push(uv);
+        }
+    }
+    let at = |row: u32, column: u32| row * (SIDES + 1) + column;
+    for row in 0..SIDES {
+        for column in 0..SIDES {
+            let [a, b] = [at(row, column), at(row, column + 1)];
+            let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+            list.indices.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    list
+}

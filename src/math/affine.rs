@@ -1,0 +1,23 @@
+//! Affine maps, as rows in scene files and as columns in those of other programs.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+/// The map with the rows of `matrix`.
+pub(crate) fn of_rows(matrix: &[[f32; 4]; 3]) -> DAffine3 {
+    let column = |i: usize| DVec3::from_array(matrix.map(|row| f64::from(row[i])));
+    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+    DAffine3 { matrix3, translation: column(3) }
+}
+
+/// The map with these four columns, whose fourth numbers are left out.
+pub(crate) fn of_columns(numbers: &[f64; 16]) -> DAffine3 {
+    let column = |i: usize| DVec3::new(numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]);
+    let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+    DAffine3 { matrix3, translation: column(3) }
+}
+
+/// The rows of a map, rounded.
+pub(crate) fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
+    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
+    [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
+}

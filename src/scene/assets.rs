@@ -1,0 +1,18 @@
+//! What scenes need from the files that they name.
+
+use std::path::Path;
+
+use super::mesh::Mesh;
+use crate::error::Result;
+use crate::limits::Budget;
+use crate::shading::ImageFiles;
+
+/// Reads the files that scenes name. The module of formats implements it, so that the resolution of a scene knows
+/// no format.
+pub(crate) trait Assets: ImageFiles {
+    /// Reads the mesh in the file at `path`.
+    ///
+    /// # Errors
+    /// If the file cannot be read, has invalid content, or exceeds a limit.
+    fn mesh(&self, path: &Path, budget: &Budget) -> Result<Mesh>;
+}

@@ -1,0 +1,119 @@
+//! Marks the triangles of a scene that may have holes, and finds the holes.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::looks::MaterialMap;
+use super::material::Material;
+use super::opacity::Opacity;
+use super::texture::{TexturePoint, TextureTables};
+use crate::geometry::{Cutouts, Geometry, Holes, Ray, Triangles};
+use crate::math::random::{mix32, unit_interval};
+
+/// The opacity of a material, in the form of tables.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// The words of alpha.
+    alpha: [f32; 2],
+    /// The threshold of a mask, or `None` for a blend.
+    threshold: Option<f32>,
+}
+
+/// The opacities of a scene's materials.
+#[derive(Debug)]
+struct MaterialHoles {
+    textures: TextureTables,
+    /// One for each material.
+    entries: Arc<Vec<Option<Entry>>>,
+    map: Arc<MaterialMap>,
+    /// The number of the first triangle.
+    first: u32,
+}
+
+/// Marks the triangles of `geometry` whose materials have holes.
+pub(crate) fn cut_out(geometry: &mut Geometry, materials: &[Material], map: &MaterialMap) {
+    if materials.iter().all(|material| material.opacity().is_none()) {
+        return;
+    }
+    let map = Arc::new(map.clone());
+    let cutouts = |first: usize, count: usize| {
+        let mut textures = TextureTables::default();
+        let mut entry = |material: &Material| {
+            material.opacity().map(|opacity| Entry {
+                alpha: textures.number(opacity.alpha()).map(f32::from_bits),
+                threshold: match *opacity {
+                    Opacity::Mask { threshold, .. } => Some(threshold),
+                    Opacity::Blend { .. } => None,
+                },
+            })
+        };
+        let entries: Arc<Vec<_>> = Arc::new(materials.iter().map(&mut entry).collect());
+        let (first, map) = (first as u32, Arc::clone(&map));
+        let (of, known) = (Arc::clone(&map), Arc::clone(&entries));
+        let has_holes =
+            move |triangle: usize| known[of.get(first + triangle as u32) as usize].is_some();
+        Cutouts::new(count, has_holes, Arc::new(MaterialHoles { textures, entries, map, first }))
+    };
+    let (first, own, all) = (geometry.first_triangle(), geometry.triangles.len(), geometry.len());
+    geometry.cutouts = cutouts(first, own);
+    let placed = geometry.instances.triangle_count();
+    geometry.instances.set_cutouts(cutouts(all, placed));
+}
+
+/// A point of a triangle.
+#[derive(Clone, Copy)]
+struct Point<'a> {
+    triangles: &'a Triangles,
+    triangle: u32,
+    ray: &'a Ray,
+    t: f32,
+}
+
+impl TexturePoint<f32> for Point<'_> {
+    fn point(&self) -> Vec3 {
+        self.ray.origin + self.ray.direction * self.t
+    }
+
+    fn uv(&self) -> (f32, f32) {
+        self.triangles.uv(self.triangle, self.ray, self.t)
+    }
+
+    fn second_uv(&self) -> (f32, f32) {
+        self.triangles.second_uv(self.triangle, self.ray, self.t)
+    }
+
+    fn vertex_color(&self) -> Vec3 {
+        self.triangles.color(self.triangle, self.ray, self.t)
+    }
+}
+
+impl Holes for MaterialHoles {
+    fn is_hole(
+        &self,
+        triangles: &Triangles,
+        triangle: u32,
+        instance: u32,
+        ray: &Ray,
+        t: f32,
+    ) -> bool {
+        let material = self.map.get(self.first + triangle);
+        let Some(Entry { alpha, threshold }) = self.entries[material as usize] else {
+            return false;
+        };
+        let point = Point { triangles, triangle, ray, t };
+        let alpha = self.textures.number_at::<f32>(alpha, &point);
+        match threshold {
+            Some(threshold) => alpha < threshold,
+            None => chance(ray, instance, triangle) >= alpha,
+        }
+    }
+}
+
+/// A random number in [0, 1) for a ray and a triangle. It is a hash of the ray, so that replayed rays
+/// have the same hits.
+fn chance(ray: &Ray, instance: u32, triangle: u32) -> f32 {
+    let numbers = [ray.origin, ray.direction].map(|v| v.to_array().map(f32::to_bits));
+    let words = numbers.as_flattened().iter().chain([&instance, &triangle]);
+    unit_interval(words.fold(0, |hash: u32, &word| mix32(hash.wrapping_add(word))))
+}

@@ -1,0 +1,121 @@
+//! Collects the lights of a scene and prepares their choice.
+
+use glam::{DVec3, Vec3};
+
+use super::alias::AliasTable;
+use super::environment::{Environment, EnvironmentMap};
+use super::file::LightFile;
+use super::free::FreeLight;
+use super::tree::{LightBounds, LightTree};
+use super::{Choice, FRONT_ONLY, KIND_SHIFT, LightKind, Lights, free};
+use crate::geometry::Primitive;
+use crate::math::row;
+use crate::shading::emission::{Emission, Sides, luminance};
+
+/// Up to this number of lights, they are chosen by power alone.
+const MOST_BY_POWER: usize = 64;
+
+/// Collects the lights of a scene.
+#[derive(Default)]
+pub(crate) struct LightsBuilder {
+    lights: Lights,
+    /// The bounds and the power of each light, or `None` for light from outside the scene.
+    inside: Vec<Option<LightBounds>>,
+}
+
+impl LightsBuilder {
+    /// Adds a primitive that emits light.
+    pub(crate) fn push(&mut self, primitive: Primitive, emission: Emission) {
+        let Emission { radiance, sides } = emission;
+        let (kind, place, area, normal) = self.lights.tables.push(primitive);
+        let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
+        let faces = if sides == Sides::Both { 2.0 } else { 1.0 };
+        let bounds = LightBounds {
+            bounds: primitive.bounds(),
+            axis: normal.unwrap_or(DVec3::Z),
+            cos: if normal.is_some() { 1.0 } else { -1.0 },
+            two_sided: sides == Sides::Both,
+            power: luminance(radiance) * area * faces,
+        };
+        self.add(kind, place as usize, radiance, one_sided, Some(bounds));
+    }
+
+    /// Adds a light that is not a primitive, unless it is black.
+    pub(crate) fn push_free(&mut self, light: &LightFile) {
+        if !light.shines() {
+            return;
+        }
+        let tables = &mut self.lights.tables;
+        let (kind, place, FreeLight { radiance, inside }) = match light {
+            LightFile::Point(light) => free::push(light, LightKind::PointLight, &mut tables.point),
+            LightFile::Spot(light) => free::push(light, LightKind::SpotLight, &mut tables.spot),
+            LightFile::Distant(light) => {
+                free::push(light, LightKind::DistantLight, &mut tables.distant)
+            }
+        };
+        self.add(kind, place, radiance, 0, inside);
+    }
+
+    /// Adds an environment map, unless it is black.
+    pub(crate) fn push_environment(&mut self, map: &EnvironmentMap) {
+        if map.is_black() {
+            return;
+        }
+        if let Some(light) = Environment::new(map) {
+            self.lights.environment = Some(self.inside.len() as u32);
+            self.lights.tables.environment.push(light);
+            self.add(LightKind::Environment, 0, Vec3::splat(map.scale), 0, None);
+        }
+    }
+
+    /// Adds the row of a light whose entry is at `place` in the table of its kind.
+    fn add(
+        &mut self,
+        kind: LightKind,
+        place: usize,
+        radiance: Vec3,
+        flags: u32,
+        inside: Option<LightBounds>,
+    ) {
+        let flags = (kind as u32) << KIND_SHIFT | flags;
+        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, place as u32, 0, 0]]);
+        // Above 0 even for the dimmest light.
+        let power = |power: f64| if power > 1e-300 { power } else { 1e-300 };
+        self.inside.push(inside.map(|light| LightBounds { power: power(light.power), ..light }));
+    }
+
+    /// Prepares the choice of lights: in proportion to their power, or by a tree if there are many.
+    /// Each light from outside, whose power depends on the size of the scene, is as probable as all
+    /// others together.
+    pub(crate) fn finish(self) -> Lights {
+        let Self { mut lights, inside } = self;
+        let (count, outside) =
+            (inside.iter().flatten().count(), |light: &u32| inside[*light as usize].is_none());
+        if inside.len() <= 1 {
+            return lights;
+        }
+        let all: f64 = inside.iter().flatten().map(|light| light.power).sum();
+        if count > MOST_BY_POWER {
+            // A single-precision number can hold these shares.
+            let share = |power: f64| (power / all).max(1e-12);
+            let relative =
+                |light: &LightBounds| LightBounds { power: share(light.power), ..*light };
+            let bounds: Vec<_> = inside.iter().map(|light| light.as_ref().map(relative)).collect();
+            let others = (0..inside.len() as u32).filter(outside).collect();
+            lights.choice = Choice::Tree(LightTree::new(&bounds), others);
+            return lights;
+        }
+        let weight = |light: &Option<LightBounds>| match light {
+            Some(light) => light.power,
+            None if count > 0 => all,
+            None => 1.0,
+        };
+        let weights: Vec<f64> = inside.iter().map(weight).collect();
+        let table = AliasTable::new(&weights);
+        for ([_, chance], index) in lights.rows.iter_mut().zip(0..) {
+            chance[0] = (table.share(index) as f32 * (1.0 / 4_294_967_296.0)).to_bits();
+        }
+        lights.choice = Choice::Power(table);
+        lights
+    }
+}

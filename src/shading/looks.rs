@@ -1,0 +1,243 @@
+//! The appearance of each primitive: its material, its light, and its sort key for paths.
+
+use super::emission::Emission;
+use super::material::{MaterialKind, MaterialTables};
+use super::texture::TextureTables;
+use super::world::World;
+use crate::geometry::{Hit, Shape};
+use crate::math::{Mask, Real, Word};
+
+/// The materials of a geometry's primitives, stored for each sphere and quad and for ranges of
+/// triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MaterialMap {
+    /// The material of each sphere and quad.
+    pub(crate) solids: Vec<u32>,
+    /// Ranges of triangles with the same material: one past the last primitive, and the material.
+    pub(crate) ranges: Vec<(u32, u32)>,
+}
+
+impl MaterialMap {
+    /// The material of a primitive.
+    pub(crate) fn get(&self, primitive: u32) -> u32 {
+        match self.solids.get(primitive as usize) {
+            Some(material) => *material,
+            None => self.ranges[self.ranges.partition_point(|&(end, _)| end <= primitive)].1,
+        }
+    }
+}
+
+/// The key by which paths are sorted. Paths with the same key are shaded together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Key {
+    /// The path left the scene.
+    Background,
+    /// The path collided in a medium.
+    Medium,
+    /// The path hit a primitive of this shape and this kind of material.
+    Surface {
+        shape: Shape,
+        kind: MaterialKind,
+        /// Whether the primitive emits light.
+        emits: bool,
+    },
+}
+
+/// The appearance of primitives, media and the background. Media are numbered after the primitives.
+#[derive(Debug)]
+pub(crate) struct Looks {
+    /// All keys that occur in the scene.
+    keys: Vec<Key>,
+    /// For each sphere and quad, the index of its key in `keys`. If the scene has triangles, a
+    /// single [`SEARCH`] follows. Otherwise the keys of the media and the background follow.
+    key_of: Vec<u8>,
+    /// For each sphere and quad, the index of its material in the table of the material's kind.
+    entries: Vec<u32>,
+    /// For each sphere and quad, the index of its light, or [`NO_LIGHT`].
+    lights: Vec<u32>,
+    /// The appearance of triangles, media and the background, sorted by primitive.
+    ranges: Vec<Range>,
+    /// The last primitive and the key of each run of primitives with the same key, if there are at
+    /// most [`MOST_RUNS`] runs.
+    runs: Option<Vec<(u32, u8)>>,
+    first_medium: u32,
+}
+
+/// Consecutive primitives with the same appearance.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    /// The first primitive.
+    begin: u32,
+    /// The last primitive.
+    last: u32,
+    key: u8,
+    entry: u32,
+    /// The index of the first primitive's light, or [`NO_LIGHT`]. The others' lights follow it.
+    light: u32,
+}
+
+/// A value in [`Looks::key_of`] that is not a key: the key is found in [`Looks::ranges`].
+const SEARCH: u8 = u8::MAX;
+const NO_LIGHT: u32 = u32::MAX;
+/// Up to this number of runs, comparing primitives with all of them is faster than looking up keys
+/// one by one.
+const MOST_RUNS: usize = 8;
+
+impl Looks {
+    /// Finds the appearance of all primitives and media of `world`, and adds its materials and
+    /// textures to the tables. Calls `shine` for each light, in the order of primitives.
+    pub(crate) fn new(
+        world: &World,
+        materials: &mut MaterialTables,
+        textures: &mut TextureTables,
+        mut shine: impl FnMut(u32, Emission),
+    ) -> Self {
+        let entries: Vec<u32> =
+            world.materials.iter().map(|material| materials.push(material, textures)).collect();
+        let mut keys = vec![Key::Background];
+        let mut number = |key| {
+            let index = keys.iter().position(|&k| k == key).unwrap_or(keys.len());
+            if index == keys.len() {
+                keys.push(key);
+            }
+            assert!(index < usize::from(SEARCH), "a scene can have at most 255 keys");
+            index as u8
+        };
+        let geometry = &world.geometry;
+        // `range` handles the primitives `begin..=last`, which have one shape and one material.
+        let mut light = 0;
+        let mut range = |begin: u32, last: u32, material: u32| {
+            let shape = geometry.shape(begin);
+            let entry = entries[material as usize];
+            let material = &world.materials[material as usize];
+            let emission = material.emission().filter(Emission::shines);
+            let emits = emission.is_some() || material.glows();
+            let key = number(Key::Surface { shape, kind: material.kind(), emits });
+            let first = light;
+            if let Some(emission) = emission {
+                (begin..=last).for_each(|primitive| shine(primitive, emission));
+                light += last - begin + 1;
+            }
+            let light = if light > first { first } else { NO_LIGHT };
+            Range { begin, last, key, entry, light }
+        };
+        let MaterialMap { solids, ranges: triangles } = &world.material_map;
+        let solids: Vec<Range> =
+            (0..).zip(solids).map(|(primitive, &m)| range(primitive, primitive, m)).collect();
+        let mut begin = solids.len() as u32;
+        let mut ranges = Vec::new();
+        for &(end, material) in triangles {
+            ranges.push(range(begin, end - 1, material));
+            begin = end;
+        }
+        let first_medium = begin;
+        let rest = |begin, last, key| Range { begin, last, key, entry: 0, light: NO_LIGHT };
+        for medium in (first_medium..).take(world.media.len()) {
+            ranges.push(rest(medium, medium, number(Key::Medium)));
+        }
+        ranges.push(rest(first_medium + world.media.len() as u32, Hit::MISS, 0));
+        let keys_of_all = solids.iter().chain(&ranges).map(|range| (range.last, range.key));
+        let mut runs: Vec<(u32, u8)> = Vec::new();
+        for (last, key) in keys_of_all {
+            match runs.last_mut() {
+                Some(run) if run.1 == key => run.0 = last,
+                _ => runs.push((last, key)),
+            }
+        }
+        let mut key_of: Vec<u8> = solids.iter().map(|solid| solid.key).collect();
+        if triangles.is_empty() {
+            key_of.extend(ranges.iter().map(|range| range.key));
+        } else {
+            key_of.push(SEARCH);
+        }
+        Self {
+            keys,
+            key_of,
+            entries: solids.iter().map(|solid| solid.entry).collect(),
+            lights: solids.iter().map(|solid| solid.light).collect(),
+            ranges,
+            runs: Some(runs).filter(|runs| runs.len() <= MOST_RUNS),
+            first_medium,
+        }
+    }
+
+    /// The keys by index. The first is [`Key::Background`].
+    pub(crate) fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// The index of the key of a primitive, of a medium, or of the background for [`Hit::MISS`].
+    #[inline(always)]
+    pub(crate) fn key(&self, primitive: u32) -> u8 {
+        match self.key_of[(primitive as usize).min(self.key_of.len() - 1)] {
+            SEARCH => self.range(primitive).key,
+            key => key,
+        }
+    }
+
+    /// The indices of the keys of primitives, or `None` if there are too many to compare with; then
+    /// use [`Looks::key`].
+    #[inline(always)]
+    pub(crate) fn key_words<R: Real>(&self) -> Option<impl Fn(R::Word) -> R::Word> {
+        let runs = self.runs.as_deref()?;
+        Some(|primitive: R::Word| {
+            let mut key = R::Word::splat(u32::from(runs[0].1));
+            for (&(last, _), &(_, next)) in runs.iter().zip(&runs[1..]) {
+                let before = primitive.le(R::Word::splat(last));
+                key = before.select(key, R::Word::splat(u32::from(next)));
+            }
+            key
+        })
+    }
+
+    #[inline(always)]
+    fn range(&self, primitive: u32) -> &Range {
+        &self.ranges[self.ranges.partition_point(|range| range.last < primitive)]
+    }
+
+    /// The indices of the materials of primitives of one shape, in the table of their kind, which
+    /// has `len` entries.
+    #[inline(always)]
+    pub(crate) fn entries<R: Real>(
+        &self,
+        shape: Shape,
+        primitive: R::Word,
+        len: usize,
+    ) -> R::Index {
+        let entries = match shape {
+            _ if len == 1 => R::Word::splat(0),
+            Shape::Triangle | Shape::Instance => {
+                R::each_word(primitive, |primitive| self.range(primitive).entry)
+            }
+            _ => R::pick(&self.entries, R::index(primitive, self.entries.len())),
+        };
+        R::index_of_few(entries, len)
+    }
+
+    /// The indices of the lights of primitives of one shape, and the lanes whose primitive is a
+    /// light. The other lanes have index 0.
+    #[inline(always)]
+    pub(crate) fn lights<R: Real>(&self, shape: Shape, primitive: R::Word) -> (R::Word, R::Mask) {
+        let light = match shape {
+            Shape::Triangle | Shape::Instance => {
+                R::each_word(primitive, |primitive| self.light_of(primitive))
+            }
+            _ => R::pick(&self.lights, R::index(primitive, self.lights.len())),
+        };
+        let none = light.eq(R::Word::splat(NO_LIGHT));
+        (none.select(R::Word::splat(0), light), !none)
+    }
+
+    fn light_of(&self, triangle: u32) -> u32 {
+        let range = self.range(triangle);
+        match range.light {
+            NO_LIGHT => NO_LIGHT,
+            first => first + (triangle - range.begin),
+        }
+    }
+
+    /// The number of the first medium. Media are numbered after the primitives.
+    pub(crate) fn first_medium(&self) -> u32 {
+        self.first_medium
+    }
+}

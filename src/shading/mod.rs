@@ -1,0 +1,41 @@
+//! The physics of light: materials, textures, lights, media, the background and the camera.
+//!
+//! Each kind of material, texture and light has a file with its parameters in scene files, their checks, its
+//! entries in a table, and its formulas, which are written once for both engines.
+
+mod background;
+mod bsdf;
+mod camera;
+mod emission;
+mod holes;
+mod images;
+mod interaction;
+pub mod light;
+mod looks;
+pub mod material;
+mod medium;
+mod normal_map;
+mod opacity;
+mod smooth;
+mod tables;
+pub mod texture;
+mod world;
+
+pub use background::Background;
+pub(crate) use camera::CameraFrame;
+#[cfg(test)]
+pub(crate) use camera::FilterTable;
+pub use camera::{Camera, CameraFile, PixelFilter};
+pub(crate) use emission::Sides;
+pub(crate) use holes::cut_out;
+pub(crate) use images::{ImageContainer, ImageFiles, Images};
+#[cfg(test)]
+pub(crate) use interaction::Interaction;
+pub(crate) use looks::{Key, Looks, MaterialMap};
+#[cfg(test)]
+pub(crate) use medium::Isotropic;
+pub(crate) use medium::Medium;
+pub use medium::MediumFile;
+pub(crate) use opacity::Opacity;
+pub(crate) use tables::SceneTables;
+pub(crate) use world::World;

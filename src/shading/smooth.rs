@@ -1,0 +1,160 @@
+//! Smooth shading: scattering about an interpolated normal, without light through the surface.
+
+use super::bsdf::{Bsdf, SPECULAR, Scatter};
+use super::interaction::Interaction;
+use crate::math::{Mask, Real, dot, min, normalize, reflect};
+use crate::sampler::Randoms;
+
+/// Least cosine between a shading normal and the direction to the viewer, and between a geometric
+/// normal and a mirrored direction.
+pub(crate) const LEAST_COSINE: f32 = 1e-3;
+
+/// The shading normals of points that rays of this direction hit, from those of the `smooth`
+/// surfaces. `normal` is the geometric normal on the side that was hit.
+///
+/// The result is on the same side. It is bent where it would face away from the viewer, as near
+/// silhouettes. On glossy materials, it is also bent where the mirrored direction would be inside the
+/// surface, which would leave black fringes (Keller et al. 2017, "The Iray Light Transport Simulation
+/// and Rendering System", section on shading normals).
+#[inline(always)]
+pub(crate) fn smooth_normal<R: Real>(
+    shading: R::Vec3,
+    smooth: R::Mask,
+    normal: R::Vec3,
+    direction: R::Vec3,
+    glossy: bool,
+) -> R::Vec3 {
+    if !smooth.any() {
+        return normal;
+    }
+    let least = R::splat(LEAST_COSINE);
+    let mut shading = dot(shading, normal).lt(R::ZERO).select(-shading, shading);
+    if glossy {
+        let mirrored = reflect(direction, shading);
+        let cos = dot(mirrored, normal);
+        let inside = smooth & cos.lt(least);
+        if inside.any() {
+            let raised = normalize(mirrored + normal * (least - cos));
+            shading = inside.select(normalize(raised - direction), shading);
+        }
+    } else {
+        let cos = -dot(shading, direction);
+        let away = smooth & cos.lt(least);
+        if away.any() {
+            shading = away.select(normalize(shading - direction * (least - cos)), shading);
+        }
+    }
+    smooth.select(shading, normal)
+}
+
+/// The scattering of a material about a shading normal.
+pub(crate) struct Smoothed<B, R: Real> {
+    bsdf: B,
+    /// The geometric normal on the side that was hit.
+    normal: R::Vec3,
+    shading: R::Vec3,
+    smooth: R::Mask,
+    soft: R::Mask,
+}
+
+impl<R: Real> Interaction<'_, R> {
+    /// Adapts the scattering of the material at this point to the surface.
+    #[inline(always)]
+    pub(crate) fn smoothed<B: Bsdf<R>>(&self, bsdf: B) -> Smoothed<B, R> {
+        let Self { normal, shading, smooth, soft, .. } = *self;
+        Smoothed { bsdf, normal, shading, smooth, soft }
+    }
+}
+
+impl<B, R: Real> Smoothed<B, R> {
+    /// The factor for light that is scattered to `direction`. It is 0 if the direction is on one side
+    /// of the surface by the shading normal and on the other by the geometric normal, since light
+    /// would leak through the surface.
+    ///
+    /// Light that is reflected by a `soft` surface fades out where the geometric normal turns away
+    /// from it. Otherwise, the faces of a mesh would show as steps at the terminator (Chiang, Li,
+    /// Burley 2019, "Taming the Shadow Terminator").
+    #[inline(always)]
+    fn factor(&self, direction: R::Vec3, transmitted: R::Mask, soft: R::Mask) -> R {
+        let cos = dot(direction, self.normal);
+        let shaded = dot(direction, self.shading);
+        let above = cos.gt(R::ZERO);
+        // Rounding can turn the sign of a grazing direction, so the material's word is not enough.
+        let consistent = transmitted.select(!above, above & shaded.gt(R::ZERO));
+        let g = min(cos / (shaded * dot(self.normal, self.shading)), R::ONE);
+        let fade = ((R::ONE - g) * g + 1.0) * g;
+        let factor = (soft & !transmitted).select(fade, R::ONE);
+        consistent.select(factor, R::ZERO)
+    }
+}
+
+impl<B: Bsdf<R>, R: Real> Bsdf<R> for Smoothed<B, R> {
+    const TRANSMITS: bool = B::TRANSMITS;
+
+    #[inline(always)]
+    fn specular(&self) -> R::Mask {
+        self.bsdf.specular()
+    }
+
+    #[inline(always)]
+    fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
+        let scatter = self.bsdf.sample(randoms);
+        if !self.smooth.any() {
+            return scatter;
+        }
+        let Scatter { direction, transmitted, weight, pdf, scattered } = scatter;
+        // Mirrors have no terminator.
+        let soft = self.soft & !pdf.eq(R::splat(SPECULAR));
+        let factor = self.smooth.select(self.factor(direction, transmitted, soft), R::ONE);
+        let scattered = scattered & factor.gt(R::ZERO);
+        Scatter { direction, transmitted, weight: weight * factor, pdf, scattered }
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R) {
+        let (f_cos, pdf) = self.bsdf.evaluate(direction);
+        if !self.smooth.any() {
+            return (f_cos, pdf);
+        }
+        let transmitted = dot(direction, self.shading).lt(R::ZERO);
+        let factor = self.factor(direction, transmitted, self.soft);
+        (f_cos * self.smooth.select(factor, R::ONE), pdf)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::random::Stream;
+    use crate::math::warp::uniform_sphere;
+
+    #[test]
+    fn factors_are_in_range_even_for_grazing_directions() {
+        let mut random = Stream::new(12);
+        for i in 0..400_000 {
+            let mut direction = || uniform_sphere(random.uniform(), random.uniform());
+            let (normal, toward) = (direction(), direction());
+            let shading = normalize(normal + toward * 0.3);
+            // Nearly perpendicular to the shading normal, or to the geometric one.
+            let about = [shading, normal][i % 2];
+            let across = normalize(toward - about * dot(toward, about));
+            let rise = [-1e-7, 0.0, 1e-7, 1e-30, 0.3][i % 5];
+            let (smooth, soft) = (true, i % 3 > 0);
+            let smoothed: Smoothed<_, f32> = Smoothed { bsdf: (), normal, shading, smooth, soft };
+            let direction = normalize(across + about * rise);
+            for transmitted in [false, true] {
+                let factor = smoothed.factor(direction, transmitted, soft);
+                assert!((0.0..=1.0).contains(&factor), "{factor} {direction} {normal} {shading}");
+            }
+        }
+        let flat = Vec3::Z;
+        let (normal, shading) = (flat, flat);
+        let smoothed: Smoothed<_, f32> =
+            Smoothed { bsdf: (), normal, shading, smooth: true, soft: true };
+        assert_eq!(smoothed.factor(Vec3::Z, false, true), 1.0);
+        assert_eq!(smoothed.factor(-Vec3::Z, false, true), 0.0);
+        assert_eq!(smoothed.factor(-Vec3::Z, true, true), 1.0);
+    }
+}

@@ -1,0 +1,340 @@
+//! Image textures.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{Rgba, TextureModel, TexturePoint};
+use crate::checks::{Element, MAX_COORDINATE};
+use crate::error::Result;
+use crate::image::{Encoding, Texels};
+use crate::math::precise::sin_cos_degrees;
+use crate::math::{Mask, Real, Row, Vector, Word, clamp, whole};
+use crate::shading::images::{ImageFile, Images};
+
+/// An image mapped to the surface's texture coordinates. v = 0 is the bottom.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct Image {
+    /// Path of the image, relative to the scene file.
+    pub file: String,
+    /// Number of the image in a glTF file, from 0; for such files only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub index: Option<u32>,
+    /// What the integers in the file mean.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub encoding: Encoding,
+    /// The set of texture coordinates, 0 or 1. Surfaces with a single set use that.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub uv: u32,
+    /// How the image continues to the left and right.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub wrap_u: Wrap,
+    /// How the image continues above and below.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub wrap_v: Wrap,
+    /// How values between texels are found.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub filter: Filter,
+    /// Factors of the texture coordinates, before they are rotated; within ±1e9.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub scale: (f32, f32),
+    /// Counter-clockwise rotation of the texture coordinates in degrees, within ±1e9.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rotation: f32,
+    /// Added to the texture coordinates at last; within ±1e9.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub offset: (f32, f32),
+    /// The image, once it is read.
+    #[serde(skip)]
+    pub(super) texels: Option<Arc<Texels>>,
+}
+
+/// How an image continues beyond its edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wrap {
+    /// It starts again.
+    #[default]
+    Repeat,
+    /// It is mirrored at every edge.
+    Mirror,
+    /// Its edge continues.
+    Clamp,
+}
+
+/// How values between the centres of texels are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// By bilinear interpolation of the four nearest texels.
+    #[default]
+    Bilinear,
+    /// From the nearest texel.
+    Nearest,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+fn one() -> (f32, f32) {
+    (1.0, 1.0)
+}
+
+fn is_one(scale: &(f32, f32)) -> bool {
+    *scale == one()
+}
+
+impl Image {
+    /// Creates a texture of the image in `file`, which is read when the scene is resolved.
+    pub fn from_file(file: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            index: None,
+            encoding: Encoding::Auto,
+            uv: 0,
+            wrap_u: Wrap::default(),
+            wrap_v: Wrap::default(),
+            filter: Filter::default(),
+            scale: one(),
+            rotation: 0.0,
+            offset: (0.0, 0.0),
+            texels: None,
+        }
+    }
+
+    /// Creates a normal map from the image in `file`, which is read when the scene is resolved.
+    pub fn normals_from_file(file: impl Into<String>) -> Self {
+        Self { encoding: Encoding::Linear, ..Self::from_file(file) }
+    }
+
+    fn texels(&self) -> &Arc<Texels> {
+        self.texels.as_ref().expect("`load` reads the image before it is used")
+    }
+}
+
+/// An image and its mapping.
+#[derive(Debug)]
+pub(crate) struct ImageEntry {
+    texels: Arc<Texels>,
+    /// Position of u in the image: factors of u and v, and a sum; width.
+    across: Row,
+    /// Position of v in the image: factors of u and v, and a sum; height.
+    up: Row,
+    /// Set of texture coordinates, 1 for nearest texels, and the wraps as their numbers.
+    flags: Row,
+}
+
+impl TextureModel for Image {
+    type Entry = ImageEntry;
+
+    fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+        e.check(self.uv <= 1, "uv", "0 or 1", self.uv)?;
+        let within = |value: f32| value.abs() <= MAX_COORDINATE;
+        let Self { scale, rotation, offset, .. } = *self;
+        e.check(within(scale.0) && within(scale.1), "scale", "within ±1e9", scale)?;
+        e.check(within(rotation), "rotation", "within ±1e9", rotation)?;
+        e.check(within(offset.0) && within(offset.1), "offset", "within ±1e9", offset)?;
+        let image = self.file().expect("every image has a file");
+        self.texels = Some(images.texels(e, image, false)?);
+        Ok(())
+    }
+
+    /// The content replaces the file, the number and the encoding.
+    fn identity(&self) -> Value {
+        let (file, encoding) = (self.texels().hash(), Encoding::Auto);
+        let image = Self { file, index: None, encoding, ..self.clone() };
+        json!({ "image": image })
+    }
+
+    fn file(&self) -> Option<ImageFile<'_>> {
+        let Self { ref file, index, encoding, .. } = *self;
+        Some(ImageFile { file, index, encoding })
+    }
+
+    fn holds_normals(&self) -> bool {
+        self.encoding == Encoding::Linear && self.uv == 0
+    }
+
+    fn largest(&self) -> f32 {
+        self.texels().largest()
+    }
+
+    fn texels(&self) -> Option<&Arc<Texels>> {
+        self.texels.as_ref()
+    }
+
+    fn entry(&self) -> ImageEntry {
+        let texels = Arc::clone(self.texels());
+        let (sin, cos) = sin_cos_degrees(self.rotation.into());
+        let (su, sv) = (f64::from(self.scale.0), f64::from(self.scale.1));
+        let row = |a: f64, b: f64, c: f32, size: u32| {
+            [a as f32, b as f32, c, size as f32].map(f32::to_bits)
+        };
+        ImageEntry {
+            across: row(cos * su, -sin * sv, self.offset.0, texels.width()),
+            up: row(sin * su, cos * sv, self.offset.1, texels.height()),
+            flags: [
+                self.uv,
+                u32::from(self.filter == Filter::Nearest),
+                self.wrap_u as u32,
+                self.wrap_v as u32,
+            ],
+            texels,
+        }
+    }
+
+    #[inline(never)]
+    fn value<R: Real>(table: &[ImageEntry], index: R::Word, at: &impl TexturePoint<R>) -> Rgba<R> {
+        let place = R::index_of_few(index, table.len());
+        let (flags, wrap_v) = R::gather(table, place, |image| &image.flags);
+        let is = |flag: R, value: u32| flag.to_bits().eq(R::Word::splat(value));
+        let (mut u, mut v) = at.uv();
+        let second = is(flags[0], 1);
+        if second.any() {
+            let (second_u, second_v) = at.second_uv();
+            (u, v) = (second.select(second_u, u), second.select(second_v, v));
+        }
+        let (across, width) = R::gather(table, place, |image| &image.across);
+        let (up, height) = R::gather(table, place, |image| &image.up);
+        let x = across[0] * u + across[1] * v + across[2];
+        let y = up[0] * u + up[1] * v + up[2];
+        let mirrors = |wrap| is(wrap, Wrap::Mirror as u32);
+        let repeats = |wrap| is(wrap, Wrap::Repeat as u32);
+        let x = wrapped(x, repeats(flags[2]), mirrors(flags[2])) * width;
+        let y = (R::ONE - wrapped(y, repeats(wrap_v), mirrors(wrap_v))) * height;
+        let nearest = is(flags[1], 1);
+        let (x0, x1, fx) = taps(x, width, nearest, repeats(flags[2]));
+        let (y0, y1, fy) = taps(y, height, nearest, repeats(wrap_v));
+        let [x0, x1, y0, y1] = [whole(x0), whole(x1), whole(y0), whole(y1)];
+        let size = [whole(width), whole(height)];
+        let at = |x: R::Word, y: R::Word| R::from_bits(Texels::index::<R>([x, y], size));
+        let indices = [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)];
+        let texels = |image: u32| &*table[image as usize].texels;
+        // Most texels are in no cache. A loop that does nothing else waits for many at a time.
+        let fetched = R::each_lane(index, indices, |image, [a, b, c, d]| {
+            let texels = texels(image);
+            let fetch = |index: f32| f32::from_bits(texels.fetch(index.to_bits()));
+            [fetch(a), fetch(b), fetch(c), fetch(d)]
+        });
+        let taps = R::each_lane(index, fetched, |image, [a, b, c, d]| {
+            let texels = texels(image);
+            let value = |fetched: f32| texels.value(fetched.to_bits());
+            let taps = [value(a), value(b), value(c), value(d)];
+            std::array::from_fn::<f32, 16, _>(|i| taps[i / 4][i % 4])
+        });
+        let channel = |c: usize| {
+            let row = |first: usize| taps[first + c] * (R::ONE - fx) + taps[first + 4 + c] * fx;
+            row(0) * (R::ONE - fy) + row(8) * fy
+        };
+        (R::Vec3::new(channel(0), channel(1), channel(2)), channel(3))
+    }
+}
+
+/// Moves a coordinate into [0, 1]. NaN becomes 0.
+#[inline(always)]
+fn wrapped<R: Real>(x: R, repeats: R::Mask, mirrors: R::Mask) -> R {
+    let half = x * 0.5;
+    let pair = (half - half.floor()) * 2.0;
+    let mirrored = pair.gt(R::ONE).select(R::splat(2.0) - pair, pair);
+    let inside = mirrors.select(mirrored, x);
+    clamp(repeats.select(x - x.floor(), inside), R::ZERO, R::ONE)
+}
+
+/// The two texels whose centres are on both sides of the position `x` in [0, `size`], and the weight
+/// of the second. With `nearest`, both are the texel at `x`.
+#[inline(always)]
+fn taps<R: Real>(x: R, size: R, nearest: R::Mask, repeats: R::Mask) -> (R, R, R) {
+    let last = size - R::ONE;
+    let before = nearest.select(x, x - R::splat(0.5)).floor();
+    let weight = nearest.select(R::ZERO, x - R::splat(0.5) - before);
+    let after = before + R::ONE;
+    let over = after.gt(last);
+    let first = before.lt(R::ZERO).select(repeats.select(last, R::ZERO), before);
+    let second = over.select(repeats.select(R::ZERO, last), after);
+    (clamp(first, R::ZERO, last), second, weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[derive(Clone, Copy)]
+    struct At(f32, f32);
+
+    impl TexturePoint<f32> for At {
+        fn point(&self) -> Vec3 {
+            unreachable!("an image does not depend on the position")
+        }
+
+        fn uv(&self) -> (f32, f32) {
+            (self.0, self.1)
+        }
+
+        fn second_uv(&self) -> (f32, f32) {
+            (self.1, self.0)
+        }
+
+        fn vertex_color(&self) -> Vec3 {
+            unreachable!("an image does not depend on the colours of vertices")
+        }
+    }
+
+    /// An image of 2 × 2 texels: 0 and 4 above 8 and 12.
+    fn image() -> Image {
+        let texels = [0.0, 4.0, 8.0, 12.0].map(|v| [v, v, v, 1.0 - v / 16.0]).to_vec();
+        let texels = Some(Arc::new(Texels::from_floats(2, 2, texels)));
+        Image { texels, ..Image::from_file("") }
+    }
+
+    fn value(image: &Image, u: f32, v: f32) -> f32 {
+        let (color, alpha) = Image::value::<f32>(&[image.entry()], 0, &At(u, v));
+        assert!((alpha - (1.0 - color.x / 16.0)).abs() < 1e-6);
+        color.x
+    }
+
+    #[test]
+    fn images_are_filtered_and_continue_beyond_their_edges() {
+        let image = image();
+        let at = |u, v| value(&image, u, v);
+        assert_eq!(at(0.25, 0.75), 0.0, "middle of the upper left texel");
+        assert_eq!(at(0.75, 0.25), 12.0, "middle of the lower right texel");
+        assert_eq!(at(0.5, 0.5), 6.0);
+        assert_eq!((at(1.25, 0.75), at(-0.25, 0.25)), (0.0, 12.0), "u repeats");
+        assert_eq!((at(0.25, 1.75), at(0.75, -0.75)), (0.0, 12.0), "v repeats");
+        assert_eq!((at(0.0, 0.75), at(0.25, 1.0)), (2.0, 4.0), "opposite edges are neighbours");
+        assert_eq!(at(1e30, 0.75), at(0.0, 0.75));
+        assert_eq!(at(f32::NAN, f32::NAN), at(0.0, 0.0));
+        let clamped = Image { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..image.clone() };
+        assert_eq!((value(&clamped, 0.0, 1.0), value(&clamped, 7.0, -3.0)), (0.0, 12.0));
+        let mirrored = Image { wrap_u: Wrap::Mirror, wrap_v: Wrap::Mirror, ..image };
+        for (u, v) in [(0.3, 0.6), (0.75, 0.75), (0.02, 0.98)] {
+            let here = value(&mirrored, u, v);
+            assert!((value(&mirrored, -u, v) - here).abs() < 1e-5);
+            assert!((value(&mirrored, u, 2.0 - v) - here).abs() < 1e-5);
+            assert!((value(&mirrored, u + 4.0, v - 2.0) - here).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn nearest_texels_have_edges_and_transforms_move_them() {
+        let nearest = Image { filter: Filter::Nearest, ..image() };
+        for (u, v, want) in
+            [(0.49, 0.51, 0.0), (0.51, 0.51, 4.0), (0.1, 0.49, 8.0), (1.0, 0.0, 8.0)]
+        {
+            assert_eq!(value(&nearest, u, v), want, "{u} {v}");
+        }
+        let second = Image { uv: 1, ..nearest.clone() };
+        assert_eq!(value(&second, 0.1, 0.9), 12.0, "the coordinates are exchanged");
+        let scaled = Image { scale: (2.0, 1.0), ..nearest.clone() };
+        assert_eq!((value(&scaled, 0.3, 0.7), value(&scaled, 0.6, 0.7)), (4.0, 0.0));
+        // (0.25, 0.25) turns to (−0.25, 0.25), and moves by 1 and by (0.5, 0).
+        let turned = Image { rotation: 90.0, offset: (0.5, 1.0), ..nearest };
+        assert_eq!(value(&turned, 0.25, 0.25), 8.0);
+    }
+}

@@ -1,0 +1,42 @@
+//! What rays can meet in a scene.
+
+use std::sync::Arc;
+
+use super::background::Background;
+use super::light::LightFile;
+use super::looks::MaterialMap;
+use super::material::Material;
+use super::medium::Medium;
+use crate::geometry::Geometry;
+
+/// The content of a scene: all names are resolved to indices, and every number is in its range.
+#[derive(Debug, PartialEq)]
+pub(crate) struct World {
+    pub(crate) background: Background,
+    pub(crate) geometry: Arc<Geometry>,
+    pub(crate) materials: Vec<Material>,
+    /// The material of each primitive.
+    pub(crate) material_map: MaterialMap,
+    /// The lights that are not primitives.
+    pub(crate) lights: Vec<LightFile>,
+    /// The media, which do not overlap.
+    pub(crate) media: Vec<Medium>,
+}
+
+impl World {
+    /// The material of a primitive.
+    pub(crate) fn material(&self, primitive: u32) -> &Material {
+        &self.materials[self.material_map.get(primitive) as usize]
+    }
+
+    /// Bytes of all textures and the environment map. An image that several materials share counts once.
+    pub(crate) fn texture_bytes(&self) -> u64 {
+        let mut images: Vec<_> = self.materials.iter().flat_map(Material::images).collect();
+        if let Background::Image(map) = &self.background {
+            images.push(Arc::clone(map.texels()));
+        }
+        images.sort_unstable_by_key(Arc::as_ptr);
+        images.dedup_by_key(|image| Arc::as_ptr(image));
+        images.into_iter().map(|image| image.bytes()).sum()
+    }
+}
