@@ -102,16 +102,10 @@ struct Readme;
 
 mod accel;
 #[cfg(feature = "cli")]
-mod bench;
-#[cfg(feature = "cli")]
 mod checkpoint;
 mod checks;
 #[cfg(feature = "cli")]
 mod cli;
-#[cfg(feature = "cli")]
-mod converge;
-#[cfg(feature = "cli")]
-mod dashboard;
 mod engine;
 mod error;
 mod film;
@@ -124,18 +118,14 @@ mod input;
 mod interrupt;
 mod isa;
 mod limits;
-#[cfg(feature = "cli")]
-mod machine;
 mod math;
-mod output;
 #[cfg(feature = "cli")]
-mod rayset;
+mod measure;
+mod output;
 mod sampler;
 mod scene;
 mod shading;
 mod simd;
-#[cfg(feature = "cli")]
-mod statistics;
 
 pub use accel::Kernel;
 pub use engine::{
@@ -178,7 +168,7 @@ pub mod internals {
     pub use crate::math::warp::uniform_sphere;
     pub use crate::math::{cross, dot, length, min, normalize};
     #[cfg(feature = "cli")]
-    pub use crate::rayset::{Query, RaySet, record};
+    pub use crate::measure::rayset::{Query, RaySet, record};
 
     /// The alpha channel of a render.
     ///
@@ -195,6 +185,6 @@ pub mod internals {
     /// If the file cannot be read, or is not such a record.
     #[cfg(feature = "cli")]
     pub fn check_record(path: &std::path::Path) -> crate::Result<()> {
-        crate::bench::Record::read(path).map(drop)
+        crate::measure::bench::Record::read(path).map(drop)
     }
 }

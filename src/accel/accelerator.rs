@@ -10,7 +10,7 @@ use super::kernel::Kernel;
 use super::kernel::beam;
 use super::kernel::flat::Flat;
 use super::kernel::job::Job;
-use super::kernel::pair_traversal;
+use super::kernel::packet;
 use super::kernel::stream;
 use super::leaf::{BlockRef, Blocks};
 use super::setup::Extent;
@@ -287,7 +287,7 @@ impl Accelerator {
         let meshes = self.geometry.len() as u32;
         let job = Job { rays, ends, extent, blocks, spanning, meshes };
         let wild = match self.chosen(kernel) {
-            Kernel::Packet => pair_traversal::trace::<ANY, C>(self.pair(1), &job, hits, count),
+            Kernel::Packet => packet::trace::<ANY, C>(self.pair(1), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(1), &job, hits, count),
             Kernel::Stream => stream::trace::<ANY, C>(self.wide(1), &job, hits, count),
             Kernel::Flat => self.flat().trace::<ANY, C>(&job, hits, count),

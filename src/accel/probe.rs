@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::accelerator::Accelerator;
 use super::batch::{HitBatch, RayBatch};
 use super::kernel::job::Job;
-use super::kernel::pair_traversal;
+use super::kernel::packet;
 use super::slab::SlabRay;
 
 impl Accelerator {
@@ -21,7 +21,7 @@ impl Accelerator {
         let (ends, base) = ((range.start, range.end), self.base());
         let (extent, blocks) = (&base.extent, &base.spanning.0);
         let job = Job { rays, ends, extent, blocks, spanning: &[], meshes: u32::MAX };
-        pair_traversal::enter_all(self.pair(1), &job, &mut HitBatch::misses(rays.len()))
+        packet::enter_all(self.pair(1), &job, &mut HitBatch::misses(rays.len()))
     }
 
     /// Counts the same entries ray by ray, with the reference's box test.

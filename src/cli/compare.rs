@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::limits::LimitArgs;
+use super::arguments::named::named;
 use super::console::say;
 use super::files;
-use super::limits::LimitArgs;
-use super::named::named;
 use crate::error::Result;
 use crate::image::{Format, Image, Metadata, Transfer, compare};
 
 #[derive(Debug, Args)]
-pub(super) struct CompareArgs {
+pub(crate) struct CompareArgs {
     /// First image
     a: PathBuf,
     /// Second image, the reference for relative errors
@@ -34,7 +34,7 @@ pub(super) struct CompareArgs {
 }
 
 /// Returns exit code 0 if the images are identical, else 1.
-pub(super) fn run(args: &CompareArgs) -> Result<u8> {
+pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
     if let Some(path) = &args.heatmap {
         Format::of_path(path)?;
         let read =

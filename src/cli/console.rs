@@ -15,12 +15,12 @@ const MAX_MESSAGE: usize = 2000;
 
 /// Prints a line on standard output. Control characters, including line breaks, are escaped, so
 /// that the name of a file or scene cannot forge a line of output.
-pub(super) fn say(line: fmt::Arguments<'_>) -> Result<()> {
+pub(crate) fn say(line: fmt::Arguments<'_>) -> Result<()> {
     print(&escaped(&line.to_string(), |c| c.is_control()))
 }
 
 /// Prints text of several lines on standard output. Control characters other than line breaks are escaped.
-pub(super) fn say_lines(text: &str) -> Result<()> {
+pub(crate) fn say_lines(text: &str) -> Result<()> {
     print(&escaped(text, |c| c.is_control() && c != '\n'))
 }
 
@@ -46,7 +46,7 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> String {
 }
 
 /// The whole message on one line, shortened in the middle if it is longer than [`MAX_MESSAGE`].
-pub(super) fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let count = text.chars().count();
     let cut: String = match count > MAX_MESSAGE {
         true => {
@@ -64,24 +64,24 @@ static QUIET: AtomicBool = AtomicBool::new(false);
 static JSON: AtomicBool = AtomicBool::new(false);
 
 /// Suppresses all notices from now on.
-pub(super) fn suppress_notices() {
+pub(crate) fn suppress_notices() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
 /// From now on, writes JSON objects to standard error if `on`, plain lines otherwise.
-pub(super) fn write_json(on: bool) {
+pub(crate) fn write_json(on: bool) {
     JSON.store(on, Ordering::Relaxed);
 }
 
 /// Prints a notice on standard error.
-pub(super) fn notice(line: fmt::Arguments<'_>) {
+pub(crate) fn notice(line: fmt::Arguments<'_>) {
     if !QUIET.load(Ordering::Relaxed) {
         report("notice", &line.to_string(), None);
     }
 }
 
 /// Prints the error with which the program ends, and its exit code.
-pub(super) fn complain(message: &str, code: u8) {
+pub(crate) fn complain(message: &str, code: u8) {
     report("error", message, Some(code));
 }
 
@@ -100,7 +100,7 @@ fn report(event: &str, message: &str, code: Option<u8>) {
 
 /// Prints a notice if a build for this CPU would be faster. Instruction sets above `best` are not
 /// worth a notice for this command.
-pub(super) fn advise_on_build(best: Isa) {
+pub(crate) fn advise_on_build(best: Isa) {
     let (built, available) = (compiled_isa(), detected_isa());
     if built != Isa::Portable && built < available.min(best) {
         notice(format_args!(

@@ -7,23 +7,23 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::camera_args::CameraArgs;
+use super::arguments::camera::CameraArgs;
+use super::arguments::limits::SceneLimitArgs;
+use super::arguments::named::named;
+use super::arguments::sample::SceneArg;
 use super::console::{notice, say, say_lines};
 use super::files;
-use super::limits::SceneLimitArgs;
-use super::named::named;
-use super::sample_args::SceneArg;
-use crate::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
 use crate::engine::{Pin, RenderSettings};
 use crate::error::{Error, Result};
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
-use crate::machine::Machine;
+use crate::measure::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
+use crate::measure::machine::Machine;
 use crate::output::write_atomically;
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
 
 #[derive(Debug, Args)]
-pub(super) struct ConvergeArgs {
+pub(crate) struct ConvergeArgs {
     #[command(flatten)]
     scene: SceneArg,
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(super) struct ConvergeArgs {
     limits: SceneLimitArgs,
 }
 
-pub(super) fn run(args: &ConvergeArgs) -> Result<()> {
+pub(crate) fn run(args: &ConvergeArgs) -> Result<()> {
     if args.compare_at.is_some_and(|seconds| !(seconds > 0.0 && seconds.is_finite())) {
         return Err(Error::Usage("--compare-at must be above 0 seconds".to_owned()));
     }

@@ -9,27 +9,27 @@ use clap::Args;
 
 use super::console::say;
 use super::folder;
-use crate::dashboard::{History, page};
 use crate::error::{Error, Result};
+use crate::measure::dashboard::{History, page};
 use crate::output::write_atomically;
 
 #[derive(Debug, Args)]
-pub(super) struct DashboardArgs {
+pub(crate) struct DashboardArgs {
     /// Folder with bench records, from `ptfast bench --json`
     #[arg(long, value_name = "DIR")]
-    pub(super) history: PathBuf,
+    pub(crate) history: PathBuf,
     /// Folder for index.html; created if missing
     #[arg(short, long, visible_alias = "out", value_name = "DIR")]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
     /// Folder of criterion's report; the page links to it if it exists
     #[arg(long, value_name = "DIR", default_value = "target/criterion")]
-    pub(super) criterion: PathBuf,
+    pub(crate) criterion: PathBuf,
 }
 
 /// The page's title, by which an earlier output of this command is recognised.
 const TITLE: &str = "<title>ptfast: speed over commits</title>";
 
-pub(super) fn run(args: &DashboardArgs) -> Result<()> {
+pub(crate) fn run(args: &DashboardArgs) -> Result<()> {
     let history = History::read(&args.history)?;
     let file = args.output.join("index.html");
     folder::check_unrelated(slice::from_ref(&file), |file| folder::contains(file, TITLE))?;

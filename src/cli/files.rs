@@ -8,10 +8,10 @@ use crate::output::{check_writable, same_file};
 use crate::scene::Scene;
 
 /// A file with its role in messages, such as "the record".
-pub(super) type Named<'a> = (&'a str, &'a Path);
+pub(crate) type Named<'a> = (&'a str, &'a Path);
 
 /// The files that the scene `name` was read from.
-pub(super) fn of_scene<'a>(name: &'a str, scene: &'a Scene) -> Vec<Named<'a>> {
+pub(crate) fn of_scene<'a>(name: &'a str, scene: &'a Scene) -> Vec<Named<'a>> {
     let parts = scene.files().map(|file| ("a part of the scene", file));
     iter::once(("the scene", Path::new(name))).chain(parts).collect()
 }
@@ -21,7 +21,7 @@ pub(super) fn of_scene<'a>(name: &'a str, scene: &'a Scene) -> Vec<Named<'a>> {
 ///
 /// # Errors
 /// If a file fails a check.
-pub(super) fn check(read: &[Named<'_>], written: &[Named<'_>]) -> Result<()> {
+pub(crate) fn check(read: &[Named<'_>], written: &[Named<'_>]) -> Result<()> {
     for (number, (name, file)) in written.iter().enumerate() {
         let same = |(_, other): &&Named<'_>| same_file(other, file);
         if let Some((other, _)) = written[..number].iter().find(same) {

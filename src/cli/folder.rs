@@ -14,7 +14,7 @@ const START: u64 = 4096;
 ///
 /// # Errors
 /// [`Error::Usage`] names the first file that must not be overwritten.
-pub(super) fn check_unrelated(files: &[PathBuf], is_own: impl Fn(&Path) -> bool) -> Result<()> {
+pub(crate) fn check_unrelated(files: &[PathBuf], is_own: impl Fn(&Path) -> bool) -> Result<()> {
     match files.iter().find(|file| file.symlink_metadata().is_ok() && !is_own(file)) {
         Some(file) => Err(Error::Usage(format!(
             "{}: this file exists and is not an earlier output of this command: choose another folder, or delete the file",
@@ -25,7 +25,7 @@ pub(super) fn check_unrelated(files: &[PathBuf], is_own: impl Fn(&Path) -> bool)
 }
 
 /// Whether a file contains `text` near its start.
-pub(super) fn contains(file: &Path, text: &str) -> bool {
+pub(crate) fn contains(file: &Path, text: &str) -> bool {
     let mut start = Vec::new();
     let read = File::open(file).and_then(|file| file.take(START).read_to_end(&mut start));
     read.is_ok() && start.windows(text.len()).any(|window| window == text.as_bytes())

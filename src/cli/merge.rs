@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::display::DisplayArgs;
+use super::arguments::limits::LimitArgs;
 use super::console::say;
-use super::display_args::DisplayArgs;
 use super::files;
-use super::limits::LimitArgs;
-use super::target::Target;
+use super::render::target::Target;
 use crate::checkpoint::{Checkpoint, PartialRender, merge, merge_partial};
 use crate::error::{Error, Result};
 use crate::image::Metadata;
 
 #[derive(Debug, Args)]
-pub(super) struct MergeArgs {
+pub(crate) struct MergeArgs {
     /// All parts of one render, in any order: .film files of `ptfast render`
     #[arg(required = true, value_name = "FILE")]
     parts: Vec<PathBuf>,
@@ -31,7 +31,7 @@ pub(super) struct MergeArgs {
     limits: LimitArgs,
 }
 
-pub(super) fn run(args: &MergeArgs) -> Result<()> {
+pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     let output = Target::of_path(args.output.clone())?;
     let Some(file) = output.path() else {
         return Err(Error::Usage("-o -: merge writes to files only".to_owned()));

@@ -1,47 +1,28 @@
 //! The command line: parses arguments, runs a command, and reports an error in one line.
 //!
-//! Each command has a file with its arguments, which clap parses, and a function `run`, which validates them
-//! before any work begins.
+//! Each command has a file or a folder with its arguments, which clap parses, and a function `run`, which validates
+//! them before any work begins.
 // Help texts have defaults in brackets, which are not links.
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod args;
+mod arguments;
 mod bench;
-mod bench_args;
-mod bench_options;
-mod bench_table;
-mod camera_args;
-mod checkpoint_args;
-mod checkpoint_file;
-mod checkpointing;
 mod compare;
 mod console;
 mod converge;
 mod dashboard;
-mod display_args;
 mod figures;
 mod files;
 mod folder;
-mod limits;
 mod merge;
-mod named;
 mod path;
-mod plan;
 mod progress;
 mod rays;
-mod record;
 mod render;
-mod sample_args;
 mod scenes;
-mod scheduler;
-mod share;
-mod stats;
-mod summary;
-mod target;
-mod timeline;
 mod trace;
 mod usage;
-mod watch;
 
 use std::env;
 use std::ffi::OsString;
@@ -51,8 +32,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Result;
 use crate::interrupt::survive_large_files;
-use args::{Command, ScenesCommand};
+use args::Command;
 use console::complain;
+use scenes::ScenesCommand;
 
 const INTERNAL_FAULT: u8 = 70;
 

@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::camera_args::CameraArgs;
+use super::arguments::camera::CameraArgs;
+use super::arguments::limits::SceneLimitArgs;
+use super::arguments::sample::{Roulette, SampleArgs, SceneArg};
 use super::console::say;
-use super::limits::SceneLimitArgs;
-use super::sample_args::{Roulette, SampleArgs, SceneArg};
 use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Hit;
@@ -13,7 +13,7 @@ use crate::limits::MAX_SPP;
 use crate::scene::Scene;
 
 #[derive(Debug, Args)]
-pub(super) struct PathArgs {
+pub(crate) struct PathArgs {
     #[command(flatten)]
     of: SampleArgs,
     /// Column and row of the pixel, from the top left
@@ -34,7 +34,7 @@ fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
 }
 
 /// The command that traces this sample again.
-pub(super) fn command(
+pub(crate) fn command(
     scene: &SceneArg,
     camera: &CameraArgs,
     settings: &RenderSettings,
@@ -52,7 +52,7 @@ pub(super) fn command(
     )
 }
 
-pub(super) fn run(args: &PathArgs) -> Result<()> {
+pub(crate) fn run(args: &PathArgs) -> Result<()> {
     let scene = args.limits.read(&args.of.scene)?.resolve()?;
     let settings = args.of.settings(&scene)?;
     let ((x, y), sample) = (args.pixel, args.sample);

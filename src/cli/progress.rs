@@ -21,7 +21,7 @@ const JSON_INTERVAL: Duration = Duration::from_secs(1);
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ProgressMode {
+pub(crate) enum ProgressMode {
     /// A bar on a terminal, otherwise lines.
     Auto,
     /// One JSON object per line: `schema`, `event`, `done` and `total` samples, `eta_s`, `rays`.
@@ -30,9 +30,9 @@ pub(super) enum ProgressMode {
 }
 
 impl ProgressMode {
-    pub(super) const ALL: [Self; 3] = [Self::Auto, Self::Json, Self::None];
+    pub(crate) const ALL: [Self; 3] = [Self::Auto, Self::Json, Self::None];
 
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
             Self::Json => "json",
@@ -42,7 +42,7 @@ impl ProgressMode {
 }
 
 /// Does `work`, and shows on a terminal what it is and since when.
-pub(super) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> T) -> T {
+pub(crate) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> T) -> T {
     if mode != ProgressMode::Auto || !stderr().is_terminal() {
         return work();
     }
@@ -55,7 +55,7 @@ pub(super) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> 
 }
 
 /// Renders the image and shows the progress.
-pub(super) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Result<Render> {
+pub(crate) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Result<Render> {
     let mut rendering = renderer.begin()?;
     let progress = ProgressReport::new(renderer, title, &rendering, mode);
     let advanced = renderer.advance(&mut rendering, &progress);
@@ -64,7 +64,7 @@ pub(super) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Re
 }
 
 /// Shows the progress of one render.
-pub(super) struct ProgressReport {
+pub(crate) struct ProgressReport {
     start: Instant,
     /// The progress when the report began: that of earlier runs if the render is continued.
     begun: Progress,
@@ -86,7 +86,7 @@ struct Shown {
 }
 
 impl ProgressReport {
-    pub(super) fn new(
+    pub(crate) fn new(
         renderer: &Renderer,
         title: &str,
         rendering: &Rendering,
@@ -120,29 +120,29 @@ impl ProgressReport {
     }
 
     /// Removes the bar.
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
     }
 
     /// Reports that the render is complete and its output is written.
-    pub(super) fn done(&self, progress: Progress) {
+    pub(crate) fn done(&self, progress: Progress) {
         self.event("done", progress, None);
     }
 
     /// Reports that the render was saved in `file`; `event` is the reason.
-    pub(super) fn saved(&self, event: &str, progress: Progress, file: &Path) {
+    pub(crate) fn saved(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(("file", file.display().to_string())));
     }
 
     /// Reports that the render was stopped and could not be saved.
-    pub(super) fn lost(&self, progress: Progress) {
+    pub(crate) fn lost(&self, progress: Progress) {
         self.event("stopped", progress, None);
     }
 
     /// Reports an error after which the render continues.
-    pub(super) fn warn(&self, progress: Progress, error: &Error) {
+    pub(crate) fn warn(&self, progress: Progress, error: &Error) {
         match &self.display {
             Display::Json { .. } => {
                 self.event("warning", progress, Some(("message", error.to_string())));
@@ -200,7 +200,7 @@ impl ProgressReport {
 
 /// Writes the JSON line for a render that an earlier run completed. The number of its rays is
 /// unknown.
-pub(super) fn write_complete(samples: u64) {
+pub(crate) fn write_complete(samples: u64) {
     write_line(&json!({
         "schema": 1,
         "event": "done",
@@ -212,7 +212,7 @@ pub(super) fn write_complete(samples: u64) {
 }
 
 /// Seconds as `7 s`, `3 min 20 s` or `2 h 05 min`.
-pub(super) fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
         return "unknown".to_owned();
     }

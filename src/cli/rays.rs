@@ -4,20 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::camera_args::CameraArgs;
+use super::arguments::camera::CameraArgs;
+use super::arguments::limits::SceneLimitArgs;
+use super::arguments::sample::SceneArg;
 use super::console::say;
 use super::folder;
-use super::limits::SceneLimitArgs;
-use super::sample_args::SceneArg;
 use crate::accel::HitBatch;
 use crate::engine::RenderSettings;
 use crate::error::Result;
 use crate::limits::{MAX_RAYS, MAX_SPP};
+use crate::measure::rayset;
 use crate::output::check_folder;
-use crate::rayset;
 
 #[derive(Debug, Args)]
-pub(super) struct RaysArgs {
+pub(crate) struct RaysArgs {
     #[command(flatten)]
     scene: SceneArg,
     #[command(flatten)]
@@ -39,7 +39,7 @@ pub(super) struct RaysArgs {
     limits: SceneLimitArgs,
 }
 
-pub(super) fn run(args: &RaysArgs) -> Result<()> {
+pub(crate) fn run(args: &RaysArgs) -> Result<()> {
     check_folder(&args.output)?;
     let is_set = rayset::is_set(&args.output);
     folder::check_unrelated(&rayset::files(&args.output), |_| is_set)?;

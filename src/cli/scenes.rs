@@ -5,14 +5,46 @@ use std::path::Path;
 
 use bytesize::ByteSize;
 
-use super::args::ScenesCommand;
+use clap::{Args, Subcommand};
+
+use super::arguments::limits::SceneLimitArgs;
+use super::arguments::sample::SceneArg;
 use super::console::{notice, say, say_lines};
 use crate::error::Result;
 use crate::formats::BUILTIN_NAMES;
 use crate::scene::Scene;
 use crate::shading::Background;
 
-pub(super) fn run(command: &ScenesCommand) -> Result<()> {
+#[derive(Debug, Args)]
+pub(crate) struct ScenesArgs {
+    #[command(subcommand)]
+    pub(crate) command: Option<ScenesCommand>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScenesCommand {
+    /// List the built-in scenes [default]
+    List,
+    /// Print a scene as RON or JSON
+    Show {
+        #[command(flatten)]
+        scene: SceneArg,
+        /// Print JSON instead of RON
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        limits: SceneLimitArgs,
+    },
+    /// Check a scene, count its elements, and warn if its picture would be black
+    Check {
+        #[command(flatten)]
+        scene: SceneArg,
+        #[command(flatten)]
+        limits: SceneLimitArgs,
+    },
+}
+
+pub(crate) fn run(command: &ScenesCommand) -> Result<()> {
     match command {
         ScenesCommand::List => BUILTIN_NAMES
             .iter()

@@ -6,18 +6,19 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::arguments::named::named;
 use super::console::{advise_on_build, notice, say};
 use super::files;
-use super::named::named;
 use crate::accel::{Accelerator, Kernel, Layout};
 use crate::error::Result;
 use crate::isa::Isa;
-use crate::machine::Machine;
+use crate::measure::machine::Machine;
+use crate::measure::rayset;
+use crate::measure::rayset::{RaySet, Replay};
 use crate::output::write_atomically;
-use crate::rayset::{self, RaySet, Replay};
 
 #[derive(Debug, Args)]
-pub(super) struct TraceArgs {
+pub(crate) struct TraceArgs {
     /// Folder with a ray set, from `ptfast rays`
     #[arg(value_name = "DIR")]
     dir: PathBuf,
@@ -33,7 +34,7 @@ pub(super) struct TraceArgs {
     json: Option<PathBuf>,
 }
 
-pub(super) fn run(args: &TraceArgs) -> Result<u8> {
+pub(crate) fn run(args: &TraceArgs) -> Result<u8> {
     let record = args.json.as_deref().map(|file| ("the record", file));
     let of_sets = rayset::files(&args.dir);
     let read: Vec<_> = of_sets.iter().map(|file| ("a part of the ray set", &**file)).collect();

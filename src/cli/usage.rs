@@ -7,12 +7,12 @@ use clap::{CommandFactory, FromArgMatches};
 
 use super::args::Cli;
 use super::console::{complain, say_lines};
-use crate::machine::Machine;
+use crate::measure::machine::Machine;
 
 const WRONG_USAGE: u8 = 2;
 
 /// Parses the arguments. An argument such as -1 is a value, and the value's parser rejects it.
-pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
     let mut command = Cli::command();
     let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     for name in names {
@@ -28,7 +28,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli
 }
 
 /// Prints help or the version on standard output, or one line about wrong usage. Returns the exit code.
-pub(super) fn explain(error: &clap::Error) -> u8 {
+pub(crate) fn explain(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp => print(error.to_string().trim_end()),
         ErrorKind::DisplayVersion if verbose() => print(&verbose_version()),

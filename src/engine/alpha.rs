@@ -3,8 +3,8 @@
 use super::backdrop::Backdrop;
 use super::observer::Observer;
 use super::renderer::Renderer;
-use super::rendering::Rendering;
 use super::settings::RenderSettings;
+use super::state::Rendering;
 use crate::error::Result;
 use crate::film::Film;
 

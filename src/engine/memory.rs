@@ -1,8 +1,8 @@
 //! Estimates the memory of a render, so that it is checked before anything is allocated.
 
 use super::pool;
-use super::rendering::MOST_EVENTS;
 use super::settings::RenderSettings;
+use super::state::MOST_EVENTS;
 use super::timeline::Event;
 use crate::accel::MAX_CLUSTER;
 use crate::error::{Error, Result};

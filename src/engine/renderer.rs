@@ -7,13 +7,13 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::observer::{Observer, Stop};
+use super::output::{Render, Seconds};
 use super::plan::{Plan, Planning};
 use super::pool::{Pinned, Pool};
 use super::prepared::{PreparedScene, View};
-use super::render::{Render, Seconds};
-use super::rendering::{Rendering, Shared};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
+use super::state::{Rendering, Shared};
 use super::timeline::{Activity, Lap};
 use super::unit::UnitEngine;
 use super::wavefront::WavefrontEngine;

@@ -1,8 +1,8 @@
 //! Connect: traces shadow rays and adds the light of those that are not occluded.
 
-use super::cells::{CellSort, Cells};
 use super::columns::Columns;
 use super::extend::trace;
+use super::order::{CellSort, Cells};
 use super::paths::Paths;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::geometry::Ray;

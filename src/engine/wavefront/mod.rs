@@ -1,8 +1,6 @@
 //! The wavefront engine: waves of paths pass through stages, each a loop over vectors of paths.
 
 mod accumulate;
-mod cells;
-mod choice;
 mod collide;
 mod columns;
 mod connect;
@@ -10,10 +8,10 @@ mod extend;
 mod generate;
 mod order;
 mod paths;
+mod planning;
 mod rays;
 mod shade;
 mod sort;
-mod trial;
 mod wave;
 
 use std::time::Instant;
@@ -42,7 +40,7 @@ impl WavefrontEngine {
         let (plan, planning) = match (&view.settings.plan, measured) {
             (Some(plan), _) => (plan.clone(), Planning::Given),
             (None, Some(plan)) => (plan, Planning::Measured),
-            (None, None) => trial::find_plan(&view, paths, pool),
+            (None, None) => planning::find_plan(&view, paths, pool),
         };
         let plan_seconds = start.elapsed().as_secs_f64();
         for segment in &plan.segments {

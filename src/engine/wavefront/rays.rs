@@ -1,6 +1,6 @@
 //! The rays of a segment, in the order of tracing.
 
-use super::cells::CellSort;
+use super::order::CellSort;
 use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};

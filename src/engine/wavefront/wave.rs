@@ -1,11 +1,11 @@
 //! The main loop of the wavefront engine: a worker passes a wave of paths through the stages.
 
 use super::accumulate::accumulate;
-use super::cells::Cells;
 use super::collide::collide;
 use super::connect::{Shadows, connect};
 use super::extend::extend;
 use super::generate::generate;
+use super::order::Cells;
 use super::order::{Next, order};
 use super::paths::Paths;
 use super::rays::Rays;

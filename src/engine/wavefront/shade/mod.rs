@@ -6,8 +6,8 @@ mod scatter;
 mod vertex;
 
 use self::scatter::{COLORED, GENERAL, PLAIN};
-use super::cells::Cells;
 use super::connect::Shadows;
+use super::order::Cells;
 use super::order::Next;
 use super::paths::Paths;
 use super::sort::{Queue, Queues};

@@ -1,0 +1,111 @@
+//! The arguments that choose the camera, or replace some of its values.
+
+use clap::Args;
+
+use crate::error::{Error, Result, suggestion};
+use crate::scene::Scene;
+use crate::shading::{Camera, CameraFile};
+
+const CAMERA: &str = "Camera";
+
+#[derive(Debug, Default, Args)]
+pub(crate) struct CameraArgs {
+    /// Name of a camera in the section `cameras` of the scene file [default: the section `camera`]
+    #[arg(long, value_name = "NAME", help_heading = CAMERA)]
+    camera: Option<String>,
+    /// Position of the camera [default: the camera's, as for the options below]
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
+    look_from: Option<[f32; 3]>,
+    /// Point in the middle of the image
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
+    look_at: Option<[f32; 3]>,
+    /// Direction that points up in the image
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
+    up: Option<[f32; 3]>,
+    /// Full vertical angle of view, between 0 and 180
+    #[arg(long, value_name = "DEGREES", help_heading = CAMERA, allow_hyphen_values = true)]
+    fov: Option<f32>,
+}
+
+fn vector(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+        "must be three numbers with commas between them, such as 0,1.5,-4".to_owned()
+    })
+}
+
+impl CameraArgs {
+    /// The chosen camera of `scene` with the values that replace its own.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the scene has no camera of this name, or a value is out of range.
+    pub(crate) fn camera(&self, scene: &Scene) -> Result<Camera> {
+        let file = match &self.camera {
+            None => scene.camera_file(),
+            Some(name) => {
+                let named = scene.cameras().0.iter().find(|(known, _)| known == name);
+                &named.ok_or_else(|| unknown(name, scene))?.1
+            }
+        };
+        let mut file: CameraFile = file.clone();
+        file.look_from = self.look_from.unwrap_or(file.look_from);
+        file.look_at = self.look_at.unwrap_or(file.look_at);
+        file.up = self.up.unwrap_or(file.up);
+        if let Some(fov) = self.fov {
+            (file.vfov, file.parallel) = (fov, None);
+        }
+        Camera::try_from(&file).map_err(|error| match error {
+            Error::Input { message, .. } => Error::Usage(message),
+            other => other,
+        })
+    }
+
+    /// These arguments on a command line, each with a space before it.
+    pub(crate) fn words(&self) -> String {
+        let vector = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
+        let words = [
+            ("camera", self.camera.as_deref().map(quoted)),
+            ("look-from", self.look_from.map(vector)),
+            ("look-at", self.look_at.map(vector)),
+            ("up", self.up.map(vector)),
+            ("fov", self.fov.map(|degrees| degrees.to_string())),
+        ];
+        let word = |(name, value): (&str, Option<String>)| Some(format!(" --{name} {}", value?));
+        words.into_iter().filter_map(word).collect()
+    }
+}
+
+/// `word` as a shell takes it literally.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
+    match word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+fn unknown(name: &str, scene: &Scene) -> Error {
+    Error::Usage(format!("unknown camera `{name}`{}", suggestion(name, scene.cameras().names())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_replace_those_of_the_camera() {
+        let scene = Scene::load("cornell").unwrap();
+        let none = CameraArgs::default();
+        assert_eq!(none.camera(&scene).unwrap(), *scene.camera());
+        assert_eq!(none.words(), "");
+        let look_from = Some(vector("1,-2.5,3e2").unwrap());
+        let some = CameraArgs { look_from, fov: Some(30.5), ..CameraArgs::default() };
+        assert_eq!(some.words(), " --look-from 1,-2.5,300 --fov 30.5");
+        let mut file = scene.camera_file().clone();
+        (file.look_from, file.vfov) = ([1.0, -2.5, 300.0], 30.5);
+        assert_eq!(some.camera(&scene).unwrap(), Camera::try_from(&file).unwrap());
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,x"] {
+            assert!(vector(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The arguments for the codes of 8-bit files.
+
+use clap::Args;
+
+use super::named::named;
+use super::sample::IMAGE;
+use crate::image::{Display, MAX_STOPS, ToneMap, Transfer};
+
+#[derive(Debug, Args)]
+pub(crate) struct DisplayArgs {
+    /// Transfer curve of 8-bit files
+    #[arg(long, value_name = "GAMMA", help_heading = IMAGE, default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
+    gamma: Transfer,
+    /// Exposure of 8-bit files: multiplies linear values by 2^STOPS
+    #[arg(long, value_name = "STOPS", help_heading = IMAGE, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
+    exposure: f32,
+    /// Tone map of 8-bit files, which compresses bright values instead of clamping them to white
+    #[arg(long, value_name = "MAP", help_heading = IMAGE, default_value = ToneMap::None.name(), value_parser = named(&ToneMap::ALL, ToneMap::name))]
+    tonemap: ToneMap,
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= MAX_STOPS);
+    stops.ok_or_else(|| format!("must be a number from -{MAX_STOPS} to {MAX_STOPS}"))
+}
+
+impl DisplayArgs {
+    pub(crate) fn display(&self) -> Display {
+        Display { exposure: self.exposure, tone_map: self.tonemap, transfer: self.gamma }
+    }
+}

@@ -1,0 +1,7 @@
+//! Arguments that several commands share.
+
+pub(super) mod camera;
+pub(super) mod display;
+pub(super) mod limits;
+pub(super) mod named;
+pub(super) mod sample;

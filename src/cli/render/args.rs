@@ -1,0 +1,82 @@
+//! The arguments of `ptfast render`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::checkpoint_args::CheckpointArgs;
+use super::part_args::PartArgs;
+use crate::cli::arguments::display::DisplayArgs;
+use crate::cli::arguments::limits::SceneLimitArgs;
+use crate::cli::arguments::named::named;
+use crate::cli::arguments::sample::{IMAGE, SampleArgs};
+use crate::cli::progress::ProgressMode;
+use crate::engine::{Engine, Pin};
+use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
+
+const SPEED: &str = "Speed";
+const REPORTS: &str = "Reports";
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) sample: SampleArgs,
+    /// Samples per pixel [default: the scene's]
+    #[arg(long, alias = "samples", value_name = "N", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    pub(crate) spp: Option<u32>,
+    /// Scale down samples with a component above this value. Hides fireflies, but loses energy [default: no
+    /// clamping]
+    #[arg(long, value_name = "RADIANCE", help_heading = IMAGE)]
+    pub(crate) clamp: Option<f32>,
+    /// Hide the background behind the scene, and write an alpha channel. For .png and .exr
+    #[arg(long, help_heading = IMAGE)]
+    pub(crate) transparent: bool,
+    /// Output file: an image (.png, .exr, .hdr, .pfm), a .film that can be continued and merged, or - for a PNG on
+    /// standard output [default: SCENE.png, or .film for a part]
+    #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
+    /// Do nothing if the output file is complete and has the same scene, settings and seed
+    #[arg(long, help_heading = IMAGE)]
+    pub(crate) skip_complete: bool,
+    #[command(flatten)]
+    pub(crate) part: PartArgs,
+    #[command(flatten)]
+    pub(crate) checkpoint: CheckpointArgs,
+    /// Worker threads. The image does not depend on them [default: one per available core]
+    #[arg(short = 'j', long, value_name = "N", help_heading = SPEED, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
+    pub(crate) threads: Option<u32>,
+    /// Engine. The image does not depend on it
+    #[arg(long, value_name = "ENGINE", help_heading = SPEED, default_value = Engine::Wavefront.name(), value_parser = named(&Engine::ALL, Engine::name))]
+    pub(crate) engine: Engine,
+    /// Paths that a worker traces at once. The image does not depend on it
+    #[arg(long, value_name = "PATHS", hide = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WAVE)))]
+    pub(crate) wave_size: Option<u32>,
+    /// Whether to pin each thread to a core; auto: if there is a core for each thread
+    #[arg(long, value_name = "PIN", help_heading = SPEED, default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
+    pub(crate) pin: Pin,
+    /// Use the plan of an earlier render, from a file that --json wrote
+    #[arg(long, value_name = "FILE", help_heading = SPEED, conflicts_with = "wave_size")]
+    pub(crate) plan: Option<PathBuf>,
+    /// How to show progress on standard error; json: one object per line
+    #[arg(long, value_name = "HOW", help_heading = REPORTS, default_value = ProgressMode::Auto.name(), value_parser = named(&ProgressMode::ALL, ProgressMode::name))]
+    pub(crate) progress: ProgressMode,
+    /// Print only this to standard output: the image's BLAKE3 hash [default: a summary]
+    #[arg(long, value_name = "WHAT", help_heading = REPORTS, value_parser = ["hash"])]
+    pub(crate) print: Option<String>,
+    /// Also print the plan, exact counts, and the time of each stage
+    #[arg(long, help_heading = REPORTS)]
+    pub(crate) stats: bool,
+    /// Write a record of the render as JSON
+    #[arg(long, value_name = "FILE", help_heading = REPORTS)]
+    pub(crate) json: Option<PathBuf>,
+    /// Write a timeline of each worker, as JSON for Perfetto and Chrome
+    #[arg(long, value_name = "FILE", help_heading = REPORTS)]
+    pub(crate) trace: Option<PathBuf>,
+    /// Print errors only, and what --print asks for
+    #[arg(long, short, help_heading = REPORTS)]
+    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) limits: SceneLimitArgs,
+}

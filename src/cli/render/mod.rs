@@ -1,0 +1,310 @@
+//! `ptfast render`.
+
+pub(super) mod args;
+mod checkpoint_args;
+mod checkpoint_file;
+mod checkpointing;
+mod part_args;
+mod plan_file;
+mod record;
+mod scheduler;
+mod stats;
+mod summary;
+pub(super) mod target;
+mod timeline;
+mod watch;
+
+use std::io::{self, ErrorKind, Write};
+use std::mem;
+use std::path::Path;
+use std::time::Instant;
+
+use self::args::RenderArgs;
+use self::checkpoint_file::CheckpointFile;
+use self::record::{Run, StepSeconds};
+use self::target::Target;
+use self::watch::{Schedule, UntilSignal};
+use super::console::{advise_on_build, notice, say};
+use super::progress::{ProgressMode, ProgressReport};
+use super::{console, files, path, progress};
+use crate::checkpoint::{Checkpoint, Part};
+use crate::engine::{Backdrop, Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::image::Image;
+use crate::interrupt;
+use crate::isa::Isa;
+use crate::measure::machine::Interference;
+use crate::output::write_atomically;
+use crate::scene::Scene;
+
+pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    let start = Instant::now();
+    console::write_json(args.mode() == ProgressMode::Json);
+    if args.quiet {
+        console::suppress_notices();
+    }
+    interrupt::leave_at_once(true);
+    interrupt::watch()?;
+    let job = Job::new(args, start)?;
+    if args.skip_complete && job.is_complete()? {
+        return job.report_complete();
+    }
+    job.run()
+}
+
+/// A render whose arguments are valid, and whose output files can be written.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    start: Instant,
+    scene: Scene,
+    /// Seconds that loading the scene took.
+    load: f64,
+    settings: RenderSettings,
+    part: Part,
+    output: Target,
+}
+
+impl<'a> Job<'a> {
+    fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
+        // A wrong extension is reported before a large scene is loaded.
+        args.output.clone().map(Target::of_path).transpose()?;
+        let loading = Instant::now();
+        let reading = format!("reading {}", args.sample.scene.name());
+        let scene = progress::waiting(&reading, args.mode(), || {
+            args.limits.read(&args.sample.scene)?.resolve()
+        })?;
+        let load = loading.elapsed().as_secs_f64();
+        let settings = settings(args, &scene)?;
+        let warnings = scene.warnings_with(&settings.camera);
+        warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
+        settings.check()?;
+        let part = args.part.part(&scene, &settings)?;
+        let film = Film::memory(part.identity.area(), part.samples.clone());
+        let films = if args.transparent { 2 * film } else { film };
+        settings.check_memory(&scene, films)?;
+        let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
+        if args.transparent {
+            output.check_alpha()?;
+        }
+        if output == Target::StandardOutput && args.print.is_some() {
+            let message = "--print and the image both need standard output: use -o FILE";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        Ok(Self { args, start, scene, load, settings, part, output })
+    }
+
+    /// Whether all output files exist, and the image or film belongs to this render.
+    fn is_complete(&self) -> Result<bool> {
+        let reports = [&self.args.json, &self.args.trace];
+        let exist = reports.into_iter().flatten().all(|file| file.exists());
+        Ok(exist
+            && self.output.is_complete(
+                &self.part,
+                self.args.display.display(),
+                self.scene.limits(),
+            )?)
+    }
+
+    fn report_complete(&self) -> Result<()> {
+        if !self.args.quiet {
+            say(format_args!("{} is complete", self.output))?;
+        }
+        if self.args.mode() == ProgressMode::Json {
+            progress::write_complete(self.part.empty_film()?.samples_to_do());
+        }
+        Ok(())
+    }
+
+    fn run(&self) -> Result<()> {
+        let Self { args, scene, part, .. } = self;
+        let mut file = CheckpointFile::new(
+            &self.output,
+            args.sample.scene.name(),
+            args.checkpoint.checkpoint.as_deref(),
+        );
+        self.check_files(&file)?;
+        let rendering = file.load(part, scene.limits())?;
+        let left = rendering.film.samples_to_do() - rendering.progress().samples;
+        let renderer = progress::waiting("preparing the render", args.mode(), || {
+            Renderer::for_paths(scene, self.settings.clone(), left)
+        })?;
+        let mut checkpoint = Checkpoint {
+            scene: scene.name().to_owned(),
+            identity: part.identity.clone(),
+            shard: part.shard,
+            rendering,
+        };
+        advise_on_build(Isa::Avx2);
+        if file.exists() {
+            let (file, percent) = (file.path().display(), checkpoint.percent());
+            notice(format_args!("continuing {file}, which has {percent}% of the samples"));
+        }
+        let before = Interference::so_far();
+        // From here on, a signal saves the samples that are finished.
+        interrupt::leave_at_once(false);
+        let progress =
+            ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.mode());
+        let schedule = Schedule {
+            every: args.checkpoint.checkpoint_every,
+            time_limit: args.checkpoint.time_limit,
+            start: self.start,
+        };
+        checkpointing::render(
+            &renderer,
+            &mut checkpoint,
+            &file,
+            &schedule,
+            args.display.display(),
+            &progress,
+        )?;
+        let interference = Interference::so_far().since(before);
+
+        let writing = Instant::now();
+        let mut render = renderer.finish(&mut checkpoint.rendering)?;
+        // Only whole images have a hash.
+        let hash = part.is_whole().then(|| render.image.hash());
+        self.add_alpha(&renderer, &mut render)
+            .and_then(|()| self.write(&checkpoint, &render, hash.as_deref()))
+            .map_err(|error| checkpointing::save_instead(&checkpoint, &file, error))?;
+        let finished = file.finish(&checkpoint, left > 0);
+        let seconds = StepSeconds {
+            load: self.load,
+            build: render.seconds.build,
+            plan: render.seconds.plan,
+            render: render.seconds.render,
+            write: writing.elapsed().as_secs_f64(),
+        };
+        let (settings, hash) = (&self.settings, hash.as_deref());
+        let run = Run { scene, settings, renderer: &renderer, render: &render, hash, seconds };
+        self.report(&run, interference)?;
+        finished?;
+        progress.done(checkpoint.rendering.progress());
+        Ok(())
+    }
+
+    /// Rejects output files that cannot be written, are the same, or would overwrite input files.
+    fn check_files(&self, file: &CheckpointFile) -> Result<()> {
+        let args = self.args;
+        let mut read = files::of_scene(args.sample.scene.name(), &self.scene);
+        read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
+        let to_file = self.output != Target::StandardOutput;
+        let written = [
+            ("the image", self.output.path()),
+            // If the image goes to standard output, do not reject the render because of an
+            // unwritable default checkpoint file.
+            ("the checkpoint", Some(file.path()).filter(|_| file.is_named() || to_file)),
+            ("the partial image", file.picture()),
+            ("the record", args.json.as_deref()),
+            ("the timeline", args.trace.as_deref()),
+        ];
+        let written: Vec<_> =
+            written.into_iter().filter_map(|(name, file)| Some((name, file?))).collect();
+        files::check(&read, &written)
+    }
+
+    /// Adds the alpha channel to the image, if it is wanted.
+    fn add_alpha(&self, renderer: &Renderer, render: &mut Render) -> Result<()> {
+        if !self.args.transparent {
+            return Ok(());
+        }
+        let alpha = renderer.alpha(self.part.empty_film()?, &UntilSignal)?.ok_or_else(|| {
+            Error::Interrupted(interrupt::signal().expect("only a signal stops it"))
+        })?;
+        let image = mem::replace(&mut render.image, Image::new(0, 0));
+        render.image = image.with_alpha(alpha);
+        Ok(())
+    }
+
+    /// Writes the image or the film.
+    fn write(&self, checkpoint: &Checkpoint, render: &Render, hash: Option<&str>) -> Result<()> {
+        let metadata = || checkpoint.identity.metadata(hash.unwrap_or_default());
+        let display = self.args.display.display();
+        match &self.output {
+            Target::Film(path) => checkpoint.write(path),
+            Target::Image(path) => render.image.write(path, display, &metadata()),
+            Target::StandardOutput => {
+                let write = || {
+                    // Encode to memory first: the encoder would hide the kind of a write error.
+                    let mut png = Vec::new();
+                    render.image.write_png(&mut png, display, &metadata())?;
+                    let mut out = io::stdout().lock();
+                    out.write_all(&png).and_then(|()| out.flush())
+                };
+                match write() {
+                    // The reader closed the pipe early, which is not an error.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    written => written.map_err(Error::io(Path::new("standard output"), "write")),
+                }
+            }
+        }
+    }
+
+    /// Writes the reports, and prints the summary.
+    fn report(&self, run: &Run<'_>, interference: Interference) -> Result<()> {
+        let Run { scene, renderer, render, settings, .. } = *run;
+        let args = self.args;
+        if let Some(path) = &args.json {
+            let record = record::render_record(run, interference);
+            write_atomically(path, |file| writeln!(file, "{record:#}"))?;
+        }
+        if let Some(path) = &args.trace {
+            timeline::write(path, scene.name(), renderer.threads(), render)?;
+            if render.timeline.len() == MOST_EVENTS {
+                notice(format_args!("{}: ends after {MOST_EVENTS} events", path.display()));
+            }
+        }
+        let (non_finite, clamped) = (&render.tally.non_finite, render.tally.clamped);
+        if let Some((x, y, sample)) = non_finite.first {
+            notice(format_args!(
+                "{} samples were not finite and count as black; to trace the first again: {}",
+                non_finite.count,
+                path::command(&args.sample.scene, &args.sample.camera, settings, (x, y), sample)
+            ));
+        }
+        if settings.clamp < f32::INFINITY {
+            notice(format_args!("{clamped} samples were clamped to {}", settings.clamp));
+        }
+        if self.output == Target::StandardOutput {
+            return Ok(());
+        }
+        if args.print.is_some() {
+            return run.hash.map_or(Ok(()), |hash| say(format_args!("{hash}")));
+        }
+        if args.quiet {
+            return Ok(());
+        }
+        if args.stats {
+            stats::print(render, renderer.plan())?;
+        }
+        summary::print(run, &self.output)
+    }
+}
+
+fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
+    if args.plan.is_some() && args.engine == Engine::Scalar {
+        return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
+    }
+    let of_samples = args.sample.settings(scene)?;
+    let plan = |file| plan_file::read(file, scene, &of_samples.camera);
+    let plan = args.plan.as_deref().map(plan).transpose()?;
+    Ok(RenderSettings {
+        spp: args.spp.unwrap_or(of_samples.spp),
+        clamp: args.clamp.unwrap_or(of_samples.clamp),
+        backdrop: if args.transparent { Backdrop::Hidden } else { Backdrop::Shown },
+        engine: args.engine,
+        threads: args.threads.unwrap_or(0),
+        pin: args.pin,
+        wave_size: args.wave_size.unwrap_or(0),
+        plan,
+        count: args.stats,
+        timeline: args.trace.is_some(),
+        ..of_samples
+    })
+}
+
+impl RenderArgs {
+    fn mode(&self) -> ProgressMode {
+        if self.quiet { ProgressMode::None } else { self.progress }
+    }
+}

@@ -1,0 +1,98 @@
+//! The JSON record of a render.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::engine::{Planning, Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
+use crate::measure::machine::{Interference, Machine, peak_rss_bytes};
+use crate::scene::Scene;
+
+/// Wall-clock seconds of the steps of a run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct StepSeconds {
+    pub(crate) load: f64,
+    pub(crate) build: f64,
+    pub(crate) plan: f64,
+    pub(crate) render: f64,
+    pub(crate) write: f64,
+}
+
+/// A finished run of `ptfast render`, for the record and the summary.
+pub(crate) struct Run<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) settings: &'a RenderSettings,
+    pub(crate) renderer: &'a Renderer,
+    pub(crate) render: &'a Render,
+    /// `None` for a part of an image.
+    pub(crate) hash: Option<&'a str>,
+    pub(crate) seconds: StepSeconds,
+}
+
+/// The record of `render --json`. Field names are fixed; more fields may be added.
+pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
+    let Run { scene, settings, renderer, render, hash, seconds } = *run;
+    let samples = render.tally.rays.primary as f64;
+    json!({
+        "schema": 1,
+        "machine": Machine::this(),
+        "scene": scene.name(),
+        "scene_hash": scene.hash_with(&settings.camera),
+        "engine": settings.engine.name(),
+        "sampling": settings.sampling.name(),
+        "sampler": settings.sampler.name(),
+        "width": settings.width,
+        "height": settings.height,
+        "spp": settings.spp,
+        "depth": settings.depth,
+        "roulette": settings.roulette,
+        "clamp": finite(settings.clamp),
+        "backdrop": settings.backdrop,
+        "seed": settings.seed,
+        "threads": renderer.threads(),
+        "hash": hash,
+        "mean": render.image.mean(),
+        "seconds": seconds,
+        "rays": {
+            "primary": render.tally.rays.primary,
+            "bounce": render.tally.rays.bounce,
+            "shadow": render.tally.rays.shadow,
+        },
+        "mrays_per_s": render.tally.rays.total() as f64 / render.seconds.render * 1e-6,
+        "msamples_per_s": samples / render.seconds.render * 1e-6,
+        "peak_rss_bytes": peak_rss_bytes(),
+        "non_finite": render.tally.non_finite.count,
+        "non_finite_first": render.tally.non_finite.first,
+        "clamped": render.tally.clamped,
+        "interference": interference,
+        "pinned": renderer.pinned().name(),
+        "plan": renderer.plan(),
+        "planning": renderer.planning().map(Planning::name),
+        "endings": Value::from_iter(render.tally.endings.each()),
+        "stages": Value::from_iter(
+            Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),
+        ),
+        "segments": render.waves.segments.iter().map(segment).collect::<Value>(),
+    })
+}
+
+/// The work on one segment of the paths.
+fn segment(segment: &SegmentWork) -> Value {
+    let stage = |stage: Stage| {
+        let StageWork { active, issued, seconds, counters } = segment.stage(stage);
+        let mut work = json!({ "active": active, "issued": issued, "seconds": seconds });
+        if counters.lanes_issued > 0 {
+            work["counters"] = json!(counters);
+        }
+        (stage.name(), work)
+    };
+    let done = Stage::ALL.into_iter().filter(|&stage| segment.stage(stage).active > 0);
+    json!({
+        "endings": Value::from_iter(segment.endings.each()),
+        "stages": done.map(stage).collect::<Value>(),
+    })
+}
+
+/// `None` for infinity, which JSON cannot represent.
+fn finite(number: f32) -> Option<f32> {
+    Some(number).filter(|number| number.is_finite())
+}

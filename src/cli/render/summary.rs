@@ -1,0 +1,50 @@
+//! The summary that `ptfast render` prints.
+
+use super::record::Run;
+use super::target::Target;
+use crate::cli::arguments::sample::Roulette;
+use crate::cli::console::say;
+use crate::engine::RenderSettings;
+use crate::error::Result;
+
+/// Prints the summary of `run`, which wrote `output`.
+pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
+    let Run { scene, settings, renderer, render, hash, seconds } = *run;
+    let RenderSettings { width, height, spp, depth, seed, .. } = settings;
+    let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
+    let engine = settings.engine.name();
+    let roulette = Roulette(settings.roulette);
+    let rays = &render.tally.rays;
+    let million = |n: u64| n as f64 * 1e-6;
+    let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
+    say(format_args!(
+        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",
+        scene.name()
+    ))?;
+    say(format_args!(
+        "time    {total:.2} s = load {:.2} + build {:.2} + plan {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
+        seconds.load,
+        seconds.build,
+        seconds.plan,
+        seconds.render,
+        seconds.write,
+        renderer.threads()
+    ))?;
+    say(format_args!(
+        "rays    {:.2} M = {:.2} M primary + {:.2} M bounce + {:.2} M shadow",
+        million(rays.total()),
+        million(rays.primary),
+        million(rays.bounce),
+        million(rays.shadow)
+    ))?;
+    say(format_args!(
+        "speed   {:.2} Mrays/s, {:.2} Msamples/s",
+        million(rays.total()) / seconds.render,
+        million(rays.primary) / seconds.render
+    ))?;
+    if let Some(hash) = hash {
+        say(format_args!("hash    {hash}"))?;
+    }
+    say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
+    say(format_args!("file    {}", output))
+}

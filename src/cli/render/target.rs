@@ -1,0 +1,143 @@
+//! The output of a render: an image, or a film that can be continued and merged.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::part_args::suffix;
+use crate::checkpoint::{Checkpoint, Identity, Part};
+use crate::error::{Error, Result};
+use crate::image::{Display, Encoding, Format, Image, Metadata};
+use crate::limits::Limits;
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    Image(PathBuf),
+    Film(PathBuf),
+    /// A PNG image on standard output.
+    StandardOutput,
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.path() {
+            Some(path) => path.display().fmt(f),
+            None => f.write_str("standard output"),
+        }
+    }
+}
+
+impl Target {
+    /// Returns the kind of output that the extension of `path` selects; `-` is standard output.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if no writer knows the extension.
+    pub(crate) fn of_path(path: PathBuf) -> Result<Self> {
+        if path.as_os_str() == "-" {
+            return Ok(Self::StandardOutput);
+        }
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film")) {
+            return Ok(Self::Film(path));
+        }
+        Format::of_path(&path)?;
+        Ok(Self::Image(path))
+    }
+
+    /// Returns the file `given`. If it is `None`, returns a file in the current folder, named after
+    /// the scene and `part`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if no writer knows the extension, or if the file is an image and `part` is not a
+    /// whole render.
+    pub(crate) fn new(given: Option<PathBuf>, scene: &str, part: &Part) -> Result<Self> {
+        let Some(path) = given else {
+            let extension = if part.is_whole() { "png" } else { "film" };
+            let suffix = suffix(part);
+            return Self::of_path(PathBuf::from(format!("{}{suffix}.{extension}", stem(scene))));
+        };
+        let output = Self::of_path(path)?;
+        match &output {
+            Self::Image(_) | Self::StandardOutput if !part.is_whole() => {
+                Err(Error::Usage(format!(
+                    "{output}: --shard and --sample-range render a part of an image: use -o part.film, then join \
+                 the parts with `ptfast merge`"
+                )))
+            }
+            _ => Ok(output),
+        }
+    }
+
+    /// Checks that the output can have an alpha channel.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it cannot.
+    pub(crate) fn check_alpha(&self) -> Result<()> {
+        match self {
+            Self::Image(path) => Format::of_path(path)?.check_alpha(path),
+            Self::StandardOutput => Ok(()),
+            Self::Film(path) => Err(Error::Usage(format!(
+                "{}: films have no alpha channel: with --transparent, render the whole image to .png or .exr",
+                path.display()
+            ))),
+        }
+    }
+
+    /// The file; `None` for standard output.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Image(path) | Self::Film(path) => Some(path),
+            Self::StandardOutput => None,
+        }
+    }
+
+    /// Whether the file exists, is complete, and has this render with this appearance.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for formats without metadata.
+    pub(crate) fn is_complete(
+        &self,
+        part: &Part,
+        display: Display,
+        limits: &Limits,
+    ) -> Result<bool> {
+        Ok(match self {
+            Self::Film(path) => Checkpoint::read(path, limits)
+                .is_ok_and(|there| there.part() == *part && there.is_complete()),
+            Self::Image(path) if Format::of_path(path)?.has_metadata() => {
+                is_image_of(path, &part.identity, display, limits)
+            }
+            Self::Image(_) | Self::StandardOutput => {
+                return Err(Error::Usage(format!(
+                    "{self}: --skip-complete needs a format with metadata: .png, .exr or .film"
+                )));
+            }
+        })
+    }
+}
+
+fn is_image_of(path: &Path, identity: &Identity, display: Display, limits: &Limits) -> bool {
+    let Ok(there) = Metadata::read(path) else { return false };
+    // The hash is unknown before the render.
+    let wanted = identity.metadata("");
+    let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
+    let is_png = Format::of_path(path).is_ok_and(|format| format == Format::Png);
+    if !["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
+        || is_png && !display.is_noted_in(&there)
+    {
+        return false;
+    }
+    // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
+    Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
+        limits.check_image(pixels, memory)
+    })
+    .is_ok_and(|image| is_png || there.get("ptfast:hash") == Some(&image.hash()))
+}
+
+/// The name of output files for a scene: `spheres` for `spheres` and `folder/spheres.ron`.
+pub(crate) fn stem(scene: &str) -> String {
+    if scene == "-" {
+        return "stdin".to_owned();
+    }
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
+    // Some file systems do not allow `cloud:1000`.
+    stem.replace(':', "-")
+}

@@ -1,0 +1,84 @@
+//! Shell commands that repeat a run.
+
+use crate::measure::bench::{Record, Run, Workload};
+
+/// Command that measures all engines again, so that the result includes the speed-up. It uses the
+/// bench of the current checkout, since old commits have no bench.
+pub(super) fn bench(record: &Record, run: &Run) -> String {
+    format!(
+        "{}cargo run --release -- bench --program {}/target/release/ptfast {} --blocks {}",
+        build(record),
+        folder(record),
+        work(&run.work),
+        run.blocks.len()
+    )
+}
+
+/// Command that renders the image once.
+pub(super) fn render(record: &Record, run: &Run) -> String {
+    let Workload { engine, height, depth, sampling, sampler, .. } = &run.work;
+    // Old programs have no option `--sampler`.
+    let sampler =
+        if sampler.is_empty() { String::new() } else { format!(" --sampler {}", quoted(sampler)) };
+    format!(
+        "{}{}/target/release/ptfast render {} --height {height} --depth {depth} --engine {} --sampling {}{sampler}",
+        build(record),
+        folder(record),
+        work(&run.work),
+        quoted(engine),
+        quoted(sampling)
+    )
+}
+
+/// Commands that build the commit with its original flags in a worktree next to the checkout.
+fn build(record: &Record) -> String {
+    let (commit, flags) = (&record.machine.commit, &record.machine.flags);
+    let changed = if commit.ends_with("-dirty") {
+        "# measured with uncommitted changes, which these commands do not include\n"
+    } else {
+        ""
+    };
+    let (commit, folder) = (quoted(clean(commit)), folder(record));
+    format!(
+        "{changed}[ -d {folder} ] || git worktree add {folder} {commit}\n\
+         (cd {folder} && RUSTFLAGS={} cargo build --release --target-dir target)\n",
+        quoted(flags)
+    )
+}
+
+fn clean(commit: &str) -> &str {
+    commit.trim_end_matches("-dirty")
+}
+
+fn folder(record: &Record) -> String {
+    quoted(&format!("../ptfast-{}", clean(&record.machine.commit)))
+}
+
+fn work(work: &Workload) -> String {
+    let Workload { scene, threads, width, spp, seed, .. } = work;
+    let scene = quoted(scene);
+    format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
+}
+
+/// Quotes a word for the shell if necessary.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_they_must_be() {
+        assert_eq!(quoted("cloud:1000"), "cloud:1000");
+        assert_eq!(quoted("-C target-cpu=native"), "'-C target-cpu=native'");
+        assert_eq!(quoted("it's; rm"), "'it'\\''s; rm'");
+        assert_eq!(quoted(""), "''");
+    }
+}
