@@ -20,7 +20,7 @@ use crate::shading::texture::{Color, Number, TextureRef, TextureTables};
 /// Under the coat, GGX microfacets reflect light by Schlick's approximation. What they do not
 /// reflect reaches a diffuse base or passes through the surface, unless it is metal. The parameters
 /// are those of glTF 2.0 and its extensions `KHR_materials_specular`, `_ior`, `_transmission`,
-/// `_volume` and `_clearcoat`; `docs/scenes.md` states the formulas.
+/// `_volume` and `_clearcoat`; `docs/materials.md` states the formulas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
