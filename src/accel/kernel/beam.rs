@@ -87,7 +87,7 @@ impl<const V: usize> Beam<V> {
 
     /// Returns whether the rays spread by more than a quarter of the distance. In large trees, such rays
     /// are a stream from the start: without this test, shadow rays of coffee ran at 0.61 of the speed
-    /// (`profiling/measured.md`).
+    /// (`profiling/lost.md`).
     #[inline(always)]
     fn is_wide(&self) -> bool {
         let across = |slope: Float| Float::splat(1.0) / slope.abs();
@@ -168,7 +168,7 @@ const MANY: usize = 64 / LANES;
 /// Number of vectors in a beam for all other trees, whose boxes are small compared with a beam.
 const FEW: usize = VECTORS;
 /// Number of visits and of tested primitives after which such a beam leaves the rest to its rays: two for each
-/// ray. Half of it, or a limit of tests alone, makes little difference (`profiling/measured.md`).
+/// ray. Half of it, or a limit of tests alone, makes little difference (`profiling/lost.md`).
 const MOST_WORK: u32 = (2 * FEW * LANES) as u32;
 
 /// Traces packets as beams. If the rays of a packet differ in octant, or spread too much, they are

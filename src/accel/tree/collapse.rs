@@ -74,7 +74,7 @@ impl<'a> Collapse<'a> {
         let kind = left.kind.filter(|_| left.kind == right.kind);
         let is_leaf = kind.is_some() && count <= LANES as u32;
         // A visit costs the same for a node and for a leaf, whether or not the leaf shares its
-        // block. Other costs brought no speedup (`profiling/measured.md`).
+        // block. Other costs brought no speedup (`profiling/lost.md`).
         let mut costs = [area + if is_leaf { 0.0 } else { self.split(first, LANES).0 }; SHARES];
         for shares in 2..=SHARES {
             let least = costs[shares - 2];
