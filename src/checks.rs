@@ -20,13 +20,13 @@ pub(crate) fn limit(most: f32) -> String {
 }
 
 /// One element of a file, for error messages while its values are checked.
-pub(crate) struct Element<'a> {
+pub(crate) struct Location<'a> {
     pub(crate) file: &'a str,
     pub(crate) place: String,
     pub(crate) kind: &'a str,
 }
 
-impl Element<'_> {
+impl Location<'_> {
     pub(crate) fn error(&self, message: impl std::fmt::Display) -> Error {
         Error::input(self.file, self.place.clone(), format!("{}: {message}", self.kind))
     }

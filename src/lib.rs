@@ -130,7 +130,7 @@ mod simd;
 pub use accel::Kernel;
 pub use engine::{
     Backdrop, Endings, Engine, NonFinite, Observer, Pin, Pinned, Plan, Planning, PreparedScene,
-    Progress, RayCounts, Render, RenderSettings, Renderer, Rendering, Seconds, SegmentPlan, Stop,
+    Progress, RayCounts, Render, RenderSettings, RenderState, Renderer, Seconds, SegmentPlan, Stop,
     Tally,
 };
 pub use error::{Error, Result};
@@ -160,7 +160,7 @@ pub mod internals {
     pub use crate::film::{Film, Tile};
     pub use crate::formats::Source;
     pub use crate::geometry::{
-        Bounds, Cutouts, Geometry, Hit, Holes, Instance, Instances, Quad, Ray, Sphere, Triangle,
+        Bounds, Geometry, Hit, HoleTest, Holes, Instance, Instances, Quad, Ray, Sphere, Triangle,
         Triangles, Vertices,
     };
     pub use crate::isa::missing_feature;

@@ -9,10 +9,10 @@ use super::counters::{Count, Counters};
 use super::kernel::Kernel;
 use super::kernel::beam;
 use super::kernel::flat::Flat;
-use super::kernel::job::Job;
+use super::kernel::job::TraceJob;
 use super::kernel::packet;
 use super::kernel::stream;
-use super::leaf::{BlockRef, Blocks};
+use super::leaf::{LeafBlocks, LeafRef};
 use super::setup::Extent;
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
@@ -44,7 +44,7 @@ pub(super) struct Base {
     bounds: Bounds,
     /// The primitives that span the scene. Nearly every ray would enter their boxes, so rays are
     /// tested against them directly.
-    pub(super) spanning: (Blocks, Vec<BlockRef>),
+    pub(super) spanning: (LeafBlocks, Vec<LeafRef>),
     pub(super) extent: Extent,
 }
 
@@ -100,7 +100,7 @@ impl Base {
             spanning(&boxes, geometry.first_triangle() as u32, all.half_area());
         let union = |bounds: Bounds, &primitive: &u32| bounds.union(boxes[primitive as usize]);
         let bounds = others.iter().fold(Bounds::EMPTY, union).without_subnormals();
-        let mut blocks = Blocks::default();
+        let mut blocks = LeafBlocks::default();
         let references = blocks.push_all(geometry, &spanning);
         let extent = Extent::new(geometry, all, bounds);
         Self { all, others, bounds, spanning: (blocks, references), extent }
@@ -150,7 +150,7 @@ impl Accelerator {
     fn chosen(&self, kernel: Kernel) -> Kernel {
         match kernel {
             Kernel::Packet | Kernel::Flat
-                if self.has_instances() || self.geometry.has_cutouts() =>
+                if self.has_instances() || self.geometry.may_have_holes() =>
             {
                 Kernel::Stream
             }
@@ -285,7 +285,7 @@ impl Accelerator {
         let ends = (range.start, range.end);
         let Base { spanning: (blocks, spanning), extent, .. } = self.base();
         let meshes = self.geometry.len() as u32;
-        let job = Job { rays, ends, extent, blocks, spanning, meshes };
+        let job = TraceJob { rays, ends, extent, blocks, spanning, meshes };
         let wild = match self.chosen(kernel) {
             Kernel::Packet => packet::trace::<ANY, C>(self.pair(1), &job, hits, count),
             Kernel::Beam => beam::trace::<ANY, C>(self.wide(1), &job, hits, count),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::accelerator::Accelerator;
 use super::batch::{HitBatch, RayBatch};
-use super::kernel::job::Job;
+use super::kernel::job::TraceJob;
 use super::kernel::packet;
 use super::slab::SlabRay;
 
@@ -20,7 +20,7 @@ impl Accelerator {
     pub fn boxes_entered(&self, rays: &RayBatch, range: Range<usize>) -> u64 {
         let (ends, base) = ((range.start, range.end), self.base());
         let (extent, blocks) = (&base.extent, &base.spanning.0);
-        let job = Job { rays, ends, extent, blocks, spanning: &[], meshes: u32::MAX };
+        let job = TraceJob { rays, ends, extent, blocks, spanning: &[], meshes: u32::MAX };
         packet::enter_all(self.pair(1), &job, &mut HitBatch::misses(rays.len()))
     }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Checkpoint, Identity, Part, Shard};
-use crate::engine::{Rendering, Tally};
+use crate::engine::{RenderState, Tally};
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
@@ -55,7 +55,7 @@ impl Checkpoint {
     /// # Errors
     /// The errors of [`write`](Self::write) and of `check`. If `check` fails, `path` is unchanged.
     pub(crate) fn write_if(&self, path: &Path, check: impl FnOnce() -> Result<()>) -> Result<()> {
-        let Rendering { film, tally, seconds, .. } = &self.rendering;
+        let RenderState { film, tally, seconds, .. } = &self.rendering;
         let Range { start, end } = film.samples();
         let header = Header {
             schema: SCHEMA,
@@ -128,7 +128,7 @@ impl Checkpoint {
         if !film.is_of(has) {
             return Err(bad("damaged: the pixels are not those of its shard".to_owned()));
         }
-        let mut rendering = Rendering::new(film);
+        let mut rendering = RenderState::new(film);
         (rendering.tally, rendering.seconds) = (tally, seconds);
         Ok(Self { scene, identity, shard, rendering })
     }

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::{Checkpoint, Identity, Shard};
-use crate::engine::Rendering;
+use crate::engine::RenderState;
 use crate::error::{Error, Result};
-use crate::film::{Conflict, Film, Sample};
+use crate::film::{Conflict, Film, SampleIndex};
 use crate::image::Image;
 use crate::limits::{Limit, Limits};
 
@@ -31,7 +31,7 @@ pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
     let largest = parts.iter().map(|part| memory(&part.samples)).max().unwrap_or(0);
     limits.check(Limit::Memory, largest + memory(&(0..identity.spp))).map_err(Error::Usage)?;
     parts.sort_by_key(|part| part.samples.start);
-    let mut whole = Rendering::new(Film::new(identity.area(), 0..identity.spp)?);
+    let mut whole = RenderState::new(Film::new(identity.area(), 0..identity.spp)?);
     for (number, part) in parts.iter().enumerate() {
         let there = Checkpoint::read(part.file, limits)?.rendering;
         match whole.film.append(&there.film)? {
@@ -95,7 +95,7 @@ impl<'a> PartFile<'a> {
     }
 }
 
-fn describe((x, y, sample): Sample) -> String {
+fn describe((x, y, sample): SampleIndex) -> String {
     format!("sample {sample} of pixel {x},{y}")
 }
 
@@ -103,7 +103,7 @@ fn describe((x, y, sample): Sample) -> String {
 fn twice(
     part: &PartFile<'_>,
     before: &[PartFile<'_>],
-    sample: Sample,
+    sample: SampleIndex,
     limits: &Limits,
 ) -> Result<Error> {
     let mut other = None;
@@ -119,7 +119,7 @@ fn twice(
 }
 
 /// The error that `sample` is in no part. For shards of tiles, it names the missing shards.
-fn missing(parts: &[PartFile<'_>], sample: Sample) -> Error {
+fn missing(parts: &[PartFile<'_>], sample: SampleIndex) -> Error {
     let names: Vec<String> = parts.iter().map(|part| part.file.display().to_string()).collect();
     let shards: Option<Vec<Shard>> = parts.iter().map(|part| part.shard).collect();
     let message = match shards.as_deref() {

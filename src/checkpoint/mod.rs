@@ -23,7 +23,7 @@ pub(crate) use shard::Shard;
 
 use std::ops::Range;
 
-use crate::engine::Rendering;
+use crate::engine::RenderState;
 use crate::error::Result;
 use crate::film::Film;
 
@@ -37,7 +37,7 @@ pub struct Checkpoint {
     /// The shard to render; `None` for all pixels of the crop.
     pub shard: Option<Shard>,
     /// The samples rendered so far, with their statistics.
-    pub rendering: Rendering,
+    pub rendering: RenderState,
 }
 
 /// Which part of which render a checkpoint holds. Equal parts have equal bits once they are complete.
@@ -118,7 +118,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// The reason, if the checkpoint holds another render or another part; see [`Part::mismatch`].
-    pub fn resume(mut self, wanted: &Part) -> Result<Rendering, String> {
+    pub fn resume(mut self, wanted: &Part) -> Result<RenderState, String> {
         if let Some(mismatch) = self.part().mismatch(wanted) {
             return Err(mismatch);
         }

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::console::{notice, one_line};
-use crate::engine::{Observer, Pinned, Progress, Render, Renderer, Rendering};
+use crate::engine::{Observer, Pinned, Progress, Render, RenderState, Renderer};
 use crate::error::Error;
 use crate::error::Result;
 
@@ -89,7 +89,7 @@ impl ProgressReport {
     pub(crate) fn new(
         renderer: &Renderer,
         title: &str,
-        rendering: &Rendering,
+        rendering: &RenderState,
         mode: ProgressMode,
     ) -> Self {
         static REPORTED: Once = Once::new();

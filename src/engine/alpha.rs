@@ -4,7 +4,7 @@ use super::backdrop::Backdrop;
 use super::observer::Observer;
 use super::renderer::Renderer;
 use super::settings::RenderSettings;
-use super::state::Rendering;
+use super::state::RenderState;
 use crate::error::Result;
 use crate::film::Film;
 
@@ -29,7 +29,7 @@ impl Renderer {
     /// # Errors
     /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub(crate) fn alpha(&self, film: Film, observer: &dyn Observer) -> Result<Option<Vec<f32>>> {
-        let mut rendering = Rendering::new(film);
+        let mut rendering = RenderState::new(film);
         self.with(self.settings().of_alpha())?.advance(&mut rendering, observer)?;
         if rendering.film.samples_done() < rendering.film.samples_to_do() {
             return Ok(None);

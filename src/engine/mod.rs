@@ -37,7 +37,7 @@ pub use renderer::Renderer;
 pub use settings::{Engine, RenderSettings};
 pub use stage::Stage;
 pub(crate) use state::MOST_EVENTS;
-pub use state::{Progress, Rendering};
+pub use state::{Progress, RenderState};
 pub(crate) use stats::{SegmentWork, StageWork, WaveStats};
 pub use tally::{Endings, NonFinite, RayCounts, Tally};
 pub(crate) use timeline::{Activity, Event};

@@ -13,7 +13,7 @@ use super::pool::{Pinned, Pool};
 use super::prepared::{PreparedScene, View};
 use super::scalar::ScalarEngine;
 use super::settings::{Engine, RenderSettings};
-use super::state::{Rendering, Shared};
+use super::state::{RenderState, Shared};
 use super::timeline::{Activity, Lap};
 use super::unit::UnitEngine;
 use super::wavefront::WavefrontEngine;
@@ -198,17 +198,17 @@ impl Renderer {
     /// # Errors
     /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
     /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
-    pub fn begin(&self) -> Result<Rendering> {
+    pub fn begin(&self) -> Result<RenderState> {
         let (image, samples) = (self.settings.image(), 0..self.settings.spp);
         self.settings.check_memory(self.prepared.scene(), Film::memory(image, samples.clone()))?;
-        Film::new(image, samples).map(Rendering::new)
+        Film::new(image, samples).map(RenderState::new)
     }
 
     /// Renders all missing samples of `rendering`, unless `observer` stops it.
     ///
     /// # Errors
     /// Returns the same errors as [`advance_to`](Self::advance_to).
-    pub fn advance(&self, rendering: &mut Rendering, observer: &dyn Observer) -> Result<()> {
+    pub fn advance(&self, rendering: &mut RenderState, observer: &dyn Observer) -> Result<()> {
         let end = rendering.film.samples().end;
         self.advance_to(rendering, end, observer)
     }
@@ -222,7 +222,7 @@ impl Renderer {
     /// memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub fn advance_to(
         &self,
-        rendering: &mut Rendering,
+        rendering: &mut RenderState,
         end: u32,
         observer: &dyn Observer,
     ) -> Result<()> {
@@ -282,7 +282,7 @@ impl Renderer {
     /// # Errors
     /// If there is not enough memory for the image, returns
     /// [`Error::Resource`](crate::Error::Resource).
-    pub fn finish(&self, rendering: &mut Rendering) -> Result<Render> {
+    pub fn finish(&self, rendering: &mut RenderState) -> Result<Render> {
         Ok(Render {
             image: rendering.image()?,
             tally: rendering.tally.clone(),

@@ -8,7 +8,7 @@ use super::tally::Tally;
 use super::timeline::{Event, Lap};
 use super::unit::{Taken, Task};
 use crate::error::{Error, Result};
-use crate::film::{Film, Part, Schedule, Tile};
+use crate::film::{Film, Schedule, Tile, UnitSums};
 use crate::image::Image;
 use crate::scene::Scene;
 
@@ -21,7 +21,7 @@ const MOST_EARLY: usize = 1000;
 
 /// A render in progress.
 #[derive(Clone, Debug)]
-pub struct Rendering {
+pub struct RenderState {
     /// The samples rendered so far.
     #[doc(hidden)]
     pub film: Film,
@@ -39,7 +39,7 @@ pub struct Rendering {
     source: Option<(Scene, RenderSettings)>,
 }
 
-impl Rendering {
+impl RenderState {
     /// A rendering with the samples of `film`, and with empty counts.
     pub(crate) fn new(film: Film) -> Self {
         Self {
@@ -104,18 +104,18 @@ pub struct Progress {
 /// The state that the workers of a pass share.
 #[derive(Debug)]
 pub(super) struct Shared<'a> {
-    rendering: &'a mut Rendering,
+    rendering: &'a mut RenderState,
     schedule: Schedule,
     progress: Progress,
     start: Instant,
     /// Seconds at which the timeline of earlier passes ends: the offset of new events.
     before: f64,
     /// Finished units whose pixels lack earlier samples, which another worker is still rendering.
-    early: Vec<(Part, Tally)>,
+    early: Vec<(UnitSums, Tally)>,
 }
 
 impl<'a> Shared<'a> {
-    pub(super) fn new(rendering: &'a mut Rendering, schedule: Schedule) -> Self {
+    pub(super) fn new(rendering: &'a mut RenderState, schedule: Schedule) -> Self {
         let ends = rendering.timeline.iter().map(|event| event.start + event.seconds);
         let before = ends.fold(0.0, f64::max);
         let (progress, start) = (rendering.progress(), Instant::now());
@@ -140,7 +140,7 @@ impl<'a> Shared<'a> {
     /// If there is not enough memory for its samples, returns [`Error::Resource`].
     pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
         let Taken { part, tally, waves, laps } = taken;
-        let Rendering { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
+        let RenderState { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
         all_waves.add(&waves);
         let room = MOST_EVENTS - timeline.len();
         let event = |lap: &Lap| {

@@ -6,7 +6,7 @@ use super::plan::{Plan, Planning};
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::Lap;
-use crate::film::{Part, Plane, Unit};
+use crate::film::{Plane, Unit, UnitSums};
 
 /// An engine, which creates workers that render units of work.
 pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
@@ -48,7 +48,7 @@ impl Task {
 /// The result of a unit of work.
 #[derive(Debug)]
 pub(super) struct Taken {
-    pub(super) part: Part,
+    pub(super) part: UnitSums,
     pub(super) tally: Tally,
     pub(super) waves: WaveStats,
     /// The times of the stages and of the unit, if a timeline is recorded.

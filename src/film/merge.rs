@@ -7,15 +7,15 @@ use super::{ABSENT, Film};
 use crate::error::Result;
 
 /// A sample: the x and y of its pixel in the image, and its number.
-pub(crate) type Sample = (u32, u32, u32);
+pub(crate) type SampleIndex = (u32, u32, u32);
 
 /// Why a film cannot be appended to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Conflict {
     /// Both films have this sample.
-    Twice(Sample),
+    Twice(SampleIndex),
     /// Neither film has this sample, but one has later samples of the pixel.
-    Missing(Sample),
+    Missing(SampleIndex),
 }
 
 impl Film {
@@ -41,20 +41,20 @@ impl Film {
     }
 
     /// The first unfinished sample, if any.
-    pub(crate) fn missing(&self) -> Option<Sample> {
+    pub(crate) fn missing(&self) -> Option<SampleIndex> {
         let pixel = self.done.iter().position(|&done| done < self.samples.end)?;
         Some(self.sample(pixel, self.done[pixel]))
     }
 
     /// Whether the sample is finished.
-    pub(crate) fn has(&self, (x, y, sample): Sample) -> bool {
+    pub(crate) fn has(&self, (x, y, sample): SampleIndex) -> bool {
         let pixel =
             (y - self.area.y) as usize * self.area.width as usize + (x - self.area.x) as usize;
         let done = self.done[pixel];
         done != ABSENT && (self.samples.start..done).contains(&sample)
     }
 
-    fn sample(&self, pixel: usize, sample: u32) -> Sample {
+    fn sample(&self, pixel: usize, sample: u32) -> SampleIndex {
         let (x, y) = self.area.pixel(pixel as u32);
         (x, y, sample)
     }

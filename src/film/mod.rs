@@ -8,7 +8,7 @@ mod sum;
 mod tests;
 mod tile;
 
-pub(crate) use merge::{Conflict, Sample};
+pub(crate) use merge::{Conflict, SampleIndex};
 pub(crate) use schedule::{Schedule, Unit};
 pub(crate) use sum::CHUNK;
 pub(crate) use tile::Grid;
@@ -41,7 +41,7 @@ const ABSENT: u32 = u32::MAX;
 
 /// The result of a [`Unit`] of work.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Part {
+pub(crate) struct UnitSums {
     /// The samples that were rendered.
     pub unit: Unit,
     /// For each pixel, the sum of its chunk up to `unit.end`: the samples of the unit, added in
@@ -129,7 +129,7 @@ impl Film {
     ///
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
-    pub(crate) fn add(&mut self, part: &Part) -> Result<()> {
+    pub(crate) fn add(&mut self, part: &UnitSums) -> Result<()> {
         let Unit { tile, first, end } = part.unit;
         // The new sum of an open chunk includes the old one, and overwrites it.
         let kept = sum::sums(&(self.samples.start..first / CHUNK * CHUNK));

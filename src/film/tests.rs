@@ -5,21 +5,21 @@ use crate::math::random::Stream;
 
 pub(super) const AREA: Tile = Tile { x: 3, y: 2, width: 23, height: 9 };
 
-/// Sample number `sample` of pixel `(x, y)`.
+/// SampleIndex number `sample` of pixel `(x, y)`.
 fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
     let mut random = Stream::new(u64::from(x) << 40 | u64::from(y) << 20 | u64::from(sample));
     Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
 }
 
 /// The result of rendering `unit`, which must be the next unit of `film`.
-pub(super) fn rendered(film: &Film, unit: Unit) -> Part {
+pub(super) fn rendered(film: &Film, unit: Unit) -> UnitSums {
     let open = film.open_sums(unit);
     let sum = |pixel: u32| {
         let open = open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum));
         let samples = (unit.first..unit.end).map(|number| sample(unit.tile.pixel(pixel), number));
         samples.fold(open, |sum, sample| sum + sample).to_array()
     };
-    Part { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
+    UnitSums { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
 }
 
 /// Node (level, index) of the tree in `sum.rs`, by its definition: the sum of its children, or the

@@ -8,7 +8,7 @@ use super::{builtin, mesh};
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::scene::Assets;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::IndexedMesh;
 use crate::shading::{ImageContainer, ImageFiles};
 
 /// The reader of all formats.
@@ -31,7 +31,7 @@ impl ImageContainer for Gltf<'_> {
 }
 
 impl Assets for Files {
-    fn mesh(&self, path: &Path, budget: &Budget) -> Result<Mesh> {
+    fn mesh(&self, path: &Path, budget: &Budget) -> Result<IndexedMesh> {
         mesh::read(path, budget)
     }
 }

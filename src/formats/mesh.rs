@@ -6,14 +6,14 @@ use super::MESHES;
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
 use crate::limits::{Budget, Limit};
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::IndexedMesh;
 
 /// A format of meshes.
 pub(crate) struct Format {
     /// The extension of its files, in lower case.
     pub(crate) extension: &'static str,
     /// Parses the content of the file with this name.
-    pub(crate) parse: fn(&str, &[u8], &Budget) -> Result<Mesh>,
+    pub(crate) parse: fn(&str, &[u8], &Budget) -> Result<IndexedMesh>,
 }
 
 /// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file, or a `.ply.gz`,
@@ -22,7 +22,7 @@ pub(crate) struct Format {
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the
 /// file and line.
-pub(crate) fn read(path: &Path, budget: &Budget) -> Result<Mesh> {
+pub(crate) fn read(path: &Path, budget: &Budget) -> Result<IndexedMesh> {
     let extension_of = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let mut extension = extension_of(path);
     let compressed = extension.as_deref() == Some("gz");

@@ -7,13 +7,13 @@ mod gltf;
 mod import;
 mod load;
 mod mesh;
+mod mesh_scene;
 mod obj;
 mod parsed;
 mod pbrt;
 mod ply;
 mod ron;
 mod source;
-mod view;
 
 pub use builtin::BUILTIN_NAMES;
 pub(crate) use import::{ImportOptions, Missing};

@@ -8,7 +8,7 @@ use super::generated::Generated;
 use super::import::{Format, ImportOptions, Imported};
 use super::parsed::Parsed;
 use super::ron::Form;
-use super::{MESHES, SCENES, builtin, import, obj, ron, view};
+use super::{MESHES, SCENES, builtin, import, mesh_scene, obj, ron};
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Budget, Limit, Limits};
@@ -123,11 +123,11 @@ impl Source {
             }
             Self::Mesh(path) => {
                 let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
-                let (mut file, names) = view::of_mesh(path, &budget)?;
+                let (mut file, names) = mesh_scene::of_mesh(path, &budget)?;
                 let name = path.display().to_string();
                 let mut warnings =
                     obj::add_materials_of_meshes(&name, &folder, options, &budget, &mut file)?;
-                if let Some(unknown) = view::add_missing_materials(&mut file, names) {
+                if let Some(unknown) = mesh_scene::add_missing_materials(&mut file, names) {
                     let warning = format!("{name}: {unknown}");
                     if options.strict {
                         return Err(import::rejected(&warning));

@@ -8,7 +8,7 @@
 
 mod bounds;
 mod collection;
-mod cutouts;
+mod holes;
 mod instance;
 mod primitive;
 pub(crate) mod quad;
@@ -24,7 +24,7 @@ mod volume;
 pub use bounds::Bounds;
 pub(crate) use collection::Primitive;
 pub use collection::{Geometry, Instances};
-pub use cutouts::{Cutouts, Holes};
+pub use holes::{HoleTest, Holes};
 pub use instance::Instance;
 pub(crate) use instance::ToObject;
 pub(crate) use primitive::{PrimitiveModel, Shape, primitives, shapes};
@@ -54,12 +54,12 @@ pub(crate) struct Surface<R: Real = f32> {
     /// Distance along the normal that is certain to move the origin of a new ray off the surface.
     pub offset: R,
     /// The normal that materials use.
-    pub shading: Shading<R>,
+    pub shading: ShadingNormal<R>,
 }
 
 /// The normal with which a surface is shaded.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shading<R: Real = f32> {
+pub(crate) struct ShadingNormal<R: Real = f32> {
     /// Unit normal. Its side has no meaning.
     pub normal: R::Vec3,
     /// Whether it may differ from the geometric normal.
@@ -68,7 +68,7 @@ pub(crate) struct Shading<R: Real = f32> {
     pub soft: R::Mask,
 }
 
-impl<R: Real> Shading<R> {
+impl<R: Real> ShadingNormal<R> {
     /// The shading of a flat surface.
     #[inline(always)]
     pub(crate) fn flat(normal: R::Vec3) -> Self {
@@ -80,7 +80,7 @@ impl<R: Real> Surface<R> {
     /// A surface that is shaded with its geometric normal.
     #[inline(always)]
     pub(crate) fn flat(point: R::Vec3, normal: R::Vec3, offset: R) -> Self {
-        Self { point, normal, offset, shading: Shading::flat(normal) }
+        Self { point, normal, offset, shading: ShadingNormal::flat(normal) }
     }
 
     /// Origin of a ray that leaves the surface toward `side`, which is `normal` or `-normal`.

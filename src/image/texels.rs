@@ -128,7 +128,7 @@ impl Texels {
     }
 
     /// Whether any colour is not black.
-    pub(crate) fn shines(&self) -> bool {
+    pub(crate) fn emits(&self) -> bool {
         (0..self.len()).any(|index| self.at(index as u32)[..3] != [0.0; 3])
     }
 

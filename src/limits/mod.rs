@@ -15,7 +15,7 @@ pub(crate) const MAX_SPP: u32 = 1 << 24;
 pub(crate) const MAX_DEPTH: u32 = 1 << 16;
 /// Largest number of primitives that can be requested from a generated scene.
 pub(crate) const MAX_GENERATED: u32 = 1 << 24;
-/// Largest number of primitives of a scene. `BlockRef` stores the index of a block in 24 bits, and
+/// Largest number of primitives of a scene. `LeafRef` stores the index of a block in 24 bits, and
 /// blocks of large scenes hold several primitives.
 pub(crate) const MAX_PRIMITIVES: usize = 1 << 25;
 /// Largest number of media of a scene.

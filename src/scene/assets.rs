@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::mesh::Mesh;
+use super::mesh::IndexedMesh;
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::shading::ImageFiles;
@@ -14,5 +14,5 @@ pub(crate) trait Assets: ImageFiles {
     ///
     /// # Errors
     /// If the file cannot be read, has invalid content, or exceeds a limit.
-    fn mesh(&self, path: &Path, budget: &Budget) -> Result<Mesh>;
+    fn mesh(&self, path: &Path, budget: &Budget) -> Result<IndexedMesh>;
 }

@@ -132,7 +132,7 @@ impl Scene {
 
     /// Whether there are lights that only light samples find.
     pub(crate) fn has_unseen_lights(&self) -> bool {
-        self.0.world.lights.iter().any(LightFile::shines)
+        self.0.world.lights.iter().any(LightFile::emits)
     }
 
     /// Number of lights: primitives that emit light, other lights, and an environment map.

@@ -19,8 +19,8 @@ impl Scene {
         if self.geometry().is_empty() {
             warnings.push("the scene has no primitives".to_owned());
         }
-        let glows = self.materials().iter().any(Material::glows);
-        if self.lights() == 0 && !glows && self.background().is_black() {
+        let emission_rows = self.materials().iter().any(Material::has_emission_texture);
+        if self.lights() == 0 && !emission_rows && self.background().is_black() {
             let message =
                 "the picture will be black: nothing emits light, and the background is black";
             warnings.push(message.to_owned());
@@ -37,8 +37,8 @@ impl Scene {
             let Primitive::Sphere(sphere) = self.geometry().get(primitive) else { return None };
             let (center, material) = (sphere.center_at(camera.shutter.0), self.material(primitive));
             let inside = length(camera.look_from.as_vec3() - center) < sphere.radius;
-            let shines = material.emission().is_some_and(|emission| emission.sides == Sides::Both);
-            (inside && !shines && !material.transmits()).then_some((primitive, material.name()))
+            let emits = material.emission().is_some_and(|emission| emission.sides == Sides::Both);
+            (inside && !emits && !material.transmits()).then_some((primitive, material.name()))
         })
     }
 }
@@ -60,9 +60,9 @@ mod tests {
         assert!(warnings(&format!("({camera}, {sky})")).contains("no primitives"));
         let grey = sphere("lambertian(albedo: (1, 1, 1))");
         assert!(warnings(&format!("({camera}, {grey})")).contains("nothing emits light"));
-        let glow = sphere("principled(emission: \"g\")");
+        let emissive = sphere("principled(emission: \"g\")");
         let textures = "textures: {\"g\": solid(color: (1, 1, 1))}";
-        assert_eq!(warnings(&format!("({camera}, {textures}, {glow})")), "");
+        assert_eq!(warnings(&format!("({camera}, {textures}, {emissive})")), "");
         assert!(warnings(&format!("({camera}, {sky}, {grey})")).contains("inside primitive 0"));
         for open in ["dielectric(ior: 1.5)", "light(radiance: (1, 1, 1), sides: both)"] {
             assert_eq!(warnings(&format!("({camera}, {sky}, {})", sphere(open))), "", "{open}");

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::images::Images;
 use super::light::EnvironmentMap;
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Real, Vector};
 
@@ -41,7 +41,7 @@ impl Default for Background {
 
 impl Background {
     /// Checks the numbers and reads the image.
-    pub(crate) fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+    pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
         match self {
             Self::Constant { radiance } => e.color("radiance", *radiance, MAX_RADIANCE)?,
             Self::Gradient { bottom, top } => {

@@ -25,7 +25,7 @@ pub struct Emission {
 
 impl Emission {
     /// Whether the radiance is not black.
-    pub(crate) fn shines(&self) -> bool {
+    pub(crate) fn emits(&self) -> bool {
         self.radiance != Vec3::ZERO
     }
 }

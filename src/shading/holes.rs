@@ -8,7 +8,7 @@ use super::looks::MaterialMap;
 use super::material::Material;
 use super::opacity::Opacity;
 use super::texture::{TexturePoint, TextureTables};
-use crate::geometry::{Cutouts, Geometry, Holes, Ray, Triangles};
+use crate::geometry::{Geometry, HoleTest, Holes, Ray, Triangles};
 use crate::math::random::{mix32, unit_interval};
 
 /// The opacity of a material, in the form of tables.
@@ -32,12 +32,12 @@ struct MaterialHoles {
 }
 
 /// Marks the triangles of `geometry` whose materials have holes.
-pub(crate) fn cut_out(geometry: &mut Geometry, materials: &[Material], map: &MaterialMap) {
+pub(crate) fn mark_holes(geometry: &mut Geometry, materials: &[Material], map: &MaterialMap) {
     if materials.iter().all(|material| material.opacity().is_none()) {
         return;
     }
     let map = Arc::new(map.clone());
-    let cutouts = |first: usize, count: usize| {
+    let holes = |first: usize, count: usize| {
         let mut textures = TextureTables::default();
         let mut entry = |material: &Material| {
             material.opacity().map(|opacity| Entry {
@@ -53,12 +53,12 @@ pub(crate) fn cut_out(geometry: &mut Geometry, materials: &[Material], map: &Mat
         let (of, known) = (Arc::clone(&map), Arc::clone(&entries));
         let has_holes =
             move |triangle: usize| known[of.get(first + triangle as u32) as usize].is_some();
-        Cutouts::new(count, has_holes, Arc::new(MaterialHoles { textures, entries, map, first }))
+        Holes::new(count, has_holes, Arc::new(MaterialHoles { textures, entries, map, first }))
     };
     let (first, own, all) = (geometry.first_triangle(), geometry.triangles.len(), geometry.len());
-    geometry.cutouts = cutouts(first, own);
+    geometry.holes = holes(first, own);
     let placed = geometry.instances.triangle_count();
-    geometry.instances.set_cutouts(cutouts(all, placed));
+    geometry.instances.set_holes(holes(all, placed));
 }
 
 /// A point of a triangle.
@@ -88,7 +88,7 @@ impl TexturePoint<f32> for Point<'_> {
     }
 }
 
-impl Holes for MaterialHoles {
+impl HoleTest for MaterialHoles {
     fn is_hole(
         &self,
         triangles: &Triangles,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::{Error, Result};
 use crate::image::{Encoding, Size, Source, Texels};
 use crate::input::path_within;
@@ -87,7 +87,7 @@ impl<'a> Images<'a> {
     /// are finite and not negative. With `outside`, it may be outside the folder of the scene.
     pub(crate) fn texels(
         &mut self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         wanted: ImageFile<'_>,
         outside: bool,
     ) -> Result<Arc<Texels>> {
@@ -147,7 +147,7 @@ impl<'a> Images<'a> {
     }
 
     /// Holds memory for tables that belong to an image, unless it exceeds the limit.
-    pub(crate) fn hold(&self, e: &Element<'_>, bytes: u64) -> Result<()> {
+    pub(crate) fn hold(&self, e: &Location<'_>, bytes: u64) -> Result<()> {
         self.budget.hold(bytes).map_err(|message| e.error(message))
     }
 

@@ -85,12 +85,12 @@ const MOST_RUNS: usize = 8;
 
 impl Looks {
     /// Finds the appearance of all primitives and media of `world`, and adds its materials and
-    /// textures to the tables. Calls `shine` for each light, in the order of primitives.
+    /// textures to the tables. Calls `emit` for each light, in the order of primitives.
     pub(crate) fn new(
         world: &World,
         materials: &mut MaterialTables,
         textures: &mut TextureTables,
-        mut shine: impl FnMut(u32, Emission),
+        mut emit: impl FnMut(u32, Emission),
     ) -> Self {
         let entries: Vec<u32> =
             world.materials.iter().map(|material| materials.push(material, textures)).collect();
@@ -110,12 +110,12 @@ impl Looks {
             let shape = geometry.shape(begin);
             let entry = entries[material as usize];
             let material = &world.materials[material as usize];
-            let emission = material.emission().filter(Emission::shines);
-            let emits = emission.is_some() || material.glows();
+            let emission = material.emission().filter(Emission::emits);
+            let emits = emission.is_some() || material.has_emission_texture();
             let key = number(Key::Surface { shape, kind: material.kind(), emits });
             let first = light;
             if let Some(emission) = emission {
-                (begin..=last).for_each(|primitive| shine(primitive, emission));
+                (begin..=last).for_each(|primitive| emit(primitive, emission));
                 light += last - begin + 1;
             }
             let light = if light > first { first } else { NO_LIGHT };

@@ -6,7 +6,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::material::{Bsdf, Scatter};
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::geometry::{Ray, Volume};
 use crate::math::powers::{exp, ln};
@@ -63,7 +63,7 @@ pub(crate) struct Medium {
 
 impl Medium {
     /// Checks a medium of a scene file.
-    pub(crate) fn new(e: &Element<'_>, file: &MediumFile) -> Result<Self> {
+    pub(crate) fn new(e: &Location<'_>, file: &MediumFile) -> Result<Self> {
         let (volume, density, albedo) = match file {
             MediumFile::Ball { center, radius, density, albedo } => {
                 let center = e.point("center", *center)?;

@@ -27,7 +27,7 @@ pub(crate) use camera::CameraFrame;
 pub(crate) use camera::FilterTable;
 pub use camera::{Camera, CameraFile, PixelFilter};
 pub(crate) use emission::Sides;
-pub(crate) use holes::cut_out;
+pub(crate) use holes::mark_holes;
 pub(crate) use images::{ImageContainer, ImageFiles, Images};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;

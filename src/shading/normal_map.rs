@@ -3,7 +3,7 @@
 use super::interaction::Interaction;
 use super::material::MaterialTable;
 use super::smooth::{LEAST_COSINE, smooth_normal};
-use crate::geometry::{Partials, Shading};
+use crate::geometry::{Partials, ShadingNormal};
 use crate::math::{Mask, Real, Word, cross, dot, normalize};
 
 impl<R: Real> Interaction<'_, R> {
@@ -21,7 +21,7 @@ impl<R: Real> Interaction<'_, R> {
         let code = R::pick(&table.normals, index);
         let mapped = !code.eq(R::Word::splat(0));
         if mapped.any() {
-            let Shading { normal, smooth, soft } = self.turned(code, mapped, glossy);
+            let ShadingNormal { normal, smooth, soft } = self.turned(code, mapped, glossy);
             (self.shading, self.smooth, self.soft) = (normal, smooth, soft);
         }
     }
@@ -32,10 +32,10 @@ impl<R: Real> Interaction<'_, R> {
     /// "Simulation of Wrinkled Surfaces Revisited") leaves them as interpolated. On the back, the
     /// normal is reversed. A normal that would face into the surface is bent to its horizon.
     #[inline(never)]
-    fn turned(&self, code: R::Word, mapped: R::Mask, glossy: bool) -> Shading<R> {
+    fn turned(&self, code: R::Word, mapped: R::Mask, glossy: bool) -> ShadingNormal<R> {
         let &Self { surfaces, shape, surface, normal, shading, smooth, soft, .. } = self;
         let Some(textures) = self.textures else {
-            return Shading { normal: shading, smooth, soft };
+            return ShadingNormal { normal: shading, smooth, soft };
         };
         let Partials { u, v, tangent } = surfaces.partials(shape, &self.ray, self.hit, &surface);
         let up = surface.shading.normal;
@@ -57,7 +57,7 @@ impl<R: Real> Interaction<'_, R> {
         let below = cos.lt(least);
         let turned = below.select(normalize(turned + normal * (least - cos)), turned);
         let bent = smooth_normal::<R>(turned, mapped, normal, self.ray.direction, glossy);
-        Shading {
+        ShadingNormal {
             normal: mapped.select(bent, shading),
             smooth: smooth | mapped,
             soft: soft | (mapped & !smooth),

@@ -1,9 +1,9 @@
-//! Holes in the surfaces of materials, by an alpha texture.
+//! HoleTest in the surfaces of materials, by an alpha texture.
 
 use serde::{Deserialize, Serialize};
 
 use super::texture::{Number, TextureRef};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// Where a surface of triangles has holes. Light passes through them as if nothing were there.
@@ -44,7 +44,7 @@ impl Opacity {
         }
     }
 
-    pub(crate) fn check(&self, e: &Element<'_>) -> Result<()> {
+    pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
         self.alpha().check(e, "alpha", 0.0..=1.0)?;
         match *self {
             Self::Mask { threshold, .. } => {

@@ -9,7 +9,7 @@ use super::medium::Media;
 use super::smooth::smooth_normal;
 use super::texture::TextureTables;
 use super::world::World;
-use crate::geometry::{Hit, Ray, Shading, Shape, Surfaces};
+use crate::geometry::{Hit, Ray, ShadingNormal, Shape, Surfaces};
 use crate::math::{Real, face_forward};
 
 /// The surfaces, materials, textures, lights and media of a scene, in tables.
@@ -28,8 +28,8 @@ impl SceneTables {
         let geometry = &world.geometry;
         let (mut materials, mut textures) = Default::default();
         let mut lights = LightsBuilder::default();
-        let shine = |primitive, emission| lights.push(geometry.get(primitive), emission);
-        let looks = Looks::new(world, &mut materials, &mut textures, shine);
+        let emit = |primitive, emission| lights.push(geometry.get(primitive), emission);
+        let looks = Looks::new(world, &mut materials, &mut textures, emit);
         world.lights.iter().for_each(|light| lights.push_free(light));
         if let Background::Image(map) = &world.background {
             lights.push_environment(map);
@@ -56,7 +56,7 @@ impl SceneTables {
         let (normal, front) = face_forward(surface.normal, ray.direction);
         let textures = textured.then_some(&self.textures);
         let surfaces = &self.surfaces;
-        let Shading { normal: shading, smooth, soft } = surface.shading;
+        let ShadingNormal { normal: shading, smooth, soft } = surface.shading;
         let shading = smooth_normal::<R>(shading, smooth, normal, ray.direction, glossy);
         Interaction {
             surfaces,

@@ -14,14 +14,14 @@
 //! 3. In trees that are large, or have instances or holes, a beam may be much wider than the boxes. Such
 //!    a beam does a limited amount of work, and its rays visit the rest as a stream.
 
-use super::job::Job;
+use super::job::TraceJob;
 use super::meshes::MeshTrees;
 use super::octants::Octants;
 use super::stream::Tracer;
 use super::visits::{Child, Visits};
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Blocks, Meshes, NoMeshes};
+use crate::accel::leaf::{LeafBlocks, LeafRef, Meshes, NoMeshes};
 use crate::accel::ray::packet::{Packet, VECTORS};
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::WideTree;
@@ -147,8 +147,8 @@ impl<const V: usize> Beam<V> {
     #[inline(always)]
     fn candidates(
         &self,
-        blocks: &Blocks,
-        block: BlockRef,
+        blocks: &LeafBlocks,
+        block: LeafRef,
         limit: Float,
         count: &mut impl Count,
     ) -> u32 {
@@ -177,7 +177,7 @@ const MOST_WORK: u32 = (2 * FEW * LANES) as u32;
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
-    job: &Job<'_>,
+    job: &TraceJob<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
@@ -193,7 +193,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
 fn trace_beams<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>(
     tree: &WideTree,
     meshes: impl Meshes,
-    job: &Job<'_>,
+    job: &TraceJob<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
@@ -237,7 +237,7 @@ fn traverse<const ANY: bool, const V: usize>(
         match visit.child() {
             _ if visit.distance > limit.first() => {}
             Child::Node(index) => beam.visit(tree, index, limit, visits, count),
-            Child::Block(block) => {
+            Child::LeafBlock(block) => {
                 let candidates = beam.candidates(&tree.blocks, block, limit, count);
                 if candidates != 0 {
                     tree.blocks.test_packet::<V, ANY, true, false>(

@@ -1,9 +1,9 @@
 //! The kernel `flat`, which tests packets against every primitive, without boxes.
 
-use super::job::Job;
+use super::job::TraceJob;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::ray::packet::VECTORS;
 use crate::accel::setup::Extent;
 use crate::geometry::{Bounds, Geometry};
@@ -11,15 +11,15 @@ use crate::geometry::{Bounds, Geometry};
 /// All primitives, without boxes.
 #[derive(Debug)]
 pub(crate) struct Flat {
-    blocks: Blocks,
-    all: Vec<BlockRef>,
+    blocks: LeafBlocks,
+    all: Vec<LeafRef>,
     extent: Extent,
 }
 
 impl Flat {
     /// Lays out a scene whose primitives lie in `bounds`.
     pub(crate) fn new(geometry: &Geometry, bounds: Bounds) -> Self {
-        let mut blocks = Blocks::default();
+        let mut blocks = LeafBlocks::default();
         let each: Vec<u32> = (0..geometry.len() as u32).collect();
         let all = blocks.push_all(geometry, &each);
         Self { blocks, all, extent: Extent::new(geometry, bounds, Bounds::EMPTY) }
@@ -35,12 +35,12 @@ impl Flat {
     #[inline(never)] // so that profilers find it
     pub(crate) fn trace<const ANY: bool, C: Count>(
         &self,
-        job: &Job<'_>,
+        job: &TraceJob<'_>,
         hits: &mut HitBatch,
         count: &mut C,
     ) -> Vec<usize> {
         let Self { blocks, all, extent } = self;
-        let job = Job { blocks, spanning: all, extent, ..*job };
+        let job = TraceJob { blocks, spanning: all, extent, ..*job };
         job.trace::<ANY, false, VECTORS, C>(hits, count, |_, _| {})
     }
 }

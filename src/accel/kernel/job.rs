@@ -2,26 +2,26 @@
 
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
-use crate::accel::leaf::{BlockRef, Blocks, NoMeshes};
+use crate::accel::leaf::{LeafBlocks, LeafRef, NoMeshes};
 use crate::accel::ray::packet::Packet;
 use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
 /// Rays to trace, and the scene data that all of them need.
-pub(crate) struct Job<'a> {
+pub(crate) struct TraceJob<'a> {
     pub(crate) rays: &'a RayBatch,
     /// Index of the first ray, and one past the last.
     pub(crate) ends: (usize, usize),
     pub(crate) extent: &'a Extent,
     /// The table that contains the `spanning` blocks.
-    pub(crate) blocks: &'a Blocks,
-    /// Blocks that every ray is tested against before the tree.
-    pub(crate) spanning: &'a [BlockRef],
+    pub(crate) blocks: &'a LeafBlocks,
+    /// LeafBlocks that every ray is tested against before the tree.
+    pub(crate) spanning: &'a [LeafRef],
     /// The number of the first triangle of a mesh.
     pub(crate) meshes: u32,
 }
 
-impl Job<'_> {
+impl TraceJob<'_> {
     /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`. Returns
     /// the indices of the wild rays (see [`Rays::load`](crate::accel::ray::rays::Rays::load)),
     /// which are left to the scalar reference.

@@ -4,7 +4,7 @@ use super::search::search;
 use super::visits::Visits;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::group::Group;
+use crate::accel::ray::ray_group::RayGroup;
 use crate::accel::tree::wide::WideTree;
 use crate::geometry::{Geometry, Ray};
 
@@ -14,14 +14,14 @@ pub(crate) struct MeshTrees<'a> {
     first: u32,
     visits: Visits,
     /// The geometry, if its triangles or those of the meshes may have holes.
-    cut: Option<&'a Geometry>,
+    holes: Option<&'a Geometry>,
 }
 
 impl<'a> MeshTrees<'a> {
     pub(crate) fn new(tree: &'a WideTree) -> Self {
         let deepest = tree.meshes.iter().max_by_key(|mesh| mesh.depth);
         let visits = deepest.map_or(Visits::default(), Visits::for_tree);
-        Self { trees: &tree.meshes, first: tree.first, visits, cut: tree.cut.as_deref() }
+        Self { trees: &tree.meshes, first: tree.first, visits, holes: tree.holes.as_deref() }
     }
 }
 
@@ -37,26 +37,26 @@ impl Meshes for MeshTrees<'_> {
     }
 
     #[inline(always)]
-    fn cut(&self) -> bool {
-        self.cut.is_some()
+    fn may_have_holes(&self) -> bool {
+        self.holes.is_some()
     }
 
     #[inline(always)]
-    fn is_solid(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
-        self.cut.is_none_or(|geometry| geometry.is_solid(primitive, 0, &ray(), t))
+    fn is_hole(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
+        self.holes.is_some_and(|geometry| geometry.is_hole(primitive, 0, &ray(), t))
     }
 
     #[inline(always)]
     fn trace<const ANY: bool>(
         &mut self,
         (mesh, instance): (u32, u32),
-        group: &mut Group<1>,
+        group: &mut RayGroup<1>,
         ray: usize,
         count: &mut impl Count,
     ) {
         let tree = &self.trees[mesh as usize];
-        let cut = self.cut.map(|geometry| &**geometry.instances.triangles());
-        let mut within = WithinInstance { cut, instance };
+        let holes = self.holes.map(|geometry| &**geometry.instances.triangles());
+        let mut within = WithinInstance { holes, instance };
         self.visits.start(1 << ray);
         search::<ANY, 1>(tree, group, 1 << ray, &mut self.visits, &mut within, count);
     }
@@ -64,7 +64,7 @@ impl Meshes for MeshTrees<'_> {
 
 /// The holes of the triangles of an instance. They contain no other instances.
 struct WithinInstance<'a> {
-    cut: Option<&'a Geometry>,
+    holes: Option<&'a Geometry>,
     instance: u32,
 }
 
@@ -79,19 +79,19 @@ impl Meshes for WithinInstance<'_> {
     }
 
     #[inline(always)]
-    fn cut(&self) -> bool {
-        self.cut.is_some()
+    fn may_have_holes(&self) -> bool {
+        self.holes.is_some()
     }
 
     #[inline(always)]
-    fn is_solid(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
-        self.cut.is_none_or(|geometry| geometry.is_solid(primitive, self.instance, &ray(), t))
+    fn is_hole(&self, primitive: u32, ray: impl FnOnce() -> Ray, t: f32) -> bool {
+        self.holes.is_some_and(|geometry| geometry.is_hole(primitive, self.instance, &ray(), t))
     }
 
     fn trace<const ANY: bool>(
         &mut self,
         mesh: (u32, u32),
-        group: &mut Group<1>,
+        group: &mut RayGroup<1>,
         ray: usize,
         count: &mut impl Count,
     ) {

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::job::Job;
+use super::job::TraceJob;
 use super::octants::Octants;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
@@ -194,7 +194,7 @@ type Stack = Vec<(u32, [Float; VECTORS])>;
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &PairTree,
-    job: &Job<'_>,
+    job: &TraceJob<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
@@ -223,7 +223,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
 }
 
 /// Tests all rays against the boxes of all nodes, and returns how often a ray enters a box.
-pub(crate) fn enter_all(tree: &PairTree, job: &Job<'_>, hits: &mut HitBatch) -> u64 {
+pub(crate) fn enter_all(tree: &PairTree, job: &TraceJob<'_>, hits: &mut HitBatch) -> u64 {
     let mut entered = 0;
     let none = const { &[[Float::ZERO; 6]; VECTORS] };
     job.trace::<false, false, VECTORS, ()>(hits, &mut (), |packet, ()| {

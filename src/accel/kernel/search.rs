@@ -3,8 +3,8 @@
 use super::visits::{Child, Visits};
 use crate::accel::counters::Count;
 use crate::accel::leaf::Meshes;
-use crate::accel::ray::group::{Group, Members};
 use crate::accel::ray::one_ray::OneRay;
+use crate::accel::ray::ray_group::{Members, RayGroup};
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
@@ -12,7 +12,7 @@ use crate::simd::{Float, Int, LANES, Mask, axes};
 #[inline(always)]
 pub(super) fn search<const ANY: bool, const V: usize>(
     tree: &WideTree,
-    group: &mut Group<V>,
+    group: &mut RayGroup<V>,
     rays: u32,
     visits: &mut Visits,
     meshes: &mut impl Meshes,
@@ -40,7 +40,7 @@ pub(super) fn search<const ANY: bool, const V: usize>(
                 }
                 visits.push::<ANY>(tree, node, entering, nearest);
             }
-            Child::Block(block) => {
+            Child::LeafBlock(block) => {
                 let least = visit.distance;
                 looking &=
                     !tree.blocks.test_group::<ANY, V>(block, group, rays, least, meshes, count);

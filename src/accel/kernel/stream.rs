@@ -11,15 +11,15 @@
 //!    only ask whether there is a hit take the oldest first, so that memory has the most time to deliver
 //!    their data.
 
-use super::job::Job;
+use super::job::TraceJob;
 use super::meshes::MeshTrees;
 use super::search::search;
 use super::visits::Visits;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
 use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::group::Group;
 use crate::accel::ray::packet::VECTORS;
+use crate::accel::ray::ray_group::RayGroup;
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::WideTree;
 
@@ -28,7 +28,7 @@ use crate::accel::tree::wide::WideTree;
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,
-    job: &Job<'_>,
+    job: &TraceJob<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
@@ -42,7 +42,7 @@ pub(crate) fn trace<const ANY: bool, C: Count>(
 fn trace_with<const ANY: bool, const INSTANCES: bool, C: Count>(
     tree: &WideTree,
     meshes: impl Meshes,
-    job: &Job<'_>,
+    job: &TraceJob<'_>,
     hits: &mut HitBatch,
     count: &mut C,
 ) -> Vec<usize> {
@@ -54,14 +54,14 @@ fn trace_with<const ANY: bool, const INSTANCES: bool, C: Count>(
 
 /// Traces packets as streams, and lends its memory to beams.
 pub(super) struct Tracer<M> {
-    group: Group<VECTORS>,
+    group: RayGroup<VECTORS>,
     pub(super) visits: Visits,
     pub(super) meshes: M,
 }
 
 impl<M: Meshes> Tracer<M> {
     pub(super) fn new(tree: &WideTree, meshes: M) -> Self {
-        Self { group: Group::NONE, visits: Visits::for_tree(tree), meshes }
+        Self { group: RayGroup::NONE, visits: Visits::for_tree(tree), meshes }
     }
 
     /// Traces rays through the tree.

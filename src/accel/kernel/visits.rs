@@ -1,6 +1,6 @@
 //! The nodes and blocks that rays are still to visit.
 
-use crate::accel::leaf::BlockRef;
+use crate::accel::leaf::LeafRef;
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::math::min;
 use crate::simd::{Bits, Float, Int, LANES};
@@ -19,15 +19,15 @@ pub(super) struct Visit {
 pub(super) enum Child {
     /// The index of a node.
     Node(u32),
-    Block(BlockRef),
+    LeafBlock(LeafRef),
 }
 
 impl Visit {
     #[inline(always)]
     pub(super) fn child(&self) -> Child {
-        match self.child & BlockRef::LEAF {
+        match self.child & LeafRef::LEAF {
             0 => Child::Node(self.child),
-            _ => Child::Block(BlockRef::from_bits(self.child)),
+            _ => Child::LeafBlock(LeafRef::from_bits(self.child)),
         }
     }
 }
@@ -137,19 +137,19 @@ fn sort(visits: &mut [Visit]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::leaf::Blocks;
+    use crate::accel::leaf::LeafBlocks;
     use crate::math::random::Stream;
     use crate::simd::Lanes;
 
     /// A node whose children are numbered from 100, except that the blocks of lanes 2 to 4 are one.
     fn node() -> WideNode {
-        let child = |lane| if (2..5).contains(&lane) { BlockRef::LEAF } else { 100 + lane as u32 };
+        let child = |lane| if (2..5).contains(&lane) { LeafRef::LEAF } else { 100 + lane as u32 };
         WideNode { planes: [[[0.0; LANES]; 2]; 3], children: std::array::from_fn(child) }
     }
 
     /// Pushes the children of [`node`] onto a visit of the root, and returns them as they are taken.
     fn order<const ANY: bool>(entering: Lanes<u32>, nearest: Lanes) -> Vec<(u32, f32, u32)> {
-        let tree = WideTree { blocks: Blocks::default(), depth: 1, ..WideTree::default() };
+        let tree = WideTree { blocks: LeafBlocks::default(), depth: 1, ..WideTree::default() };
         let mut visits = Visits::for_tree(&tree);
         visits.start(9);
         visits.push::<ANY>(&tree, &node(), Int::new(entering), Float::new(nearest));
@@ -171,7 +171,7 @@ mod tests {
         for (lane, rays, distance) in entered {
             (entering[lane], nearest[lane]) = (rays, distance);
         }
-        let block = (BlockRef::LEAF, 0.5, 4 | 8);
+        let block = (LeafRef::LEAF, 0.5, 4 | 8);
         let in_order = [block, (101, 1.0, 2), (105, 2.0, 3), (100, 5.0, 1), (107, 7.0, 1)];
         assert_eq!(order::<false>(entering, nearest), in_order);
         let by_lane = [(100, 5.0, 1), (101, 1.0, 2), block, (105, 2.0, 3), (107, 7.0, 1)];

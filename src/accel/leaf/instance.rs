@@ -1,11 +1,11 @@
-//! Blocks of instances: a ray is transformed into the object spaces of all of them at once.
+//! LeafBlocks of instances: a ray is transformed into the object spaces of all of them at once.
 
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;
 use crate::accel::ray::best::Best;
-use crate::accel::ray::group::{Group, Members};
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
+use crate::accel::ray::ray_group::{Members, RayGroup};
 use crate::accel::setup::{ExtentLanes, Setup};
 use crate::geometry::{Geometry, ToObject};
 use crate::math::Real;
@@ -13,7 +13,7 @@ use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct LeafBlock {
     /// The rows of the linear map to object space, and the origin of object space.
     to_object: [[Lanes; 3]; 3],
     center: [Lanes; 3],
@@ -24,7 +24,7 @@ pub(super) struct Block {
     instance: Lanes<u32>,
 }
 
-impl Block {
+impl LeafBlock {
     /// Transforms a ray into all object spaces. Returns the rays, their distances to the boxes of the
     /// meshes, and the lanes whose ray enters its box up to `limit`.
     #[inline(always)]
@@ -49,7 +49,7 @@ impl Block {
     }
 }
 
-impl Leaf for Block {
+impl Leaf for LeafBlock {
     fn new(geometry: &Geometry, elements: &[u32]) -> Self {
         let first = geometry.len() as u32;
         let instances = || {
@@ -90,7 +90,7 @@ impl Leaf for Block {
         if left == 0 {
             return;
         }
-        let mut group = Group::new(&setup);
+        let mut group = RayGroup::new(&setup);
         while left != 0 {
             let nearer = |a: usize, b: usize| if entry[b] < entry[a] { b } else { a };
             let lane = Bits(left).reduce(nearer).expect("a lane is left");
@@ -123,7 +123,7 @@ impl Leaf for Block {
         meshes: &mut impl Meshes,
         count: &mut impl Count,
     ) {
-        let mut group = Group::<1>::NONE;
+        let mut group = RayGroup::<1>::NONE;
         for rays in &mut packet.vectors {
             if rays.looking() == 0 {
                 continue;

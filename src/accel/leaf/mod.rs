@@ -14,9 +14,9 @@ use glam::Vec3;
 
 use super::counters::Count;
 use super::ray::best::Best;
-use super::ray::group::{Group, Members};
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
+use super::ray::ray_group::{Members, RayGroup};
 use crate::geometry::{Geometry, Ray, Shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
@@ -24,9 +24,9 @@ use crate::simd::{Float, LANES, Lanes, prefetch};
 /// A reference to a block: its shape, the number of its primitives, and its index among the blocks
 /// of that shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct BlockRef(u32);
+pub(super) struct LeafRef(u32);
 
-impl BlockRef {
+impl LeafRef {
     /// The bit that distinguishes a reference to a block from the index of a node.
     pub(super) const LEAF: u32 = 1 << 31;
     const SHAPE_SHIFT: u32 = 28;
@@ -50,7 +50,7 @@ impl BlockRef {
         self.0
     }
 
-    /// Returns the reference with these bits, which must include [`BlockRef::LEAF`].
+    /// Returns the reference with these bits, which must include [`LeafRef::LEAF`].
     #[inline(always)]
     pub(super) fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -139,14 +139,14 @@ pub(super) trait Meshes {
 
     /// Whether triangles may have holes.
     #[inline(always)]
-    fn cut(&self) -> bool {
+    fn may_have_holes(&self) -> bool {
         false
     }
 
-    /// Whether a hit of triangle `primitive` at distance `t` along `ray` counts: it is not in a hole.
+    /// Whether a hit of triangle `primitive` at distance `t` along `ray` is in a hole, and does not count.
     #[inline(always)]
-    fn is_solid(&self, _primitive: u32, _ray: impl FnOnce() -> Ray, _t: f32) -> bool {
-        true
+    fn is_hole(&self, _primitive: u32, _ray: impl FnOnce() -> Ray, _t: f32) -> bool {
+        false
     }
 
     /// Traces one of the rays of `group`, which are in the object spaces of instances, through the mesh
@@ -154,7 +154,7 @@ pub(super) trait Meshes {
     fn trace<const ANY: bool>(
         &mut self,
         place: (u32, u32),
-        group: &mut Group<1>,
+        group: &mut RayGroup<1>,
         ray: usize,
         count: &mut impl Count,
     );
@@ -175,7 +175,7 @@ impl Meshes for NoMeshes {
     fn trace<const ANY: bool>(
         &mut self,
         _: (u32, u32),
-        _: &mut Group<1>,
+        _: &mut RayGroup<1>,
         _: usize,
         _: &mut impl Count,
     ) {
@@ -187,13 +187,13 @@ macro_rules! blocks {
     ($($name:ident in $module:ident,)*) => {
         /// The blocks of a layout, in one table for each shape.
         #[derive(Clone, Debug, Default)]
-        pub(super) struct Blocks {
-            $($module: Vec<$module::Block>,)*
+        pub(super) struct LeafBlocks {
+            $($module: Vec<$module::LeafBlock>,)*
         }
 
-        impl Blocks {
+        impl LeafBlocks {
             /// Adds a block of `primitives`, which must be 1 to [`LANES`] of one shape.
-            pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> BlockRef {
+            pub(super) fn push(&mut self, geometry: &Geometry, primitives: &mut [u32]) -> LeafRef {
                 // Ties go to the lowest index. Sorting puts it into the lowest lane.
                 primitives.sort_unstable();
                 let shape = geometry.shape(primitives[0]);
@@ -203,7 +203,7 @@ macro_rules! blocks {
                         self.$module.len() - 1
                     })*
                 };
-                BlockRef::new(shape, primitives.len(), index)
+                LeafRef::new(shape, primitives.len(), index)
             }
 
             /// The number of blocks of each shape.
@@ -227,7 +227,7 @@ macro_rules! blocks {
 
             /// Prefetches a block.
             #[inline(always)]
-            pub(super) fn prefetch(&self, block: BlockRef) {
+            pub(super) fn prefetch(&self, block: LeafRef) {
                 match block.shape() {
                     $(Shape::$name => prefetch(&self.$module[block.index()]),)*
                 }
@@ -241,7 +241,7 @@ macro_rules! blocks {
             /// Returns the boxes of a block's primitives, if they are cheaper to test than the
             /// primitives.
             #[inline(always)]
-            pub(super) fn bounds(&self, block: BlockRef) -> Option<[[Float; 3]; 2]> {
+            pub(super) fn bounds(&self, block: LeafRef) -> Option<[[Float; 3]; 2]> {
                 match block.shape() {
                     $(Shape::$name => self.$module[block.index()].bounds(),)*
                 }
@@ -253,8 +253,8 @@ macro_rules! blocks {
             #[inline(always)]
             pub(super) fn test_group<const ANY: bool, const V: usize>(
                 &self,
-                block: BlockRef,
-                group: &mut Group<V>,
+                block: LeafRef,
+                group: &mut RayGroup<V>,
                 rays: u32,
                 distance: f32,
                 meshes: &mut impl Meshes,
@@ -286,7 +286,7 @@ macro_rules! blocks {
             #[inline(always)]
             pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
                 &self,
-                block: BlockRef,
+                block: LeafRef,
                 lanes: u32,
                 packet: &mut Packet<V>,
                 meshes: &mut impl Meshes,
@@ -305,9 +305,9 @@ macro_rules! blocks {
 
 shapes!(blocks);
 
-impl Blocks {
+impl LeafBlocks {
     /// Adds blocks for any number of `primitives`, whose shapes may be mixed.
-    pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<BlockRef> {
+    pub(super) fn push_all(&mut self, geometry: &Geometry, primitives: &[u32]) -> Vec<LeafRef> {
         let mut primitives = primitives.to_vec();
         primitives.sort_by_key(|&p| (geometry.shape(p) as u32, p));
         primitives

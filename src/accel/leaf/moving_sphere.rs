@@ -1,4 +1,4 @@
-//! Blocks of spheres that move.
+//! LeafBlocks of spheres that move.
 
 use super::{Leaf, Meshes, count_tests, sphere, transpose};
 use crate::accel::counters::Count;
@@ -12,13 +12,13 @@ use crate::simd::{Bits, Float, Lanes, Vec3x};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct LeafBlock {
     /// The spheres at time 0.
-    still: sphere::Block,
+    still: sphere::LeafBlock,
     motion: [Lanes; 3],
 }
 
-impl Leaf for Block {
+impl Leaf for LeafBlock {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let motions = primitives.iter().map(|&p| geometry.spheres[p as usize].motion());
         Self { still: Leaf::new(geometry, primitives), motion: transpose(motions) }

@@ -1,4 +1,4 @@
-//! Blocks of quads.
+//! LeafBlocks of quads.
 
 use super::{Leaf, Meshes, count_tests, numbers, transpose};
 use crate::accel::counters::Count;
@@ -13,7 +13,7 @@ use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct LeafBlock {
     q: [Lanes; 3],
     normal: [Lanes; 3],
     dual_u: [Lanes; 3],
@@ -23,7 +23,7 @@ pub(super) struct Block {
     special: [Option<SpecialQuad>; LANES],
 }
 
-impl Block {
+impl LeafBlock {
     /// Returns the quads, one in each lane.
     #[inline(always)]
     fn lanes(&self) -> QuadLanes {
@@ -47,7 +47,7 @@ impl Block {
     }
 }
 
-impl Leaf for Block {
+impl Leaf for LeafBlock {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.spheres.len();
         let quads = || primitives.iter().map(|&p| &geometry.quads[p as usize - first]);

@@ -1,4 +1,4 @@
-//! Blocks of spheres that do not move.
+//! LeafBlocks of spheres that do not move.
 
 use super::{Leaf, Meshes, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;
@@ -12,13 +12,13 @@ use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes, first_bits};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct LeafBlock {
     pub(super) center: [Lanes; 3],
     pub(super) radius: Lanes,
     pub(super) primitive: Lanes<u32>,
 }
 
-impl Leaf for Block {
+impl Leaf for LeafBlock {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let spheres = || primitives.iter().map(|&p| &geometry.spheres[p as usize]);
         Self {

@@ -1,4 +1,4 @@
-//! Blocks of triangles.
+//! LeafBlocks of triangles.
 
 use glam::Vec3;
 
@@ -15,12 +15,12 @@ use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes};
 
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct LeafBlock {
     vertices: [[Lanes; 3]; 3],
     primitive: Lanes<u32>,
 }
 
-impl Leaf for Block {
+impl Leaf for LeafBlock {
     fn new(geometry: &Geometry, primitives: &[u32]) -> Self {
         let first = geometry.first_triangle();
         let mut triangles = [[Vec3::NAN; 3]; LANES];
@@ -59,7 +59,7 @@ impl Leaf for Block {
         if verdict.possible == 0 {
             return;
         }
-        let holes = meshes.cut();
+        let holes = meshes.may_have_holes();
         if ANY && !holes && verdict.certain != 0 {
             // Only whether there is a hit is read.
             best.primitive = self.primitive[0];
@@ -71,15 +71,15 @@ impl Leaf for Block {
         } else {
             sheared.decide::<false>(verdict.possible, |lane, t| {
                 let primitive = self.primitive[lane];
-                let solid = || meshes.is_solid(primitive, || one.scalar_ray(), t);
-                if t > t_min && (t > best.t || solid()) {
+                let is_hole = || meshes.is_hole(primitive, || one.scalar_ray(), t);
+                if t > t_min && (t > best.t || !is_hole()) {
                     best.offer(t, primitive);
                 }
             });
         }
     }
 
-    /// Counts one test for each view of a vector of rays, not one for each vector.
+    /// Counts one test for each orientation of a vector of rays, not one for each vector.
     #[inline(always)]
     fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
         &self,
@@ -97,7 +97,7 @@ impl Leaf for Block {
     }
 }
 
-/// Tests a vector of rays against a triangle, one view after the other.
+/// Tests a vector of rays against a triangle, one orientation after the other.
 #[inline(always)]
 fn test_rays<const ANY: bool>(
     rays: &mut Rays,
@@ -110,12 +110,13 @@ fn test_rays<const ANY: bool>(
     let looking = rays.looking();
     let (mut t, mut decided) = (Float::ZERO, 0);
     rays.find_views();
-    for view in rays.views() {
-        count.leaf(LANES as u32, (looking & view.rays).count_ones());
-        let origin = axes(|axis| rays.setup.ray.origin[view.axes[axis]]);
-        let vertices = axes(|i| axes(|axis| Float::splat(vertices[i][view.axes[axis]][lane])));
+    for orientation in rays.orientations() {
+        count.leaf(LANES as u32, (looking & orientation.rays).count_ones());
+        let origin = axes(|axis| rays.setup.ray.origin[orientation.axes[axis]]);
+        let vertices =
+            axes(|i| axes(|axis| Float::splat(vertices[i][orientation.axes[axis]][lane])));
         let sheared = shear(origin, rays.setup.shear.shear, vertices);
-        let candidates = sheared.candidates(view.rays);
+        let candidates = sheared.candidates(orientation.rays);
         if candidates != 0 {
             t = Mask::from_bits(candidates).select(sheared.distances(candidates), t);
             decided |= candidates;
@@ -123,8 +124,8 @@ fn test_rays<const ANY: bool>(
     }
     if decided != 0 {
         let hit = Mask::from_bits(decided) & t.gt(rays.setup.ray.t_min);
-        let solid = |ray, t| meshes.is_solid(primitive, || ray, t);
-        let hit = if meshes.cut() { rays.filter(t, hit, solid) } else { hit };
+        let no_hole = |ray, t| !meshes.is_hole(primitive, || ray, t);
+        let hit = if meshes.may_have_holes() { rays.filter(t, hit, no_hole) } else { hit };
         rays.offer::<ANY>(HitLanes { t, hit }, primitive);
     }
 }

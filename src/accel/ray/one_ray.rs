@@ -69,7 +69,7 @@ impl Table {
             far_offset,
             shear,
             down: is_down,
-            axes: view,
+            axes: orientation,
         } = self;
         *origin = lanes(setup.ray.origin);
         *direction = lanes(setup.ray.direction);
@@ -87,7 +87,8 @@ impl Table {
                 *is_down = bits >> lane & 1 == 1;
             }
         }
-        *view = axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array());
+        *orientation =
+            axes(|axis| negative.select(order(axis, true), order(axis, false)).to_array());
     }
 }
 

@@ -13,7 +13,7 @@ use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};
 #[derive(Clone, Copy)]
 pub(crate) struct Rays {
     pub(crate) setup: Setup,
-    views: Views,
+    orientations: Orientations,
     /// Distance of the closest hit so far, initially the end of the interval; −∞ for inactive lanes
     /// and for rays that have finished.
     pub(crate) t: Float,
@@ -27,22 +27,22 @@ pub(crate) struct Rays {
 /// Rays with the same longest axis and the same sign on it, which share the order of axes in
 /// triangle tests.
 #[derive(Clone, Copy)]
-pub(crate) struct View {
+pub(crate) struct Orientation {
     pub(crate) axes: [usize; 3],
     pub(crate) rays: u32,
 }
 
-/// The views of a vector's rays.
+/// The orientations of a vector's rays.
 #[derive(Clone, Copy)]
-struct Views {
-    views: [View; 6],
+struct Orientations {
+    orientations: [Orientation; 6],
     count: usize,
 }
 
-impl Views {
-    const NONE: Self = Self { views: [View { axes: [0; 3], rays: 0 }; 6], count: 0 };
+impl Orientations {
+    const NONE: Self = Self { orientations: [Orientation { axes: [0; 3], rays: 0 }; 6], count: 0 };
 
-    /// Replaces the views by those of the rays of `setup`.
+    /// Replaces the orientations by those of the rays of `setup`.
     #[inline(always)]
     fn set(&mut self, setup: &Setup) {
         self.count = 0;
@@ -51,7 +51,8 @@ impl Views {
             let along = setup.shear.longest[longest].bits() & setup.active;
             for (is_negative, rays) in [(false, along & !negative), (true, along & negative)] {
                 if rays != 0 {
-                    self.views[self.count] = View { axes: shear_axes(longest, is_negative), rays };
+                    self.orientations[self.count] =
+                        Orientation { axes: shear_axes(longest, is_negative), rays };
                     self.count += 1;
                 }
             }
@@ -62,7 +63,7 @@ impl Views {
 impl Rays {
     pub(crate) const NONE: Self = Self {
         setup: Setup::NONE,
-        views: Views::NONE,
+        orientations: Orientations::NONE,
         t: Float::ZERO,
         primitive: Int::ZERO,
         instance: Int::ZERO,
@@ -75,24 +76,27 @@ impl Rays {
         let wild = self.setup.load(rays, present, extent);
         self.t = self.only(rays.t_max, Float::splat(f32::NEG_INFINITY));
         self.primitive = Int::splat(HitBatch::MISS);
-        self.views.count = 0;
+        self.orientations.count = 0;
         wild
     }
 
-    /// Finds the views, unless they are known. Many rays are never tested in this way.
+    /// Finds the orientations, unless they are known. Many rays are never tested in this way.
     #[inline(always)]
     pub(crate) fn find_views(&mut self) {
-        if self.views.count == 0 {
-            self.views.set(&self.setup);
+        if self.orientations.count == 0 {
+            self.orientations.set(&self.setup);
         }
     }
 
     /// Returns the rays in groups with the same longest axis and sign, which [`Self::find_views`] has
     /// found. Usually all rays are in one group.
     #[inline(always)]
-    pub(crate) fn views(&self) -> &[View] {
-        debug_assert!(self.views.count > 0 || self.setup.active == 0, "views were not looked for");
-        &self.views.views[..self.views.count]
+    pub(crate) fn orientations(&self) -> &[Orientation] {
+        debug_assert!(
+            self.orientations.count > 0 || self.setup.active == 0,
+            "orientations were not looked for"
+        );
+        &self.orientations.orientations[..self.orientations.count]
     }
 
     /// Bits of the rays that still search for hits. Their `t` is not negative, since all hits lie

@@ -9,7 +9,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
-use super::group::Groups;
+use super::concentric::Concentric;
 use super::partition::{MAX_CLUSTER, clusters};
 use crate::accel::threads::map;
 use crate::geometry::Bounds;
@@ -39,7 +39,7 @@ pub(crate) enum Below {
 
 /// What a leaf of a tree stands for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Element {
+pub(crate) enum LeafContent {
     Primitive(u32),
     /// A node of the wide tree that is built from this one.
     Node(u32),
@@ -136,7 +136,7 @@ impl BinaryTree {
         if primitives.is_empty() {
             return Self::default();
         }
-        let groups = Groups::new(boxes, primitives);
+        let groups = Concentric::new(boxes, primitives);
         let union_of = |members: &[u32]| {
             members.iter().fold(Bounds::EMPTY, |union, &p| union.union(boxes[p as usize]))
         };
@@ -238,7 +238,7 @@ enum Subtree<'a> {
 
 impl<'a> Subtree<'a> {
     /// Replaces a leaf of the builder with the members of its group, usually a single primitive.
-    fn resolve(self, built: &Bvh2, groups: &'a Groups) -> Self {
+    fn resolve(self, built: &Bvh2, groups: &'a Concentric) -> Self {
         match self {
             Self::Built(index) if built.nodes[index as usize].prim_count > 0 => {
                 let first = built.nodes[index as usize].first_index;

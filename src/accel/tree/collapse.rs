@@ -5,7 +5,7 @@
 //! Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 //! section 3). A leaf holds primitives of one shape, at most a block of them.
 
-use super::binary::{Below, BinaryTree, Element};
+use super::binary::{Below, BinaryTree, LeafContent};
 use crate::geometry::{Geometry, Shape};
 use crate::math::min;
 use crate::simd::LANES;
@@ -38,14 +38,14 @@ impl<'a> Collapse<'a> {
     pub(crate) fn new(
         geometry: &Geometry,
         tree: &'a BinaryTree,
-        element: impl Fn(u32) -> Element,
+        element: impl Fn(u32) -> LeafContent,
     ) -> Self {
         let leaf = |number: u32, costs: [f32; SHARES]| match element(number) {
-            Element::Primitive(primitive) => {
+            LeafContent::Primitive(primitive) => {
                 let kind = Some(geometry.shape(primitive));
                 Subtree { costs, count: 1, kind, is_leaf: true }
             }
-            Element::Node(_) => {
+            LeafContent::Node(_) => {
                 Subtree { costs, count: LANES as u32 + 1, kind: None, is_leaf: false }
             }
         };
@@ -180,7 +180,7 @@ mod tests {
             let all: Vec<u32> = (0..geometry.len() as u32).collect();
             let boxes: Vec<_> = all.iter().map(|&p| geometry.get(p).bounds()).collect();
             let tree = BinaryTree::new(&boxes, &all, 1);
-            let collapse = Collapse::new(&geometry, &tree, Element::Primitive);
+            let collapse = Collapse::new(&geometry, &tree, LeafContent::Primitive);
             let kind_of = |leaf: u32| {
                 let mut kinds: Vec<Shape> =
                     tree.primitives(leaf).iter().map(|&p| geometry.get(p).shape()).collect();

@@ -3,7 +3,7 @@
 pub(super) mod binary;
 pub(super) mod bvh2;
 mod collapse;
-mod group;
+mod concentric;
 pub(super) mod pair;
 pub(super) mod partition;
 pub(super) mod wide;

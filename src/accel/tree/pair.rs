@@ -1,7 +1,7 @@
 //! Binary trees for packets, whose nodes hold the boxes of both children in one cache line.
 
 use super::binary::{Below, BinaryTree};
-use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::setup::Extent;
 use crate::accel::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry};
@@ -12,7 +12,7 @@ use crate::simd::LANES;
 #[repr(C, align(64))]
 pub(crate) struct PairNode {
     pub(crate) boxes: [[f32; 6]; 2],
-    /// Indices of nodes, or bits of [`BlockRef`]s.
+    /// Indices of nodes, or bits of [`LeafRef`]s.
     pub(crate) children: [u32; 2],
     /// The axis on which the centres of the children's boxes differ most. The first child is lower
     /// on it.
@@ -33,7 +33,7 @@ pub(crate) struct PairTree {
     pub(crate) middles: Vec<PairNode>,
     /// Distance by which the boxes' planes have been moved outward.
     pub(crate) slack: f32,
-    pub(crate) blocks: Blocks,
+    pub(crate) blocks: LeafBlocks,
     /// A node or a block; `None` if the tree has no primitives.
     pub(crate) root: Option<u32>,
     /// Stack size that a traversal requires.
@@ -53,7 +53,7 @@ impl PairTree {
             nodes: Vec::new(),
             middles: Vec::new(),
             slack: extent.slack_within(REACH),
-            blocks: Blocks::default(),
+            blocks: LeafBlocks::default(),
             root: None,
             stack: 1,
         };
@@ -98,8 +98,8 @@ impl PairTree {
 
     /// Returns the block that `reference` refers to, or `None` if it refers to a node.
     #[inline(always)]
-    pub(crate) fn block(reference: u32) -> Option<BlockRef> {
-        (reference & BlockRef::LEAF != 0).then(|| BlockRef::from_bits(reference))
+    pub(crate) fn block(reference: u32) -> Option<LeafRef> {
+        (reference & LeafRef::LEAF != 0).then(|| LeafRef::from_bits(reference))
     }
 }
 

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::mem::take;
 use std::sync::{Arc, Mutex};
 
-use super::binary::{Below, BinaryNode, BinaryTree, Element};
+use super::binary::{Below, BinaryNode, BinaryTree, LeafContent};
 use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, clusters};
-use crate::accel::leaf::{BlockRef, Blocks};
+use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::threads::{for_each, map};
 use crate::geometry::{Bounds, Geometry};
 use crate::huge_pages::{reserve, settle};
@@ -21,7 +21,7 @@ pub(crate) struct WideNode {
     /// The lower and the upper plane on each axis. Lanes without a child hold a box that no ray
     /// enters.
     pub(crate) planes: [[Lanes; 2]; 3],
-    /// Indices of nodes, or bits of [`BlockRef`]s, which are equal for leaves that share a block.
+    /// Indices of nodes, or bits of [`LeafRef`]s, which are equal for leaves that share a block.
     pub(crate) children: Lanes<u32>,
 }
 
@@ -45,7 +45,7 @@ impl WideNode {
 pub(crate) struct WideTree {
     /// The root is first. Empty if the tree has no primitives.
     pub(crate) nodes: Vec<WideNode>,
-    pub(crate) blocks: Blocks,
+    pub(crate) blocks: LeafBlocks,
     /// Upper bound of the number of nodes on a path from the root.
     pub(crate) depth: usize,
     /// Whether the tree is larger than the fast caches.
@@ -56,7 +56,7 @@ pub(crate) struct WideTree {
     /// The number of that triangle among all primitives.
     pub(crate) first: u32,
     /// The geometry, if its triangles or those of the meshes may have holes.
-    pub(crate) cut: Option<Arc<Geometry>>,
+    pub(crate) holes: Option<Arc<Geometry>>,
 }
 
 /// Size in bytes above which a tree is larger than the fast caches.
@@ -64,14 +64,14 @@ const LARGE: usize = 1 << 20;
 
 /// A part of a wide tree, whose references count from its own first node and block.
 #[derive(Debug, Default)]
-struct Part {
+struct Subtree {
     nodes: Vec<WideNode>,
-    blocks: Blocks,
+    blocks: LeafBlocks,
     /// Number of nodes on the longest path to a node.
     depth: usize,
 }
 
-impl Part {
+impl Subtree {
     /// Lays out the subtree of `tree` from node `root` on. Its wide node becomes `slot`. `element`
     /// returns what a leaf stands for.
     ///
@@ -84,7 +84,7 @@ impl Part {
         collapse: &Collapse<'_>,
         slot: usize,
         root: u32,
-        element: impl Fn(u32) -> Element,
+        element: impl Fn(u32) -> LeafContent,
     ) {
         let tree = collapse.tree();
         let mut open = vec![(slot, root, 1)];
@@ -99,15 +99,15 @@ impl Part {
                     _ if collapse.is_leaf(run[0]) => {
                         let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
                         let primitive = |number: u32| match element(number) {
-                            Element::Primitive(primitive) => primitive,
-                            Element::Node(_) => unreachable!("a leaf has primitives"),
+                            LeafContent::Primitive(primitive) => primitive,
+                            LeafContent::Node(_) => unreachable!("a leaf has primitives"),
                         };
                         let mut primitives: Vec<u32> = leaves.map(primitive).collect();
                         self.blocks.push(geometry, &mut primitives).bits()
                     }
                     Below::Primitive(number) => match element(number) {
-                        Element::Node(node) => node,
-                        Element::Primitive(_) => unreachable!("a primitive is a leaf"),
+                        LeafContent::Node(node) => node,
+                        LeafContent::Primitive(_) => unreachable!("a primitive is a leaf"),
                     },
                     Below::Children(_) => {
                         let below = self.push();
@@ -136,9 +136,9 @@ impl Part {
         let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
         reserve(&mut self.nodes, part.nodes.len(), growth);
         self.nodes.extend(part.nodes.drain(..).map(|node| {
-            let children = node.children.map(|child| match child & BlockRef::LEAF {
+            let children = node.children.map(|child| match child & LeafRef::LEAF {
                 0 => child + first,
-                _ => BlockRef::from_bits(child).moved(&blocks).bits(),
+                _ => LeafRef::from_bits(child).moved(&blocks).bits(),
             });
             WideNode { children, ..node }
         }));
@@ -151,16 +151,16 @@ impl Part {
 /// The layout of a cluster: its largest subtrees and its primitives outside them, with their boxes.
 /// Each subtree begins with a node of its own.
 struct Cluster {
-    part: Part,
+    part: Subtree,
     /// Number of primitives.
     primitives: usize,
-    elements: Vec<(Element, Bounds)>,
+    elements: Vec<(LeafContent, Bounds)>,
 }
 
 impl Cluster {
     fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let collapse = Collapse::new(geometry, tree, Element::Primitive);
-        let (mut part, mut elements) = (Part::default(), Vec::new());
+        let collapse = Collapse::new(geometry, tree, LeafContent::Primitive);
+        let (mut part, mut elements) = (Subtree::default(), Vec::new());
         for root in tree.largest() {
             // Subtrees that fit into a block are left to the tree over all clusters.
             let mut open = vec![root];
@@ -168,15 +168,15 @@ impl Cluster {
                 let BinaryNode { bounds, below } = tree.nodes[node as usize];
                 match below {
                     Below::Primitive(primitive) => {
-                        elements.push((Element::Primitive(primitive), bounds));
+                        elements.push((LeafContent::Primitive(primitive), bounds));
                     }
                     Below::Children(first) if collapse.is_leaf(node) => {
                         open.extend([first + 1, first]);
                     }
                     Below::Children(_) => {
                         let slot = part.push();
-                        part.lay_out(geometry, &collapse, slot, node, Element::Primitive);
-                        elements.push((Element::Node(slot as u32), bounds));
+                        part.lay_out(geometry, &collapse, slot, node, LeafContent::Primitive);
+                        elements.push((LeafContent::Node(slot as u32), bounds));
                     }
                 }
             }
@@ -190,8 +190,8 @@ impl Cluster {
 /// A wide tree of clusters, which are appended in order, whatever the order in which they are finished.
 struct Assembly {
     /// Its first node is the root, which is empty until all clusters are there.
-    tree: Part,
-    elements: Vec<(Element, Bounds)>,
+    tree: Subtree,
+    elements: Vec<(LeafContent, Bounds)>,
     /// Number of appended clusters, of the primitives in them, and of all primitives.
     appended: usize,
     primitives: usize,
@@ -202,7 +202,7 @@ struct Assembly {
 
 impl Assembly {
     fn new(total: usize) -> Self {
-        let mut tree = Part::default();
+        let mut tree = Subtree::default();
         tree.push();
         let (elements, waiting) = (Vec::new(), BTreeMap::new());
         Self { tree, elements, appended: 0, primitives: 0, total, waiting }
@@ -217,7 +217,7 @@ impl Assembly {
             let growth = 1.05 * self.total as f64 / self.primitives as f64;
             let first = self.tree.append(part, growth);
             self.elements.extend(elements.into_iter().map(|(element, bounds)| match element {
-                Element::Node(node) => (Element::Node(node + first), bounds),
+                LeafContent::Node(node) => (LeafContent::Node(node + first), bounds),
                 primitive => (primitive, bounds),
             }));
             self.appended += 1;
@@ -225,7 +225,7 @@ impl Assembly {
     }
 
     /// Builds the tree over the elements of all clusters.
-    fn finish(self, geometry: &Geometry) -> Part {
+    fn finish(self, geometry: &Geometry) -> Subtree {
         let Self { mut tree, elements, .. } = self;
         let boxes: Vec<Bounds> = elements.iter().map(|(_, bounds)| *bounds).collect();
         let all: Vec<u32> = (0..elements.len() as u32).collect();
@@ -255,7 +255,7 @@ impl WideTree {
 
     /// Builds the trees of the meshes that instances of `geometry` place.
     pub(crate) fn with_meshes(mut self, geometry: &Arc<Geometry>, threads: usize) -> Self {
-        self.cut = geometry.has_cutouts().then(|| Arc::clone(geometry));
+        self.holes = geometry.may_have_holes().then(|| Arc::clone(geometry));
         let instances = &geometry.instances;
         let triangles = instances.triangles();
         let boxes = triangles.boxes();
@@ -276,16 +276,16 @@ impl WideTree {
 
     /// Whether the tree has neither instances nor holes.
     pub(crate) fn is_plain(&self) -> bool {
-        self.meshes.is_empty() && self.cut.is_none()
+        self.meshes.is_empty() && self.holes.is_none()
     }
 
     /// Lays out `tree`.
     pub(crate) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let mut all = Part::default();
+        let mut all = Subtree::default();
         if !tree.nodes.is_empty() {
-            let collapse = Collapse::new(geometry, tree, Element::Primitive);
+            let collapse = Collapse::new(geometry, tree, LeafContent::Primitive);
             let root = all.push();
-            all.lay_out(geometry, &collapse, root, 0, Element::Primitive);
+            all.lay_out(geometry, &collapse, root, 0, LeafContent::Primitive);
             all.nodes = settle(all.nodes);
             all.blocks.settle();
         }
@@ -309,19 +309,19 @@ impl WideTree {
         Self::of(assembly.into_inner().expect("no thread panicked").finish(geometry))
     }
 
-    fn of(Part { nodes, blocks, depth }: Part) -> Self {
+    fn of(Subtree { nodes, blocks, depth }: Subtree) -> Self {
         let bytes = size_of_val(&*nodes) + blocks.bytes();
         let is_large = bytes > LARGE;
-        Self { nodes, blocks, depth, is_large, meshes: Vec::new(), first: 0, cut: None }
+        Self { nodes, blocks, depth, is_large, meshes: Vec::new(), first: 0, holes: None }
     }
 
     /// Prefetches a node or a block.
     #[inline(always)]
     pub(crate) fn prefetch(&self, next: u32) {
-        if next & BlockRef::LEAF == 0 {
+        if next & LeafRef::LEAF == 0 {
             prefetch(&self.nodes[next as usize]);
         } else {
-            self.blocks.prefetch(BlockRef::from_bits(next));
+            self.blocks.prefetch(LeafRef::from_bits(next));
         }
     }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::target::{Target, stem};
 use crate::checkpoint::{Checkpoint, Part};
-use crate::engine::Rendering;
+use crate::engine::RenderState;
 use crate::error::{Error, Result};
 use crate::image::{Format, Metadata};
 use crate::limits::Limits;
@@ -81,9 +81,9 @@ impl CheckpointFile {
     ///
     /// # Errors
     /// If the file cannot be read, is damaged, or belongs to another render.
-    pub(crate) fn load(&mut self, part: &Part, limits: &Limits) -> Result<Rendering> {
+    pub(crate) fn load(&mut self, part: &Part, limits: &Limits) -> Result<RenderState> {
         if !self.exists() {
-            return part.empty_film().map(Rendering::new);
+            return part.empty_film().map(RenderState::new);
         }
         self.continued = true;
         let checkpoint = Checkpoint::read(&self.path, limits).map_err(advise)?;

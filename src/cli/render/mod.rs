@@ -46,7 +46,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     interrupt::leave_at_once(true);
     interrupt::watch()?;
-    let job = Job::new(args, start)?;
+    let job = RenderJob::new(args, start)?;
     if args.skip_complete && job.is_complete()? {
         return job.report_complete();
     }
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 }
 
 /// A render whose arguments are valid, and whose output files can be written.
-struct Job<'a> {
+struct RenderJob<'a> {
     args: &'a RenderArgs,
     start: Instant,
     scene: Scene,
@@ -65,7 +65,7 @@ struct Job<'a> {
     output: Target,
 }
 
-impl<'a> Job<'a> {
+impl<'a> RenderJob<'a> {
     fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
         // A wrong extension is reported before a large scene is loaded.
         args.output.clone().map(Target::of_path).transpose()?;

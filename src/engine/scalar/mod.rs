@@ -9,7 +9,7 @@ use super::stats::WaveStats;
 use super::tally::Tally;
 use super::unit::{Taken, Task, UnitEngine, UnitWorker};
 use crate::accel::Kernel;
-use crate::film::{Part, Plane};
+use crate::film::{Plane, UnitSums};
 use crate::geometry::Ray;
 use crate::math::random::{PathKey, PixelKey};
 use crate::sampler::Randoms;
@@ -99,6 +99,6 @@ impl ScalarEngine {
         }
         (tally.rays, tally.endings) = (tracer.rays, tracer.endings);
         let (waves, laps) = (WaveStats::default(), Vec::new());
-        Some((Taken { part: Part { unit, sums }, tally, waves, laps }, tracer.intersect))
+        Some((Taken { part: UnitSums { unit, sums }, tally, waves, laps }, tracer.intersect))
     }
 }

@@ -247,8 +247,9 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         );
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         if emits && tracer.settings.backdrop != Backdrop::Alone {
-            if !table.glows.is_empty() {
-                path.radiance += path.beta * at.color(f32::gather(&table.glows, entry, |row| row));
+            if !table.emission_rows.is_empty() {
+                path.radiance +=
+                    path.beta * at.color(f32::gather(&table.emission_rows, entry, |row| row));
             }
             let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;

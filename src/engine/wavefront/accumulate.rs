@@ -4,7 +4,7 @@ use super::paths::Paths;
 use crate::engine::settings::RenderSettings;
 use crate::engine::tally::Tally;
 use crate::engine::unit::Task;
-use crate::film::Part;
+use crate::film::UnitSums;
 
 /// Adds the samples of `paths`, which belong to `task`, pixel by pixel.
 #[inline(never)]
@@ -13,7 +13,7 @@ pub(super) fn accumulate(
     task: &Task,
     settings: &RenderSettings,
     tally: &mut Tally,
-) -> Part {
+) -> UnitSums {
     let unit = task.unit;
     let samples = unit.samples() as usize;
     let pixels = unit.tile.pixels() as u32;
@@ -32,7 +32,7 @@ pub(super) fn accumulate(
         }
         sums.push(sum.to_array());
     }
-    Part { unit, sums }
+    UnitSums { unit, sums }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Collide: finds collisions of paths in media, in front of their hits.
 
 use super::paths::Paths;
-use super::rays::Rays;
+use super::rays::WaveRays;
 use crate::accel::HitBatch;
 use crate::sampler::{Randoms, Sampler};
 use crate::shading::SceneTables;
@@ -13,7 +13,7 @@ pub(super) fn collide(
     tables: &SceneTables,
     (sampler, segment): (Sampler, u32),
     paths: &Paths,
-    rays: &Rays,
+    rays: &WaveRays,
     hits: &mut HitBatch,
 ) {
     for first in (0..rays.len()).step_by(LANES) {

@@ -1,6 +1,6 @@
 //! Extend: finds the hits of rays.
 
-use super::rays::Rays;
+use super::rays::WaveRays;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
 use crate::simd::LANES;
 
@@ -9,7 +9,7 @@ use crate::simd::LANES;
 pub(super) fn extend(
     accelerator: &Accelerator,
     kernel: Kernel,
-    rays: &Rays,
+    rays: &WaveRays,
     hits: &mut HitBatch,
     count: bool,
 ) -> Counters {

@@ -1,7 +1,7 @@
 //! Generate: creates paths and their camera rays.
 
 use super::paths::{History, Paths, Segment};
-use super::rays::Rays;
+use super::rays::WaveRays;
 use crate::accel::RayVector;
 use crate::engine::settings::RenderSettings;
 use crate::film::Unit;
@@ -19,7 +19,7 @@ pub(super) fn generate(
     settings: &RenderSettings,
     unit: Unit,
     paths: &mut Paths,
-    rays: &mut Rays,
+    rays: &mut WaveRays,
 ) {
     // Without choices in the loop, it takes 0.9 of the time.
     match camera.is_plain() {
@@ -33,7 +33,7 @@ fn generate_by<const PLAIN: bool>(
     settings: &RenderSettings,
     unit: Unit,
     paths: &mut Paths,
-    rays: &mut Rays,
+    rays: &mut WaveRays,
 ) {
     let mut samples = Samples::new(settings, unit);
     let count = unit.paths() as usize;

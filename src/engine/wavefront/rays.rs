@@ -5,16 +5,16 @@ use super::paths::{Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
 
-/// Rays and the paths to which they belong.
+/// WaveRays and the paths to which they belong.
 #[derive(Debug)]
-pub(super) struct Rays {
+pub(super) struct WaveRays {
     pub(super) batch: RayBatch,
     /// The path of each ray in the batch, padded to a multiple of [`LANES`].
     pub(super) paths: Vec<u32>,
     pub(super) sort: CellSort,
 }
 
-impl Rays {
+impl WaveRays {
     /// Creates an empty list with room for `capacity` rays.
     pub(super) fn with_capacity(capacity: usize) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Sort: a counting sort of the paths by key, which selects the kernel that shades them.
 
 use super::columns::Columns;
-use super::rays::Rays;
+use super::rays::WaveRays;
 use crate::accel::HitBatch;
 use crate::shading::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
@@ -73,7 +73,7 @@ impl Queue<'_> {
 
 /// Puts the paths of `rays`, whose hits are `hits`, into the queues of their keys.
 #[inline(never)]
-pub(super) fn sort(rays: &Rays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
+pub(super) fn sort(rays: &WaveRays, hits: &HitBatch, looks: &Looks, queues: &mut Queues) {
     let Queues { rows, instances, keys, spans } = queues;
     match looks.key_words::<Float>() {
         Some(key_of) => count_vectors(&hits.primitive, rays.len(), key_of, keys, spans),

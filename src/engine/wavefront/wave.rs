@@ -8,8 +8,8 @@ use super::generate::generate;
 use super::order::Cells;
 use super::order::{Next, order};
 use super::paths::Paths;
-use super::rays::Rays;
-use super::shade::{Shaded, Shading};
+use super::rays::WaveRays;
+use super::shade::{ShadeInputs, ShadeOutputs};
 use super::sort::{Queues, sort};
 use crate::accel::HitBatch;
 use crate::engine::plan::Plan;
@@ -25,7 +25,7 @@ use crate::engine::unit::{Taken, Task, UnitWorker};
 struct Wave {
     paths: Paths,
     /// The rays to trace next.
-    rays: Rays,
+    rays: WaveRays,
     /// The hits of these rays.
     hits: HitBatch,
     /// The paths, sorted by the key of their hit.
@@ -43,7 +43,7 @@ impl Wave {
         let keys = view.prepared.tables().looks.keys().len();
         Self {
             paths: Paths::new(capacity, view.camera.is_weighted()),
-            rays: Rays::with_capacity(capacity),
+            rays: WaveRays::with_capacity(capacity),
             hits: HitBatch::default(),
             queues: Queues::new(keys, capacity, view.prepared.accelerator().has_instances()),
             shadows: Shadows::with_capacity(shadows),
@@ -101,9 +101,9 @@ impl<'a> Worker<'a> {
             sort(rays, hits, &tables.looks, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading = Shading { scene, settings, tables, cells, segment };
+            let shading = ShadeInputs { scene, settings, tables, cells, segment };
             let mut endings = Endings::default();
-            let shaded = &mut Shaded { paths, next, shadows, endings: &mut endings };
+            let shaded = &mut ShadeOutputs { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);
             watch.ended(segment, &endings);
             watch.lap(Stage::Shade, segment, work);

@@ -13,7 +13,7 @@ use crate::math::precise::unit;
 use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
 
 /// The vertices and triangles of a part of a mesh.
-struct Part {
+struct MeshPrimitive {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     tangents: Vec<DVec3>,
@@ -95,7 +95,7 @@ impl Reader<'_, '_, '_> {
         node: usize,
         mesh: usize,
         primitive: &Primitive,
-    ) -> Result<Option<Part>, String> {
+    ) -> Result<Option<MeshPrimitive>, String> {
         let attributes = Attributes::new(self.gltf, primitive)?;
         let Some(positions) = attributes.vectors::<3>("POSITION")? else {
             self.import.warn("parts of meshes without positions are left out");
@@ -135,7 +135,7 @@ impl Reader<'_, '_, '_> {
             true => Vec::new(),
             false => self.tangents(&attributes, count),
         };
-        let mut part = Part {
+        let mut part = MeshPrimitive {
             positions: wide(positions).collect(),
             normals,
             tangents,
@@ -202,7 +202,7 @@ impl Reader<'_, '_, '_> {
         node: usize,
         mesh: usize,
         primitive: &Primitive,
-        part: &mut Part,
+        part: &mut MeshPrimitive,
     ) -> Result<(), String> {
         let document = &self.gltf.document;
         let own = self.pose.weights.get(&node).or(document.nodes[node].weights.as_ref());
@@ -231,7 +231,7 @@ impl Reader<'_, '_, '_> {
         &mut self,
         node: usize,
         attributes: &Attributes<'_, '_>,
-        part: &mut Part,
+        part: &mut MeshPrimitive,
     ) -> Result<(), String> {
         let gltf = self.gltf;
         let Some(skin) = gltf.document.nodes[node].skin else { return Ok(()) };
@@ -287,8 +287,9 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The triangles of a part, placed by `map`.
-    fn placed(&mut self, part: Part, map: &DAffine3, material: String) -> TrianglesFile {
-        let Part { positions, normals, tangents, uvs, second_uvs, colors, mut faces } = part;
+    fn placed(&mut self, part: MeshPrimitive, map: &DAffine3, material: String) -> TrianglesFile {
+        let MeshPrimitive { positions, normals, tangents, uvs, second_uvs, colors, mut faces } =
+            part;
         if map.matrix3.determinant() < 0.0 {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }

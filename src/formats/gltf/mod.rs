@@ -18,7 +18,7 @@ pub(crate) use self::file::Gltf;
 use self::file::{Camera, SUPPORTED};
 use self::pose::Pose;
 use super::import::{Format, Import, ROULETTE};
-use super::view;
+use super::mesh_scene;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
 use crate::math::affine::rows;
@@ -281,7 +281,7 @@ impl Reader<'_, '_, '_> {
     /// Sets what the file leaves open.
     fn finish(&mut self) {
         if !self.has_camera && self.bounds != Bounds::EMPTY {
-            self.scene.camera = view::camera_around(self.bounds);
+            self.scene.camera = mesh_scene::camera_around(self.bounds);
         }
         // Displays and tail lights light no scene, so surfaces that emit light do not count.
         if self.scene.lights.is_empty() {

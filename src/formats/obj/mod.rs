@@ -1,7 +1,7 @@
 //! Reader of Wavefront OBJ files.
 
+mod lines;
 mod mtl;
-mod part;
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -9,13 +9,13 @@ use glam::{Vec2, Vec3};
 use memchr::memchr;
 use rayon::prelude::*;
 
+use self::lines::{ABSENT, Kind, ParsedLines};
 pub(crate) use self::mtl::add_materials_of_meshes;
-use self::part::{ABSENT, Kind, Part};
 use super::mesh::Format;
 use crate::error::{Error, Result};
 use crate::geometry::Vertices;
 use crate::limits::Budget;
-use crate::scene::mesh::{Labels, Mesh};
+use crate::scene::mesh::{IndexedMesh, Labels};
 
 /// Wavefront OBJ.
 pub(crate) static FORMAT: Format = Format { extension: "obj", parse };
@@ -110,7 +110,7 @@ impl Names {
 }
 
 /// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
-pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
+pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<IndexedMesh> {
     let mut rest = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let (mut reader, mut parts) = (Reader::default(), Vec::new());
     let error = |(line, message)| Error::input(name, format!("{}", line + 1), message);
@@ -119,7 +119,7 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
         let texts: Vec<_> = (0..PARTS).map_while(|_| next_part(&mut rest)).collect();
         let mut next = Vec::new();
         rayon::in_place_scope(|scope| {
-            scope.spawn(|_| next = texts.into_par_iter().map(Part::parse).collect());
+            scope.spawn(|_| next = texts.into_par_iter().map(ParsedLines::parse).collect());
             parts.drain(..).try_for_each(|part| reader.add(part, budget))
         })
         .map_err(error)?;
@@ -141,7 +141,7 @@ fn next_part<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
 impl Reader {
     /// Adds the content of a part, and checks the memory. `Err` holds the index of the invalid line
     /// and the reason.
-    fn add(&mut self, part: Part<'_>, budget: &Budget) -> Result<(), (usize, String)> {
+    fn add(&mut self, part: ParsedLines<'_>, budget: &Budget) -> Result<(), (usize, String)> {
         let lines = self.lines;
         let before = [self.positions.len(), self.uvs.len(), self.normals.len()];
         if !(self.colors.is_empty() && part.colors.is_empty()) {
@@ -246,7 +246,7 @@ impl Reader {
     }
 
     /// The vertices that faces refer to, and the faces.
-    fn mesh(self) -> Mesh {
+    fn mesh(self) -> IndexedMesh {
         let Self { positions, colors, uvs, normals, vertices, triangles, .. } = self;
         let of = |list: &[Vec3], index: u32| list.get(index as usize).copied().unwrap_or_default();
         let has_normals = vertices.iter().any(|vertex| vertex.normal != NONE);
@@ -262,7 +262,7 @@ impl Reader {
         };
         let groups = [self.groups.labels(), self.objects.labels()];
         let (materials, ignored) = (self.materials.labels(), BTreeSet::new());
-        Mesh { vertices, triangles, materials, groups, ignored }
+        IndexedMesh { vertices, triangles, materials, groups, ignored }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Tests of the reader.
 
-use super::part::{CONTINUED, FACE, LONG, NORMAL, RANGE, UV, VERTEX};
+use super::lines::{CONTINUED, FACE, LONG, NORMAL, RANGE, UV, VERTEX};
 use crate::formats::obj::*;
 use crate::limits::{Limit, Limits};
 
-fn read(text: &[u8]) -> Result<Mesh> {
+fn read(text: &[u8]) -> Result<IndexedMesh> {
     parse("a.obj", text, &Budget::new(&Limits::default(), 0))
 }
 
@@ -56,7 +56,7 @@ fn a_group_keeps_its_vertices_and_materials() {
 fn corners_with_equal_data_share_a_vertex() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nvt 0.5\nvt 0 1 0\nvn 0 0 2\nvn 1 0 0\n\
                 f 1/1/1 2/2/1 3//2\nf 1/1/-2 3//2 2/1/1\n";
-    let Mesh { vertices, triangles, .. } = read(text.as_bytes()).unwrap();
+    let IndexedMesh { vertices, triangles, .. } = read(text.as_bytes()).unwrap();
     assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     assert_eq!(vertices.positions, [Vec3::ZERO, x, y, x]);
@@ -131,7 +131,7 @@ fn damaged_files_are_errors_not_panics() {
             let place = (random.bits() % bytes.len() as u64) as usize;
             bytes[place] = b"0123456789 -/.\nvfe\xff"[(random.bits() % 19) as usize];
         }
-        if let Ok(Mesh { vertices, triangles, .. }) = read(&bytes) {
+        if let Ok(IndexedMesh { vertices, triangles, .. }) = read(&bytes) {
             let count = vertices.positions.len();
             assert!(triangles.iter().flatten().all(|i| (*i as usize) < count));
             assert!([0, count].contains(&vertices.normals.len()));
@@ -152,7 +152,7 @@ fn parts_join_to_the_whole_file() {
     };
     let count = 4 * PARTS * PART / strip(10_000).len();
     let text: String = (0..count).map(strip).collect();
-    let Mesh { vertices, triangles, materials, groups, .. } = read(text.as_bytes()).unwrap();
+    let IndexedMesh { vertices, triangles, materials, groups, .. } = read(text.as_bytes()).unwrap();
     assert_eq!(triangles.len(), count);
     for (i, corners) in triangles.iter().enumerate() {
         let x = |corner: usize| vertices.positions[corners[corner] as usize].x as usize;

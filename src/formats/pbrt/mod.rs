@@ -6,6 +6,7 @@ mod directives;
 mod light;
 mod material;
 mod medium;
+mod options;
 mod parallelogram;
 mod params;
 mod shape;
@@ -13,7 +14,6 @@ mod spectrum;
 mod texture;
 mod tokens;
 mod transform;
-mod view;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -25,10 +25,10 @@ use self::directives::quoted;
 use self::light::AreaLight;
 use self::material::Definition;
 use self::medium::Medium;
+use self::options::RenderOptions;
 use self::params::Params;
 use self::texture::Textures;
 use self::tokens::{Token, Tokens};
-use self::view::View;
 use super::import::{Format, Import};
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
@@ -93,7 +93,7 @@ struct Reader<'i, 'a> {
     saved: Vec<(&'static str, State)>,
     /// Coordinate systems by name: from each to the scene.
     systems: HashMap<String, DAffine3>,
-    view: View,
+    view: RenderOptions,
     /// The medium around the camera.
     view_medium: Option<String>,
     has_background: bool,
@@ -132,7 +132,7 @@ pub(crate) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
         state,
         saved: Vec::new(),
         systems: HashMap::new(),
-        view: View::default(),
+        view: RenderOptions::default(),
         view_medium: None,
         has_background: false,
         textures: Textures::default(),

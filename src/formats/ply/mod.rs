@@ -13,7 +13,7 @@ use super::mesh::Format;
 use crate::error::{Error, Result};
 use crate::geometry::Vertices;
 use crate::limits::Budget;
-use crate::scene::mesh::{Mesh, fan, in_range};
+use crate::scene::mesh::{IndexedMesh, fan, in_range};
 
 /// The Polygon File Format.
 pub(crate) static FORMAT: Format = Format { extension: "ply", parse };
@@ -128,7 +128,7 @@ fn integers(list: Property) -> Option<Vec<i32>> {
 }
 
 /// Reads the vertices and faces in `bytes`. Errors call the file `name`.
-pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
+pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<IndexedMesh> {
     let parser = Parser::<Row>::new();
     let mut reader = Reader::new(bytes);
     let mut lines = bytes[..bytes.len().min(MAX_HEADER)].split(|byte| *byte == b'\n');
@@ -154,7 +154,7 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Mesh> {
     budget
         .check(most.memory(count * bytes, is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
-    let mut mesh = Mesh::default();
+    let mut mesh = IndexedMesh::default();
     for (element, all) in &header.elements {
         let mut some = all.clone();
         for first in (0..all.count).step_by(ROWS) {
@@ -203,7 +203,7 @@ struct Attributes {
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
 fn add_vertices(
-    mesh: &mut Mesh,
+    mesh: &mut IndexedMesh,
     rows: &[Row],
     attributes: Attributes,
 ) -> Result<(), (usize, String)> {
@@ -232,7 +232,7 @@ fn add_vertices(
 /// Adds faces to the mesh. Their vertex indices must be below `count`, the number of vertices in
 /// the whole file. Faces may precede vertices, so the number of vertices read so far would not do.
 /// `Err` is the same as for [`add_vertices`].
-fn add_faces(mesh: &mut Mesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
+fn add_faces(mesh: &mut IndexedMesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
     for (number, Row { corners, .. }) in rows.iter().enumerate() {
         if corners.len() < 3 {
             let message = "a face needs a list `vertex_indices` of three or more";

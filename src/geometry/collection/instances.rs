@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use super::Geometry;
 use crate::geometry::instance::Placement;
-use crate::geometry::{Bounds, Cutouts, Hit, Instance, PreparedRay, Ray, Triangles};
+use crate::geometry::{Bounds, Hit, Holes, Instance, PreparedRay, Ray, Triangles};
 use crate::math::Real;
 
 /// Meshes in spaces of their own, and their instances.
@@ -13,13 +13,13 @@ use crate::math::Real;
 pub struct Instances {
     /// The triangles of all meshes; `None` if there are no meshes.
     triangles: Option<Arc<Geometry>>,
-    meshes: Vec<Mesh>,
+    meshes: Vec<MeshRange>,
     list: Vec<Instance>,
 }
 
 /// A mesh: a range of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Mesh {
+struct MeshRange {
     /// One past its last triangle.
     end: u32,
     bounds: Bounds,
@@ -36,7 +36,7 @@ impl Instances {
             all.append(&triangles);
         }
         let end = all.len();
-        self.meshes.push(Mesh { end: end as u32, bounds });
+        self.meshes.push(MeshRange { end: end as u32, bounds });
         self.meshes.len() as u32 - 1
     }
 
@@ -92,9 +92,9 @@ impl Instances {
     }
 
     /// Sets which triangles of the meshes may have holes.
-    pub fn set_cutouts(&mut self, cutouts: Cutouts) {
+    pub fn set_holes(&mut self, holes: Holes) {
         if let Some(triangles) = &mut self.triangles {
-            Arc::make_mut(triangles).cutouts = cutouts;
+            Arc::make_mut(triangles).holes = holes;
         }
     }
 

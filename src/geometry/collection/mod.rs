@@ -6,7 +6,7 @@ use glam::Vec3;
 
 pub use self::instances::Instances;
 use super::primitive::{PrimitiveModel, Shape, primitives};
-use super::{Bounds, Cutouts, Hit, Instance, PreparedRay, Quad, Ray, Sphere, Triangle, Triangles};
+use super::{Bounds, Hit, Holes, Instance, PreparedRay, Quad, Ray, Sphere, Triangle, Triangles};
 use crate::math::max;
 
 /// A list of the primitives of one kind.
@@ -46,7 +46,7 @@ macro_rules! primitive {
             pub instances: Instances,
             /// The triangles that may have holes.
             #[doc(hidden)]
-            pub cutouts: Cutouts,
+            pub holes: Holes,
         }
 
         /// One primitive.
@@ -188,16 +188,16 @@ impl Geometry {
     }
 
     /// Whether triangles, including those of meshes, may have holes.
-    pub(crate) fn has_cutouts(&self) -> bool {
-        self.cutouts.any() || self.instances.triangles().cutouts.any()
+    pub(crate) fn may_have_holes(&self) -> bool {
+        self.holes.any() || self.instances.triangles().holes.any()
     }
 
-    /// Whether a hit of primitive `primitive` at distance `t` counts: it is not in a hole.
+    /// Whether a hit of primitive `primitive` at distance `t` is in a hole, and does not count.
     #[inline]
-    pub(crate) fn is_solid(&self, primitive: u32, instance: u32, ray: &Ray, t: f32) -> bool {
+    pub(crate) fn is_hole(&self, primitive: u32, instance: u32, ray: &Ray, t: f32) -> bool {
         let triangle = (primitive as usize).checked_sub(self.first_triangle());
-        let is_hole = |i| self.cutouts.is_hole(&self.triangles, i, instance, ray, t);
-        !(self.cutouts.any() && triangle.is_some_and(is_hole))
+        let is_hole = |i| self.holes.is_hole(&self.triangles, i, instance, ray, t);
+        self.holes.any() && triangle.is_some_and(is_hole)
     }
 
     /// Distance of the first hit of a primitive in the open interval `(t_min, t_max)` that is not in
@@ -212,7 +212,7 @@ impl Geometry {
         t_max: f32,
     ) -> Option<f32> {
         let t = self.get(primitive).intersect(ray, t_min, t_max)?;
-        self.is_solid(primitive, instance, &ray.ray, t).then_some(t)
+        (!self.is_hole(primitive, instance, &ray.ray, t)).then_some(t)
     }
 
     /// Finds the closest hit by testing every primitive. This is the definition that every

@@ -1,7 +1,7 @@
 //! The maps between world and object space, for one ray or one per lane.
 
 use super::Instance;
-use crate::geometry::{Ray, Shading, Surface};
+use crate::geometry::{Ray, ShadingNormal, Surface};
 use crate::math::{Mask, Real, Vector, dot, length, max_element, normalize};
 use crate::simd::axes;
 
@@ -89,7 +89,7 @@ impl<R: Real> Placement<R> {
         let reach = max_element(apply(&magnitudes, surface.point.abs()));
         let offset = surface.offset / scale + (self.slope * reach + self.base);
         let normal = normal / scale;
-        let mut shading = Shading { normal, ..surface.shading };
+        let mut shading = ShadingNormal { normal, ..surface.shading };
         if shading.smooth.any() {
             let smooth = normalize(self.to_object.normal(surface.shading.normal));
             shading.normal = shading.smooth.select(smooth, normal);

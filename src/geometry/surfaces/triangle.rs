@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{Partials, SurfaceTable};
 use crate::geometry::triangle::surface;
 use crate::geometry::triangles::{COLORED, MAPPED, MAPPED_TWICE, Rows, SMOOTH, SOFT, TANGENT};
-use crate::geometry::{Geometry, Hit, Ray, Shading, Surface, Triangles};
+use crate::geometry::{Geometry, Hit, Ray, ShadingNormal, Surface, Triangles};
 use crate::math::{Mask, Real, Vector, Word, dot, normalize};
 use crate::simd::axes;
 
@@ -21,7 +21,7 @@ pub(super) struct Table {
 
 /// A list of triangles.
 #[derive(Clone, Copy)]
-struct View<'a> {
+struct TriangleList<'a> {
     /// The number of the first triangle among all primitives.
     first: u32,
     triangles: &'a Triangles,
@@ -65,12 +65,12 @@ impl Table {
     }
 
     #[inline(always)]
-    fn view(&self) -> View<'_> {
-        View { first: self.first, triangles: &self.geometry.triangles }
+    fn view(&self) -> TriangleList<'_> {
+        TriangleList { first: self.first, triangles: &self.geometry.triangles }
     }
 }
 
-impl<'a> View<'a> {
+impl<'a> TriangleList<'a> {
     #[inline(always)]
     fn rows(&self) -> Rows<'a> {
         self.triangles.rows()
@@ -104,17 +104,22 @@ impl<'a> View<'a> {
 
     /// The interpolated normals of the triangles that are smooth.
     #[inline(always)]
-    fn shading<R: Real>(&self, corners: &Corners<R>, normal: R::Vec3, at: [R; 2]) -> Shading<R> {
+    fn shading<R: Real>(
+        &self,
+        corners: &Corners<R>,
+        normal: R::Vec3,
+        at: [R; 2],
+    ) -> ShadingNormal<R> {
         let smooth = corners.have(SMOOTH);
         if !smooth.any() {
-            return Shading::flat(normal);
+            return ShadingNormal::flat(normal);
         }
         let vertices = corners.gather(self.rows().normals).map(|(normal, _)| normal);
         let mean = interpolate(vertices, at);
         // Opposite normals cancel.
         let smooth = smooth & dot(mean, mean).gt(R::splat(1e-6));
         let normal = smooth.select(normalize(mean), normal);
-        Shading { normal, smooth, soft: smooth & corners.have(SOFT) }
+        ShadingNormal { normal, smooth, soft: smooth & corners.have(SOFT) }
     }
 
     /// The interpolated texture coordinates, or without these the barycentric coordinates for the
@@ -157,17 +162,17 @@ impl<'a> View<'a> {
 impl Triangles {
     /// Texture coordinates where `ray` hits triangle `triangle` at distance `t`.
     pub(crate) fn uv(&self, triangle: u32, ray: &Ray, t: f32) -> (f32, f32) {
-        View { first: 0, triangles: self }.uv(ray, Hit::of(triangle, t))
+        TriangleList { first: 0, triangles: self }.uv(ray, Hit::of(triangle, t))
     }
 
     /// As [`uv`](Self::uv), for the second set, or the first if there is only one.
     pub(crate) fn second_uv(&self, triangle: u32, ray: &Ray, t: f32) -> (f32, f32) {
-        View { first: 0, triangles: self }.second_uv(ray, Hit::of(triangle, t))
+        TriangleList { first: 0, triangles: self }.second_uv(ray, Hit::of(triangle, t))
     }
 
     /// The interpolated colour of the vertices, or white.
     pub(crate) fn color(&self, triangle: u32, ray: &Ray, t: f32) -> Vec3 {
-        View { first: 0, triangles: self }.color(ray, Hit::of(triangle, t))
+        TriangleList { first: 0, triangles: self }.color(ray, Hit::of(triangle, t))
     }
 }
 

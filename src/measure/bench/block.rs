@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::clock::gigahertz;
 use super::program::{Program, Rendered};
 use super::run::Block;
-use super::{Group, Side};
+use super::{Contest, Side};
 use crate::engine::RayCounts;
 use crate::error::{Error, Result};
 use crate::measure::machine::{Interference, busy_seconds_of_others};
@@ -29,15 +29,15 @@ pub(super) struct Series {
     pub(super) peak_rss_bytes: u64,
 }
 
-/// Measures one block of `group` and adds the results to `series`, which has the order of the group's
+/// Measures one block of `contest` and adds the results to `series`, which has the order of the contest's
 /// turns. If `reversed`, the last side renders first, so that no side always starts.
 pub(super) fn measure(
     programs: &[Program],
-    group: &Group,
+    contest: &Contest,
     reversed: bool,
     series: &mut [Series],
 ) -> Result<()> {
-    let sides: Vec<&Side> = group.turns().collect();
+    let sides: Vec<&Side> = contest.turns().collect();
     let mut order: Vec<usize> = (0..sides.len()).collect();
     if reversed {
         order.reverse();
@@ -48,17 +48,17 @@ pub(super) fn measure(
 
     let mut rendered: Vec<Vec<Rendered>> = sides.iter().map(|_| Vec::new()).collect();
     let (start, busy) = (Instant::now(), busy_seconds_of_others());
-    let mut clocks = vec![gigahertz(group.task.threads)];
+    let mut clocks = vec![gigahertz(contest.task.threads)];
     for turn in order {
         let side = sides[turn];
         let program = &programs[side.program];
-        let render = program.render(&group.task, side.engine, side.plan.as_ref(), false)?;
-        check_hash(group, side, &render)?;
+        let render = program.render(&contest.task, side.engine, side.plan.as_ref(), false)?;
+        check_hash(contest, side, &render)?;
         rendered[turn].push(render);
-        clocks.push(gigahertz(group.task.threads));
+        clocks.push(gigahertz(contest.task.threads));
     }
     let common = Common {
-        threads: group.task.threads,
+        threads: contest.task.threads,
         clock: mean(clocks.into_iter()),
         seconds: start.elapsed().as_secs_f64(),
         others: busy
@@ -73,12 +73,12 @@ pub(super) fn measure(
 
 /// Fails if the image differs from that of the counting render, because
 /// the speed of a wrong render means nothing.
-fn check_hash(group: &Group, side: &Side, rendered: &Rendered) -> Result<()> {
+fn check_hash(contest: &Contest, side: &Side, rendered: &Rendered) -> Result<()> {
     let (want, found) = (&side.counted.hash, &rendered.hash);
     if found == want {
         return Ok(());
     }
-    let (scene, engine) = (&group.task.scene, side.engine.name());
+    let (scene, engine) = (&contest.task.scene, side.engine.name());
     Err(Error::Internal(format!(
         "{scene}: the {engine} engine rendered an image with the hash {want}, then one with {found}"
     )))

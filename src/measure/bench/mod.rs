@@ -2,7 +2,7 @@
 //!
 //! A disturbance of a shared machine therefore affects all of them alike.
 //!
-//! A *side* is an engine of a program. A *group* consists of the sides of one scene and number of
+//! A *side* is an engine of a program. A *contest* consists of the sides of one scene and number of
 //! threads. In a *block* each side renders twice, in mirrored order (A B C C B A), so that a steady
 //! drift affects all sides equally. One side takes part twice and is the *control*: its speed ratio to
 //! itself should be 1.
@@ -62,9 +62,9 @@ impl Options {
                 .map(move |&engine| -> (&str, Engine, usize) { (scene, engine, threads) })
         };
         let scenes = self.scenes.iter().map(|(scene, _)| &**scene);
-        let groups =
+        let contests =
             scenes.flat_map(|scene| self.threads.iter().map(move |&threads| (scene, threads)));
-        groups.flat_map(of).collect()
+        contests.flat_map(of).collect()
     }
 }
 
@@ -73,13 +73,13 @@ impl Options {
 pub(crate) struct Bench {
     /// The measured program, then the one it is compared with, if any.
     programs: Vec<Program>,
-    groups: Vec<Group>,
+    contests: Vec<Contest>,
     time: String,
 }
 
 /// Sides of one scene and number of threads, which take turns.
 #[derive(Debug)]
-struct Group {
+struct Contest {
     task: Task,
     sides: Vec<Side>,
 }
@@ -96,9 +96,9 @@ struct Side {
     plan: Option<Value>,
 }
 
-/// Measurements of some blocks: for each group that took part, one series per turn.
+/// Measurements of some blocks: for each contest that took part, one series per turn.
 #[derive(Debug)]
-pub(crate) struct Sample(Vec<Option<Vec<Series>>>);
+pub(crate) struct Measurement(Vec<Option<Vec<Series>>>);
 
 /// Callback that receives the number of finished blocks and the number of all blocks.
 pub(crate) type Progress<'a> = &'a mut dyn FnMut(usize, usize);
@@ -113,13 +113,13 @@ impl Bench {
         let program = |path| Program::new(path, &options.arguments);
         let mut programs = vec![program(&*options.program)?];
         programs.extend(options.against.as_deref().map(program).transpose()?);
-        let mut bench = Self { programs, groups: Vec::new(), time: now() };
+        let mut bench = Self { programs, contests: Vec::new(), time: now() };
         for &(ref scene, (width, height)) in &options.scenes {
             for &threads in &options.threads {
                 let Options { spp, seed, .. } = *options;
                 let task = Task { scene: scene.clone(), width, height, spp, seed, threads };
                 let sides = bench.sides(&task, &options.engines, baseline)?;
-                bench.groups.push(Group { task, sides });
+                bench.contests.push(Contest { task, sides });
             }
         }
         Ok(bench)
@@ -156,8 +156,8 @@ impl Bench {
                 sides.push(Side { program: number, engine, counted, plan });
             }
         }
-        let before = self.groups.iter().filter(|group| group.task.scene == task.scene);
-        let all = before.flat_map(|group| &group.sides).chain(&sides);
+        let before = self.contests.iter().filter(|contest| contest.task.scene == task.scene);
+        let all = before.flat_map(|contest| &contest.sides).chain(&sides);
         let own = all.filter(|side| side.program == 0);
         check_hashes(&task.scene, own.map(|side| (side.engine.name(), &*side.counted.hash)))?;
         Ok(sides)
@@ -165,21 +165,21 @@ impl Bench {
 
     /// Build and machine of a program; number 0 is the measured one.
     pub(crate) fn machine(&self, program: usize) -> &Machine {
-        let mut sides = self.groups.iter().flat_map(|group| &group.sides);
+        let mut sides = self.contests.iter().flat_map(|contest| &contest.sides);
         let side = sides.find(|side| side.program == program);
         &side.expect("every program has a side").counted.machine
     }
 
     /// The work of each run of the measured program.
     pub(crate) fn works(&self) -> Vec<Workload> {
-        let of = |group: &'_ Group| -> Vec<Workload> {
-            let own = group.sides.iter().filter(|side| side.program == 0);
-            own.map(|side| side.work(&group.task)).collect()
+        let of = |contest: &'_ Contest| -> Vec<Workload> {
+            let own = contest.sides.iter().filter(|side| side.program == 0);
+            own.map(|side| side.work(&contest.task)).collect()
         };
-        self.groups.iter().flat_map(of).collect()
+        self.contests.iter().flat_map(of).collect()
     }
 
-    /// Measures `blocks` blocks of the groups that `wanted` selects by scene and number of threads, and
+    /// Measures `blocks` blocks of the contests that `wanted` selects by scene and number of threads, and
     /// reports to `progress`.
     ///
     /// # Errors
@@ -189,28 +189,30 @@ impl Bench {
         blocks: usize,
         wanted: impl Fn(&str, usize) -> bool,
         progress: Progress<'_>,
-    ) -> Result<Sample> {
+    ) -> Result<Measurement> {
         let wanted: Vec<bool> = self
-            .groups
+            .contests
             .iter()
-            .map(|Group { task, .. }| wanted(&task.scene, task.threads))
+            .map(|Contest { task, .. }| wanted(&task.scene, task.threads))
             .collect();
         let all = blocks * wanted.iter().filter(|&&wanted| wanted).count();
         let mut sample: Vec<Option<Vec<Series>>> = wanted
             .iter()
-            .zip(&self.groups)
-            .map(|(&wanted, group)| wanted.then(|| vec![Series::default(); group.turns().count()]))
+            .zip(&self.contests)
+            .map(|(&wanted, contest)| {
+                wanted.then(|| vec![Series::default(); contest.turns().count()])
+            })
             .collect();
         let mut done = 0;
         for block in 0..blocks {
-            for (group, series) in self.groups.iter().zip(&mut sample) {
+            for (contest, series) in self.contests.iter().zip(&mut sample) {
                 let Some(series) = series else { continue };
                 progress(done, all);
-                block::measure(&self.programs, group, block % 2 == 1, series)?;
+                block::measure(&self.programs, contest, block % 2 == 1, series)?;
                 done += 1;
             }
         }
-        Ok(Sample(sample))
+        Ok(Measurement(sample))
     }
 }
 
@@ -235,7 +237,7 @@ impl Side {
     }
 }
 
-impl Group {
+impl Contest {
     /// Index of the side that takes part twice: the wavefront engine of the measured program, or the
     /// first side if that engine takes no part.
     fn control(&self) -> usize {

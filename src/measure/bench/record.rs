@@ -59,7 +59,7 @@ impl Record {
         })
     }
 
-    /// The control of a run's group: the speed ratio of a side to itself.
+    /// The control of a run's contest: the speed ratio of a side to itself.
     pub(crate) fn control(&self, run: &Run) -> Option<&Ratio> {
         self.ratios.iter().find(|ratio| {
             (&ratio.scene, ratio.threads) == (&run.work.scene, run.work.threads)

@@ -3,22 +3,22 @@
 use super::block::Series;
 use super::record::{Against, Record, SCHEMA};
 use super::run::{Block, Ratio, Run};
-use super::{Bench, Group, Sample, Side};
+use super::{Bench, Contest, Measurement, Side};
 use crate::engine::{Engine, Stage};
 use crate::measure::statistics::Estimate;
 
 impl Bench {
     /// Summarizes `sample` as a record.
-    pub(crate) fn record(&self, sample: &Sample) -> Record {
+    pub(crate) fn record(&self, sample: &Measurement) -> Record {
         let measured = || {
-            let groups = self.groups.iter().zip(&sample.0);
-            groups.filter_map(|(group, series)| Some((group, series.as_ref()?)))
+            let contests = self.contests.iter().zip(&sample.0);
+            contests.filter_map(|(contest, series)| Some((contest, series.as_ref()?)))
         };
         let runs = |program| {
-            let of = |(group, series): (&Group, &Vec<Series>)| -> Vec<Run> {
-                let sides = group.sides.iter().zip(series);
+            let of = |(contest, series): (&Contest, &Vec<Series>)| -> Vec<Run> {
+                let sides = contest.sides.iter().zip(series);
                 let sides = sides.filter(|(side, _)| side.program == program);
-                sides.map(|(side, series)| run(group, side, series)).collect()
+                sides.map(|(side, series)| run(contest, side, series)).collect()
             };
             measured().flat_map(of).collect()
         };
@@ -30,14 +30,16 @@ impl Bench {
             time: self.time.clone(),
             machine: self.machine(0).clone(),
             runs: runs(0),
-            ratios: measured().flat_map(|(group, series)| ratios(group, series, other)).collect(),
+            ratios: measured()
+                .flat_map(|(contest, series)| ratios(contest, series, other))
+                .collect(),
             against,
             gate: None,
         }
     }
 }
 
-fn run(group: &Group, side: &Side, series: &Series) -> Run {
+fn run(contest: &Contest, side: &Side, series: &Series) -> Run {
     let counted = &side.counted;
     let over_blocks =
         |of: fn(&Block) -> f64| Estimate::of(series.blocks.iter().map(|block| of(block) * 1e-6));
@@ -46,7 +48,7 @@ fn run(group: &Group, side: &Side, series: &Series) -> Run {
         (stage.name().to_owned(), seconds / series.renders as f64)
     };
     Run {
-        work: side.work(&group.task),
+        work: side.work(&contest.task),
         hash: counted.hash.clone(),
         blocks: series.blocks.clone(),
         mrays_per_s: over_blocks(Block::rays_per_second),
@@ -62,16 +64,16 @@ fn run(group: &Group, side: &Side, series: &Series) -> Run {
 
 /// Speed ratios of the pairs of sides worth reporting: wavefront to scalar, the control, and each
 /// engine to the same engine of the other program, whose commit is `other`.
-fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
+fn ratios(contest: &Contest, series: &[Series], other: &str) -> Vec<Ratio> {
     let find = |program, engine| {
         let is = |side: &Side| side.program == program && side.engine == engine;
-        group.sides.iter().position(is)
+        contest.sides.iter().position(is)
     };
-    let name = |side: usize| group.sides[side].engine.name().to_owned();
+    let name = |side: usize| contest.sides[side].engine.name().to_owned();
     // Series are in the order of turns: one for each side, then the control.
     let ratio = |of: usize, to: usize, to_name: String| Ratio {
-        scene: group.task.scene.clone(),
-        threads: group.task.threads,
+        scene: contest.task.scene.clone(),
+        threads: contest.task.threads,
         of: name(of),
         to: to_name,
         speed: speed_ratio(&series[of].blocks, &series[to].blocks),
@@ -80,8 +82,8 @@ fn ratios(group: &Group, series: &[Series], other: &str) -> Vec<Ratio> {
     if let (Some(of), Some(to)) = (find(0, Engine::Wavefront), find(0, Engine::Scalar)) {
         ratios.push(ratio(of, to, name(to)));
     }
-    let control = group.control();
-    ratios.push(ratio(control, group.sides.len(), name(control)));
+    let control = contest.control();
+    ratios.push(ratio(control, contest.sides.len(), name(control)));
     for engine in Engine::ALL {
         if let (Some(of), Some(to)) = (find(0, engine), find(1, engine)) {
             ratios.push(ratio(of, to, format!("{}@{other}", name(to))));

@@ -18,7 +18,7 @@ pub(crate) struct Gate {
     pub(crate) again: Vec<Again>,
 }
 
-/// A further sample of some groups.
+/// A further sample of some contests.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Again {
     pub(crate) runs: Vec<Run>,

@@ -34,7 +34,7 @@ pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
 /// # Errors
 /// If a setting is out of range, or if triangles have holes, which the files cannot describe.
 pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<RaySets> {
-    if scene.geometry().has_cutouts() {
+    if scene.geometry().may_have_holes() {
         let message =
             "ray sets cannot describe holes in triangles: remove `opacity` from the materials";
         return Err(Error::input(scene.name(), "", message));

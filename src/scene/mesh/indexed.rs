@@ -16,7 +16,7 @@ use crate::math::precise::{rotate, turns};
 
 /// A mesh as read from its file. Its indices are in range and its coordinates are finite.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Mesh {
+pub(crate) struct IndexedMesh {
     pub(crate) vertices: Vertices,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Its materials. Formats without them have neither names nor ranges.
@@ -97,7 +97,7 @@ pub(crate) struct Transform {
     pub(crate) matrix: Option<DAffine3>,
 }
 
-impl Mesh {
+impl IndexedMesh {
     /// If there are more than three vertices per triangle, keeps only those that triangles refer to,
     /// because each vertex takes time to transform.
     pub(crate) fn without_stray_vertices(mut self) -> Self {

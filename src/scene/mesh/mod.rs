@@ -5,6 +5,6 @@ mod normals;
 mod tangents;
 
 pub use indexed::Smooth;
-pub(crate) use indexed::{Labels, Mesh, Transform, Transformed, fan, in_range};
+pub(crate) use indexed::{IndexedMesh, Labels, Transform, Transformed, fan, in_range};
 pub(crate) use normals::{add_normals, unit};
 pub(crate) use tangents::{add_tangents, lacks_tangents};

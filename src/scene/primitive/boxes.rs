@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::precise::{rotate, turns};
 
@@ -23,7 +23,7 @@ pub struct BoxFile {
 }
 
 impl Expand for BoxFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         e.bounds(self.min, self.max)?;
         e.rotation(self.rotation)?;
         to.room(e, 6)?;

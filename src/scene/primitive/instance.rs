@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// A named mesh, placed by an affine map.
@@ -32,7 +32,7 @@ impl InstanceFile {
 }
 
 impl Expand for InstanceFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         to.place(e, self)
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, PrimitiveFile};
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::geometry::Instance;
 use crate::input::{length, path_within};
@@ -120,7 +120,7 @@ impl Builder<'_> {
 }
 
 impl Expand for MeshFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let &Self { ref file, scale, rotation, translation, smooth, soft_terminator, .. } = self;
         let ok = scale > 0.0 && scale <= MAX_COORDINATE;
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;

@@ -3,11 +3,11 @@
 //! The list in `primitive_files!` generates the enum of scene files and the dispatch.
 
 mod boxes;
-mod groups;
 mod instance;
 mod mesh;
 mod moving_sphere;
 mod named_mesh;
+mod named_meshes;
 mod quad;
 mod sphere;
 mod triangles;
@@ -17,13 +17,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use self::groups::Groups;
 pub use self::named_mesh::NamedMesh;
+use self::named_meshes::NamedMeshes;
 use super::assets::Assets;
 pub use super::mesh::Smooth;
-use super::mesh::{Mesh, add_tangents, lacks_tangents};
+use super::mesh::{IndexedMesh, add_tangents, lacks_tangents};
 use super::named::Named;
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Vertices};
 use crate::limits::Budget;
@@ -39,7 +39,7 @@ const ROW: u64 = 48;
 /// An entry in the list of primitives of a scene file.
 trait Expand {
     /// Checks the parameters and adds the primitives that they describe.
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()>;
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()>;
 }
 
 /// The name of a material, which may be left out.
@@ -67,8 +67,8 @@ pub(crate) struct Builder<'a> {
     /// The materials of the triangles of meshes that instances place.
     pub(crate) mesh_ranges: Ranges,
     /// The meshes read so far, by file.
-    pub(crate) meshes: HashMap<PathBuf, Mesh>,
-    groups: Groups<'a>,
+    pub(crate) meshes: HashMap<PathBuf, IndexedMesh>,
+    groups: NamedMeshes<'a>,
     materials: &'a Materials<'a>,
     /// Folder of the scene file.
     folder: &'a Path,
@@ -80,7 +80,7 @@ pub(crate) struct Builder<'a> {
 pub(crate) struct Materials<'a> {
     names: HashMap<&'a str, u32>,
     /// Whether each of them is a light.
-    shine: Vec<bool>,
+    emits: Vec<bool>,
     /// Whether any of them has a normal map, so that smooth meshes need tangents.
     normal_maps: bool,
     /// Whether any of them uses the colours of vertices. Otherwise, they are not stored, and are not
@@ -91,17 +91,17 @@ pub(crate) struct Materials<'a> {
 impl<'a> Materials<'a> {
     /// `names` are the names of `materials`.
     pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
-        let shines = |material: &Material| material.emission().is_some_and(|e| e.shines());
+        let emits = |material: &Material| material.emission().is_some_and(|e| e.emits());
         Self {
             names: names.zip(0..).collect(),
-            shine: materials.iter().map(shines).collect(),
+            emits: materials.iter().map(emits).collect(),
             normal_maps: materials.iter().any(Material::has_normal_map),
             vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }
     }
 
     /// Returns the index of the material called `name`.
-    pub(crate) fn find(&self, e: &Element<'_>, name: &str) -> Result<u32> {
+    pub(crate) fn find(&self, e: &Location<'_>, name: &str) -> Result<u32> {
         self.names.get(name).copied().ok_or_else(|| {
             let known = suggestion(name, self.names.keys().copied());
             e.error(format!("unknown material `{name}`{known}"))
@@ -139,7 +139,7 @@ impl<'a> Builder<'a> {
             ranges: Ranges::default(),
             mesh_ranges: Ranges::default(),
             meshes: HashMap::new(),
-            groups: Groups::new(meshes),
+            groups: NamedMeshes::new(meshes),
             materials,
             folder,
             assets,
@@ -153,7 +153,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Checks that the limits allow `more` primitives, and counts their memory.
-    fn room(&self, e: &Element<'_>, more: usize) -> Result<()> {
+    fn room(&self, e: &Location<'_>, more: usize) -> Result<()> {
         let held = self.budget.hold_primitives(self.count(), more);
         held.map_err(|message| e.error(message))
     }
@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
     /// Adds triangles, with tangents and colours if materials need them.
     fn triangles(
         &mut self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         mut vertices: Vertices,
         mut faces: Vec<[u32; 3]>,
         soft: bool,
@@ -183,7 +183,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a quad whose parameters are in range.
-    fn quad(&mut self, e: &Element<'_>, [q, u, v]: [[f32; 3]; 3]) -> Result<()> {
+    fn quad(&mut self, e: &Location<'_>, [q, u, v]: [[f32; 3]; 3]) -> Result<()> {
         let quad = Quad::new(q.into(), u.into(), v.into()).ok_or_else(|| {
             e.error("the edges must span an area, but they are zero or nearly parallel")
         })?;
@@ -193,7 +193,7 @@ impl<'a> Builder<'a> {
 }
 
 /// Returns the radius after checking its range.
-fn radius(e: &Element<'_>, radius: f32) -> Result<f32> {
+fn radius(e: &Location<'_>, radius: f32) -> Result<f32> {
     let ok = radius > 0.0 && radius <= MAX_COORDINATE;
     e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
 }
@@ -233,7 +233,7 @@ macro_rules! primitive_files {
             }
 
             /// Checks the parameters and adds the primitives that they describe.
-            pub(crate) fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+            pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(primitive) => primitive.expand(e, to),)*
                 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, radius};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::geometry::Sphere;
 
@@ -22,7 +22,7 @@ pub struct MovingSphereFile {
 }
 
 impl Expand for MovingSphereFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         let center1 = e.point("center1", self.center1)?;
         to.room(e, 1)?;

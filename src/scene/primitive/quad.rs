@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// The parallelogram q + a u + b v, with a and b in [0, 1]. Its front is the side of u × v.
@@ -21,7 +21,7 @@ pub struct QuadFile {
 }
 
 impl Expand for QuadFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         to.room(e, 1)?;
         for (name, vector) in [("q", self.q), ("u", self.u), ("v", self.v)] {
             e.point(name, vector)?;

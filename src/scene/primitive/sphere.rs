@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, radius};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::geometry::Sphere;
 
@@ -20,7 +20,7 @@ pub struct SphereFile {
 }
 
 impl Expand for SphereFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         to.room(e, 1)?;
         to.geometry.spheres.push(Sphere::still(center, radius(e, self.radius)?));

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::mesh::{is_yes, yes};
 use super::{Builder, Expand};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::geometry::{Triangle, Vertices};
 use crate::scene::mesh::unit;
@@ -69,7 +69,7 @@ impl TrianglesFile {
 }
 
 impl Expand for TrianglesFile {
-    fn expand(&self, e: &Element<'_>, to: &mut Builder<'_>) -> Result<()> {
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let Self { vertices, indices, normals, uvs, second_uvs, colors, tangents, .. } = self;
         to.room(e, indices.len())?;
         to.budget.hold_vertices(vertices.len()).map_err(|message| e.error(message))?;

@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 use super::assets::Assets;
 use super::description::SceneFile;
-use super::mesh::Mesh;
+use super::mesh::IndexedMesh;
 use super::{Scene, SceneData};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::{Error, Result};
 use crate::limits::{self, Budget, Limit, MAX_MEDIA};
 use crate::shading::light::LightFile;
-use crate::shading::{Background, Camera, Images, Medium, World, cut_out};
+use crate::shading::{Background, Camera, Images, Medium, World, mark_holes};
 
 /// Returns the scene that `file` describes. Error messages call the file `name`. Paths of textures
 /// and meshes are relative to `folder`.
@@ -48,15 +48,15 @@ pub(crate) fn resolve(
     let images = images.files();
     let (geometry, material_map, meshes) = resolver.primitives(&materials, folder, assets)?;
     let mut geometry = geometry;
-    cut_out(&mut geometry, &materials, &material_map);
+    mark_holes(&mut geometry, &materials, &material_map);
     let media = resolver.media()?;
-    let shines = |primitive: &u32| {
+    let emits = |primitive: &u32| {
         let material = &materials[material_map.get(*primitive) as usize];
-        material.emission().is_some_and(|emission| emission.shines())
+        material.emission().is_some_and(|emission| emission.emits())
     };
     let free = resolver.lights()?;
-    let lights = (0..geometry.len() as u32).filter(shines).count()
-        + free.iter().filter(|light| light.shines()).count()
+    let lights = (0..geometry.len() as u32).filter(emits).count()
+        + free.iter().filter(|light| light.emits()).count()
         + usize::from(matches!(background, Background::Image(_)) && !background.is_black());
     let room = resolver.budget.hold(LIGHT_BYTES * lights as u64);
     room.map_err(|message| Error::input(name, "", message))?;
@@ -88,7 +88,7 @@ const ENTRY: u64 = 100;
 pub(crate) const LIGHT_BYTES: u64 = 600;
 
 /// Sentences that name the ignored data of mesh files, one for all files with the same kinds.
-fn ignored(meshes: &BTreeMap<PathBuf, Mesh>) -> Vec<String> {
+fn ignored(meshes: &BTreeMap<PathBuf, IndexedMesh>) -> Vec<String> {
     let mut files: BTreeMap<String, Vec<&Path>> = BTreeMap::new();
     for (file, mesh) in meshes {
         if let Some(names) = mesh.ignored() {
@@ -109,12 +109,12 @@ struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    fn element(&self, place: String, kind: &'a str) -> Element<'a> {
-        Element { file: self.name, place, kind }
+    fn element(&self, place: String, kind: &'a str) -> Location<'a> {
+        Location { file: self.name, place, kind }
     }
 
     /// A section of the file. Its messages begin with its name, which is therefore not its place.
-    fn section(&self, name: &'a str) -> Element<'a> {
+    fn section(&self, name: &'a str) -> Location<'a> {
         self.element(String::new(), name)
     }
 

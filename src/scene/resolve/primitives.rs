@@ -7,7 +7,7 @@ use super::Resolver;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::scene::assets::Assets;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::IndexedMesh;
 use crate::scene::primitive::{Builder, Materials};
 use crate::shading::MaterialMap;
 use crate::shading::material::Material;
@@ -19,7 +19,7 @@ impl Resolver<'_> {
         materials: &[Material],
         folder: &Path,
         assets: &dyn Assets,
-    ) -> Result<(Geometry, MaterialMap, BTreeMap<PathBuf, Mesh>)> {
+    ) -> Result<(Geometry, MaterialMap, BTreeMap<PathBuf, IndexedMesh>)> {
         let all = materials;
         let materials = Materials::new(self.file.materials.names(), materials);
         let mut builder = Builder::new(&self.file.meshes, &materials, folder, assets, &self.budget);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::precise::{exp, sin_cos_degrees};
 use crate::math::{Real, Row, Word, whole};
@@ -81,7 +81,7 @@ impl PixelFilter {
         *self == Self::Box
     }
 
-    pub(crate) fn check(&self, e: &Element<'_>) -> Result<()> {
+    pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
         let length = |name: &str, value: f32| {
             e.check((0.1..=16.0).contains(&value), name, "in [0.1, 16]", value)
         };

@@ -8,7 +8,7 @@ mod filter;
 pub use self::file::CameraFile;
 pub(crate) use self::filter::FilterTable;
 pub use self::filter::PixelFilter;
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::math::precise::tan_degrees;
@@ -69,13 +69,13 @@ impl TryFrom<&CameraFile> for Camera {
     /// # Errors
     /// If a parameter is out of range: an [`Error::Input`] that names the first such parameter.
     fn try_from(camera: &CameraFile) -> Result<Self> {
-        Self::new(&Element { file: "scene", place: String::new(), kind: "camera" }, camera)
+        Self::new(&Location { file: "scene", place: String::new(), kind: "camera" }, camera)
     }
 }
 
 impl Camera {
     /// Checks `camera`, the element `e` of a scene file.
-    pub(crate) fn new(e: &Element<'_>, camera: &CameraFile) -> Result<Self> {
+    pub(crate) fn new(e: &Location<'_>, camera: &CameraFile) -> Result<Self> {
         let from = e.point("look_from", camera.look_from)?.as_dvec3();
         let at = e.point("look_at", camera.look_at)?.as_dvec3();
         let up = e.point("up", camera.up)?.as_dvec3();

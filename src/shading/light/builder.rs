@@ -42,7 +42,7 @@ impl LightsBuilder {
 
     /// Adds a light that is not a primitive, unless it is black.
     pub(crate) fn push_free(&mut self, light: &LightFile) {
-        if !light.shines() {
+        if !light.emits() {
             return;
         }
         let tables = &mut self.lights.tables;

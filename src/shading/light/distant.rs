@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::LightModel;
 use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::precise::{one_minus_cos, unit};
 use crate::math::warp::uniform_cone;
@@ -41,7 +41,7 @@ impl Distant {
 impl FreeLightModel for Distant {
     type Light = DistantLight;
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         e.point("direction", self.direction)?;
         if !self.toward().is_finite() {
             return Err(e.error("direction must not be zero"));

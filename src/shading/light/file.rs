@@ -6,7 +6,7 @@ use super::distant::Distant;
 use super::free::FreeLightModel;
 use super::point::Point;
 use super::spot::Spot;
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// A light that is not a primitive. Paths cannot hit it, so that only light samples find it.
@@ -32,7 +32,7 @@ impl LightFile {
         }
     }
 
-    pub(crate) fn check(&self, e: &Element<'_>) -> Result<()> {
+    pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
         match self {
             Self::Point(light) => light.check(e),
             Self::Spot(light) => light.check(e),
@@ -41,7 +41,7 @@ impl LightFile {
     }
 
     /// Whether the light is not black.
-    pub(crate) fn shines(&self) -> bool {
+    pub(crate) fn emits(&self) -> bool {
         let (Self::Point(Point { intensity: light, .. })
         | Self::Spot(Spot { intensity: light, .. })
         | Self::Distant(Distant { irradiance: light, .. })) = self;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::LightModel;
 use super::tree::LightBounds;
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// The description of a light that is not a primitive.
@@ -13,7 +13,7 @@ pub(super) trait FreeLightModel {
     type Light: LightModel;
 
     /// Checks the parameters.
-    fn check(&self, e: &Element<'_>) -> Result<()>;
+    fn check(&self, e: &Location<'_>) -> Result<()>;
 
     /// Returns the entry and its radiance.
     fn light(&self) -> (Self::Light, FreeLight);

@@ -7,7 +7,7 @@ use super::LightModel;
 use super::free::{FreeLight, FreeLightModel};
 use super::sample::LightSample;
 use super::tree::LightBounds;
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::{Mask, Real, Row, Vector, dot, row};
@@ -32,7 +32,7 @@ pub(super) struct PointLight {
 impl FreeLightModel for Point {
     type Light = PointLight;
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         e.point("position", self.position)?;
         e.color("intensity", self.intensity, MAX_RADIANCE).map(|_| ())
     }

@@ -8,7 +8,7 @@ use super::free::{FreeLight, FreeLightModel};
 use super::point::sample_point;
 use super::sample::LightSample;
 use super::tree::LightBounds;
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::precise::{one_minus_cos, sin_cos_degrees, unit};
@@ -18,7 +18,7 @@ use crate::shading::emission::luminance;
 /// A point that emits light into a cone.
 ///
 /// The intensity falls from the inner to the outer cone by a smooth step in the cosine of the angle
-/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 12.2.1).
+/// (Pharr et al., *Physically Based RenderState*, 4th ed., section 12.2.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spot {
@@ -57,7 +57,7 @@ impl Spot {
 impl FreeLightModel for Spot {
     type Light = SpotLight;
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { inner, outer, .. } = *self;
         e.point("position", self.position)?;
         e.point("look_at", self.look_at)?;

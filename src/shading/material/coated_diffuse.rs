@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::principled::{LayeredBsdf, Parameters, Shares, reflectance_at_normal};
 use super::{MaterialModel, Opacity};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, max};
 use crate::shading::interaction::Interaction;
@@ -34,7 +34,7 @@ pub struct CoatedDiffuse {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -68,7 +68,7 @@ impl MaterialModel for CoatedDiffuse {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         self.reflectance.check(e, "reflectance")?;
         self.roughness.check(e, "roughness", 0.0..=1.0)?;
         e.check((1.01..=10.0).contains(&self.ior), "ior", "in [1.01, 10]", self.ior)

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
 use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, row};
@@ -31,7 +31,7 @@ pub struct Conductor {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -61,7 +61,7 @@ impl MaterialModel for Conductor {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { eta, k, .. } = *self;
         self.alpha.check(e, "alpha", 0.0..=1.0)?;
         e.color("eta", eta, 100.0)?;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, reflect, row};
 use crate::sampler::{Dimension, Randoms};
@@ -26,7 +26,7 @@ pub struct Dielectric {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -66,7 +66,7 @@ impl MaterialModel for Dielectric {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)
     }
 

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::uniform_hemisphere;
 use crate::math::{Mask, Real, Row, dot};
@@ -32,7 +32,7 @@ impl MaterialModel for Diffuse {
         self.albedo.reference().into_iter().collect()
     }
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")
     }
 

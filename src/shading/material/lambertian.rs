@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Opacity, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Mask, Real, Row, dot};
@@ -23,7 +23,7 @@ pub struct Lambertian {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -49,7 +49,7 @@ impl MaterialModel for Lambertian {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")
     }
 

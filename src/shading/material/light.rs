@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, Emission, MaterialModel, Scatter, Sides};
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Vector};
 use crate::sampler::Randoms;
@@ -32,7 +32,7 @@ impl MaterialModel for Light {
         Some(Emission { radiance: Vec3::from(self.radiance), sides: self.sides })
     }
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         e.color("radiance", self.radiance, MAX_RADIANCE).map(|_| ())
     }
 

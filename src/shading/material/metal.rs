@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::uniform_ball;
 use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect};
@@ -27,7 +27,7 @@ pub struct Metal {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -55,7 +55,7 @@ impl MaterialModel for Metal {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")?;
         self.fuzz.check(e, "fuzz", 0.0..=1.0)
     }

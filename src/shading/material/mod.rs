@@ -42,7 +42,7 @@ pub use super::emission::{Emission, Sides};
 use super::interaction::Interaction;
 pub use super::opacity::Opacity;
 use super::texture::{Color, TextureRef, TextureTables};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::image::Texels;
 use crate::math::{Real, Row};
@@ -84,7 +84,7 @@ pub(crate) trait MaterialModel {
 
     /// Returns the texture of the light that the material emits, if it has one. Such light is not
     /// sampled: only paths that hit the surface find it.
-    fn glow(&self) -> Option<&Color> {
+    fn emission_texture(&self) -> Option<&Color> {
         None
     }
 
@@ -99,7 +99,7 @@ pub(crate) trait MaterialModel {
     }
 
     /// Checks the parameters.
-    fn check(&self, e: &Element<'_>) -> Result<()>;
+    fn check(&self, e: &Location<'_>) -> Result<()>;
 
     /// Returns the parameters for the table, and adds their textures to `textures`.
     fn entry(&self, textures: &mut TextureTables) -> Self::Entry;
@@ -130,12 +130,17 @@ pub(crate) struct MaterialTable<E> {
     /// For each of them, the code of its normal map; empty if none has one.
     pub(crate) normals: Vec<u32>,
     /// For each of them, the row of the texture of its light; empty if none has one.
-    pub(crate) glows: Vec<Row>,
+    pub(crate) emission_rows: Vec<Row>,
 }
 
 impl<E> Default for MaterialTable<E> {
     fn default() -> Self {
-        Self { entries: Vec::new(), textured: false, normals: Vec::new(), glows: Vec::new() }
+        Self {
+            entries: Vec::new(),
+            textured: false,
+            normals: Vec::new(),
+            emission_rows: Vec::new(),
+        }
     }
 }
 
@@ -179,7 +184,7 @@ macro_rules! materials {
                 }
             }
 
-            pub(crate) fn check(&self, e: &Element<'_>) -> Result<()> {
+            pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(material) => {
                         material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
@@ -204,9 +209,9 @@ macro_rules! materials {
             }
 
             /// Whether the material emits the light of a texture.
-            pub(crate) fn glows(&self) -> bool {
+            pub(crate) fn has_emission_texture(&self) -> bool {
                 match self {
-                    $(Self::$name(material) => material.glow().is_some(),)*
+                    $(Self::$name(material) => material.emission_texture().is_some(),)*
                 }
             }
 
@@ -258,9 +263,9 @@ macro_rules! materials {
                             table.normals.resize(table.entries.len() - 1, 0);
                             table.normals.push(normal);
                         }
-                        if material.glow().is_some() || !table.glows.is_empty() {
-                            table.glows.resize(table.entries.len() - 1, [0; 4]);
-                            table.glows.push(material.glow().map_or([0; 4], |glow| textures.row(glow)));
+                        if material.emission_texture().is_some() || !table.emission_rows.is_empty() {
+                            table.emission_rows.resize(table.entries.len() - 1, [0; 4]);
+                            table.emission_rows.push(material.emission_texture().map_or([0; 4], |texture| textures.row(texture)));
                         }
                         table.textured |= textures.uses() > before;
                         assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");
@@ -308,7 +313,7 @@ materials! {
 }
 
 /// Checks that a normal map is a texture that contains normals.
-fn check_normals(normal: &TextureRef, e: &Element<'_>) -> Result<()> {
+fn check_normals(normal: &TextureRef, e: &Location<'_>) -> Result<()> {
     match normal.get().holds_normals() {
         true => Ok(()),
         false => Err(e.error(

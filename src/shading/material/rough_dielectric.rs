@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, Opacity, Scatter};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
 use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, max, min, normalize};
@@ -26,7 +26,7 @@ pub struct RoughDielectric {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles.
+    /// HoleTest in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -57,7 +57,7 @@ impl MaterialModel for RoughDielectric {
 
     normal_and_opacity!();
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { ior, alpha, .. } = self;
         // As the index approaches 1, all microfacets transmit light without deflecting it.
         let ok = (0.01..=0.99).contains(ior) || (1.01..=100.0).contains(ior);

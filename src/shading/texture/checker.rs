@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Rgba, TextureModel, TexturePoint};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
 use crate::shading::images::Images;
@@ -27,7 +27,7 @@ impl TextureModel for Checker {
     /// (`odd`, cells per unit of length), (`even`, 0).
     type Entry = [Row; 2];
 
-    fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
+    fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         let ok = self.scale > 0.0 && self.scale <= 1e6;
         e.check(ok, "scale", "above 0 and at most 1e6", self.scale)?;
         e.color("odd", self.odd, 1.0)?;

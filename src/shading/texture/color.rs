@@ -6,7 +6,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Product, Texture, TextureRef};
-use crate::checks::{Element, limit};
+use crate::checks::{Location, limit};
 use crate::error::Result;
 
 /// A constant colour, or a texture times a constant colour.
@@ -31,12 +31,12 @@ impl Color {
 
     /// Checks that the colour is an albedo, with each channel in [0, 1]. The texture, if there is
     /// one, must be loaded.
-    pub(crate) fn check(&self, e: &Element<'_>, name: &str) -> Result<()> {
+    pub(crate) fn check(&self, e: &Location<'_>, name: &str) -> Result<()> {
         self.check_within(e, name, 1.0)
     }
 
     /// Checks that each channel is in [0, `most`].
-    pub(crate) fn check_within(&self, e: &Element<'_>, name: &str, most: f32) -> Result<()> {
+    pub(crate) fn check_within(&self, e: &Location<'_>, name: &str, most: f32) -> Result<()> {
         match self {
             Self::Rgb(rgb) => e.color(name, *rgb, most).map(|_| ()),
             Self::Texture { texture, factor } => {

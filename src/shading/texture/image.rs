@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Rgba, TextureModel, TexturePoint};
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::image::{Encoding, Texels};
 use crate::math::precise::sin_cos_degrees;
@@ -131,7 +131,7 @@ pub(crate) struct ImageEntry {
 impl TextureModel for Image {
     type Entry = ImageEntry;
 
-    fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+    fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
         e.check(self.uv <= 1, "uv", "0 or 1", self.uv)?;
         let within = |value: f32| value.abs() <= MAX_COORDINATE;
         let Self { scale, rotation, offset, .. } = *self;

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::images::{ImageFile, Images};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 pub use crate::image::Encoding;
 use crate::image::Texels;
@@ -57,7 +57,7 @@ pub(crate) trait TextureModel {
     type Entry: Debug + Send + Sync;
 
     /// Checks the parameters and reads the files that they name.
-    fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()>;
+    fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()>;
 
     /// Returns everything that determines the colours, for the hash of the scene.
     fn identity(&self) -> Value;
@@ -122,7 +122,7 @@ macro_rules! textures {
             /// The names of the kinds in scene files.
             const KINDS: &[&str] = &[$(stringify!($module),)*];
 
-            pub(crate) fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+            pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
                 match self {
                     $(Self::$name(texture) => texture.load(e, images),)*
                 }

@@ -7,7 +7,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Channel, Product, TextureRef};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 
 /// A constant number, or a channel of a texture times a constant number.
@@ -40,7 +40,7 @@ impl Number {
     /// textures below its start are for the material to raise.
     pub(crate) fn check(
         &self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         name: &str,
         range: RangeInclusive<f32>,
     ) -> Result<()> {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Rgba, TextureModel, TexturePoint};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Real, Vector};
 use crate::shading::images::Images;
@@ -22,7 +22,7 @@ impl TextureModel for Solid {
 
     const CONSTANT: bool = true;
 
-    fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
+    fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         e.color("color", self.color, 1.0).map(|_| ())
     }
 

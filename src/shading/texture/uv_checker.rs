@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Rgba, TextureModel, TexturePoint};
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
 use crate::shading::images::Images;
@@ -29,7 +29,7 @@ impl TextureModel for UvChecker {
     /// (`odd`, factor of u), (`even`, factor of v), (offsets, 0, 0).
     type Entry = [Row; 3];
 
-    fn load(&mut self, e: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
+    fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         let within = |(u, v): (f32, f32)| u.abs() <= MAX_COORDINATE && v.abs() <= MAX_COORDINATE;
         e.check(within(self.scale), "scale", "within ±1e9", self.scale)?;
         e.check(within(self.offset), "offset", "within ±1e9", self.offset)?;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Rgba, TextureModel, TexturePoint};
-use crate::checks::Element;
+use crate::checks::Location;
 use crate::error::Result;
 use crate::math::Real;
 use crate::shading::images::Images;
@@ -19,7 +19,7 @@ impl TextureModel for VertexColor {
 
     const USES_VERTEX_COLORS: bool = true;
 
-    fn load(&mut self, _: &Element<'_>, _: &mut Images<'_>) -> Result<()> {
+    fn load(&mut self, _: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         Ok(())
     }
 

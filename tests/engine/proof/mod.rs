@@ -7,10 +7,10 @@
 //! variable `PTFAST_PROOF_SEED` sets another seed.
 #![allow(clippy::disallowed_methods)] // expected values are computed in f64 with libm
 
+mod emission;
 mod exact;
 mod filters;
 mod furnace;
-mod glow;
 mod instances;
 mod lamps;
 mod media;

@@ -1,4 +1,4 @@
-//! Holes in triangles: light passes through them as if nothing were there.
+//! HoleTest in triangles: light passes through them as if nothing were there.
 
 use std::f64::consts::PI;
 

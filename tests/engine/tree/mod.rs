@@ -6,7 +6,7 @@
 
 mod check;
 mod counters;
-mod cutouts;
+mod holes;
 mod instances;
 mod odd_geometry;
 mod odd_rays;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use ptfast::internals::{Checkpoint, Identity, Part, Stream};
 use ptfast::{
-    Engine, Limits, Observer, Progress, RenderSettings, Renderer, Rendering, Scene, Stop,
+    Engine, Limits, Observer, Progress, RenderSettings, RenderState, Renderer, Scene, Stop,
 };
 use serde_json::Value;
 
@@ -57,7 +57,7 @@ fn renders_continue_from_checkpoints() {
                 let patience = Patience { left: AtomicU64::new(below(60)), stop };
                 let renderer = Renderer::new(&scene, settings).unwrap();
                 renderer.advance(&mut rendering, &patience).unwrap();
-                let Rendering { film, .. } = &rendering;
+                let RenderState { film, .. } = &rendering;
                 if film.samples_done() == film.samples_to_do() {
                     break;
                 }

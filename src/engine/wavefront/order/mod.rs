@@ -7,7 +7,7 @@ pub(super) use cells::{CellSort, Cells};
 
 use super::columns::Columns;
 use super::paths::Paths;
-use super::rays::Rays;
+use super::rays::WaveRays;
 
 /// The paths that continue. Columns: path, cell.
 pub(super) type Next = Columns<2>;
@@ -15,7 +15,7 @@ pub(super) type Next = Columns<2>;
 /// Builds the rays of the paths `next`, sorted by their cells if `by_cell` is set, else in the given
 /// order.
 #[inline(never)]
-pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut Rays) {
+pub(super) fn order(next: &Next, by_cell: bool, paths: &Paths, rays: &mut WaveRays) {
     if by_cell {
         rays.sort.list(next.column(1), next.column(0).iter().copied(), &mut rays.paths);
     } else {

@@ -1,6 +1,6 @@
 //! Direct light: one light sample and one shadow ray per vertex.
 
-use super::Shading;
+use super::ShadeInputs;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
 use crate::engine::contract::{SHADOW_REACH, power_heuristic};
@@ -13,7 +13,7 @@ use crate::shading::light::LightSample;
 use crate::shading::material::Bsdf;
 use crate::simd::{Float, Vec3x};
 
-impl Shading<'_> {
+impl ShadeInputs<'_> {
     /// Samples a light from each vertex and appends its shadow ray. `normal` is on the side where
     /// the path arrives.
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Shaded, Shading};
+use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::contract::emission_weight;
 use crate::engine::wavefront::paths::Segment;
 use crate::engine::wavefront::sort::Queue;
@@ -10,10 +10,10 @@ use crate::geometry::{Hit, Shape};
 use crate::math::{Real, Row, Vector};
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
-impl Shading<'_> {
+impl ShadeInputs<'_> {
     /// Adds the background's light to the paths of `queue`, which leave the scene and end.
     #[inline(never)]
-    pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
+    pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) {
         let environment = self.tables.lights.environment::<Float>();
         let seen_by_camera = self.settings.backdrop.radiance().filter(|_| self.segment == 1);
         for first in (0..queue.len()).step_by(LANES) {
@@ -41,28 +41,29 @@ impl Shading<'_> {
         shaded.endings.background += queue.len() as u64;
     }
 
-    /// Adds the light that surfaces of one shape emit towards the paths of `queue`. `glows` are the
+    /// Adds the light that surfaces of one shape emit towards the paths of `queue`. `emission_rows` are the
     /// rows of the textures of their light, if they have any.
     #[inline(never)]
     pub(super) fn emit(
         &self,
         shape: Shape,
-        glows: &[Row],
+        emission_rows: &[Row],
         queue: Queue<'_>,
-        shaded: &mut Shaded<'_>,
+        shaded: &mut ShadeOutputs<'_>,
     ) {
         let instanced = shape == Shape::Instance;
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths, instanced);
             let Segment { ray, pdf } = vertex.segment;
             let Hit { t, primitive, .. } = vertex.hit;
-            let textured = !glows.is_empty();
+            let textured = !emission_rows.is_empty();
             let at = self.tables.interaction(shape, ray, vertex.hit, textured, false, instanced);
             let mut history = vertex.history;
             if textured {
-                let entries = self.tables.looks.entries::<Float>(shape, primitive, glows.len());
-                let glow = at.color(Float::gather(glows, entries, |row| row));
-                history.radiance = history.radiance + history.beta * glow;
+                let entries =
+                    self.tables.looks.entries::<Float>(shape, primitive, emission_rows.len());
+                let radiance = at.color(Float::gather(emission_rows, entries, |row| row));
+                history.radiance = history.radiance + history.beta * radiance;
                 shaded.paths.set_radiance(&vertex.path, &history);
             }
             if self.tables.lights.is_empty() {

@@ -23,7 +23,7 @@ use crate::simd::LANES;
 
 /// The inputs that all paths of a segment share.
 #[derive(Clone, Copy)]
-pub(super) struct Shading<'a> {
+pub(super) struct ShadeInputs<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a RenderSettings,
     pub(super) tables: &'a SceneTables,
@@ -33,7 +33,7 @@ pub(super) struct Shading<'a> {
 }
 
 /// The outputs of shading.
-pub(super) struct Shaded<'a> {
+pub(super) struct ShadeOutputs<'a> {
     pub(super) paths: &'a mut Paths,
     /// The paths that continue.
     pub(super) next: &'a mut Next,
@@ -43,11 +43,11 @@ pub(super) struct Shaded<'a> {
     pub(super) endings: &'a mut Endings,
 }
 
-impl Shading<'_> {
+impl ShadeInputs<'_> {
     /// Shades all queues. Returns the numbers of paths and lanes, without the queues whose paths
     /// were only ended at the depth limit.
     #[inline(never)]
-    pub(super) fn shade(&self, queues: &Queues, shaded: &mut Shaded<'_>) -> StageWork {
+    pub(super) fn shade(&self, queues: &Queues, shaded: &mut ShadeOutputs<'_>) -> StageWork {
         shaded.next.clear();
         shaded.shadows.clear();
         let (mut paths, mut lanes) = (0, 0);
@@ -75,9 +75,9 @@ impl Shading<'_> {
         StageWork::in_lanes(paths, lanes)
     }
 
-    /// Returns whether the depth limit ends the paths of `queue` here, and counts them if so. Rays
+    /// Returns whether the depth limit ends the paths of `queue` here, and counts them if so. WaveRays
     /// beyond the limit are not traced, so scattering would be useless.
-    fn ends_by_depth(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) -> bool {
+    fn ends_by_depth(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) -> bool {
         let ends = self.segment == self.settings.depth;
         if ends {
             shaded.endings.depth += queue.len() as u64;
@@ -88,11 +88,11 @@ impl Shading<'_> {
 
 /// Shades the paths of `queue`, which have hit surfaces of one shape and one kind of material.
 struct ShadeSurfaces<'s, 'a> {
-    shading: &'s Shading<'s>,
+    shading: &'s ShadeInputs<'s>,
     shape: Shape,
     emits: bool,
     queue: Queue<'s>,
-    shaded: &'s mut Shaded<'a>,
+    shaded: &'s mut ShadeOutputs<'a>,
 }
 
 impl MaterialVisitor for ShadeSurfaces<'_, '_> {
@@ -103,7 +103,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
         if emits && shading.settings.backdrop != Backdrop::Alone {
-            shading.emit(shape, &table.glows, queue, shaded);
+            shading.emit(shape, &table.emission_rows, queue, shaded);
         }
         if !M::SCATTERS {
             shaded.endings.light += queue.len() as u64;

@@ -1,7 +1,7 @@
 //! Scattering: samples the next direction of each path, or terminates it.
 
 use super::vertex::Vertex;
-use super::{Shaded, Shading};
+use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::contract::ROULETTE_MAX;
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::engine::wavefront::sort::Queue;
@@ -18,7 +18,7 @@ pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;
 
-impl Shading<'_> {
+impl ShadeInputs<'_> {
     /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
     ///
     /// It is not inlined, so that each kind of material has all registers to itself.
@@ -28,7 +28,7 @@ impl Shading<'_> {
         table: &MaterialTable<M::Entry>,
         shape: Shape,
         queue: Queue<'_>,
-        shaded: &mut Shaded<'_>,
+        shaded: &mut ShadeOutputs<'_>,
     ) {
         let instanced = LOOP == GENERAL && shape == Shape::Instance;
         for first in (0..queue.len()).step_by(LANES) {
@@ -48,7 +48,7 @@ impl Shading<'_> {
 
     /// Scatters the paths of `queue` in media.
     #[inline(never)]
-    pub(super) fn scatter_in_media(&self, queue: Queue<'_>, shaded: &mut Shaded<'_>) {
+    pub(super) fn scatter_in_media(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) {
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths, false);
             let Ray { origin, direction, .. } = vertex.segment.ray;
@@ -69,7 +69,7 @@ impl Shading<'_> {
         surface: &Surface<Float>,
         normal: Vec3x,
         bsdf: &B,
-        shaded: &mut Shaded<'_>,
+        shaded: &mut ShadeOutputs<'_>,
     ) {
         if self.settings.samples_lights(self.scene) {
             self.direct(vertex, surface, normal, bsdf, shaded.shadows);

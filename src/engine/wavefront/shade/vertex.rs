@@ -1,6 +1,6 @@
 //! Vertices: the points at which the segments of paths end.
 
-use super::Shading;
+use super::ShadeInputs;
 use crate::engine::wavefront::paths::{History, Paths, Segment};
 use crate::engine::wavefront::sort::Queue;
 use crate::geometry::Hit;
@@ -20,7 +20,7 @@ pub(super) struct Vertex {
     pub(super) randoms: Randoms<Float>,
 }
 
-impl Shading<'_> {
+impl ShadeInputs<'_> {
     /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on. `instanced`
     /// is set if they are on instances.
     #[inline(always)]

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::mapping::Mapping;
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::image::{Encoding, Texels};
 use crate::math::precise::{rotate, sin_cos_degrees, unit};
@@ -118,7 +118,7 @@ impl EnvironmentMap {
         self.texels = Some(Arc::new(texels));
     }
 
-    pub(crate) fn load(&mut self, e: &Element<'_>, images: &mut Images<'_>) -> Result<()> {
+    pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
         e.rotation(self.rotation)?;
         let columns = self.columns();
         let product = columns.transpose() * columns;
@@ -153,6 +153,6 @@ impl EnvironmentMap {
 
     /// Whether no light comes from the map.
     pub(crate) fn is_black(&self) -> bool {
-        self.scale == 0.0 || !self.texels().shines()
+        self.scale == 0.0 || !self.texels().emits()
     }
 }

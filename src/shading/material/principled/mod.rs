@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub(super) use self::albedo::Shares;
 pub(super) use self::layered::{LayeredBsdf, Parameters, reflectance_at_normal};
 use super::{Emission, MaterialModel, Opacity, Sides};
-use crate::checks::{Element, MAX_RADIANCE};
+use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Real, Row, row};
 use crate::shading::interaction::Interaction;
@@ -58,7 +58,7 @@ pub struct Principled {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles and emit no light but that of a texture.
+    /// HoleTest in the surface, which must then be of triangles and emit no light but that of a texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -131,11 +131,11 @@ impl MaterialModel for Principled {
         (radiance != Vec3::ZERO).then_some(Emission { radiance, sides: Sides::Both })
     }
 
-    fn glow(&self) -> Option<&Color> {
+    fn emission_texture(&self) -> Option<&Color> {
         Some(&self.emission).filter(|emission| emission.constant().is_none())
     }
 
-    fn check(&self, e: &Element<'_>) -> Result<()> {
+    fn check(&self, e: &Location<'_>) -> Result<()> {
         self.base_color.check(e, "base_color")?;
         let numbers = [
             ("metalness", &self.metalness),

@@ -1,4 +1,4 @@
-//! Holes in triangles, such as those between the leaves on a picture of foliage.
+//! HoleTest in triangles, such as those between the leaves on a picture of foliage.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Ray, Triangles};
 
 /// Decides where triangles have holes.
-pub trait Holes: Debug + Send + Sync {
+pub trait HoleTest: Debug + Send + Sync {
     /// Whether triangle `triangle` of `triangles` has a hole where `ray` hits it at distance `t`. The
     /// ray is in the space of the triangles. `instance` is 0 for triangles that no instance places.
     ///
@@ -23,26 +23,26 @@ pub trait Holes: Debug + Send + Sync {
 
 /// The triangles that may have holes.
 #[derive(Clone, Debug, Default)]
-pub struct Cutouts(Option<Arc<Marked>>);
+pub struct Holes(Option<Arc<Marked>>);
 
 #[derive(Debug)]
 struct Marked {
     /// A bit for each triangle.
     bits: Vec<u64>,
-    holes: Arc<dyn Holes>,
+    holes: Arc<dyn HoleTest>,
 }
 
 /// Compares which triangles may have holes. Where the holes are follows from the materials of a scene,
 /// which are compared on their own.
-impl PartialEq for Cutouts {
+impl PartialEq for Holes {
     fn eq(&self, other: &Self) -> bool {
         self.0.as_ref().map(|marked| &marked.bits) == other.0.as_ref().map(|marked| &marked.bits)
     }
 }
 
-impl Cutouts {
+impl Holes {
     /// The triangles among the first `count` for which `has_holes` returns true.
-    pub fn new(count: usize, has_holes: impl Fn(usize) -> bool, holes: Arc<dyn Holes>) -> Self {
+    pub fn new(count: usize, has_holes: impl Fn(usize) -> bool, holes: Arc<dyn HoleTest>) -> Self {
         let mut bits = vec![0; count.div_ceil(64)];
         for triangle in (0..count).filter(|&triangle| has_holes(triangle)) {
             bits[triangle / 64] |= 1 << (triangle % 64);

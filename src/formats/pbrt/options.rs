@@ -10,7 +10,7 @@ use crate::shading::{CameraFile, PixelFilter};
 
 /// What the directives before `WorldBegin` say about the picture.
 #[derive(Default)]
-pub(crate) struct View {
+pub(crate) struct RenderOptions {
     camera: Option<Camera>,
     size: Option<[u32; 2]>,
     filter: Option<PixelFilter>,

@@ -23,7 +23,7 @@ pub(crate) const ABSENT: i32 = i32::MIN;
 
 /// Consecutive lines of a file.
 #[derive(Default)]
-pub(crate) struct Part<'a> {
+pub(crate) struct ParsedLines<'a> {
     pub(crate) positions: Vec<Vec3>,
     /// The colour of each position, or empty if there is none.
     pub(crate) colors: Vec<Vec3>,
@@ -44,7 +44,7 @@ pub(crate) struct Part<'a> {
 pub(crate) struct Face {
     /// Number of lines of the part before this one.
     pub(crate) line: u32,
-    /// One past its last corner in [`Part::corners`].
+    /// One past its last corner in [`ParsedLines::corners`].
     pub(crate) end: u32,
     /// Number of positions, texture coordinates and normals of the part before this line.
     pub(crate) before: [u32; 3],
@@ -58,7 +58,7 @@ pub(crate) enum Kind {
     Object,
 }
 
-impl<'a> Part<'a> {
+impl<'a> ParsedLines<'a> {
     /// Reads all lines of `bytes`, or those before the first invalid one.
     pub(crate) fn parse(bytes: &'a [u8]) -> Self {
         let mut part = Self::default();

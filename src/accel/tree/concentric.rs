@@ -1,4 +1,4 @@
-//! Groups of primitives whose boxes have the same centre. The builder treats each group as one
+//! Concentric of primitives whose boxes have the same centre. The builder treats each group as one
 //! primitive.
 //!
 //! The builder of the crate obvhs merges boxes that are nearest neighbours of each other (PLOC).
@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::geometry::Bounds;
 
 /// The members of each group, one group after the other.
-pub(crate) struct Groups {
+pub(crate) struct Concentric {
     members: Vec<u32>,
     ranges: Vec<Range<usize>>,
 }
@@ -18,7 +18,7 @@ pub(crate) struct Groups {
 /// Up to this number of primitives with the same centre are passed to the builder individually.
 const MOST_SEPARATE: usize = 8;
 
-impl Groups {
+impl Concentric {
     pub(crate) fn new(boxes: &[Bounds], primitives: &[u32]) -> Self {
         let middle = |primitive: u32| {
             let b = boxes[primitive as usize];
@@ -68,7 +68,7 @@ mod tests {
         let mut boxes = vec![about(1.0, 0.5), about(3.0, 0.5), about(3.0, 0.25)];
         boxes.extend((0..9u8).map(|i| about(2.0, 1.0 / f32::from(1u8 << i.min(6)))));
         let each: Vec<u32> = (0..boxes.len() as u32).collect();
-        let groups = Groups::new(&boxes, &each);
+        let groups = Concentric::new(&boxes, &each);
         let mut sizes: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
         // Those that are no crowd keep their order.
         assert!((0..3).all(|group| groups.members(group as usize) == [group]));

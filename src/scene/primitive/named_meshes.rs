@@ -11,7 +11,7 @@ use std::rc::Rc;
 use glam::{DAffine3, Vec3};
 
 use super::{Builder, Expand, InstanceFile, MeshFile, NamedMesh, PrimitiveFile, Ranges};
-use crate::checks::{Element, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
 use crate::math::affine;
@@ -23,24 +23,24 @@ const MAX_NESTING: usize = 64;
 const CHILD: u64 = 208;
 
 /// The named meshes of a scene. Those that no instance places are not read.
-pub(super) struct Groups<'a> {
+pub(super) struct NamedMeshes<'a> {
     meshes: &'a Named<NamedMesh>,
     numbers: HashMap<&'a str, usize>,
     /// The groups read so far, by mesh and by the material that replaces those of the parts.
-    known: HashMap<(usize, Option<u32>), Rc<Group>>,
+    known: HashMap<(usize, Option<u32>), Rc<ReadMesh>>,
     /// The meshes that are being read, each a part of the one before.
     open: Vec<usize>,
 }
 
 /// A named mesh whose parts have been read.
 #[derive(Default)]
-struct Group {
+struct ReadMesh {
     /// The triangles that do not emit light, as a mesh of the geometry.
     mesh: Option<u32>,
     /// The triangles that emit light, with their material.
     lights: Vec<(Triangles, u32)>,
     /// Instances of other groups.
-    children: Vec<(DAffine3, Rc<Group>)>,
+    children: Vec<(DAffine3, Rc<ReadMesh>)>,
     /// Number of instances, of triangles and of their vertices that one placement adds.
     adds: [u64; 3],
     /// Number of instances around its innermost mesh.
@@ -54,7 +54,7 @@ struct Still {
     ranges: Ranges,
 }
 
-impl<'a> Groups<'a> {
+impl<'a> NamedMeshes<'a> {
     pub(super) fn new(meshes: &'a Named<NamedMesh>) -> Self {
         let (known, open) = Default::default();
         Self { meshes, numbers: meshes.names().zip(0..).collect(), known, open }
@@ -62,7 +62,7 @@ impl<'a> Groups<'a> {
 }
 
 /// Checks that a mesh whose box is `placed` is within the range of coordinates.
-fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
+fn check_place(e: &Location<'_>, placed: Bounds) -> Result<()> {
     let within = |p: Vec3| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE;
     if placed == Bounds::EMPTY || within(placed.min) && within(placed.max) {
         return Ok(());
@@ -74,7 +74,7 @@ fn check_place(e: &Element<'_>, placed: Bounds) -> Result<()> {
 
 impl<'a> Builder<'a> {
     /// Adds an instance and all that it contains.
-    pub(super) fn place(&mut self, e: &Element<'_>, file: &InstanceFile) -> Result<()> {
+    pub(super) fn place(&mut self, e: &Location<'_>, file: &InstanceFile) -> Result<()> {
         let map = affine::of_rows(&file.matrix);
         let group = self.group(e, file, None)?;
         let [instances, triangles, vertices] = group.adds;
@@ -85,7 +85,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a group placed by `map`, which messages call `name`.
-    fn put(&mut self, e: &Element<'_>, group: &Group, map: &DAffine3, name: &str) -> Result<()> {
+    fn put(
+        &mut self,
+        e: &Location<'_>,
+        group: &ReadMesh,
+        map: &DAffine3,
+        name: &str,
+    ) -> Result<()> {
         let instance = Instance::new(group.mesh.unwrap_or(0), &affine::rows(map))
             .map_err(|message| e.error(format!("{name} {message}")))?;
         if let Some(mesh) = group.mesh {
@@ -109,14 +115,14 @@ impl<'a> Builder<'a> {
     /// that of `file` does otherwise.
     fn group(
         &mut self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         file: &InstanceFile,
         material: Option<u32>,
-    ) -> Result<Rc<Group>> {
+    ) -> Result<Rc<ReadMesh>> {
         let InstanceFile { mesh: name, material: own, .. } = file;
         let own = own.as_ref().map(|own| self.materials.find(e, own)).transpose()?;
         let material = material.or(own);
-        let Groups { meshes, ref numbers, ref known, ref open } = self.groups;
+        let NamedMeshes { meshes, ref numbers, ref known, ref open } = self.groups;
         let Some(&number) = numbers.get(name.as_str()) else {
             let known = suggestion(name, meshes.names());
             return Err(e.error(format!("unknown mesh `{name}`{known}")));
@@ -151,16 +157,16 @@ impl<'a> Builder<'a> {
     /// Reads the parts of a mesh, whose places in the file are `place`.
     fn read(
         &mut self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         parts: &[PrimitiveFile],
         place: impl Fn(usize) -> String,
         material: Option<u32>,
-    ) -> Result<Group> {
-        let mut group = Group::default();
+    ) -> Result<ReadMesh> {
+        let mut group = ReadMesh::default();
         let mut still = Still::default();
         let [mut instances, mut triangles, mut vertices] = [0u64; 3];
         for (i, part) in parts.iter().enumerate() {
-            let e = Element { file: e.file, place: place(i), kind: part.name() };
+            let e = Location { file: e.file, place: place(i), kind: part.name() };
             match part {
                 PrimitiveFile::Instance(file) => {
                     Instance::new(0, &file.matrix)
@@ -216,13 +222,13 @@ impl<'a> Builder<'a> {
         let mut count = still.triangles.len();
         for (end, material) in materials {
             let range = is_still.len()..end as usize;
-            let shines = self.materials.shine[material as usize];
-            if shines && range == (0..list.len()) && !list.is_empty() {
+            let emits = self.materials.emits[material as usize];
+            if emits && range == (0..list.len()) && !list.is_empty() {
                 lights.push((list, material));
                 return Ok(());
             }
-            is_still.resize(range.end, !shines);
-            if !shines {
+            is_still.resize(range.end, !emits);
+            if !emits {
                 count += range.len();
                 still.ranges.cover(count, material);
             } else if !range.is_empty() {
@@ -242,7 +248,7 @@ impl<'a> Builder<'a> {
     /// Reads a part that consists of triangles. Returns them with the ranges of their materials.
     fn part(
         &mut self,
-        e: &Element<'_>,
+        e: &Location<'_>,
         part: &PrimitiveFile,
         material: Option<u32>,
     ) -> Result<(Triangles, Vec<(u32, u32)>)> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use ptfast::internals::{Cutouts, Geometry, Holes, Ray, Stream, Triangles};
+use ptfast::internals::{Geometry, HoleTest, Holes, Ray, Stream, Triangles};
 
 use super::check::{RAYS, check_kernels};
 use super::instances::{Kind, instanced};
@@ -13,7 +13,7 @@ use super::rays::{Bundles, adversarial, soup};
 #[derive(Debug)]
 struct Pattern;
 
-impl Holes for Pattern {
+impl HoleTest for Pattern {
     fn is_hole(
         &self,
         triangles: &Triangles,
@@ -31,9 +31,9 @@ impl Holes for Pattern {
 
 /// Two of three triangles of the geometry may have holes.
 fn cut(mut geometry: Geometry) -> Geometry {
-    let cutouts = |count| Cutouts::new(count, |triangle| triangle % 3 > 0, Arc::new(Pattern));
-    geometry.cutouts = cutouts(geometry.triangles.len());
-    geometry.instances.set_cutouts(cutouts(geometry.instances.triangle_count()));
+    let holes = |count| Holes::new(count, |triangle| triangle % 3 > 0, Arc::new(Pattern));
+    geometry.holes = holes(geometry.triangles.len());
+    geometry.instances.set_holes(holes(geometry.instances.triangle_count()));
     geometry
 }
 

@@ -8,12 +8,12 @@ use crate::simd::LANES;
 
 /// Up to `V` vectors of rays, and their closest hits so far. The rays are numbered through the
 /// lanes of all vectors, and a set of them is a mask.
-pub(crate) struct Group<const V: usize> {
+pub(crate) struct RayGroup<const V: usize> {
     tables: [Table; V],
     best: [BestLanes; V],
 }
 
-impl<const V: usize> Group<V> {
+impl<const V: usize> RayGroup<V> {
     /// A placeholder without rays.
     pub(crate) const NONE: Self =
         Self { tables: [const { Table::NONE }; V], best: [const { BestLanes::NONE }; V] };
@@ -65,7 +65,7 @@ impl<const V: usize> Group<V> {
     }
 }
 
-impl Group<1> {
+impl RayGroup<1> {
     /// Takes over the rays of `setup`. Before a ray is traced, [`Self::set_best`] must give the end
     /// of its interval.
     #[inline(always)]
@@ -139,7 +139,7 @@ mod tests {
         let rays: Vec<Ray> =
             (0..RAYS).map(|_| Ray { origin: point(), direction: point(), time: 0.0 }).collect();
         let mut loaded = vectors(&rays);
-        let mut group = Group::<VECTORS>::NONE;
+        let mut group = RayGroup::<VECTORS>::NONE;
         assert_eq!(group.load(&loaded), first_bits(RAYS));
         for (number, ray) in rays.iter().enumerate() {
             let one = group.ray(number);
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn nothing_is_left_of_earlier_rays() {
         let ray = Ray { origin: Vec3::ZERO, direction: Vec3::ONE, time: 0.0 };
-        let mut group = Group::<VECTORS>::NONE;
+        let mut group = RayGroup::<VECTORS>::NONE;
         group.load(&vectors(&[ray; RAYS]));
         (0..RAYS).for_each(|number| {
             group.set_best(number, Best { t: 1.0, primitive: 7, instance: 0 });
