@@ -248,8 +248,8 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         if emits && tracer.settings.backdrop != Backdrop::Alone {
             if !table.emission_rows.is_empty() {
-                path.radiance +=
-                    path.beta * at.color(f32::gather(&table.emission_rows, entry, |row| row));
+                let radiance = at.color(f32::gather(&table.emission_rows, entry, |row| row));
+                path.radiance += path.beta * radiance;
             }
             let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;
