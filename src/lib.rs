@@ -129,9 +129,9 @@ mod simd;
 
 pub use accel::Kernel;
 pub use engine::{
-    Backdrop, Endings, Engine, NonFinite, Observer, Pin, Pinned, Plan, Planning, PreparedScene,
-    Progress, RayCounts, Render, RenderSettings, RenderState, Renderer, Seconds, SegmentPlan, Stop,
-    Tally,
+    ComputeSettings, Endings, Engine, ImageSettings, NonFinite, Observer, Pin, Pinned, Plan,
+    Planning, PreparedScene, Progress, RayCounts, Render, RenderState, Renderer, Roulette, Seconds,
+    SegmentPlan, Stop, Tally,
 };
 pub use error::{Error, Result};
 pub use formats::BUILTIN_NAMES;
@@ -175,7 +175,7 @@ pub mod internals {
     /// # Errors
     /// If memory runs out.
     pub fn alpha(renderer: &crate::Renderer) -> crate::Result<Vec<f32>> {
-        let film = Film::new(renderer.settings().image(), 0..renderer.settings().spp)?;
+        let film = Film::new(renderer.image_settings().image(), 0..renderer.image_settings().spp)?;
         Ok(renderer.alpha(film, &())?.expect("nobody stops the render"))
     }
 

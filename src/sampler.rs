@@ -1,10 +1,13 @@
 //! The random numbers of a path, named by their purpose.
 
+use serde::{Deserialize, Serialize};
+
 use crate::math::random::{PathKey, PixelKey};
 use crate::math::{Real, Word};
 
 /// Source of the random numbers of paths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Sampler {
     /// A hash: every number is independent of every other.
     Independent,

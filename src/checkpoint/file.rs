@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Checkpoint, Identity, Part, Shard};
-use crate::engine::{RenderState, Tally};
+use crate::engine::{ImageSettings, RenderState, Tally};
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Film};
 use crate::input;
-use crate::limits::{Limits, check_image, check_sampling};
+use crate::limits::Limits;
 use crate::output::write_atomically_if;
 
 /// First line of a checkpoint file.
 const MAGIC: &[u8] = b"ptfast film\n";
 /// Version of the format.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 /// Maximum length of the second line in bytes.
 const MOST_HEADER: u64 = 1 << 16;
 /// Largest file that is hashed even if its header is invalid, which takes about a second.
@@ -124,7 +124,7 @@ impl Checkpoint {
         if sums.limit() > 0 {
             return Err(bad("damaged: the film is too long".to_owned()));
         }
-        let has = |x, y| shard.is_none_or(|shard| shard.has(identity.width, x, y));
+        let has = |x, y| shard.is_none_or(|shard| shard.has(identity.settings.width, x, y));
         if !film.is_of(has) {
             return Err(bad("damaged: the pixels are not those of its shard".to_owned()));
         }
@@ -179,10 +179,10 @@ fn header(line: &[u8]) -> Result<Header, String> {
         return Err(message);
     }
     let header: Header = serde_json::from_value(header).map_err(wrong)?;
-    let Identity { width, height, spp, depth, roulette, crop: [left, upper, right, lower], .. } =
-        header.identity;
-    check_image(width, height).and_then(|()| check_sampling(spp, depth, roulette))?;
-    if !(left < right && right <= width && upper < lower && lower <= height) {
+    let Identity { settings, crop: [left, upper, right, lower], .. } = &header.identity;
+    settings.check_ranges()?;
+    let ImageSettings { width, height, spp, .. } = *settings;
+    if !(left < right && *right <= width && upper < lower && *lower <= height) {
         return Err(format!("the crop is not within the image of {width} x {height} pixels"));
     }
     if header.shard.is_some_and(|Shard { index, count }| index >= count) {

@@ -2,10 +2,10 @@
 //!
 //! Checkpoints store it, and PNG and EXR images store it in their metadata.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::engine::{BITS, Backdrop, RenderSettings};
+use crate::engine::{BITS, ImageSettings};
 use crate::film::Tile;
 use crate::image::Metadata;
 use crate::scene::Scene;
@@ -16,68 +16,23 @@ use crate::scene::Scene;
 pub struct Identity {
     /// Version of the arithmetic, [`BITS`].
     pub bits: u32,
-    /// Hash of the scene.
+    /// Hash of the scene as seen by the camera.
     pub scene_hash: String,
-    /// Width of the whole image.
-    pub width: u32,
-    /// Height of the whole image.
-    pub height: u32,
     /// Rendered part of the image: left, upper, right and lower edge.
     pub crop: [u32; 4],
-    /// Samples per pixel.
-    pub spp: u32,
-    /// Maximum number of segments of a path.
-    pub depth: u32,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Name of the sampling strategy for light.
-    pub sampling: String,
-    /// Name of the sampler, which provides the random numbers.
-    pub sampler: String,
-    /// First segment that a path reaches only if it survives Russian roulette; `None` for no roulette.
-    #[serde(deserialize_with = "roulette")]
-    pub roulette: Option<u32>,
-    /// Limit for the components of a sample; `None` for no limit.
-    pub clamp: Option<f32>,
-    /// What the camera sees behind the scene. Checkpoints of earlier versions lack it.
-    #[serde(default)]
-    pub backdrop: Backdrop,
-}
-
-/// Reads the first segment of Russian roulette. Checkpoints of earlier versions have `true` for segment
-/// 5 and `false` for no roulette.
-fn roulette<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "roulette must be a number or null")]
-    enum Roulette {
-        Switch(bool),
-        First(Option<u32>),
-    }
-    Ok(match Roulette::deserialize(deserializer)? {
-        Roulette::Switch(on) => on.then_some(5),
-        Roulette::First(first) => first,
-    })
+    /// The settings of the whole image, without a camera.
+    pub settings: ImageSettings,
 }
 
 impl Identity {
     /// Identity of a render of `crop`, a part of the image.
-    pub fn new(scene: &Scene, settings: &RenderSettings, crop: Tile) -> Self {
+    pub fn new(scene: &Scene, settings: &ImageSettings, crop: Tile) -> Self {
         let Tile { x, y, width, height } = crop;
         Self {
             bits: BITS,
-            scene_hash: scene.hash_with(&settings.camera),
-            width: settings.width,
-            height: settings.height,
+            scene_hash: scene.hash_with(settings.camera(scene)),
             crop: [x, y, x + width, y + height],
-            spp: settings.spp,
-            depth: settings.depth,
-            seed: settings.seed,
-            sampling: settings.sampling.name().to_owned(),
-            sampler: settings.sampler.name().to_owned(),
-            roulette: settings.roulette,
-            // JSON has no infinity.
-            clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
-            backdrop: settings.backdrop,
+            settings: ImageSettings { camera: None, ..settings.clone() },
         }
     }
 
@@ -87,81 +42,39 @@ impl Identity {
         Tile { x, y, width: right - x, height: lower - y }
     }
 
+    /// Whether the whole image is rendered.
+    pub fn is_whole(&self) -> bool {
+        self.area() == self.settings.image()
+    }
+
     /// The first field that differs, with its values in `self` and in `other`.
-    pub fn difference(&self, other: &Self) -> Option<(&'static str, Value, Value)> {
-        let pairs = self.fields().into_iter().zip(other.fields());
+    pub fn difference(&self, other: &Self) -> Option<(String, Value, Value)> {
+        let pairs = self.fields().zip(other.fields());
         let mut differ = pairs.filter(|((_, here), (_, there))| here != there);
         differ.next().map(|((name, here), (_, there))| (name, here, there))
     }
 
-    fn fields(&self) -> [(&'static str, Value); 13] {
-        [
+    fn fields(&self) -> impl Iterator<Item = (String, Value)> {
+        let own = [
             ("bits", json!(self.bits)),
             ("scene_hash", json!(self.scene_hash)),
-            ("width", json!(self.width)),
-            ("height", json!(self.height)),
             ("crop", json!(self.crop)),
-            ("spp", json!(self.spp)),
-            ("depth", json!(self.depth)),
-            ("seed", json!(self.seed)),
-            ("sampling", json!(self.sampling)),
-            ("sampler", json!(self.sampler)),
-            ("roulette", json!(self.roulette)),
-            ("clamp", json!(self.clamp)),
-            ("backdrop", json!(self.backdrop)),
-        ]
+        ];
+        own.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(self.settings.by_name())
     }
 
     /// Metadata of an image file whose pixels have this `hash`. Equal renders have equal metadata,
     /// even if their engines, numbers of threads or machines differ.
     pub fn metadata(&self, hash: &str) -> Metadata {
-        let mut settings = json!({
-            "bits": self.bits,
-            "width": self.width,
-            "height": self.height,
-            "spp": self.spp,
-            "depth": self.depth,
-            "sampling": self.sampling,
-            "sampler": self.sampler,
-            "roulette": self.roulette,
-        });
-        if let Some(clamp) = self.clamp {
-            settings["clamp"] = json!(clamp);
-        }
-        if self.backdrop != Backdrop::default() {
-            settings["backdrop"] = json!(self.backdrop);
-        }
-        if self.crop != [0, 0, self.width, self.height] {
-            settings["crop"] = json!(self.crop);
+        let mut settings = self.settings.by_name();
+        settings.insert("bits".to_owned(), json!(self.bits));
+        if !self.is_whole() {
+            settings.insert("crop".to_owned(), json!(self.crop));
         }
         Metadata::of_program()
             .with("ptfast:hash", hash)
             .with("ptfast:scene", &self.scene_hash)
-            .with("ptfast:seed", self.seed)
-            .with("ptfast:settings", settings)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn roulette_of_all_versions() {
-        #[derive(Deserialize)]
-        struct Header {
-            #[serde(deserialize_with = "roulette")]
-            roulette: Option<u32>,
-        }
-        let read = |value: &str| {
-            serde_json::from_str(&format!(r#"{{"roulette": {value}}}"#))
-                .map(|header: Header| header.roulette)
-                .map_err(|error| error.to_string())
-        };
-        for (value, first) in [("true", Some(5)), ("false", None), ("null", None), ("7", Some(7))] {
-            assert_eq!(read(value), Ok(first), "{value}");
-        }
-        let error = read("-1").unwrap_err();
-        assert!(error.starts_with("roulette must be a number or null"), "{error}");
+            .with("ptfast:seed", self.settings.seed)
+            .with("ptfast:settings", Value::Object(settings))
     }
 }

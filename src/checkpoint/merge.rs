@@ -29,9 +29,11 @@ pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
     // Memory holds the whole and one part at a time.
     let memory = |samples: &Range<u32>| Film::memory(identity.area(), samples.clone());
     let largest = parts.iter().map(|part| memory(&part.samples)).max().unwrap_or(0);
-    limits.check(Limit::Memory, largest + memory(&(0..identity.spp))).map_err(Error::Usage)?;
+    limits
+        .check(Limit::Memory, largest + memory(&(0..identity.settings.spp)))
+        .map_err(Error::Usage)?;
     parts.sort_by_key(|part| part.samples.start);
-    let mut whole = RenderState::new(Film::new(identity.area(), 0..identity.spp)?);
+    let mut whole = RenderState::new(Film::new(identity.area(), 0..identity.settings.spp)?);
     for (number, part) in parts.iter().enumerate() {
         let there = Checkpoint::read(part.file, limits)?.rendering;
         match whole.film.append(&there.film)? {
@@ -185,7 +187,7 @@ pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<Partia
     };
     let mean = |(sum, count): (&[f64; 3], &u64)| sum.map(|c| (c / (*count).max(1) as f64) as f32);
     let pixels = sums.iter().zip(&counts).map(mean).collect();
-    let (area, spp) = (identity.area(), identity.spp);
+    let (area, spp) = (identity.area(), identity.settings.spp);
     let image = Image::from_pixels(area.width, area.height, pixels);
     Ok(PartialRender { scene, image, samples: counts.iter().sum(), spp })
 }

@@ -4,7 +4,7 @@
 //! hash of everything before it:
 //! ```text
 //! ptfast film
-//! {"schema":2,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"tally":{...},"seconds":1.5}
+//! {"schema":3,"scene":"spheres","identity":{...},"shard":null,"samples":[0,64],"tally":{...},"seconds":1.5}
 //! for each pixel of the crop, row by row: one past its last finished sample, u32; u32::MAX if the pixel is in another shard
 //! the first kept sum of each pixel that has one: 3 f32; the second of each that has two; ...
 //! 32 bytes
@@ -54,7 +54,7 @@ pub struct Part {
 impl Part {
     /// Whether the part is the whole render: all pixels of the crop and all samples.
     pub(crate) fn is_whole(&self) -> bool {
-        self.shard.is_none() && self.samples == (0..self.identity.spp)
+        self.shard.is_none() && self.samples == (0..self.identity.settings.spp)
     }
 
     /// A film for the part, without any samples.
@@ -64,7 +64,7 @@ impl Part {
     pub(crate) fn empty_film(&self) -> Result<Film> {
         let mut film = Film::new(self.identity.area(), self.samples.clone())?;
         if let Some(shard) = self.shard {
-            film.retain(|x, y| shard.has(self.identity.width, x, y));
+            film.retain(|x, y| shard.has(self.identity.settings.width, x, y));
         }
         Ok(film)
     }
@@ -73,9 +73,9 @@ impl Part {
     /// includes its render's last sample can be continued with more samples.
     pub fn mismatch(&self, wanted: &Self) -> Option<String> {
         let mut extended = self.clone();
-        let ends = |part: &Self| part.samples.end == part.identity.spp;
-        if ends(self) && ends(wanted) && self.identity.spp < wanted.identity.spp {
-            extended.identity.spp = wanted.identity.spp;
+        let ends = |part: &Self| part.samples.end == part.identity.settings.spp;
+        if ends(self) && ends(wanted) && self.identity.settings.spp < wanted.identity.settings.spp {
+            extended.identity.settings.spp = wanted.identity.settings.spp;
             extended.samples.end = wanted.samples.end;
         }
         let Self { identity, shard, samples } = extended;

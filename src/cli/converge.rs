@@ -13,7 +13,7 @@ use super::arguments::named::named;
 use super::arguments::sample::SceneArg;
 use super::console::{notice, say, say_lines};
 use super::files;
-use crate::engine::{Pin, RenderSettings};
+use crate::engine::{ComputeSettings, ImageSettings, Pin};
 use crate::error::{Error, Result};
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::measure::converge::{Curve, Options, Slope, Way, at_seconds, measure, plot};
@@ -110,7 +110,7 @@ pub(crate) fn run(args: &ConvergeArgs) -> Result<()> {
         write_atomically(path, |file| writeln!(file, "{record:#}"))?;
     }
     if let Some(path) = &args.plot {
-        let RenderSettings { width, height, .. } = options.settings;
+        let ImageSettings { width, height, .. } = options.settings;
         let svg = plot(&format!("{}, {width} x {height} pixels", scene.name()), &curves)?;
         write_atomically(path, |file| file.write_all(svg.as_bytes()))?;
     }
@@ -139,10 +139,15 @@ fn options(args: &ConvergeArgs, scene: &Scene) -> Result<Options> {
         }
     }
     let camera = args.camera.camera(scene)?;
-    let base = RenderSettings { camera, pin: Pin::Auto, ..RenderSettings::of(scene) }
-        .with_size(Some(args.width), None);
+    let settings =
+        ImageSettings { camera: Some(camera), seed: args.seed, ..ImageSettings::of(scene) };
     Ok(Options {
-        settings: RenderSettings { seed: args.seed, threads: args.threads.unwrap_or(0), ..base },
+        settings: settings.with_size(Some(args.width), None),
+        compute: ComputeSettings {
+            threads: args.threads.unwrap_or(0),
+            pin: Pin::Auto,
+            ..ComputeSettings::default()
+        },
         ways,
         most: args.spp,
         rounds: args.rounds,
@@ -157,7 +162,7 @@ fn common_seconds(curves: &[Curve]) -> f64 {
 }
 
 fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Value {
-    let RenderSettings { width, height, depth, seed, threads, .. } = options.settings;
+    let ImageSettings { width, height, depth, seed, .. } = options.settings;
     let curve = |curve: &Curve| {
         let slope = Slope::of_samples(&curve.points);
         json!({
@@ -174,12 +179,12 @@ fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> V
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
-        "scene_hash": scene.hash_with(&options.settings.camera),
+        "scene_hash": scene.hash_with(options.settings.camera(scene)),
         "width": width,
         "height": height,
         "depth": depth,
         "seed": seed,
-        "threads": threads,
+        "threads": options.compute.threads,
         "rounds": options.rounds,
         "reference_spp": 2 * u64::from(options.reference),
         "seconds": seconds,
@@ -188,7 +193,7 @@ fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> V
 }
 
 fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Result<()> {
-    let RenderSettings { width, height, .. } = options.settings;
+    let ImageSettings { width, height, .. } = options.settings;
     let Some(first) = curves.first() else { return Ok(()) };
     say(format_args!(
         "{}, {width} x {height} pixels, mean squared error of {} renders against a reference of {} samples per pixel",

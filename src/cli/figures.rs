@@ -63,14 +63,16 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<()> {
             "figure {}  {:<9} {:>3} spp  {:<5}  {:>7.2} s  {}",
             figure.number,
             figure.scene,
-            result.settings.spp,
+            spp,
             figure.sampling.name(),
             result.seconds,
             args.output.join(figure.file()).display()
         ))?;
         rendered.push(result);
     }
-    write_atomically(&page, |file| file.write_all(figures::html(&rendered).as_bytes()))?;
+    write_atomically(&page, |file| {
+        file.write_all(figures::html(&rendered, args.threads.unwrap_or(0)).as_bytes())
+    })?;
     if args.quiet { Ok(()) } else { say(format_args!("page      {}", page.display())) }
 }
 

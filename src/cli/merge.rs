@@ -60,10 +60,10 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     }
     say(format_args!(
         "scene   {scene}, {} x {}, {} spp, seed {}, of {} parts",
-        identity.width,
-        identity.height,
-        identity.spp,
-        identity.seed,
+        identity.settings.width,
+        identity.settings.height,
+        identity.settings.spp,
+        identity.settings.seed,
         args.parts.len()
     ))?;
     say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;

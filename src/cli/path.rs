@@ -4,12 +4,13 @@ use clap::Args;
 
 use super::arguments::camera::CameraArgs;
 use super::arguments::limits::SceneLimitArgs;
-use super::arguments::sample::{Roulette, SampleArgs, SceneArg};
+use super::arguments::sample::{SampleArgs, SceneArg};
 use super::console::say;
-use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedPath, TracedRay};
+use crate::engine::{ImageSettings, PathRecorder, RayKind, TracedPath, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Hit;
 use crate::limits::MAX_SPP;
+use crate::measure::settings::NamedSettings;
 use crate::scene::Scene;
 
 #[derive(Debug, Args)]
@@ -37,19 +38,14 @@ fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
 pub(crate) fn command(
     scene: &SceneArg,
     camera: &CameraArgs,
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     (x, y): (u32, u32),
     sample: u32,
 ) -> String {
-    let RenderSettings { width, height, depth, seed, sampling, sampler, roulette, .. } = settings;
+    let settings = ImageSettings { clamp: None, transparent: false, ..settings.clone() };
+    let flags = NamedSettings::from(&settings).flags();
     let (scene, camera) = (scene.words(), camera.words());
-    format!(
-        "ptfast path {scene}{camera} --width {width} --height {height} --depth {depth} --seed {seed} \
-         --sampling {} --sampler {} --roulette {} --pixel {x},{y} --sample {sample}",
-        sampling.name(),
-        sampler.name(),
-        Roulette(*roulette)
-    )
+    format!("ptfast path {scene}{camera} {flags} --pixel {x},{y} --sample {sample}")
 }
 
 pub(crate) fn run(args: &PathArgs) -> Result<()> {
@@ -62,7 +58,7 @@ pub(crate) fn run(args: &PathArgs) -> Result<()> {
             settings.width, settings.height
         )));
     }
-    let recorder = PathRecorder::new(&scene, RenderSettings { spp: sample + 1, ..settings })?;
+    let recorder = PathRecorder::new(&scene, ImageSettings { spp: sample + 1, ..settings })?;
     let TracedPath { rays, radiance } = recorder.trace(x, y, sample);
     for ray in &rays {
         say(format_args!("{}", describe(&scene, ray)))?;
@@ -111,7 +107,7 @@ mod tests {
     #[test]
     fn commands_can_be_pasted() {
         let scene = Scene::load("cornell").unwrap();
-        let settings = RenderSettings { seed: 7, ..RenderSettings::of(&scene) };
+        let settings = ImageSettings { seed: 7, ..ImageSettings::of(&scene) };
         let command =
             command(&SceneArg::of("it's.ron"), &CameraArgs::default(), &settings, (3, 4), 5);
         assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");

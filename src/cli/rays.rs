@@ -10,7 +10,7 @@ use super::arguments::sample::SceneArg;
 use super::console::say;
 use super::folder;
 use crate::accel::HitBatch;
-use crate::engine::RenderSettings;
+use crate::engine::ImageSettings;
 use crate::error::Result;
 use crate::limits::{MAX_RAYS, MAX_SPP};
 use crate::measure::rayset;
@@ -45,7 +45,8 @@ pub(crate) fn run(args: &RaysArgs) -> Result<()> {
     folder::check_unrelated(&rayset::files(&args.output), |_| is_set)?;
     let scene = args.limits.read(&args.scene)?.resolve()?;
     let camera = args.camera.camera(&scene)?;
-    let mut settings = RenderSettings { camera, seed: args.seed, ..RenderSettings::of(&scene) };
+    let mut settings =
+        ImageSettings { camera: Some(camera), seed: args.seed, ..ImageSettings::of(&scene) };
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let enough = args.max_rays.div_ceil(pixels).min(u64::from(MAX_SPP));
     settings.spp = args.spp.unwrap_or(enough as u32);

@@ -1,21 +1,13 @@
 //! The alpha channel of images without a background.
 
-use super::backdrop::Backdrop;
+use super::compute_settings::ComputeSettings;
+use super::image_settings::ImageSettings;
 use super::observer::Observer;
+use super::prepared::View;
 use super::renderer::Renderer;
-use super::settings::RenderSettings;
 use super::state::RenderState;
 use crate::error::Result;
 use crate::film::Film;
-
-impl RenderSettings {
-    /// The settings that render 1 - alpha of the image of these settings.
-    #[must_use]
-    pub fn of_alpha(&self) -> Self {
-        let clamp = f32::INFINITY;
-        Self { backdrop: Backdrop::Alone, depth: 1, clamp, timeline: false, ..self.clone() }
-    }
-}
 
 impl Renderer {
     /// Renders the alpha channel of the pixels and samples of `film`, which is empty: for each
@@ -30,7 +22,12 @@ impl Renderer {
     /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub(crate) fn alpha(&self, film: Film, observer: &dyn Observer) -> Result<Option<Vec<f32>>> {
         let mut rendering = RenderState::new(film);
-        self.with(self.settings().of_alpha())?.advance(&mut rendering, observer)?;
+        let image = ImageSettings { depth: 1, clamp: None, ..self.image_settings().clone() };
+        let coverage = self.with_view(|prepared, compute| {
+            let compute = ComputeSettings { timeline: false, ..compute.clone() };
+            View::new(prepared, image, compute).alone()
+        })?;
+        coverage.advance(&mut rendering, observer)?;
         if rendering.film.samples_done() < rendering.film.samples_to_do() {
             return Ok(None);
         }

@@ -1,14 +1,10 @@
 //! What the camera sees behind the scene.
 
-use serde::{Deserialize, Serialize};
-
 /// What camera rays see that meet no surface and no medium. The light of the background on the
 /// scene does not depend on it, nor do mirror images and views through glass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Backdrop {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backdrop {
     /// The background.
-    #[default]
     Shown,
     /// Black.
     Hidden,

@@ -1,7 +1,7 @@
 //! Estimates the memory of a render, so that it is checked before anything is allocated.
 
+use super::compute_settings::ComputeSettings;
 use super::pool;
-use super::settings::RenderSettings;
 use super::state::MOST_EVENTS;
 use super::timeline::Event;
 use crate::accel::MAX_CLUSTER;
@@ -22,7 +22,7 @@ const PATHS: u64 = 1 << 14;
 /// Bytes per path of a wave, in scenes with many kinds of materials.
 const PATH: u64 = 380;
 
-impl RenderSettings {
+impl ComputeSettings {
     /// Checks the estimated memory of a render of `scene` against the limit. The film takes `film`
     /// bytes.
     ///
@@ -45,6 +45,6 @@ impl RenderSettings {
             + PATH * paths
             + events as u64
             + film;
-        self.limits.check(Limit::Memory, memory).map_err(Error::Usage)
+        scene.limits().check(Limit::Memory, memory).map_err(Error::Usage)
     }
 }

@@ -2,7 +2,9 @@
 
 mod alpha;
 mod backdrop;
+mod compute_settings;
 mod contract;
+mod image_settings;
 mod memory;
 mod observer;
 mod output;
@@ -13,8 +15,8 @@ mod prepared;
 #[cfg(test)]
 mod proof;
 mod renderer;
+mod roulette;
 mod scalar;
-mod settings;
 #[cfg(feature = "slowed")]
 mod slowed;
 mod stage;
@@ -25,8 +27,9 @@ mod timeline;
 mod unit;
 mod wavefront;
 
-pub use backdrop::Backdrop;
+pub use compute_settings::{ComputeSettings, Engine};
 pub use contract::BITS;
+pub use image_settings::ImageSettings;
 pub use observer::{Observer, Stop};
 pub use output::{Render, Seconds};
 pub(crate) use path_recorder::{PathRecorder, RayKind, TracedPath, TracedRay};
@@ -34,7 +37,7 @@ pub use plan::{Plan, Planning, SegmentPlan};
 pub use pool::{Pin, Pinned};
 pub use prepared::PreparedScene;
 pub use renderer::Renderer;
-pub use settings::{Engine, RenderSettings};
+pub use roulette::Roulette;
 pub use stage::Stage;
 pub(crate) use state::MOST_EVENTS;
 pub use state::{Progress, RenderState};

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
+use super::compute_settings::ComputeSettings;
+use super::image_settings::ImageSettings;
 use super::prepared::{PreparedScene, View};
 use super::scalar::{Intersect, ScalarEngine, Tree};
-use super::settings::RenderSettings;
 use crate::error::Result;
 use crate::geometry::{Hit, Ray};
 
@@ -55,9 +56,11 @@ impl PathRecorder {
     ///
     /// # Errors
     /// If a setting is out of range, returns [`Error::Usage`](crate::Error::Usage).
-    pub(crate) fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
-        settings.check()?;
-        Ok(Self(ScalarEngine::new(View::new(scene.into(), settings), 1)))
+    pub(crate) fn new(scene: impl Into<PreparedScene>, settings: ImageSettings) -> Result<Self> {
+        let prepared = scene.into();
+        settings.check(prepared.scene().limits())?;
+        let view = View::new(prepared, settings, ComputeSettings::default());
+        Ok(Self(ScalarEngine::new(view, 1)))
     }
 
     /// Traces the path of sample `sample` of pixel `(x, y)`.

@@ -3,7 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use super::backdrop::Backdrop;
-use super::settings::RenderSettings;
+use super::compute_settings::ComputeSettings;
+use super::image_settings::ImageSettings;
 use crate::accel::Accelerator;
 use crate::scene::Scene;
 use crate::shading::{CameraFrame, SceneTables};
@@ -65,16 +66,26 @@ impl From<&PreparedScene> for PreparedScene {
 #[derive(Clone, Debug)]
 pub(super) struct View {
     pub(super) prepared: PreparedScene,
-    pub(super) settings: RenderSettings,
+    pub(super) settings: ImageSettings,
+    pub(super) compute: ComputeSettings,
     pub(super) camera: CameraFrame,
+    pub(super) backdrop: Backdrop,
 }
 
 impl View {
-    pub(super) fn new(prepared: PreparedScene, settings: RenderSettings) -> Self {
-        let camera = settings.camera.frame(settings.width, settings.height);
-        let alone = settings.backdrop == Backdrop::Alone;
-        let camera = if alone { camera.unweighted() } else { camera };
-        Self { prepared, settings, camera }
+    pub(super) fn new(
+        prepared: PreparedScene,
+        settings: ImageSettings,
+        compute: ComputeSettings,
+    ) -> Self {
+        let camera = settings.camera(prepared.scene()).frame(settings.width, settings.height);
+        let backdrop = if settings.transparent { Backdrop::Hidden } else { Backdrop::Shown };
+        Self { prepared, settings, compute, camera, backdrop }
+    }
+
+    /// The same view of the coverage of pixels alone, of which the image is 1 - alpha.
+    pub(super) fn alone(self) -> Self {
+        Self { camera: self.camera.unweighted(), backdrop: Backdrop::Alone, ..self }
     }
 
     pub(super) fn scene(&self) -> &Scene {

@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::compute_settings::{ComputeSettings, Engine};
+use super::image_settings::ImageSettings;
 use super::observer::{Observer, Stop};
 use super::output::{Render, Seconds};
 use super::plan::{Plan, Planning};
 use super::pool::{Pinned, Pool};
 use super::prepared::{PreparedScene, View};
 use super::scalar::ScalarEngine;
-use super::settings::{Engine, RenderSettings};
 use super::state::{RenderState, Shared};
 use super::timeline::{Activity, Lap};
 use super::unit::UnitEngine;
@@ -24,29 +25,26 @@ use crate::film::{Film, Schedule};
 /// kept.
 #[derive(Debug)]
 pub struct Renderer {
-    prepared: PreparedScene,
-    settings: RenderSettings,
+    view: View,
     engine: Box<dyn UnitEngine>,
     pool: Arc<Pool>,
     seconds: Seconds,
 }
 
-fn check(prepared: &PreparedScene, settings: &RenderSettings) -> Result<()> {
-    settings.check()?;
-    settings.check_memory(prepared.scene(), 0)
-}
+impl View {
+    fn check(&self) -> Result<()> {
+        self.settings.check(self.scene().limits())?;
+        self.compute.check()?;
+        self.compute.check_memory(self.scene(), 0)
+    }
 
-fn engine(
-    prepared: &PreparedScene,
-    settings: &RenderSettings,
-    paths: u64,
-    pool: &Pool,
-    measured: Option<Plan>,
-) -> Box<dyn UnitEngine> {
-    let view = View::new(prepared.clone(), settings.clone());
-    match settings.engine {
-        Engine::Wavefront => Box::new(WavefrontEngine::new(view, paths, pool, measured)),
-        Engine::Scalar => Box::new(ScalarEngine::new(view, pool.threads())),
+    fn engine(&self, paths: u64, pool: &Pool, measured: Option<Plan>) -> Box<dyn UnitEngine> {
+        match self.compute.engine {
+            Engine::Wavefront => {
+                Box::new(WavefrontEngine::new(self.clone(), paths, pool, measured))
+            }
+            Engine::Scalar => Box::new(ScalarEngine::new(self.clone(), pool.threads())),
+        }
     }
 }
 
@@ -70,9 +68,13 @@ impl Renderer {
     ///
     /// If the threads cannot be started, or cannot be pinned with [`Pin::On`](super::Pin::On),
     /// returns [`Error::Resource`](crate::Error::Resource).
-    pub fn new(scene: impl Into<PreparedScene>, settings: RenderSettings) -> Result<Self> {
-        let paths = settings.paths();
-        Self::for_paths(scene, settings, paths)
+    pub fn new(
+        scene: impl Into<PreparedScene>,
+        image: ImageSettings,
+        compute: ComputeSettings,
+    ) -> Result<Self> {
+        let paths = image.paths();
+        Self::for_paths(scene, image, compute, paths)
     }
 
     /// Like [`new`](Self::new), for a render with only `paths` paths left: the fewer paths, the
@@ -82,11 +84,12 @@ impl Renderer {
     /// Returns the same errors as [`new`](Self::new).
     pub fn for_paths(
         scene: impl Into<PreparedScene>,
-        settings: RenderSettings,
+        image: ImageSettings,
+        compute: ComputeSettings,
         paths: u64,
     ) -> Result<Self> {
-        let start = |settings: &RenderSettings| Pool::start(settings.threads, settings.pin);
-        Self::on(scene.into(), settings, paths, start)
+        let view = View::new(scene.into(), image, compute);
+        Self::on(view, paths, |compute| Pool::start(compute.threads, compute.pin))
     }
 
     /// Creates a renderer without threads of its own. It runs in the rayon pool from which it is
@@ -98,26 +101,26 @@ impl Renderer {
     /// [`Error::Usage`](crate::Error::Usage).
     pub fn in_current_pool(
         scene: impl Into<PreparedScene>,
-        settings: RenderSettings,
+        image: ImageSettings,
+        compute: ComputeSettings,
     ) -> Result<Self> {
+        let paths = image.paths();
         let threads = rayon::current_num_threads() as u32;
-        let paths = settings.paths();
-        let settings = RenderSettings { threads, ..settings };
-        Self::on(scene.into(), settings, paths, |_| Ok(Pool::Caller))
+        let view = View::new(scene.into(), image, ComputeSettings { threads, ..compute });
+        Self::on(view, paths, |_| Ok(Pool::Caller))
     }
 
     fn on(
-        prepared: PreparedScene,
-        settings: RenderSettings,
+        view: View,
         paths: u64,
-        pool: impl FnOnce(&RenderSettings) -> Result<Pool>,
+        pool: impl FnOnce(&ComputeSettings) -> Result<Pool>,
     ) -> Result<Self> {
-        check(&prepared, &settings)?;
+        view.check()?;
         let start = Instant::now();
-        let pool = Arc::new(pool(&settings)?);
-        let engine = engine(&prepared, &settings, paths, &pool, None);
+        let pool = Arc::new(pool(&view.compute)?);
+        let engine = view.engine(paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
-        Ok(Self { prepared, settings, engine, pool, seconds })
+        Ok(Self { view, engine, pool, seconds })
     }
 
     /// Changes the camera and the settings. Trees, tables, threads and their pinning stay as they
@@ -127,39 +130,53 @@ impl Renderer {
     /// # Errors
     /// If a setting is out of range or the render would exceed the memory limit, returns
     /// [`Error::Usage`](crate::Error::Usage).
-    pub fn set(&mut self, settings: RenderSettings) -> Result<()> {
-        *self = self.with(settings)?;
+    pub fn set(&mut self, image: ImageSettings, compute: ComputeSettings) -> Result<()> {
+        *self = self.with(image, compute)?;
         Ok(())
     }
 
     /// Another renderer of the same scene, on the same threads.
-    pub(super) fn with(&self, settings: RenderSettings) -> Result<Self> {
-        let RenderSettings { threads, pin, .. } = self.settings;
-        let settings = RenderSettings { threads, pin, ..settings };
-        check(&self.prepared, &settings)?;
+    fn with(&self, image: ImageSettings, compute: ComputeSettings) -> Result<Self> {
+        self.with_view(|prepared, kept| {
+            let ComputeSettings { threads, pin, .. } = *kept;
+            View::new(prepared, image, ComputeSettings { threads, pin, ..compute })
+        })
+    }
+
+    /// Another renderer of the view that `change` makes of the prepared scene and the compute settings.
+    pub(super) fn with_view(
+        &self,
+        change: impl FnOnce(PreparedScene, &ComputeSettings) -> View,
+    ) -> Result<Self> {
+        let view = change(self.view.prepared.clone(), &self.view.compute);
+        view.check()?;
         let start = Instant::now();
-        let measured = self.measured_plan(&settings);
-        let engine = engine(&self.prepared, &settings, settings.paths(), &self.pool, measured);
+        let measured = self.measured_plan(&view.compute);
+        let engine = view.engine(view.settings.paths(), &self.pool, measured);
         let seconds = Seconds::of_build(&*engine, start);
-        let (prepared, pool) = (self.prepared.clone(), Arc::clone(&self.pool));
-        Ok(Self { prepared, settings, engine, pool, seconds })
+        Ok(Self { view, engine, pool: Arc::clone(&self.pool), seconds })
     }
 
     /// Returns the current plan if it was measured and also suits `settings`.
-    fn measured_plan(&self, settings: &RenderSettings) -> Option<Plan> {
-        let serves = settings.wave_size == self.settings.wave_size && settings.plan.is_none();
+    fn measured_plan(&self, settings: &ComputeSettings) -> Option<Plan> {
+        let serves = settings.wave_size == self.view.compute.wave_size && settings.plan.is_none();
         let (plan, planning, _) = self.engine.plan()?;
         (serves && planning == Planning::Measured).then(|| plan.clone())
     }
 
     /// The prepared scene.
     pub fn prepared(&self) -> &PreparedScene {
-        &self.prepared
+        &self.view.prepared
     }
 
-    /// The camera and the settings.
-    pub fn settings(&self) -> &RenderSettings {
-        &self.settings
+    /// The settings that decide the image.
+    pub fn image_settings(&self) -> &ImageSettings {
+        &self.view.settings
+    }
+
+    /// The settings that decide how the image is computed.
+    pub fn compute_settings(&self) -> &ComputeSettings {
+        &self.view.compute
     }
 
     /// The plan of the wavefront engine; `None` for other engines.
@@ -199,8 +216,8 @@ impl Renderer {
     /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
     /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
     pub fn begin(&self) -> Result<RenderState> {
-        let (image, samples) = (self.settings.image(), 0..self.settings.spp);
-        self.settings.check_memory(self.prepared.scene(), Film::memory(image, samples.clone()))?;
+        let (image, samples) = (self.view.settings.image(), 0..self.view.settings.spp);
+        self.view.compute.check_memory(self.view.scene(), Film::memory(image, samples.clone()))?;
         Film::new(image, samples).map(RenderState::new)
     }
 
@@ -226,7 +243,7 @@ impl Renderer {
         end: u32,
         observer: &dyn Observer,
     ) -> Result<()> {
-        rendering.claim(self.prepared.scene(), &self.settings)?;
+        rendering.claim(self.view.scene(), &self.view.settings)?;
         let start = Instant::now();
         let schedule = Schedule::new(&rendering.film, end, self.engine.unit_paths());
         let most_paths = schedule.most_paths();
@@ -258,7 +275,7 @@ impl Renderer {
                 let Some(mut taken) = worker.take(&task, &abandon) else { break };
                 #[cfg(feature = "slowed")]
                 super::slowed::dawdle(begin.elapsed());
-                if self.settings.timeline {
+                if self.view.compute.timeline {
                     taken.laps.push(Lap {
                         start: begin,
                         end: Instant::now(),

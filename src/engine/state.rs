@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::settings::RenderSettings;
+use super::image_settings::ImageSettings;
 use super::stats::WaveStats;
 use super::tally::Tally;
 use super::timeline::{Event, Lap};
@@ -36,7 +36,7 @@ pub struct RenderState {
     /// `MOST_EVENTS` are kept.
     pub(crate) timeline: Vec<Event>,
     /// The scene and settings that the samples belong to; `None` before the first pass.
-    source: Option<(Scene, RenderSettings)>,
+    source: Option<(Scene, ImageSettings)>,
 }
 
 impl RenderState {
@@ -57,7 +57,7 @@ impl RenderState {
     /// # Errors
     /// If earlier samples belong to another scene, or to other settings that affect the image,
     /// returns [`Error::Usage`].
-    pub(super) fn claim(&mut self, scene: &Scene, settings: &RenderSettings) -> Result<()> {
+    pub(super) fn claim(&mut self, scene: &Scene, settings: &ImageSettings) -> Result<()> {
         match &self.source {
             Some((other, with)) if other != scene || !with.same_image(settings) => {
                 let message = "the rendering has samples of another scene, camera or setting: begin a new one";

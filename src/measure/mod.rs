@@ -6,4 +6,5 @@ pub(crate) mod dashboard;
 pub(crate) mod figures;
 pub(crate) mod machine;
 pub(crate) mod rayset;
+pub(crate) mod settings;
 pub(crate) mod statistics;

@@ -1,13 +1,12 @@
 //! The arguments that name a scene, and those that decide the value of a sample.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::camera::{CameraArgs, quoted};
 use super::named::named;
-use crate::engine::{Pin, RenderSettings};
+use crate::engine::{ImageSettings, Roulette};
 use crate::error::Result;
 use crate::formats::{ImportOptions, Missing};
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
@@ -22,7 +21,7 @@ const IMPORT: &str = "Scenes of other programs";
 #[derive(Debug, Args)]
 pub(crate) struct SceneArg {
     /// Built-in scene (spheres, spacetime, checker, cornell, garden, cloud:N, mesh:N, forest:N), a scene file (.ron,
-    /// .json, .txt, .gltf, .glb, .pbrt), a mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
+    /// .json, .gltf, .glb, .pbrt), a mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
     #[arg(value_name = "SCENE", required_unless_present = "scene", conflicts_with = "scene")]
     positional: Option<String>,
     /// The same as SCENE
@@ -136,26 +135,13 @@ pub(crate) struct SampleArgs {
     pub(crate) roulette: Option<Roulette>,
 }
 
-/// First segment of Russian roulette, or `off`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Roulette(pub(crate) Option<u32>);
-
-impl fmt::Display for Roulette {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(first) => first.fmt(f),
-            None => f.write_str("off"),
-        }
-    }
-}
-
 fn roulette(text: &str) -> std::result::Result<Roulette, String> {
-    if text == "off" {
-        return Ok(Roulette(None));
+    match text.parse() {
+        Ok(Roulette::From(first)) if !(1..=MAX_DEPTH).contains(&first) => {
+            Err(format!("must be off or a number from 1 to {MAX_DEPTH}"))
+        }
+        known => known,
     }
-    let first = text.parse().ok().filter(|first| (1..=MAX_DEPTH).contains(first));
-    let wrong = || format!("must be off or a number from 1 to {MAX_DEPTH}");
-    first.map(|first| Roulette(Some(first))).ok_or_else(wrong)
 }
 
 impl SampleArgs {
@@ -163,16 +149,15 @@ impl SampleArgs {
     ///
     /// # Errors
     /// As [`CameraArgs::camera`].
-    pub(crate) fn settings(&self, scene: &Scene) -> Result<RenderSettings> {
-        let defaults = RenderSettings::of(scene).with_size(self.width, self.height);
-        Ok(RenderSettings {
-            camera: self.camera.camera(scene)?,
+    pub(crate) fn settings(&self, scene: &Scene) -> Result<ImageSettings> {
+        let defaults = ImageSettings::of(scene).with_size(self.width, self.height);
+        Ok(ImageSettings {
+            camera: Some(self.camera.camera(scene)?),
             depth: self.depth.unwrap_or(defaults.depth),
             seed: self.seed,
             sampling: self.sampling.unwrap_or(defaults.sampling),
             sampler: self.sampler,
-            roulette: self.roulette.map_or(defaults.roulette, |roulette| roulette.0),
-            pin: Pin::Auto,
+            roulette: self.roulette.unwrap_or(defaults.roulette),
             ..defaults
         })
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::BenchArgs;
 use crate::cli::files;
-use crate::engine::{Engine, RenderSettings};
+use crate::engine::{Engine, ImageSettings};
 use crate::error::{Error, Result, suggestion};
 use crate::formats::BUILTIN_NAMES;
 use crate::limits::Limit;
@@ -58,17 +58,17 @@ pub(crate) fn options(args: &BenchArgs) -> Result<(Options, Vec<PathBuf>)> {
         }
         let scene = args.limits.load(&name)?;
         read.extend(files::of_scene(&name, &scene).into_iter().map(|(_, file)| file.to_owned()));
-        let defaults = RenderSettings::of(&scene);
+        let defaults = ImageSettings::of(&scene);
         let proportion = f64::from(defaults.width) / f64::from(defaults.height);
         let usual = (f64::from(usual(args).pixels) * proportion).sqrt().round().max(1.0) as u32;
         let settings = defaults.with_size(args.width.or(Some(usual)), None);
-        let settings = RenderSettings { spp: args.spp, ..settings };
-        let (pixels, most) = (settings.image().pixels(), settings.limits.get(Limit::Pixels));
+        let settings = ImageSettings { spp: args.spp, ..settings };
+        let (pixels, most) = (settings.image().pixels(), scene.limits().get(Limit::Pixels));
         if pixels > most {
             let message = format!("an image of {pixels} pixels exceeds the limit of {most}");
             return Err(Error::Usage(message));
         }
-        settings.check()?;
+        settings.check(scene.limits())?;
         Ok((name, (settings.width, settings.height)))
     };
     let engines = match &args.engines[..] {

@@ -16,11 +16,9 @@ pub(crate) fn print(record: &Record) -> Result<()> {
     let build = format!("{}, {}, commit {}", machine.rustc, machine.flags, machine.commit);
     say(format_args!("build   {}", &build))?;
     if let Some(run) = record.runs.first() {
-        let Workload { width, height, spp, seed, .. } = run.work;
+        let settings = run.work.settings.describe();
         let blocks = run.blocks.len();
-        say(format_args!(
-            "blocks  {blocks}, each renders everything twice at about {width} x {height} pixels, {spp} spp, seed {seed}"
-        ))?;
+        say(format_args!("blocks  {blocks}, each renders everything twice, at about {settings}"))?;
     }
     say(format_args!(""))?;
     say(format_args!(

@@ -28,7 +28,7 @@ use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, path, progress};
 use crate::checkpoint::{Checkpoint, Part};
-use crate::engine::{Backdrop, Engine, MOST_EVENTS, Render, RenderSettings, Renderer};
+use crate::engine::{ComputeSettings, Engine, ImageSettings, MOST_EVENTS, Render, Renderer};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::image::Image;
@@ -60,7 +60,8 @@ struct RenderJob<'a> {
     scene: Scene,
     /// Seconds that loading the scene took.
     load: f64,
-    settings: RenderSettings,
+    settings: ImageSettings,
+    compute: ComputeSettings,
     part: Part,
     output: Target,
 }
@@ -75,14 +76,16 @@ impl<'a> RenderJob<'a> {
             args.limits.read(&args.sample.scene)?.resolve()
         })?;
         let load = loading.elapsed().as_secs_f64();
-        let settings = settings(args, &scene)?;
-        let warnings = scene.warnings_with(&settings.camera);
+        let settings = args.image_settings(&scene)?;
+        let compute = args.compute_settings(&scene, &settings)?;
+        let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
-        settings.check()?;
+        settings.check(scene.limits())?;
+        compute.check()?;
         let part = args.part.part(&scene, &settings)?;
         let film = Film::memory(part.identity.area(), part.samples.clone());
         let films = if args.transparent { 2 * film } else { film };
-        settings.check_memory(&scene, films)?;
+        compute.check_memory(&scene, films)?;
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         if args.transparent {
             output.check_alpha()?;
@@ -91,7 +94,7 @@ impl<'a> RenderJob<'a> {
             let message = "--print and the image both need standard output: use -o FILE";
             return Err(Error::Usage(message.to_owned()));
         }
-        Ok(Self { args, start, scene, load, settings, part, output })
+        Ok(Self { args, start, scene, load, settings, compute, part, output })
     }
 
     /// Whether all output files exist, and the image or film belongs to this render.
@@ -127,7 +130,7 @@ impl<'a> RenderJob<'a> {
         let rendering = file.load(part, scene.limits())?;
         let left = rendering.film.samples_to_do() - rendering.progress().samples;
         let renderer = progress::waiting("preparing the render", args.mode(), || {
-            Renderer::for_paths(scene, self.settings.clone(), left)
+            Renderer::for_paths(scene, self.settings.clone(), self.compute.clone(), left)
         })?;
         let mut checkpoint = Checkpoint {
             scene: scene.name().to_owned(),
@@ -175,8 +178,8 @@ impl<'a> RenderJob<'a> {
             render: render.seconds.render,
             write: writing.elapsed().as_secs_f64(),
         };
-        let (settings, hash) = (&self.settings, hash.as_deref());
-        let run = Run { scene, settings, renderer: &renderer, render: &render, hash, seconds };
+        let hash = hash.as_deref();
+        let run = Run { scene, renderer: &renderer, render: &render, hash, seconds };
         self.report(&run, interference)?;
         finished?;
         progress.done(checkpoint.rendering.progress());
@@ -242,7 +245,8 @@ impl<'a> RenderJob<'a> {
 
     /// Writes the reports, and prints the summary.
     fn report(&self, run: &Run<'_>, interference: Interference) -> Result<()> {
-        let Run { scene, renderer, render, settings, .. } = *run;
+        let Run { scene, renderer, render, .. } = *run;
+        let settings = &self.settings;
         let args = self.args;
         if let Some(path) = &args.json {
             let record = record::render_record(run, interference);
@@ -262,8 +266,8 @@ impl<'a> RenderJob<'a> {
                 path::command(&args.sample.scene, &args.sample.camera, settings, (x, y), sample)
             ));
         }
-        if settings.clamp < f32::INFINITY {
-            notice(format_args!("{clamped} samples were clamped to {}", settings.clamp));
+        if let Some(clamp) = settings.clamp {
+            notice(format_args!("{clamped} samples were clamped to {clamp}"));
         }
         if self.output == Target::StandardOutput {
             return Ok(());
@@ -281,29 +285,33 @@ impl<'a> RenderJob<'a> {
     }
 }
 
-fn settings(args: &RenderArgs, scene: &Scene) -> Result<RenderSettings> {
-    if args.plan.is_some() && args.engine == Engine::Scalar {
-        return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
-    }
-    let of_samples = args.sample.settings(scene)?;
-    let plan = |file| plan_file::read(file, scene, &of_samples.camera);
-    let plan = args.plan.as_deref().map(plan).transpose()?;
-    Ok(RenderSettings {
-        spp: args.spp.unwrap_or(of_samples.spp),
-        clamp: args.clamp.unwrap_or(of_samples.clamp),
-        backdrop: if args.transparent { Backdrop::Hidden } else { Backdrop::Shown },
-        engine: args.engine,
-        threads: args.threads.unwrap_or(0),
-        pin: args.pin,
-        wave_size: args.wave_size.unwrap_or(0),
-        plan,
-        count: args.stats,
-        timeline: args.trace.is_some(),
-        ..of_samples
-    })
-}
-
 impl RenderArgs {
+    fn image_settings(&self, scene: &Scene) -> Result<ImageSettings> {
+        let of_samples = self.sample.settings(scene)?;
+        Ok(ImageSettings {
+            spp: self.spp.unwrap_or(of_samples.spp),
+            clamp: self.clamp,
+            transparent: self.transparent,
+            ..of_samples
+        })
+    }
+
+    fn compute_settings(&self, scene: &Scene, image: &ImageSettings) -> Result<ComputeSettings> {
+        if self.plan.is_some() && self.engine == Engine::Scalar {
+            return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
+        }
+        let plan = |file| plan_file::read(file, scene, image.camera(scene));
+        Ok(ComputeSettings {
+            engine: self.engine,
+            threads: self.threads.unwrap_or(0),
+            pin: self.pin,
+            wave_size: self.wave_size.unwrap_or(0),
+            plan: self.plan.as_deref().map(plan).transpose()?,
+            count: self.stats,
+            timeline: self.trace.is_some(),
+        })
+    }
+
     fn mode(&self) -> ProgressMode {
         if self.quiet { ProgressMode::None } else { self.progress }
     }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::scheduler;
 use crate::checkpoint::{Identity, Part, Shard};
-use crate::engine::RenderSettings;
+use crate::engine::ImageSettings;
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Tile};
 use crate::scene::Scene;
@@ -92,8 +92,8 @@ impl PartArgs {
     ///
     /// # Errors
     /// [`Error::Usage`] if the image has no such part.
-    pub(crate) fn part(&self, scene: &Scene, settings: &RenderSettings) -> Result<Part> {
-        let RenderSettings { width, height, spp, .. } = *settings;
+    pub(crate) fn part(&self, scene: &Scene, settings: &ImageSettings) -> Result<Part> {
+        let ImageSettings { width, height, spp, .. } = *settings;
         let [left, upper, right, lower] = self.crop.unwrap_or([0, 0, width, height]);
         if right > width || lower > height {
             let message = format!("--crop must be within {width} x {height}");
@@ -119,11 +119,10 @@ impl PartArgs {
 /// The suffix of the default output name for a part of an image.
 pub(crate) fn suffix(Part { identity, shard, samples }: &Part) -> String {
     let [left, upper, right, lower] = identity.crop;
-    let cropped = identity.crop != [0, 0, identity.width, identity.height];
-    let crop = cropped.then(|| format!(".crop-{left}-{upper}-{right}-{lower}"));
+    let crop = (!identity.is_whole()).then(|| format!(".crop-{left}-{upper}-{right}-{lower}"));
     let shard = shard.map(|Shard { index, count }| format!(".{index}-of-{count}"));
     let Range { start, end } = *samples;
-    let some = (start, end) != (0, identity.spp);
+    let some = (start, end) != (0, identity.settings.spp);
     let samples = some.then(|| format!(".samples-{start}-{end}"));
     [crop, shard, samples].into_iter().flatten().collect()
 }
@@ -148,7 +147,7 @@ mod tests {
     #[test]
     fn parts_are_within_the_image() {
         let scene = crate::scene::Scene::load("cornell").unwrap();
-        let settings = RenderSettings { spp: 50, ..RenderSettings::of(&scene) };
+        let settings = ImageSettings { spp: 50, ..ImageSettings::of(&scene) };
         let part = |crop, samples: Option<(u32, u32)>| {
             let sample_range = samples.map(|(first, end)| SampleRange { first, end });
             PartArgs { crop, shard: None, sample_range }.part(&scene, &settings)

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::engine::{Planning, Render, RenderSettings, Renderer, SegmentWork, Stage, StageWork};
+use crate::engine::{Planning, Render, Renderer, SegmentWork, Stage, StageWork};
 use crate::measure::machine::{Interference, Machine, peak_rss_bytes};
 use crate::scene::Scene;
 
@@ -20,7 +20,6 @@ pub(crate) struct StepSeconds {
 /// A finished run of `ptfast render`, for the record and the summary.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
-    pub(crate) settings: &'a RenderSettings,
     pub(crate) renderer: &'a Renderer,
     pub(crate) render: &'a Render,
     /// `None` for a part of an image.
@@ -30,24 +29,15 @@ pub(crate) struct Run<'a> {
 
 /// The record of `render --json`. Field names are fixed; more fields may be added.
 pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
-    let Run { scene, settings, renderer, render, hash, seconds } = *run;
+    let Run { scene, renderer, render, hash, seconds } = *run;
+    let settings = renderer.image_settings();
     let samples = render.tally.rays.primary as f64;
-    json!({
+    let mut record = json!({
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
-        "scene_hash": scene.hash_with(&settings.camera),
-        "engine": settings.engine.name(),
-        "sampling": settings.sampling.name(),
-        "sampler": settings.sampler.name(),
-        "width": settings.width,
-        "height": settings.height,
-        "spp": settings.spp,
-        "depth": settings.depth,
-        "roulette": settings.roulette,
-        "clamp": finite(settings.clamp),
-        "backdrop": settings.backdrop,
-        "seed": settings.seed,
+        "scene_hash": scene.hash_with(settings.camera(scene)),
+        "engine": renderer.compute_settings().engine.name(),
         "threads": renderer.threads(),
         "hash": hash,
         "mean": render.image.mean(),
@@ -72,7 +62,9 @@ pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
             Stage::ALL.map(|stage| (stage.name(), render.waves.stage(stage).seconds)),
         ),
         "segments": render.waves.segments.iter().map(segment).collect::<Value>(),
-    })
+    });
+    record.as_object_mut().expect("a record is an object").extend(settings.by_name());
+    record
 }
 
 /// The work on one segment of the paths.
@@ -90,9 +82,4 @@ fn segment(segment: &SegmentWork) -> Value {
         "endings": Value::from_iter(segment.endings.each()),
         "stages": done.map(stage).collect::<Value>(),
     })
-}
-
-/// `None` for infinity, which JSON cannot represent.
-fn finite(number: f32) -> Option<f32> {
-    Some(number).filter(|number| number.is_finite())
 }

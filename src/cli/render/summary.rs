@@ -2,25 +2,19 @@
 
 use super::record::Run;
 use super::target::Target;
-use crate::cli::arguments::sample::Roulette;
 use crate::cli::console::say;
-use crate::engine::RenderSettings;
 use crate::error::Result;
+use crate::measure::settings::NamedSettings;
 
 /// Prints the summary of `run`, which wrote `output`.
 pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
-    let Run { scene, settings, renderer, render, hash, seconds } = *run;
-    let RenderSettings { width, height, spp, depth, seed, .. } = settings;
-    let (sampling, sampler) = (settings.sampling.name(), settings.sampler.name());
-    let engine = settings.engine.name();
-    let roulette = Roulette(settings.roulette);
+    let Run { scene, renderer, render, hash, seconds } = *run;
+    let settings = NamedSettings::from(renderer.image_settings()).describe();
+    let engine = renderer.compute_settings().engine.name();
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
     let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
-    say(format_args!(
-        "scene   {}, {width} x {height}, {spp} spp, depth {depth}, seed {seed}, sampling {sampling}, sampler {sampler}, roulette {roulette}",
-        scene.name()
-    ))?;
+    say(format_args!("scene   {}, {settings}", scene.name()))?;
     say(format_args!(
         "time    {total:.2} s = load {:.2} + build {:.2} + plan {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
         seconds.load,

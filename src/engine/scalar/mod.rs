@@ -45,7 +45,7 @@ impl ScalarEngine {
 
     /// Creates a path tracer for the scene, with `intersect` to answer ray queries.
     pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
-        PathTracer::new(self.0.scene(), self.0.prepared.tables(), intersect, &self.0.settings)
+        PathTracer::new(&self.0, intersect)
     }
 }
 
@@ -62,7 +62,7 @@ impl UnitEngine for ScalarEngine {
 
 impl UnitWorker for &ScalarEngine {
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
-        if self.0.settings.count {
+        if self.0.compute.count {
             let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
             let (taken, counting) = self.trace(task, tree, abandon)?;
             Some(Taken { waves: counting.stats, ..taken })
@@ -83,7 +83,8 @@ impl ScalarEngine {
         let unit = task.unit;
         let mut tally = Tally::default();
         let mut sums = Plane::with_capacity(unit.tile.pixels() as usize);
-        let (mut tracer, clamp) = (self.tracer(intersect), self.0.settings.clamp);
+        let mut tracer = self.tracer(intersect);
+        let clamp = self.0.settings.clamp.unwrap_or(f32::INFINITY);
         for pixel in 0..unit.tile.pixels() as u32 {
             let (x, y) = unit.tile.pixel(pixel);
             let mut sum = task.open_sum(pixel);

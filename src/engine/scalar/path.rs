@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::intersect::Intersect;
 use crate::engine::backdrop::Backdrop;
 use crate::engine::contract::{ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic};
-use crate::engine::settings::RenderSettings;
+use crate::engine::image_settings::ImageSettings;
+use crate::engine::prepared::View;
 use crate::engine::{Endings, RayCounts};
 use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
@@ -22,7 +23,8 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     scene: &'a Scene,
     tables: &'a SceneTables,
     pub(in crate::engine) intersect: I,
-    settings: &'a RenderSettings,
+    settings: &'a ImageSettings,
+    backdrop: Backdrop,
     pub(in crate::engine) rays: RayCounts,
     pub(in crate::engine) endings: Endings,
 }
@@ -51,14 +53,11 @@ struct Vertex<'a> {
 }
 
 impl<'a, I: Intersect> PathTracer<'a, I> {
-    pub(in crate::engine) fn new(
-        scene: &'a Scene,
-        tables: &'a SceneTables,
-        intersect: I,
-        settings: &'a RenderSettings,
-    ) -> Self {
+    pub(in crate::engine) fn new(view: &'a View, intersect: I) -> Self {
+        let View { settings, backdrop, .. } = view;
         let (rays, endings) = Default::default();
-        Self { scene, tables, intersect, settings, rays, endings }
+        let (scene, tables) = (view.scene(), view.prepared.tables());
+        Self { scene, tables, intersect, settings, backdrop: *backdrop, rays, endings }
     }
 
     /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
@@ -143,7 +142,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             self.endings.black += 1;
             return false;
         }
-        if self.settings.roulette.is_some_and(|first| path.segment + 1 >= first) {
+        if self.settings.roulette.applies(path.segment + 1) {
             survival = min(survival, ROULETTE_MAX);
             if vertex.randoms.one(Dimension::ROULETTE) >= survival {
                 self.endings.roulette += 1;
@@ -190,7 +189,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     /// Returns the radiance that arrives along `path` from outside the scene, times its weight.
     fn background(&self, path: &Path) -> Vec3 {
         let direction = path.ray.direction;
-        if let (1, Some(radiance)) = (path.segment, self.settings.backdrop.radiance()) {
+        if let (1, Some(radiance)) = (path.segment, self.backdrop.radiance()) {
             return Vec3::splat(radiance);
         }
         let Some((map, light)) = self.tables.lights.environment::<f32>() else {
@@ -246,7 +245,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             shape == Shape::Instance,
         );
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
-        if emits && tracer.settings.backdrop != Backdrop::Alone {
+        if emits && tracer.backdrop != Backdrop::Alone {
             if !table.emission_rows.is_empty() {
                 let radiance = at.color(f32::gather(&table.emission_rows, entry, |row| row));
                 path.radiance += path.beta * radiance;

@@ -1,7 +1,7 @@
 //! Accumulate: adds the samples of each pixel, in the order that all engines use.
 
 use super::paths::Paths;
-use crate::engine::settings::RenderSettings;
+use crate::engine::image_settings::ImageSettings;
 use crate::engine::tally::Tally;
 use crate::engine::unit::Task;
 use crate::film::UnitSums;
@@ -11,7 +11,7 @@ use crate::film::UnitSums;
 pub(super) fn accumulate(
     paths: &Paths,
     task: &Task,
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     tally: &mut Tally,
 ) -> UnitSums {
     let unit = task.unit;
@@ -24,10 +24,11 @@ pub(super) fn accumulate(
         let radiances = paths.radiances(first..first + samples);
         let mut sum = radiances.clone().fold(open, |sum, radiance| sum + radiance);
         // Any non-finite sample makes the sum non-finite, so only such sums need a second look.
-        if settings.clamp < f32::INFINITY || !sum.is_finite() {
+        if settings.clamp.is_some() || !sum.is_finite() {
+            let clamp = settings.clamp.unwrap_or(f32::INFINITY);
             let (x, y) = unit.tile.pixel(pixel);
             sum = (unit.first..).zip(radiances).fold(open, |sum, (sample, radiance)| {
-                sum + tally.counted(radiance, settings.clamp, (x, y, sample))
+                sum + tally.counted(radiance, clamp, (x, y, sample))
             });
         }
         sums.push(sum.to_array());
@@ -52,7 +53,7 @@ mod tests {
         let unit = Unit { tile, first: 32, end: 47 };
         let mut random = Stream::new(9);
         let scene = crate::scene::Scene::load("cornell").unwrap();
-        let settings = RenderSettings::of(&scene);
+        let settings = ImageSettings::of(&scene);
         let samples: Vec<Vec3> = (0..8 * 15)
             .map(|i| match i % 37 {
                 5 => Vec3::new(1.0, f32::NAN, 0.0),

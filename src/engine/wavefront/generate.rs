@@ -3,7 +3,7 @@
 use super::paths::{History, Paths, Segment};
 use super::rays::WaveRays;
 use crate::accel::RayVector;
-use crate::engine::settings::RenderSettings;
+use crate::engine::image_settings::ImageSettings;
 use crate::film::Unit;
 use crate::math::Real;
 use crate::math::random::PixelKey;
@@ -16,7 +16,7 @@ use crate::simd::{Float, Int, LANES, Lanes, Vec3x};
 #[inline(never)]
 pub(super) fn generate(
     camera: &CameraFrame,
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     unit: Unit,
     paths: &mut Paths,
     rays: &mut WaveRays,
@@ -30,7 +30,7 @@ pub(super) fn generate(
 
 fn generate_by<const PLAIN: bool>(
     camera: &CameraFrame,
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     unit: Unit,
     paths: &mut Paths,
     rays: &mut WaveRays,
@@ -58,7 +58,7 @@ fn generate_by<const PLAIN: bool>(
 
 /// Iterates over the samples of a unit's pixels.
 struct Samples<'a> {
-    settings: &'a RenderSettings,
+    settings: &'a ImageSettings,
     unit: Unit,
     x: u32,
     y: u32,
@@ -75,7 +75,7 @@ struct SampleLanes {
 }
 
 impl<'a> Samples<'a> {
-    fn new(settings: &'a RenderSettings, unit: Unit) -> Self {
+    fn new(settings: &'a ImageSettings, unit: Unit) -> Self {
         let (x, y) = (unit.tile.x, unit.tile.y);
         Self { settings, unit, x, y, sample: unit.first, key: PixelKey::new(settings.seed, x, y) }
     }

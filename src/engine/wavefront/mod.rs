@@ -37,7 +37,7 @@ impl WavefrontEngine {
     pub(super) fn new(view: View, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
         view.prepared.tables();
         let start = Instant::now();
-        let (plan, planning) = match (&view.settings.plan, measured) {
+        let (plan, planning) = match (&view.compute.plan, measured) {
             (Some(plan), _) => (plan.clone(), Planning::Given),
             (None, Some(plan)) => (plan, Planning::Measured),
             (None, None) => planning::find_plan(&view, paths, pool),

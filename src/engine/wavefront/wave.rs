@@ -65,7 +65,7 @@ pub(super) struct Worker<'a> {
 impl<'a> Worker<'a> {
     /// Creates a worker for units of at most `paths` paths.
     pub(super) fn new(view: &'a View, plan: &'a Plan, paths: u64) -> Self {
-        let watch = Stopwatch::new(view.settings.timeline);
+        let watch = Stopwatch::new(view.compute.timeline);
         Self { view, plan, wave: Wave::new(view, paths as usize), watch }
     }
 
@@ -76,7 +76,7 @@ impl<'a> Worker<'a> {
     /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { view, plan, wave, watch } = self;
-        let View { prepared, settings, camera } = view;
+        let View { prepared, settings, compute, camera, backdrop } = view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
         let tables = prepared.tables();
         let Wave { paths, rays, hits, queues, shadows, next, cells } = wave;
@@ -90,7 +90,7 @@ impl<'a> Worker<'a> {
 
         for segment in 1..=settings.depth {
             let how = plan.segment(segment);
-            let counters = extend(accelerator, how.closest, rays, hits, settings.count);
+            let counters = extend(accelerator, how.closest, rays, hits, compute.count);
             watch.lap(Stage::Extend, segment, StageWork { counters, ..StageWork::of(rays.len()) });
 
             if !tables.media.is_empty() {
@@ -101,7 +101,8 @@ impl<'a> Worker<'a> {
             sort(rays, hits, &tables.looks, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading = ShadeInputs { scene, settings, tables, cells, segment };
+            let shading =
+                ShadeInputs { scene, settings, backdrop: *backdrop, tables, cells, segment };
             let mut endings = Endings::default();
             let shaded = &mut ShadeOutputs { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);
@@ -113,7 +114,7 @@ impl<'a> Worker<'a> {
                     shadows.sort(cells);
                 }
                 let counters =
-                    connect(accelerator, how.occluded, shadows, hits, paths, settings.count);
+                    connect(accelerator, how.occluded, shadows, hits, paths, compute.count);
                 let work = StageWork::of(shadows.len());
                 tally.rays.shadow += work.active;
                 watch.lap(Stage::Connect, segment, StageWork { counters, ..work });

@@ -47,7 +47,7 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
 /// If `baseline` has no such run.
 pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
-    if !baseline.runs.iter().any(|run| works.contains(&run.work)) {
+    if !baseline.runs.iter().any(|run| works.iter().any(|work| work.is_like(&run.work))) {
         let message = "no run matches this bench: scene, size, samples, depth, sampling, sampler, \
                        seed, engine and threads must be the same";
         return Err(Error::input(file, "runs", message));
@@ -126,7 +126,7 @@ fn finding(
     reference: Reference<'_>,
     threshold: f64,
 ) -> Option<Finding> {
-    let like = |old: &&Run| old.work == run.work;
+    let like = |old: &&Run| old.work.is_like(&run.work);
     let (change, old, of_old) = match reference {
         Reference::Baseline(baseline) => {
             let old = baseline.runs.iter().find(like)?;
@@ -279,7 +279,7 @@ mod tests {
     fn other_work_is_not_compared() {
         let old = record(1.0, 4.0, 0, CLEAN);
         let mut new = old.clone();
-        new.runs[0].work.spp = 2;
+        new.runs[0].work.threads = 2;
         assert!(findings(&new, Reference::Baseline(&old), THRESHOLD).is_empty());
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn count_changes(record: &Record, old: &[Run], lanes: u32) -> CountCh
     let mut changes = CountChanges::default();
     for run in &record.runs {
         let alike = |old: &&Run| {
-            old.work == run.work
+            old.work.is_like(&run.work)
                 && old.plan == run.plan
                 && lanes == record.machine.lanes
                 && old.counters != Counters::default()

@@ -218,21 +218,13 @@ impl Bench {
 
 impl Side {
     fn work(&self, task: &Task) -> Workload {
-        let Task { scene, width, height, spp, seed, threads } = task.clone();
-        let Rendered { scene_hash, sampling, sampler, depth, .. } = &self.counted;
-        let engine = self.engine.name().to_owned();
+        let Rendered { scene_hash, settings, .. } = &self.counted;
         Workload {
-            scene,
+            scene: task.scene.clone(),
             scene_hash: scene_hash.clone(),
-            engine,
-            sampling: sampling.clone(),
-            sampler: sampler.clone(),
-            threads,
-            width,
-            height,
-            spp,
-            depth: *depth,
-            seed,
+            engine: self.engine.name().to_owned(),
+            threads: task.threads,
+            settings: settings.clone(),
         }
     }
 }

@@ -19,6 +19,7 @@ use crate::engine::{Engine, Planning, RayCounts};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::measure::machine::{Interference, Machine};
+use crate::measure::settings::NamedSettings;
 
 /// Settings of a render.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,10 +60,8 @@ pub(super) struct Rendered {
     pub(super) machine: Machine,
     #[serde(default)]
     pub(super) scene_hash: String,
-    pub(super) sampling: String,
-    #[serde(default)]
-    pub(super) sampler: String,
-    pub(super) depth: u32,
+    #[serde(flatten)]
+    pub(super) settings: NamedSettings,
     pub(super) hash: String,
     pub(super) seconds: Seconds,
     pub(super) rays: RayCounts,

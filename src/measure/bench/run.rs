@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::accel::Counters;
 use crate::engine::RayCounts;
 use crate::measure::machine::Interference;
+use crate::measure::settings::NamedSettings;
 use crate::measure::statistics::{Estimate, middle, sorted};
 
 /// Results of one engine on one scene with one number of threads.
@@ -41,42 +42,27 @@ pub(crate) struct Run {
     pub(crate) peak_rss_bytes: u64,
 }
 
-/// A scene and how it is rendered. Runs of the same work can be compared.
+/// A scene and how it is rendered.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Workload {
     pub(crate) scene: String,
-    /// Hash of the scene. It is ignored by comparisons, since versions of ptfast may hash the same scene
+    /// Hash of the scene. Comparisons ignore it, since versions of ptfast may hash the same scene
     /// differently; the images show whether two runs rendered the same.
     #[serde(default)]
     pub(crate) scene_hash: String,
     pub(crate) engine: String,
     pub(crate) threads: usize,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) spp: u32,
-    #[serde(default)]
-    pub(crate) depth: u32,
-    #[serde(default)]
-    pub(crate) sampling: String,
-    /// Empty for old versions of the program, which had no choice of samplers.
-    #[serde(default)]
-    pub(crate) sampler: String,
-    pub(crate) seed: u64,
+    #[serde(flatten)]
+    pub(crate) settings: NamedSettings,
 }
 
-impl PartialEq for Workload {
-    fn eq(&self, other: &Self) -> bool {
-        let numbers =
-            |work: &Self| (work.threads, work.width, work.height, work.spp, work.depth, work.seed);
-        let names = |work: &Self| {
-            let Self { scene, engine, sampling, sampler, .. } = work;
-            [scene, engine, sampling, sampler].map(String::clone)
-        };
-        numbers(self) == numbers(other) && names(self) == names(other)
+impl Workload {
+    /// Whether the speeds of two runs can be compared.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let of = |work: &Self| (work.scene.clone(), work.engine.clone(), work.threads);
+        of(self) == of(other) && self.settings.agree(&other.settings)
     }
 }
-
-impl Eq for Workload {}
 
 /// Measurements of one side in one block, in which it renders twice.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub(crate) use slope::{Slope, at_seconds};
 
 use super::statistics::{middle, sorted};
-use crate::engine::{Render, RenderSettings, Renderer};
+use crate::engine::{ComputeSettings, ImageSettings, Render, Renderer};
 use crate::error::Result;
 use crate::image::Image;
 use crate::sampler::Sampler;
@@ -23,7 +23,9 @@ use crate::scene::{Sampling, Scene};
 pub(crate) struct Options {
     /// Settings of all renders, except for the sampling, the sampler and the number of samples. The
     /// seeds of the renders derive from the seed in these settings.
-    pub(crate) settings: RenderSettings,
+    pub(crate) settings: ImageSettings,
+    /// How all renders are computed.
+    pub(crate) compute: ComputeSettings,
     /// The combinations of a sampling strategy and a sampler to compare.
     pub(crate) ways: Vec<Way>,
     /// Samples per pixel of the longest renders. The others have half as many, a quarter as many,
@@ -85,12 +87,12 @@ pub(crate) fn measure(
     let in_round: u64 = counts.iter().map(|&spp| u64::from(spp)).sum();
     let all = 2 * u64::from(options.reference)
         + in_round * u64::from(options.rounds) * options.ways.len() as u64;
-    let mut renderer = Renderer::new(scene, options.settings.clone())?;
+    let mut renderer = Renderer::new(scene, options.settings.clone(), options.compute.clone())?;
     let mut done = 0;
     let mut render = |way: Way, spp: u32, seed: u64| {
         let Way { sampling, sampler } = way;
-        let settings = RenderSettings { sampling, sampler, spp, seed, ..options.settings.clone() };
-        renderer.set(settings)?;
+        let settings = ImageSettings { sampling, sampler, spp, seed, ..options.settings.clone() };
+        renderer.set(settings, options.compute.clone())?;
         let render = renderer.render()?;
         done += u64::from(spp);
         progress(done, all);

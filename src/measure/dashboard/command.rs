@@ -16,17 +16,14 @@ pub(super) fn bench(record: &Record, run: &Run) -> String {
 
 /// Command that renders the image once.
 pub(super) fn render(record: &Record, run: &Run) -> String {
-    let Workload { engine, height, depth, sampling, sampler, .. } = &run.work;
-    // Old programs have no option `--sampler`.
-    let sampler =
-        if sampler.is_empty() { String::new() } else { format!(" --sampler {}", quoted(sampler)) };
+    let Workload { scene, engine, threads, settings, .. } = &run.work;
     format!(
-        "{}{}/target/release/ptfast render {} --height {height} --depth {depth} --engine {} --sampling {}{sampler}",
+        "{}{}/target/release/ptfast render --scene {} --threads {threads} --engine {} {}",
         build(record),
         folder(record),
-        work(&run.work),
+        quoted(scene),
         quoted(engine),
-        quoted(sampling)
+        settings.flags()
     )
 }
 
@@ -54,8 +51,9 @@ fn folder(record: &Record) -> String {
     quoted(&format!("../ptfast-{}", clean(&record.machine.commit)))
 }
 
-fn work(work: &Workload) -> String {
-    let Workload { scene, threads, width, spp, seed, .. } = work;
+/// The arguments of `ptfast bench`, which has no others for settings.
+fn work(Workload { scene, threads, settings, .. }: &Workload) -> String {
+    let [width, spp, seed] = ["width", "spp", "seed"].map(|name| settings.number(name));
     let scene = quoted(scene);
     format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
 }

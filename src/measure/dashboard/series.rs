@@ -8,7 +8,7 @@ use super::changes::{Change, changes};
 use super::command;
 use super::history::History;
 use crate::accel::Counters;
-use crate::measure::bench::{Lanes, Record, Run, Workload};
+use crate::measure::bench::{Lanes, Record, Run};
 use crate::measure::machine::Machine;
 use crate::measure::statistics::Estimate;
 
@@ -80,12 +80,8 @@ fn machine_name(machine: &Machine) -> String {
 }
 
 fn settings(run: &Run) -> String {
-    let Workload { width, height, spp, depth, seed, sampling, sampler, scene_hash, .. } = &run.work;
-    let scene: String = scene_hash.chars().take(8).collect();
-    let sampler = if sampler.is_empty() { String::new() } else { format!(", {sampler}") };
-    format!(
-        "{width} x {height}, {spp} spp, depth {depth}, {sampling}{sampler}, seed {seed}, scene {scene}"
-    )
+    let scene: String = run.work.scene_hash.chars().take(8).collect();
+    format!("{}, scene {scene}", run.work.settings.describe())
 }
 
 impl Data {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::machine::Machine;
 use crate::checkpoint::Identity;
-use crate::engine::{Pin, Render, RenderSettings, Renderer};
+use crate::engine::{ComputeSettings, ImageSettings, Pin, Render, Renderer};
 use crate::error::Result;
 use crate::image::Transfer;
 use crate::scene::{Sampling, Scene};
@@ -76,7 +76,7 @@ pub(crate) const FIGURES: [Figure; 6] = [
 /// A figure that was rendered.
 pub(crate) struct Rendered<'a> {
     figure: &'a Figure,
-    pub(crate) settings: RenderSettings,
+    settings: ImageSettings,
     file: String,
     pub(crate) seconds: f64,
     rays: u64,
@@ -105,14 +105,9 @@ pub(crate) fn render<'a>(
     folder: &Path,
     render: impl FnOnce(&Renderer) -> Result<Render>,
 ) -> Result<Rendered<'a>> {
-    let settings = RenderSettings {
-        spp,
-        sampling: figure.sampling,
-        threads,
-        pin: Pin::Auto,
-        ..RenderSettings::of(scene)
-    };
-    let render = render(&Renderer::new(scene, settings.clone())?)?;
+    let settings = ImageSettings { spp, sampling: figure.sampling, ..ImageSettings::of(scene) };
+    let compute = ComputeSettings { threads, pin: Pin::Auto, ..ComputeSettings::default() };
+    let render = render(&Renderer::new(scene, settings.clone(), compute)?)?;
     let hash = render.image.hash();
     let whole = settings.image();
     let file = figure.file();
@@ -126,13 +121,12 @@ pub(crate) fn render<'a>(
 }
 
 /// A page without scripts or files from other sites. The pictures are beside it.
-pub(crate) fn html(rendered: &[Rendered<'_>]) -> String {
+pub(crate) fn html(rendered: &[Rendered<'_>], threads: u32) -> String {
     let machine = Machine::this();
-    let threads = rendered.first().map_or(0, |r| r.settings.threads);
     let threads = if threads == 0 { machine.cores } else { threads as usize };
     let mut figures = String::new();
     for Rendered { figure, settings, file, seconds, rays, hash } in rendered {
-        let RenderSettings { width, height, spp, .. } = settings;
+        let ImageSettings { width, height, spp, .. } = settings;
         // Writing to a string cannot fail.
         let _ = write!(
             figures,

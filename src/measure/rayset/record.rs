@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::select::Selection;
 use super::{Query, RaySet, RaySets};
 use crate::accel::{HitBatch, RayBatch};
-use crate::engine::{PathRecorder, RayKind, RenderSettings, TracedRay};
+use crate::engine::{ImageSettings, PathRecorder, RayKind, TracedRay};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
@@ -33,7 +33,7 @@ pub(super) const KINDS: [(RayKind, &str, Query); 3] = [
 ///
 /// # Errors
 /// If a setting is out of range, or if triangles have holes, which the files cannot describe.
-pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<RaySets> {
+pub fn record(scene: &Scene, settings: &ImageSettings, most: u64) -> Result<RaySets> {
     if scene.geometry().may_have_holes() {
         let message =
             "ray sets cannot describe holes in triangles: remove `opacity` from the materials";
@@ -71,10 +71,10 @@ pub fn record(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<Ray
 /// each kind come in the order of their set.
 fn for_each_ray(
     trace: &(impl Fn(u32, u32, u32) -> Vec<TracedRay> + Sync),
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     mut visit: impl FnMut(RayKind, &TracedRay),
 ) {
-    let RenderSettings { width, height, spp, .. } = *settings;
+    let ImageSettings { width, height, spp, .. } = *settings;
     let starts = |side: u32| (0..side).step_by(TILE as usize);
     let within = |start: u32, side: u32| start..side.min(start + TILE);
     let tiles = starts(height).flat_map(|top| starts(width).map(move |left| (left, top)));
@@ -143,7 +143,7 @@ mod tests {
         // Two waves, and tiles that are cut off at the right and lower edges.
         let (width, height, spp) = (37, 29, 5);
         let scene = Scene::load("cornell").unwrap();
-        let settings = RenderSettings { width, height, spp, ..RenderSettings::of(&scene) };
+        let settings = ImageSettings { width, height, spp, ..ImageSettings::of(&scene) };
         let mut paths = Vec::new();
         for top in (0..height).step_by(8) {
             for left in (0..width).step_by(8) {

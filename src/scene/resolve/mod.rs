@@ -136,7 +136,9 @@ impl<'a> Resolver<'a> {
         let render = &self.file.render;
         let pixels = u64::from(render.width) * u64::from(render.height);
         limits::check_image(render.width, render.height)
-            .and_then(|()| limits::check_sampling(render.spp, render.depth, Some(render.roulette)))
+            .and_then(|()| limits::check("spp", render.spp, limits::MAX_SPP))
+            .and_then(|()| limits::check("depth", render.depth, limits::MAX_DEPTH))
+            .and_then(|()| limits::check("roulette", render.roulette, limits::MAX_DEPTH))
             .and_then(|()| self.budget.limits.check(Limit::Pixels, pixels))
             .map_err(|message| self.section("render").error(message))
     }

@@ -10,10 +10,10 @@ use trial::{Effort, try_all};
 use usual::usual_plan;
 
 use crate::accel::Kernel;
+use crate::engine::compute_settings::ComputeSettings;
 use crate::engine::plan::{Plan, Planning, SegmentPlan};
 use crate::engine::pool::Pool;
 use crate::engine::prepared::View;
-use crate::engine::settings::RenderSettings;
 
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 12, 1 << 13, 1 << 14];
@@ -29,8 +29,8 @@ const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 /// too few `paths` for trials. Also returns whether the plan was measured.
 pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning) {
     // Counting would slow down the trials.
-    let settings = RenderSettings { count: false, ..view.settings.clone() };
-    let (view, settings) = (&View { settings: settings.clone(), ..view.clone() }, &settings);
+    let compute = ComputeSettings { count: false, ..view.compute.clone() };
+    let (view, settings) = (&View { compute, ..view.clone() }, &view.settings);
     // Only these kernels trace instances, whatever their number.
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };
@@ -38,7 +38,8 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     let inside = camera.cmpge(bounds.min).all() && camera.cmple(bounds.max).all();
     let sampled = settings.samples_lights(view.scene());
     let lights = if sampled { view.prepared.tables().lights.len() } else { 0 };
-    let usual = usual_plan(primitives, inside, lights, paths, pool.threads(), settings.wave_size);
+    let usual =
+        usual_plan(primitives, inside, lights, paths, pool.threads(), view.compute.wave_size);
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);
@@ -50,7 +51,7 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
         _ => Plan { segments: planned.map(segment).collect(), ..usual },
     };
 
-    let sizes = each_size(settings, &plan);
+    let sizes = each_size(&view.compute, &plan);
     let tried = try_all(view, paths, pool, &sizes, SIZES_EFFORT);
     let planning =
         if ways_tried || !tried.is_empty() { Planning::Measured } else { Planning::Usual };
@@ -58,7 +59,7 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
 }
 
 /// Returns `plan` with each wave size to try. The list is empty if the settings set the size.
-fn each_size(settings: &RenderSettings, plan: &Plan) -> Vec<Plan> {
+fn each_size(settings: &ComputeSettings, plan: &Plan) -> Vec<Plan> {
     let sizes = SIZES.map(|wave_size| Plan { wave_size, ..plan.clone() });
     sizes.into_iter().filter(|_| settings.wave_size == 0).collect()
 }
@@ -84,17 +85,15 @@ fn each_way(view: &View, usual: &Plan) -> Vec<Plan> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
 
     #[test]
     fn sizes_are_tried_unless_one_is_set() {
-        let scene = Scene::load("cornell").unwrap();
-        let large = RenderSettings::of(&scene);
-        let plan = usual_plan(1, false, 0, large.paths(), 1, 0);
-        let sizes = |settings: &RenderSettings| -> Vec<u32> {
-            each_size(settings, &plan).iter().map(|plan| plan.wave_size).collect()
+        let plan = usual_plan(1, false, 0, 1 << 30, 1, 0);
+        let sizes = |wave_size: u32| -> Vec<u32> {
+            let settings = ComputeSettings { wave_size, ..ComputeSettings::default() };
+            each_size(&settings, &plan).iter().map(|plan| plan.wave_size).collect()
         };
-        assert_eq!(sizes(&large), SIZES);
-        assert!(sizes(&RenderSettings { wave_size: 5000, ..large.clone() }).is_empty());
+        assert_eq!(sizes(0), SIZES);
+        assert!(sizes(5000).is_empty());
     }
 }

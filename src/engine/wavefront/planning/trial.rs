@@ -3,10 +3,10 @@
 use std::sync::Mutex;
 
 use super::fastest::{Tried, without_those_behind};
+use crate::engine::image_settings::ImageSettings;
 use crate::engine::plan::Plan;
 use crate::engine::pool::Pool;
 use crate::engine::prepared::View;
-use crate::engine::settings::RenderSettings;
 use crate::engine::stats::WaveStats;
 use crate::engine::unit::Task;
 use crate::engine::wavefront::wave::Worker;
@@ -102,12 +102,12 @@ fn sum(waves: Vec<WaveStats>) -> WaveStats {
 /// `number` of a sequence that covers the image evenly (Roberts 2018, "The unreasonable
 /// effectiveness of quasirandom sequences").
 fn units(
-    settings: &RenderSettings,
+    settings: &ImageSettings,
     plan: &Plan,
     number: u64,
     paths: u64,
 ) -> impl Iterator<Item = Unit> {
-    let RenderSettings { width, height, spp, .. } = *settings;
+    let ImageSettings { width, height, spp, .. } = *settings;
     let wave = u64::from(plan.wave_size);
     let samples = spp.min(CHUNK);
     let parts = |whole: Tile, paths: u64| Grid::new(whole, paths / u64::from(samples));
@@ -135,9 +135,9 @@ mod tests {
         assert_eq!((rounds(999_000, 2), rounds(999_000, 64)), (Some(6), Some(3)));
     }
 
-    fn settings(side: u32, spp: u32) -> RenderSettings {
+    fn settings(side: u32, spp: u32) -> ImageSettings {
         let scene = Scene::load("cornell").unwrap();
-        RenderSettings { width: side, height: side, spp, ..RenderSettings::of(&scene) }
+        ImageSettings { width: side, height: side, spp, ..ImageSettings::of(&scene) }
     }
 
     fn plan() -> Plan {

@@ -15,7 +15,7 @@ impl ShadeInputs<'_> {
     #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) {
         let environment = self.tables.lights.environment::<Float>();
-        let seen_by_camera = self.settings.backdrop.radiance().filter(|_| self.segment == 1);
+        let seen_by_camera = self.backdrop.radiance().filter(|_| self.segment == 1);
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
             let seen = match (seen_by_camera, &environment) {

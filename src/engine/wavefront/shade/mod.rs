@@ -12,7 +12,7 @@ use super::order::Next;
 use super::paths::Paths;
 use super::sort::{Queue, Queues};
 use crate::engine::backdrop::Backdrop;
-use crate::engine::settings::RenderSettings;
+use crate::engine::image_settings::ImageSettings;
 use crate::engine::stats::StageWork;
 use crate::engine::tally::Endings;
 use crate::geometry::Shape;
@@ -25,7 +25,8 @@ use crate::simd::LANES;
 #[derive(Clone, Copy)]
 pub(super) struct ShadeInputs<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) settings: &'a RenderSettings,
+    pub(super) settings: &'a ImageSettings,
+    pub(super) backdrop: Backdrop,
     pub(super) tables: &'a SceneTables,
     pub(super) cells: &'a Cells,
     /// Number of the segment that was traced, from 1.
@@ -102,7 +103,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     #[inline(always)]
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
-        if emits && shading.settings.backdrop != Backdrop::Alone {
+        if emits && shading.backdrop != Backdrop::Alone {
             shading.emit(shape, &table.emission_rows, queue, shaded);
         }
         if !M::SCATTERS {

@@ -86,7 +86,7 @@ impl ShadeInputs<'_> {
         let endings = &mut *shaded.endings;
         endings.absorbed += u64::from((present & !scattered).count_ones());
         endings.black += u64::from(black.count_ones());
-        if self.settings.roulette.is_some_and(|first| self.segment + 1 >= first) {
+        if self.settings.roulette.applies(self.segment + 1) {
             survival = survival.min(Float::splat(ROULETTE_MAX));
             let ended = goes_on & vertex.randoms.one(Dimension::ROULETTE).ge(survival).bits();
             endings.roulette += u64::from(ended.count_ones());

@@ -19,7 +19,7 @@ pub(super) fn write(record: &Record, file: &Path) -> Result<()> {
 fn row(run: &Run, record: &Record) -> Value {
     let speed = run.mrays_per_s;
     let machine = &record.machine;
-    let Workload { width, height, spp, threads, .. } = run.work;
+    let Workload { threads, settings, .. } = &run.work;
     let hash = &run.hash;
     json!({
         "name": super::name_of(&run.work),
@@ -27,8 +27,8 @@ fn row(run: &Run, record: &Record) -> Value {
         "value": speed.median,
         "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),
         "extra": format!(
-            "{width} x {height}, {spp} spp, {threads} threads\n{}, {} lanes, {}\nimage {hash}",
-            machine.cpu, machine.lanes, machine.rustc
+            "{}, {threads} threads\n{}, {} lanes, {}\nimage {hash}",
+            settings.describe(), machine.cpu, machine.lanes, machine.rustc
         ),
     })
 }
