@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::{ComputeSettings, Engine, ImageSettings, Renderer, Scene};
 
 fn frames(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("frames");
@@ -11,15 +11,11 @@ fn frames(criterion: &mut Criterion) {
     for name in ptfast::BUILTIN_NAMES.into_iter().chain(["mesh:100000", "forest:10000"]) {
         let scene = Scene::load(name).expect("these scenes are valid");
         for engine in Engine::ALL {
-            let settings = RenderSettings {
-                width: 160,
-                height: 90,
-                spp: 16,
-                threads: 1,
-                engine,
-                ..RenderSettings::of(&scene)
-            };
-            let renderer = Renderer::new(&scene, settings).expect("the settings are in range");
+            let settings =
+                ImageSettings { width: 160, height: 90, spp: 16, ..ImageSettings::of(&scene) };
+            let compute = ComputeSettings { threads: 1, ..engine.into() };
+            let renderer =
+                Renderer::new(&scene, settings, compute).expect("the settings are in range");
             let first = renderer.render().expect("one thread can be started");
             let hash = first.image.hash();
             group.throughput(Throughput::Elements(first.tally.rays.total()));

@@ -9,7 +9,7 @@ use ptfast::internals::{
     Accelerator, Geometry, HitBatch, Quad, Query, Ray, RayBatch, RaySet, Sphere, Stream, Triangle,
     record,
 };
-use ptfast::{Kernel, RenderSettings, Scene};
+use ptfast::{ImageSettings, Kernel, Scene};
 
 /// Scenes whose rays are traced, one of each size.
 const SCENES: [&str; 4] = ["spheres", "cornell", "cloud:30000", "mesh:20480"];
@@ -19,7 +19,7 @@ const RAYS: u64 = 1 << 14;
 /// Geometry of `scene`, and the rays that a render of it traces.
 fn sets(scene: &str) -> (Geometry, Vec<RaySet>) {
     let scene = Scene::load(scene).expect("the scene is built in");
-    let settings = RenderSettings { width: 160, height: 90, spp: 2, ..RenderSettings::of(&scene) };
+    let settings = ImageSettings { width: 160, height: 90, spp: 2, ..ImageSettings::of(&scene) };
     let sets = record(&scene, &settings, RAYS).expect("the settings are in range");
     (sets.geometry, sets.sets)
 }

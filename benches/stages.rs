@@ -6,21 +6,17 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use ptfast::internals::Stage;
-use ptfast::{RenderSettings, Renderer, Scene};
+use ptfast::{ComputeSettings, ImageSettings, Renderer, Scene};
 
 fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     group.sample_size(10).measurement_time(Duration::from_secs(2));
     for name in ptfast::BUILTIN_NAMES {
         let scene = Scene::load(name).expect("built-in scenes are valid");
-        let settings = RenderSettings {
-            width: 160,
-            height: 90,
-            spp: 16,
-            threads: 1,
-            ..RenderSettings::of(&scene)
-        };
-        let renderer = Renderer::new(&scene, settings).expect("the settings are in range");
+        let settings =
+            ImageSettings { width: 160, height: 90, spp: 16, ..ImageSettings::of(&scene) };
+        let compute = ComputeSettings { threads: 1, ..ComputeSettings::default() };
+        let renderer = Renderer::new(&scene, settings, compute).expect("the settings are in range");
         let render = || renderer.render().expect("there is memory for a small image");
         let first = render();
         for stage in Stage::ALL {

@@ -4,14 +4,14 @@
 //! # A first render
 //!
 //! ```
-//! use ptfast::{Metadata, RenderSettings, Renderer, Scene, Transfer};
+//! use ptfast::{Engine, ImageSettings, Metadata, Renderer, Scene, Transfer};
 //!
 //! # fn main() -> ptfast::Result<()> {
 //! # let folder = tempfile::tempdir().unwrap();
 //! # let path = folder.path().join("spheres.png");
 //! let scene = Scene::load("spheres")?; // or the path of a .ron, .json or .txt file
-//! let settings = RenderSettings { width: 64, height: 36, spp: 4, ..RenderSettings::of(&scene) };
-//! let render = Renderer::new(&scene, settings)?.render()?;
+//! let settings = ImageSettings { width: 64, height: 36, spp: 4, ..ImageSettings::of(&scene) };
+//! let render = Renderer::new(&scene, settings, Engine::Wavefront)?.render()?;
 //! println!("{} rays, image {}", render.tally.rays.total(), render.image.hash());
 //! render.image.write(&path, Transfer::Srgb, &Metadata::default())?;
 //! # Ok(())
@@ -27,7 +27,7 @@
 //! use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 //!
 //! use ptfast::material::{Lambertian, Light, Sides};
-//! use ptfast::{Background, CameraFile, Observer, Progress, RenderSettings, Renderer, Scene};
+//! use ptfast::{Background, CameraFile, Engine, ImageSettings, Observer, Progress, Renderer, Scene};
 //! use ptfast::{SceneFile, Stop};
 //!
 //! # fn main() -> ptfast::Result<()> {
@@ -53,8 +53,8 @@
 //!     }
 //! }
 //!
-//! let settings = RenderSettings { width: 64, height: 48, spp: 256, ..RenderSettings::of(&scene) };
-//! let mut renderer = Renderer::new(&scene, settings.clone())?;
+//! let settings = ImageSettings { width: 64, height: 48, spp: 256, ..ImageSettings::of(&scene) };
+//! let mut renderer = Renderer::new(&scene, settings.clone(), Engine::Wavefront)?;
 //! let mut rendering = renderer.begin()?;
 //! renderer.advance(&mut rendering, &Most(20_000, AtomicU64::new(0)))?;
 //! let done = rendering.progress().samples;
@@ -67,7 +67,7 @@
 //! renderer.advance_to(&mut rendering, 32, &())?;
 //! // The renderer can also switch to another view of the same trees.
 //! let camera = (&CameraFile::new([4.0, 2.0, 3.0], [0.0, 0.5, 0.0], 40.0)).try_into()?;
-//! renderer.set(RenderSettings { camera, spp: 1, seed: 2, ..settings })?;
+//! renderer.set(ImageSettings { camera: Some(camera), spp: 1, seed: 2, ..settings }, Engine::Wavefront)?;
 //! renderer.render()?;
 //! # Ok(())
 //! # }

@@ -3,7 +3,7 @@
 //! Checkpoints store it, and PNG and EXR images store it in their metadata.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::engine::{BITS, ImageSettings};
 use crate::film::Tile;
@@ -66,7 +66,7 @@ impl Identity {
     /// Metadata of an image file whose pixels have this `hash`. Equal renders have equal metadata,
     /// even if their engines, numbers of threads or machines differ.
     pub fn metadata(&self, hash: &str) -> Metadata {
-        let mut settings = self.settings.by_name();
+        let mut settings: Map<_, _> = self.settings.by_name().into_iter().collect();
         settings.insert("bits".to_owned(), json!(self.bits));
         if !self.is_whole() {
             settings.insert("crop".to_owned(), json!(self.crop));

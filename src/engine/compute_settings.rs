@@ -50,6 +50,13 @@ pub struct ComputeSettings {
     pub timeline: bool,
 }
 
+impl From<Engine> for ComputeSettings {
+    /// The default settings with this engine.
+    fn from(engine: Engine) -> Self {
+        Self { engine, ..Self::default() }
+    }
+}
+
 impl ComputeSettings {
     /// Checks that all settings are in range.
     ///

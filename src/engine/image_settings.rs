@@ -1,14 +1,14 @@
 //! Settings that decide the image.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::roulette::Roulette;
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::limits::{self, Limit, Limits};
 use crate::sampler::Sampler;
-use crate::scene::{RenderDefaults, Sampling, Scene};
+use crate::scene::{Named, RenderDefaults, Sampling, Scene};
 use crate::shading::Camera;
 
 /// What decides the bits of an image, besides its scene.
@@ -121,21 +121,16 @@ impl ImageSettings {
         Self { spp: other.spp, ..self.clone() } == *other
     }
 
-    /// All settings but the camera, by name.
-    pub(crate) fn by_name(&self) -> Map<String, Value> {
-        match serde_json::to_value(self) {
-            Ok(Value::Object(fields)) => fields,
-            _ => unreachable!("settings are numbers and words"),
-        }
+    /// The names and values of all settings but the camera, in their order.
+    pub(crate) fn by_name(&self) -> Vec<(String, Value)> {
+        let text = serde_json::to_string(self).expect("settings are numbers and words");
+        let Named(fields) = serde_json::from_str(&text).expect("settings are written as a map");
+        fields
     }
 
-    /// The names of all settings but the camera.
-    pub(crate) fn names() -> Vec<String> {
-        Self::with_defaults(&RenderDefaults::default())
-            .by_name()
-            .into_iter()
-            .map(|(name, _)| name)
-            .collect()
+    /// The names of all settings but the camera, in their order.
+    pub(crate) fn names() -> impl Iterator<Item = String> {
+        Self::with_defaults(&RenderDefaults::default()).by_name().into_iter().map(|(name, _)| name)
     }
 
     /// The tile of all pixels.

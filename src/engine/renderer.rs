@@ -71,7 +71,7 @@ impl Renderer {
     pub fn new(
         scene: impl Into<PreparedScene>,
         image: ImageSettings,
-        compute: ComputeSettings,
+        compute: impl Into<ComputeSettings>,
     ) -> Result<Self> {
         let paths = image.paths();
         Self::for_paths(scene, image, compute, paths)
@@ -85,10 +85,10 @@ impl Renderer {
     pub fn for_paths(
         scene: impl Into<PreparedScene>,
         image: ImageSettings,
-        compute: ComputeSettings,
+        compute: impl Into<ComputeSettings>,
         paths: u64,
     ) -> Result<Self> {
-        let view = View::new(scene.into(), image, compute);
+        let view = View::new(scene.into(), image, compute.into());
         Self::on(view, paths, |compute| Pool::start(compute.threads, compute.pin))
     }
 
@@ -102,11 +102,11 @@ impl Renderer {
     pub fn in_current_pool(
         scene: impl Into<PreparedScene>,
         image: ImageSettings,
-        compute: ComputeSettings,
+        compute: impl Into<ComputeSettings>,
     ) -> Result<Self> {
         let paths = image.paths();
         let threads = rayon::current_num_threads() as u32;
-        let view = View::new(scene.into(), image, ComputeSettings { threads, ..compute });
+        let view = View::new(scene.into(), image, ComputeSettings { threads, ..compute.into() });
         Self::on(view, paths, |_| Ok(Pool::Caller))
     }
 
@@ -130,8 +130,8 @@ impl Renderer {
     /// # Errors
     /// If a setting is out of range or the render would exceed the memory limit, returns
     /// [`Error::Usage`](crate::Error::Usage).
-    pub fn set(&mut self, image: ImageSettings, compute: ComputeSettings) -> Result<()> {
-        *self = self.with(image, compute)?;
+    pub fn set(&mut self, image: ImageSettings, compute: impl Into<ComputeSettings>) -> Result<()> {
+        *self = self.with(image, compute.into())?;
         Ok(())
     }
 

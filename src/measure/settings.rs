@@ -4,36 +4,42 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::engine::ImageSettings;
+use crate::scene::Named;
 
 /// The settings that decide an image, by name. Records of other versions may lack some.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Map<String, Value>")]
-pub(crate) struct NamedSettings(Map<String, Value>);
+pub(crate) struct NamedSettings(Named<Value>);
 
 impl From<Map<String, Value>> for NamedSettings {
     /// Keeps the settings among the fields of a record.
     fn from(mut fields: Map<String, Value>) -> Self {
-        let names = ImageSettings::names();
-        fields.retain(|name, _| names.contains(name));
-        Self(fields)
+        let named = |name: String| fields.remove_entry(&name);
+        Self(Named(ImageSettings::names().filter_map(named).collect()))
     }
 }
 
 impl From<&ImageSettings> for NamedSettings {
     fn from(settings: &ImageSettings) -> Self {
-        Self(settings.by_name())
+        Self(Named(settings.by_name()))
     }
 }
 
 impl NamedSettings {
+    fn get(&self, name: &str) -> Option<&Value> {
+        let Named(settings) = &self.0;
+        settings.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+
     /// Returns a setting that is a number, or 0 if it is missing.
     pub(crate) fn number(&self, name: &str) -> u64 {
-        self.0.get(name).and_then(Value::as_u64).unwrap_or(0)
+        self.get(name).and_then(Value::as_u64).unwrap_or(0)
     }
 
     /// Whether all settings that both have are equal.
     pub(crate) fn agree(&self, other: &Self) -> bool {
-        self.0.iter().all(|(name, here)| other.0.get(name).is_none_or(|there| here == there))
+        let Named(settings) = &self.0;
+        settings.iter().all(|(name, here)| other.get(name).is_none_or(|there| here == there))
     }
 
     /// The settings in words, such as `640 x 360, 16 spp, depth 50, seed 1`.
@@ -53,7 +59,8 @@ impl NamedSettings {
 
     /// The names of all settings that are on, with their values after a blank.
     fn words(&self) -> impl Iterator<Item = (&str, String)> {
-        self.0.iter().filter_map(|(name, value)| match value {
+        let Named(settings) = &self.0;
+        settings.iter().filter_map(|(name, value)| match value {
             Value::Null | Value::Bool(false) => None,
             Value::Bool(true) => Some((name.as_str(), String::new())),
             Value::String(word) => Some((name.as_str(), format!(" {word}"))),
@@ -73,13 +80,16 @@ mod tests {
         let scene = Scene::load("cornell").unwrap();
         let mut settings = ImageSettings { spp: 4, ..ImageSettings::of(&scene) };
         let named = NamedSettings::from(&settings);
-        let words = "depth 50, roulette 5, sampler sobol, sampling mis, seed 1";
+        let words = "depth 50, seed 1, sampling mis, sampler sobol, roulette 5";
         assert_eq!(named.describe(), format!("400 x 400, 4 spp, {words}"));
         (settings.roulette, settings.clamp, settings.transparent) =
             (Roulette::Off, Some(2.5), true);
         let flags = NamedSettings::from(&settings).flags();
-        assert!(flags.starts_with("--clamp 2.5 --depth 50 --height 400 --roulette off"), "{flags}");
-        assert!(flags.ends_with("--seed 1 --spp 4 --transparent --width 400"), "{flags}");
+        assert!(
+            flags.starts_with("--width 400 --height 400 --spp 4 --depth 50 --seed 1"),
+            "{flags}"
+        );
+        assert!(flags.ends_with("--roulette off --clamp 2.5 --transparent"), "{flags}");
     }
 
     #[test]
@@ -89,6 +99,6 @@ mod tests {
         assert_eq!((old.number("width"), old.number("depth")), (8, 0));
         assert!(old.agree(&named(r#"{"width": 8, "spp": 4, "sampler": "sobol"}"#)));
         assert!(!old.agree(&named(r#"{"width": 9, "spp": 4}"#)));
-        assert_eq!(serde_json::to_string(&old).unwrap(), r#"{"spp":4,"width":8}"#);
+        assert_eq!(serde_json::to_string(&old).unwrap(), r#"{"width":8,"spp":4}"#);
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of images without a background and of their alpha channel.
 
 use ptfast::internals::alpha;
-use ptfast::{Backdrop, Engine, Image, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, Image, ImageSettings, Renderer, Scene};
 
 const SCENE: &str = r#"(
     camera: (look_from: (0, 0, 4), look_at: (0, 0, 0), vfov: 40),
@@ -21,9 +21,9 @@ const SCENE: &str = r#"(
 )"#;
 
 /// The image and its alpha channel.
-fn render(scene: &Scene, backdrop: Backdrop, engine: Engine) -> (Image, Vec<f32>) {
-    let settings = RenderSettings { backdrop, engine, ..RenderSettings::of(scene) };
-    let renderer = Renderer::new(scene, settings).unwrap();
+fn render(scene: &Scene, transparent: bool, engine: Engine) -> (Image, Vec<f32>) {
+    let settings = ImageSettings { transparent, ..ImageSettings::of(scene) };
+    let renderer = Renderer::new(scene, settings, engine).unwrap();
     let alpha = alpha(&renderer).unwrap();
     (renderer.render().unwrap().image, alpha)
 }
@@ -32,10 +32,10 @@ fn render(scene: &Scene, backdrop: Backdrop, engine: Engine) -> (Image, Vec<f32>
 #[test]
 fn the_background_is_hidden_where_alpha_is_missing() {
     let scene = Scene::from_ron(SCENE).unwrap();
-    let (hidden, alpha) = render(&scene, Backdrop::Hidden, Engine::Wavefront);
-    let (shown, same) = render(&scene, Backdrop::Shown, Engine::Wavefront);
+    let (hidden, alpha) = render(&scene, true, Engine::Wavefront);
+    let (shown, same) = render(&scene, false, Engine::Wavefront);
     assert_eq!(alpha, same);
-    let scalar = render(&scene, Backdrop::Hidden, Engine::Scalar);
+    let scalar = render(&scene, true, Engine::Scalar);
     assert_eq!((hidden.hash(), &alpha), (scalar.0.hash(), &scalar.1));
     for (i, &alpha) in alpha.iter().enumerate() {
         for (shown, hidden) in shown.pixels()[i].iter().zip(hidden.pixels()[i]) {
@@ -59,7 +59,7 @@ fn the_background_is_hidden_where_alpha_is_missing() {
 fn negative_weights_do_not_change_alpha() {
     let scene = SCENE.replace("vfov: 40", "vfov: 40, filter: mitchell()");
     let scene = Scene::from_ron(&scene).unwrap();
-    let (_, alpha) = render(&scene, Backdrop::Hidden, Engine::Wavefront);
+    let (_, alpha) = render(&scene, true, Engine::Wavefront);
     assert!(alpha.iter().all(|alpha| (0.0..=1.0).contains(alpha)));
     // The radius of the filter is 2 pixels.
     let of = |x: usize, y: usize| alpha[y * 32 + x];

@@ -7,7 +7,7 @@ use ptfast::internals::Source;
 use ptfast::material::Lambertian;
 use ptfast::texture::{Checker, Image, Texture};
 use ptfast::{
-    BUILTIN_NAMES, Camera, CameraFile, Limit, Limits, PixelFilter, RenderSettings, Sampling, Scene,
+    BUILTIN_NAMES, Camera, CameraFile, ImageSettings, Limit, Limits, PixelFilter, Sampling, Scene,
     SceneFile,
 };
 use ron::extensions::Extensions;
@@ -44,7 +44,7 @@ fn built_in_scenes_equal_the_flat_files() {
         assert_eq!(built_in.hash(), flat.hash(), "{name}");
         // The images must be equal too.
         let settings =
-            |scene| RenderSettings { width: 64, height: 36, spp: 2, ..RenderSettings::of(scene) };
+            |scene| ImageSettings { width: 64, height: 36, spp: 2, ..ImageSettings::of(scene) };
         let hash = |scene| render(scene, settings(scene)).hash();
         assert_eq!(hash(&built_in), hash(&flat), "{name}");
     }
@@ -66,7 +66,7 @@ fn scenes_round_trip_through_ron_and_json() {
     fs::write(path("b.ron"), parsed.to_ron()).unwrap();
     fs::write(path("c.json"), parsed.to_json()).unwrap();
     let original = Scene::load(&path("a.ron")).unwrap();
-    let settings = RenderSettings::of(&original);
+    let settings = ImageSettings::of(&original);
     assert_eq!((settings.width, settings.depth, settings.sampling), (30, 7, Sampling::Light));
     assert_eq!(original.geometry().len(), 6 + 2 + 6 + 2);
     let hash = render(&original, settings.clone()).hash();
@@ -160,8 +160,8 @@ fn means_agree_with_other_programs() {
             };
             let means: Vec<[f64; 3]> = (0..16)
                 .map(|seed| {
-                    let base = RenderSettings::of(&scene);
-                    render(&scene, RenderSettings { width, height, spp, seed, sampling, ..base })
+                    let base = ImageSettings::of(&scene);
+                    render(&scene, ImageSettings { width, height, spp, seed, sampling, ..base })
                         .mean()
                 })
                 .collect();

@@ -4,23 +4,32 @@ use std::sync::Mutex;
 
 use ptfast::internals::{Stage, Stream};
 use ptfast::{
-    BUILTIN_NAMES, Engine, Kernel, Observer, Plan, Planning, Progress, Render, RenderSettings,
-    Renderer, Sampler, Scene, SegmentPlan,
+    BUILTIN_NAMES, ComputeSettings, Engine, ImageSettings, Kernel, Observer, Plan, Planning,
+    Progress, Render, Renderer, Roulette, Sampler, Scene, SegmentPlan,
 };
 
 use crate::common::SAMPLINGS;
 use crate::random_scene::random_scene;
 
-fn render(scene: &Scene, settings: &RenderSettings, engine: Engine) -> Render {
-    let settings = RenderSettings { engine, ..settings.clone() };
-    Renderer::new(scene, settings).unwrap().render().unwrap()
+fn render(scene: &Scene, settings: &ImageSettings, by: impl Into<ComputeSettings>) -> Render {
+    Renderer::new(scene, settings.clone(), by).unwrap().render().unwrap()
+}
+
+fn on_threads(threads: u32) -> ComputeSettings {
+    ComputeSettings { threads, ..ComputeSettings::default() }
 }
 
 /// Renders with both engines, compares the results, and returns the number of rays traced.
 #[track_caller]
-fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
-    let want = render(scene, settings, Engine::Scalar);
-    let got = render(scene, settings, Engine::Wavefront);
+fn compare(scene: &Scene, settings: &ImageSettings, what: &str) -> u64 {
+    compare_by(scene, settings, ComputeSettings::default(), what)
+}
+
+/// As [`compare`], with settings of the computation.
+#[track_caller]
+fn compare_by(scene: &Scene, settings: &ImageSettings, by: ComputeSettings, what: &str) -> u64 {
+    let want = render(scene, settings, ComputeSettings { engine: Engine::Scalar, ..by.clone() });
+    let got = render(scene, settings, by);
     assert_eq!(got.image.hash(), want.image.hash(), "{what}: {settings:?}");
     assert_eq!(got.tally, want.tally, "{what}");
     assert_eq!(got.tally.endings.total(), got.tally.rays.primary, "{what}");
@@ -31,8 +40,12 @@ fn compare(scene: &Scene, settings: &RenderSettings, what: &str) -> u64 {
 fn only_large_renders_try_plans() {
     let scene = Scene::load("cornell").unwrap();
     for (spp, planning) in [(4, Planning::Usual), (400, Planning::Measured)] {
-        let settings = RenderSettings { spp, threads: 1, depth: 2, ..RenderSettings::of(&scene) };
-        assert_eq!(Renderer::new(&scene, settings).unwrap().planning(), Some(planning), "{spp}");
+        let settings = ImageSettings { spp, depth: 2, ..ImageSettings::of(&scene) };
+        assert_eq!(
+            Renderer::new(&scene, settings, on_threads(1)).unwrap().planning(),
+            Some(planning),
+            "{spp}"
+        );
     }
 }
 
@@ -41,17 +54,19 @@ fn built_in_scenes() {
     for name in BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron", "cloud:2000"]) {
         let scene = Scene::load(name).unwrap();
         for sampling in SAMPLINGS {
-            for (sampler, roulette) in
-                [(Sampler::Sobol, Some(5)), (Sampler::Sobol, None), (Sampler::Independent, Some(2))]
-            {
-                let settings = RenderSettings {
+            for (sampler, roulette) in [
+                (Sampler::Sobol, Roulette::From(5)),
+                (Sampler::Sobol, Roulette::Off),
+                (Sampler::Independent, Roulette::From(2)),
+            ] {
+                let settings = ImageSettings {
                     width: 61,
                     height: 37,
                     spp: 5,
                     sampling,
                     sampler,
                     roulette,
-                    ..RenderSettings::of(&scene)
+                    ..ImageSettings::of(&scene)
                 };
                 compare(&scene, &settings, name);
             }
@@ -78,8 +93,8 @@ fn random_plan(random: &mut Stream) -> Option<Plan> {
 fn large_scenes() {
     for name in ["mesh:20480", "cloud:30000"] {
         let scene = Scene::load(name).unwrap();
-        let base = RenderSettings::of(&scene);
-        compare(&scene, &RenderSettings { width: 70, height: 50, spp: 2, ..base }, name);
+        let base = ImageSettings::of(&scene);
+        compare(&scene, &ImageSettings { width: 70, height: 50, spp: 2, ..base }, name);
     }
 }
 
@@ -89,12 +104,14 @@ fn random_scenes() {
     for seed in 0..400 {
         let scene = Scene::from_file(&random_scene(seed)).unwrap();
         let mut random = Stream::new(!seed);
-        let roulette = [None, Some(1), Some(3)][random.bits() as usize % 3];
+        let roulettes = [Roulette::Off, Roulette::From(1), Roulette::From(3)];
+        let roulette = roulettes[random.bits() as usize % 3];
         let plan = random_plan(&mut random);
         let sampler = Sampler::ALL[seed as usize % 2];
-        let base = RenderSettings::of(&scene);
-        let settings = RenderSettings { seed, threads: 1, sampler, roulette, plan, ..base };
-        rays += compare(&scene, &settings, &format!("scene {seed}"));
+        let base = ImageSettings::of(&scene);
+        let settings = ImageSettings { seed, sampler, roulette, ..base };
+        let by = ComputeSettings { plan, ..on_threads(1) };
+        rays += compare_by(&scene, &settings, by, &format!("scene {seed}"));
     }
     assert!(rays > 800_000, "{rays}");
 }
@@ -103,14 +120,14 @@ fn random_scenes() {
 #[test]
 fn odd_sizes() {
     let scene = Scene::load("tests/data/everything.ron").unwrap();
-    let base = RenderSettings { spp: 3, depth: 6, ..RenderSettings::of(&scene) };
+    let base = ImageSettings { spp: 3, depth: 6, ..ImageSettings::of(&scene) };
     for (width, height) in [(1, 1), (3, 1000), (1000, 3), (37, 41), (1, 17)] {
-        let settings = RenderSettings { width, height, ..base.clone() };
+        let settings = ImageSettings { width, height, ..base.clone() };
         compare(&scene, &settings, "size");
     }
     for (spp, depth, threads) in [(1, 1, 1), (1, 50, 2), (40, 1, 3), (17, 2, 64)] {
-        let settings = RenderSettings { width: 7, height: 5, spp, depth, threads, ..base.clone() };
-        compare(&scene, &settings, "samples, segments, threads");
+        let settings = ImageSettings { width: 7, height: 5, spp, depth, ..base.clone() };
+        compare_by(&scene, &settings, on_threads(threads), "samples, segments, threads");
     }
 }
 
@@ -119,28 +136,22 @@ fn odd_sizes() {
 fn waves_and_plans_do_not_matter() {
     for name in ["tests/data/everything.ron", "spheres"] {
         let scene = Scene::load(name).unwrap();
-        let base = RenderSettings {
-            width: 43,
-            height: 29,
-            spp: 18,
-            threads: 2,
-            ..RenderSettings::of(&scene)
-        };
+        let base = ImageSettings { width: 43, height: 29, spp: 18, ..ImageSettings::of(&scene) };
         let want = render(&scene, &base, Engine::Scalar);
-        let same = |settings: RenderSettings| {
-            let got = render(&scene, &settings, Engine::Wavefront);
-            assert_eq!(got.image.hash(), want.image.hash(), "{settings:?}");
-            assert_eq!(got.tally, want.tally, "{settings:?}");
+        let same = |by: ComputeSettings| {
+            let got = render(&scene, &base, by.clone());
+            assert_eq!(got.image.hash(), want.image.hash(), "{by:?}");
+            assert_eq!(got.tally, want.tally, "{by:?}");
         };
         for wave_size in [1, 7, 16, 33, 500, 1 << 16] {
-            same(RenderSettings { wave_size, ..base.clone() });
+            same(ComputeSettings { wave_size, ..on_threads(2) });
         }
         let ways = Kernel::ALL.into_iter().flat_map(|kernel| [(kernel, true), (kernel, false)]);
         for (kernel, ordered) in ways {
             let (closest, occluded) = (kernel, kernel);
             let segment = SegmentPlan { ordered, closest, occluded, shadows_ordered: !ordered };
             let plan = Plan { wave_size: 700, segments: vec![segment; 2] };
-            same(RenderSettings { plan: Some(plan), ..base.clone() });
+            same(ComputeSettings { plan: Some(plan), ..on_threads(2) });
         }
     }
 }
@@ -149,21 +160,19 @@ fn waves_and_plans_do_not_matter() {
 #[test]
 fn counts_add_up_and_repeat() {
     let scene = Scene::load("cornell").unwrap();
-    let settings = RenderSettings {
+    let settings = ImageSettings {
         width: 60,
         height: 40,
         spp: 20,
         // At most the number of segments that are counted separately.
         depth: 16,
-        threads: 1,
-        count: true,
-        ..RenderSettings::of(&scene)
+        ..ImageSettings::of(&scene)
     };
-    let renderer = Renderer::new(&scene, settings.clone()).unwrap();
+    let counting = ComputeSettings { count: true, ..on_threads(1) };
+    let renderer = Renderer::new(&scene, settings.clone(), counting.clone()).unwrap();
     let plan = renderer.plan().cloned();
     let first = renderer.render().unwrap();
-    let again = RenderSettings { plan, threads: 3, ..settings };
-    let second = render(&scene, &again, Engine::Wavefront);
+    let second = render(&scene, &settings, ComputeSettings { plan, threads: 3, ..counting });
     // This scene has no media.
     for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Collide) {
         let (a, b) = (first.waves.stage(stage), second.waves.stage(stage));
@@ -194,25 +203,25 @@ fn counts_add_up_and_repeat() {
 #[test]
 fn plans_are_measured() {
     let scene = Scene::load("cornell").unwrap();
-    let base = RenderSettings { width: 200, height: 200, ..RenderSettings::of(&scene) };
+    let base = ImageSettings { width: 200, height: 200, ..ImageSettings::of(&scene) };
     for threads in [1, 2] {
         // 30 million paths per thread are enough to measure wave sizes too.
-        let large = RenderSettings { spp: 750 * threads, threads, ..base.clone() };
-        let renderer = Renderer::new(&scene, large.clone()).unwrap();
+        let large = ImageSettings { spp: 750 * threads, ..base.clone() };
+        let renderer = Renderer::new(&scene, large.clone(), on_threads(threads)).unwrap();
         let plan = renderer.plan().unwrap();
         plan.check().unwrap();
         assert_eq!(plan.segments.len(), 4, "{plan:?}");
         assert!((1 << 12..=1 << 14).contains(&plan.wave_size), "{plan:?}");
         let first = &plan.segments[0];
         assert!(!first.ordered && first.closest != Kernel::Scalar, "{plan:?}");
-        let small =
-            RenderSettings { spp: 3, threads: 2, plan: Some(plan.clone()), ..large.clone() };
-        compare(&scene, &small, "measured");
+        let small = ImageSettings { spp: 3, ..large.clone() };
+        let by = ComputeSettings { plan: Some(plan.clone()), ..on_threads(2) };
+        compare_by(&scene, &small, by, "measured");
         let text = serde_json::to_string(plan).unwrap();
         assert_eq!(serde_json::from_str::<Plan>(&text).unwrap(), *plan);
         // A given wave size is kept.
-        let given = RenderSettings { wave_size: 5000, ..large };
-        let renderer = Renderer::new(&scene, given).unwrap();
+        let given = ComputeSettings { wave_size: 5000, ..on_threads(threads) };
+        let renderer = Renderer::new(&scene, large, given).unwrap();
         let plan = renderer.plan().unwrap();
         assert_eq!((plan.wave_size, plan.segments.len()), (5000, 4));
     }
@@ -225,8 +234,8 @@ fn plans_out_of_range_are_refused() {
     let segment = SegmentPlan { ordered: false, closest, occluded, shadows_ordered: false };
     let plan = Plan { wave_size: 1, segments: vec![segment] };
     let refused = |plan| {
-        let settings = RenderSettings { plan: Some(plan), ..RenderSettings::of(&scene) };
-        Renderer::new(&scene, settings).is_err()
+        let by = ComputeSettings { plan: Some(plan), ..ComputeSettings::default() };
+        Renderer::new(&scene, ImageSettings::of(&scene), by).is_err()
     };
     assert!(!refused(plan.clone()));
     assert!(refused(Plan { wave_size: 0, ..plan.clone() }));
@@ -242,16 +251,16 @@ fn passes_of_any_size_give_the_same_bits() {
         fn progressed(&self, _: Progress) {}
     }
     let scene = Scene::load("tests/data/everything.ron").unwrap();
-    let base = RenderSettings { width: 40, height: 30, spp: 37, ..RenderSettings::of(&scene) };
+    let base = ImageSettings { width: 40, height: 30, spp: 37, ..ImageSettings::of(&scene) };
     for engine in Engine::ALL {
         let whole = render(&scene, &base, engine);
-        let settings = RenderSettings { engine, wave_size: 700, ..base.clone() };
-        let renderer = Renderer::new(&scene, settings).unwrap();
+        let by = ComputeSettings { engine, wave_size: 700, ..ComputeSettings::default() };
+        let renderer = Renderer::new(&scene, base.clone(), by).unwrap();
         let mut rendering = renderer.begin().unwrap();
         for pass in [1, 1, 2, 4, 8, 5, 16] {
             let end = rendering.film.samples_done() as u32 / (40 * 30) + pass;
             renderer.advance_to(&mut rendering, end, &Nobody).unwrap();
-            let so_far = RenderSettings { spp: end, engine, ..base.clone() };
+            let so_far = ImageSettings { spp: end, ..base.clone() };
             let image = rendering.image().unwrap();
             assert_eq!(image.hash(), render(&scene, &so_far, engine).image.hash(), "{end} samples");
         }
@@ -264,28 +273,28 @@ fn passes_of_any_size_give_the_same_bits() {
 fn views_share_a_prepared_scene() {
     fn send_and_sync<T: Send + Sync + 'static>(_: &T) {}
     let scene = Scene::load("mesh:20480").unwrap();
-    let base = RenderSettings { width: 40, height: 30, spp: 4, ..RenderSettings::of(&scene) };
-    let mut renderer = Renderer::new(&scene, base.clone()).unwrap();
+    let base = ImageSettings { width: 40, height: 30, spp: 4, ..ImageSettings::of(&scene) };
+    let mut renderer = Renderer::new(&scene, base.clone(), Engine::Wavefront).unwrap();
     send_and_sync(&renderer);
     let other = Scene::load("cornell").unwrap().camera().clone();
     for engine in Engine::ALL {
         let views = [
-            RenderSettings { camera: other.clone(), ..base.clone() },
-            RenderSettings { width: 31, height: 17, seed: 3, ..base.clone() },
-            RenderSettings { spp: 20, depth: 3, ..base.clone() },
+            ImageSettings { camera: Some(other.clone()), ..base.clone() },
+            ImageSettings { width: 31, height: 17, seed: 3, ..base.clone() },
+            ImageSettings { spp: 20, depth: 3, ..base.clone() },
             base.clone(),
         ];
         for view in views {
-            let view = RenderSettings { engine, ..view };
-            renderer.set(view.clone()).unwrap();
-            let new = Renderer::new(&scene, view.clone()).unwrap().render().unwrap();
+            renderer.set(view.clone(), engine).unwrap();
+            let new = Renderer::new(&scene, view.clone(), engine).unwrap().render().unwrap();
             assert_eq!(renderer.render().unwrap().image.hash(), new.image.hash());
-            let shared = Renderer::new(renderer.prepared(), view).unwrap().render().unwrap();
+            let shared =
+                Renderer::new(renderer.prepared(), view, engine).unwrap().render().unwrap();
             assert_eq!(shared.image.hash(), new.image.hash());
         }
     }
-    assert!(renderer.set(RenderSettings { width: 0, ..base }).is_err());
-    assert_eq!(renderer.settings().width, 40);
+    assert!(renderer.set(ImageSettings { width: 0, ..base }, Engine::Wavefront).is_err());
+    assert_eq!(renderer.image_settings().width, 40);
 }
 
 /// Progress reports count every path and ray once.
@@ -301,15 +310,10 @@ fn progress_adds_up() {
         }
     }
     let scene = Scene::load("cornell").unwrap();
-    let base = RenderSettings {
-        width: 50,
-        height: 40,
-        spp: 21,
-        wave_size: 100,
-        ..RenderSettings::of(&scene)
-    };
+    let base = ImageSettings { width: 50, height: 40, spp: 21, ..ImageSettings::of(&scene) };
     for engine in Engine::ALL {
-        let renderer = Renderer::new(&scene, RenderSettings { engine, ..base.clone() }).unwrap();
+        let by = ComputeSettings { engine, wave_size: 100, ..ComputeSettings::default() };
+        let renderer = Renderer::new(&scene, base.clone(), by).unwrap();
         let last = Last(Mutex::default());
         let mut rendering = renderer.begin().unwrap();
         renderer.advance(&mut rendering, &last).unwrap();

@@ -9,7 +9,10 @@ use std::fs;
 use std::path::Path;
 
 use ptfast::internals::{Checkpoint, Source};
-use ptfast::{Engine, Image, Limit, Limits, Metadata, RenderSettings, Renderer, Sampling, Scene};
+use ptfast::{
+    ComputeSettings, Engine, Image, ImageSettings, Limit, Limits, Metadata, Renderer, Sampling,
+    Scene,
+};
 
 /// A function to fuzz.
 pub type Subject = fn(&[u8]);
@@ -177,17 +180,17 @@ pub fn record(bytes: &[u8]) {
 pub fn render(bytes: &[u8]) {
     let Some(scene) = scene("a.ron", bytes) else { return };
     let images = Engine::ALL.map(|engine| {
-        let settings = RenderSettings {
+        let settings = ImageSettings {
             width: 8,
             height: 8,
             spp: 2,
             depth: 8,
             sampling: if bytes.len().is_multiple_of(2) { Sampling::Mis } else { Sampling::Light },
-            engine,
-            threads: 1,
-            ..RenderSettings::of(&scene)
+            ..ImageSettings::of(&scene)
         };
-        let render = Renderer::new(&scene, settings).and_then(|renderer| renderer.render());
+        let compute = ComputeSettings { threads: 1, ..engine.into() };
+        let renderer = Renderer::new(&scene, settings, compute);
+        let render = renderer.and_then(|renderer| renderer.render());
         let render = render.expect("an accepted scene must render");
         assert_eq!(render.tally.non_finite.count, 0, "{:?}", render.tally.non_finite);
         (render.image.hash(), render.tally)

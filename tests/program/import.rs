@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, ImageSettings, Renderer, Roulette, Scene};
 use serde_json::{Value, json};
 
 use crate::cli::succeeds;
@@ -28,10 +28,10 @@ fn scenes_are_the_same_in_ron() {
         assert_eq!(scene.hash(), ron.hash(), "{name} is now\n{shown}");
         assert_eq!(scene.defaults(), ron.defaults(), "{name}");
         let roulette = if name == "obj.obj" { 5 } else { 2 };
-        assert_eq!(RenderSettings::of(&scene).roulette, Some(roulette), "{name}");
+        assert_eq!(ImageSettings::of(&scene).roulette, Roulette::From(roulette), "{name}");
         let images = Engine::ALL.map(|engine| {
-            let settings = RenderSettings { spp: 2, engine, ..RenderSettings::of(&scene) };
-            Renderer::new(&scene, settings).unwrap().render().unwrap().image.hash()
+            let settings = ImageSettings { spp: 2, ..ImageSettings::of(&scene) };
+            Renderer::new(&scene, settings, engine).unwrap().render().unwrap().image.hash()
         });
         assert_eq!(images[0], images[1], "{name}");
     }

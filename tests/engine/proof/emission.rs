@@ -1,10 +1,10 @@
 //! Surfaces that scatter and emit light, beside closed forms. Light of textures is found only by paths that
 //! hit the surface.
 
-use ptfast::{Engine, RenderSettings, Sampling, Scene};
+use ptfast::{Engine, ImageSettings, Roulette, Sampling, Scene};
 
 use super::{Known, compare};
-use crate::common::{SAMPLINGS, render};
+use crate::common::{SAMPLINGS, render_by};
 
 /// A camera that looks down from (`x`, 0, 0.5), and these elements.
 fn scene(x: f32, more: &str, primitives: &str) -> String {
@@ -59,11 +59,10 @@ fn surfaces_scatter_and_emit() {
     let scene = Scene::from_ron(text).unwrap();
     for sampling in SAMPLINGS {
         let images = Engine::ALL.map(|engine| {
-            let (width, height, spp, roulette) = (32, 32, 64, None);
-            let base = RenderSettings::of(&scene);
-            let settings =
-                RenderSettings { width, height, spp, sampling, engine, roulette, ..base };
-            render(&scene, settings)
+            let (width, height, spp, roulette) = (32, 32, 64, Roulette::Off);
+            let base = ImageSettings::of(&scene);
+            let settings = ImageSettings { width, height, spp, sampling, roulette, ..base };
+            render_by(&scene, settings, engine)
         });
         assert_eq!(images[0].hash(), images[1].hash(), "{sampling:?}");
         let pixels = images[0].pixels();

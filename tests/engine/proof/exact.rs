@@ -1,6 +1,6 @@
 //! Tests of properties that hold in every sample, without statistics.
 
-use ptfast::{RenderSettings, Sampling, Scene};
+use ptfast::{ImageSettings, Roulette, Sampling, Scene};
 
 use crate::common::{SAMPLINGS, render, settings};
 
@@ -26,7 +26,7 @@ fn furnace_of_diffuse_spheres() {
             ))
             .unwrap();
             let base = settings(&scene, Sampling::Bsdf, 4, 1);
-            let image = render(&scene, RenderSettings { width: 20, height: 20, ..base });
+            let image = render(&scene, ImageSettings { width: 20, height: 20, ..base });
             for pixel in image.pixels() {
                 assert!((pixel[0] - albedo).abs() < 1e-6, "{material} {albedo} {pixel:?}");
             }
@@ -47,7 +47,7 @@ fn textures_of_roughness_have_a_least_value() {
         ))
         .unwrap();
         let base = settings(&scene, Sampling::Bsdf, 4, 1);
-        render(&scene, RenderSettings { width: 20, height: 20, ..base })
+        render(&scene, ImageSettings { width: 20, height: 20, ..base })
     });
     assert!(constant.mean()[0] > 0.3);
     assert_eq!(textured.hash(), constant.hash());
@@ -100,10 +100,10 @@ fn energy_is_conserved_by_every_material() {
                              box(min: (-1, -2.5, -1), max: (1, -2, 1), rotation: (10, 20, 30), material: "m")])"#
         ))
         .unwrap();
-        let settings = RenderSettings {
+        let settings = ImageSettings {
             width: 50,
             height: 50,
-            roulette: None,
+            roulette: Roulette::Off,
             depth: 1000,
             ..settings(&scene, Sampling::Bsdf, 16, 1)
         };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, ImageSettings, Renderer, Scene};
 use statrs::function::erf::erf;
 
 /// Half of the view emits light, and the edge is 0.6 pixels from the left edge of pixel 12. The
@@ -16,8 +16,8 @@ const EDGE: &str = "(
 
 fn edge(filter: &str, engine: Engine, spp: u32) -> ptfast::Image {
     let scene = Scene::from_ron(&EDGE.replace("FILTER", filter)).unwrap();
-    let settings = RenderSettings { engine, spp, ..RenderSettings::of(&scene) };
-    Renderer::new(&scene, settings).unwrap().render().unwrap().image
+    let settings = ImageSettings { spp, ..ImageSettings::of(&scene) };
+    Renderer::new(&scene, settings, engine).unwrap().render().unwrap().image
 }
 
 /// The integral of the Mitchell filter with b = c = 1/3 and radius 2 from 0 to `x`, in [0, 2].

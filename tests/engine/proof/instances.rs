@@ -3,7 +3,7 @@
 use ptfast::glam::{DMat3, DVec3, Vec3};
 use ptfast::internals::Source;
 use ptfast::primitive::{InstanceFile, TrianglesFile};
-use ptfast::{Limits, RenderSettings, Renderer, Scene, SceneFile};
+use ptfast::{Engine, ImageSettings, Limits, Renderer, Scene, SceneFile};
 
 use super::smooth::sphere;
 
@@ -74,8 +74,12 @@ fn instances_look_like_the_triangles_that_they_place() {
                 flattened.add(placed(mesh, matrix));
                 let [a, b] = [instanced, flattened].map(|file| {
                     let scene = Scene::from_file(&file).unwrap();
-                    let settings = RenderSettings::of(&scene);
-                    Renderer::new(&scene, settings).unwrap().render().unwrap().image
+                    let settings = ImageSettings::of(&scene);
+                    Renderer::new(&scene, settings, Engine::Wavefront)
+                        .unwrap()
+                        .render()
+                        .unwrap()
+                        .image
                 });
                 let (mut difference, mut sum) = (0.0, 0.0);
                 for (a, b) in a.pixels().iter().flatten().zip(b.pixels().iter().flatten()) {

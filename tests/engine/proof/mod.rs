@@ -21,7 +21,7 @@ mod sky;
 mod smooth;
 mod tiles;
 
-use ptfast::{Engine, RenderSettings, Renderer, Sampler, Sampling, Scene};
+use ptfast::{Engine, ImageSettings, Renderer, Sampler, Sampling, Scene};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The probability of a false alarm of one test, over all its comparisons.
@@ -90,11 +90,10 @@ fn compare_in(modes: &[Sampling], what: &str, known: &[Known]) {
         let way = format!("{:>7}{:>11}{:>13}", mode.name(), engine.name(), sampler.name());
         let mut pooled = 0.0;
         for Known { name, scene, want } in known {
-            let settings =
-                RenderSettings { engine, sampler, ..crate::common::settings(scene, mode, 0, 0) };
+            let settings = ImageSettings { sampler, ..crate::common::settings(scene, mode, 0, 0) };
             let precise = finds * want / (limit + 1.65);
             let (crate::common::Estimate { mean, error }, samples) =
-                estimate(name, scene, &settings, precise);
+                estimate(name, scene, (&settings, engine), precise);
             // If all samples are equal, rounding errors remain.
             let t = (mean - want) / (error + 2e-5 * want);
             println!("{name:<44}{way}{want:>9.5}{mean:>9.5}{t:>8.2}  {samples} samples");
@@ -124,16 +123,16 @@ const PICTURES: usize = 48;
 fn estimate(
     name: &str,
     scene: &Scene,
-    base: &RenderSettings,
+    (base, engine): (&ImageSettings, Engine),
     precise: f64,
 ) -> (crate::common::Estimate, u64) {
-    let seeds = format!("{name}{:?}{:?}{:?}", base.sampling, base.engine, base.sampler);
+    let seeds = format!("{name}{:?}{:?}{:?}", base.sampling, engine, base.sampler);
     let of = |spp: u32, what: &str| {
         let first = first_seed(&format!("{seeds} {what} {spp}"));
         let mean = |number: u64| {
             let seed = first.wrapping_add(number);
-            let settings = RenderSettings { width: 8, height: 8, spp, seed, ..base.clone() };
-            let render = Renderer::new(scene, settings).unwrap().render().unwrap();
+            let settings = ImageSettings { width: 8, height: 8, spp, seed, ..base.clone() };
+            let render = Renderer::new(scene, settings, engine).unwrap().render().unwrap();
             assert_eq!(render.tally.non_finite.count, 0, "{name}");
             render.image.mean()[1]
         };

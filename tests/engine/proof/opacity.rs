@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use ptfast::{Engine, Image, RenderSettings, Sampling, Scene};
+use ptfast::{Engine, Image, ImageSettings, Sampling, Scene};
 
 use super::{Known, compare, compare_in};
-use crate::common::{render, settings};
+use crate::common::{render_by, settings};
 
 /// The opacity of a checker of cells with a side of 1: even cells are opaque.
 const CHECKER: &str = "mask(alpha: (texture: \"cells\", factor: 0.9), threshold: 0.6)";
@@ -43,7 +43,7 @@ fn masks_cast_the_shadow_of_their_texture() {
     let image = |text: &str, engine: Engine| -> Image {
         let scene = Scene::from_ron(text).unwrap_or_else(|error| panic!("{error}: {text}"));
         let base = settings(&scene, Sampling::Light, 16, 1);
-        render(&scene, RenderSettings { engine, depth: 2, width: 4, height: 4, ..base })
+        render_by(&scene, ImageSettings { depth: 2, width: 4, height: 4, ..base }, engine)
     };
     // Half-way between the floor and the light, the shadow ray crosses the card at x = 0.5 or 1.5.
     for (x, lit) in [(1.0, false), (3.0, true), (-1.0, true), (-3.0, false)] {

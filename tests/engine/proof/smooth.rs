@@ -1,7 +1,7 @@
 //! Furnace tests of smooth meshes: under uniform light, a closed mesh that absorbs nothing vanishes.
 
 use ptfast::glam::Vec3;
-use ptfast::{Engine, RenderSettings, Renderer, Scene};
+use ptfast::{Engine, ImageSettings, Renderer, Roulette, Scene};
 
 /// An octahedron inscribed in the unit sphere, with each face split into four `levels` times.
 pub(super) fn sphere(levels: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
@@ -55,8 +55,9 @@ fn smooth_balls_neither_gain_nor_lose_light() {
             for engine in [Engine::Wavefront, Engine::Scalar] {
                 // Roulette would make some paths brighter than the light.
                 let settings =
-                    RenderSettings { engine, roulette: None, ..RenderSettings::of(&scene) };
-                let image = Renderer::new(&scene, settings).unwrap().render().unwrap().image;
+                    ImageSettings { roulette: Roulette::Off, ..ImageSettings::of(&scene) };
+                let image =
+                    Renderer::new(&scene, settings, engine).unwrap().render().unwrap().image;
                 let most = image.pixels().iter().flatten().fold(0.0, |most: f32, c| most.max(*c));
                 let mean = image.pixels().iter().flatten().map(|c| f64::from(*c)).sum::<f64>()
                     / (3 * image.pixels().len()) as f64;
@@ -78,8 +79,9 @@ fn no_light_leaks_into_a_smooth_ball() {
     for material in ["lambertian(albedo: (0.5, 0.5, 0.5))", "metal(albedo: (1, 1, 1), fuzz: 1)"] {
         for soft in [true, false] {
             let scene = scene(material, 1, soft, 0.1);
-            let settings = RenderSettings::of(&scene);
-            let image = Renderer::new(&scene, settings).unwrap().render().unwrap().image;
+            let settings = ImageSettings::of(&scene);
+            let image =
+                Renderer::new(&scene, settings, Engine::Wavefront).unwrap().render().unwrap().image;
             assert!(image.pixels().iter().flatten().all(|c| *c == 0.0), "{material}");
         }
     }

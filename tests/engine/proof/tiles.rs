@@ -2,7 +2,7 @@
 //!
 //! Differences must match the noise, and p-values must be uniform.
 
-use ptfast::{RenderSettings, Renderer, Sampler, Sampling, Scene};
+use ptfast::{Engine, ImageSettings, Renderer, Sampler, Sampling, Scene};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::{ALARM, farthest, first_seed};
@@ -25,11 +25,12 @@ impl Tiles {
         let first = first_seed(&format!("{name}{sampling:?} tiles"));
         let sampler =
             if sampling == Sampling::Bsdf { Sampler::Independent } else { Sampler::Sobol };
-        let base = RenderSettings { spp, sampling, sampler, ..RenderSettings::of(scene) };
+        let base = ImageSettings { spp, sampling, sampler, ..ImageSettings::of(scene) };
         let (across, down) = (base.width / TILES, base.height / TILES);
         let picture = |index: u64| {
-            let settings = RenderSettings { seed: first.wrapping_add(index), ..base.clone() };
-            let render = Renderer::new(scene, settings).unwrap().render().unwrap();
+            let settings = ImageSettings { seed: first.wrapping_add(index), ..base.clone() };
+            let render =
+                Renderer::new(scene, settings, Engine::Wavefront).unwrap().render().unwrap();
             assert_eq!(render.tally.non_finite.count, 0, "{name}");
             let mut sums = vec![0.0f64; (TILES * TILES * 3) as usize];
             for (place, pixel) in (0..).zip(render.image.pixels()) {

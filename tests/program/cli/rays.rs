@@ -142,14 +142,19 @@ fn trace_finds_a_wrong_hit() {
 #[test]
 fn all_rays_of_a_render_are_recorded() {
     let scene = ptfast::Scene::load("cornell").unwrap();
-    let settings = ptfast::RenderSettings {
+    let settings = ptfast::ImageSettings {
         width: 37,
         height: 21,
         spp: 5,
-        ..ptfast::RenderSettings::of(&scene)
+        ..ptfast::ImageSettings::of(&scene)
     };
     let sets = ptfast::internals::record(&scene, &settings, u64::MAX).unwrap();
     let counts: Vec<u64> = sets.sets.iter().map(|set| set.rays.len() as u64).collect();
-    let rays = ptfast::Renderer::new(&scene, settings).unwrap().render().unwrap().tally.rays;
+    let rays = ptfast::Renderer::new(&scene, settings, ptfast::Engine::Wavefront)
+        .unwrap()
+        .render()
+        .unwrap()
+        .tally
+        .rays;
     assert_eq!(counts, [rays.primary, rays.bounce, rays.shadow]);
 }

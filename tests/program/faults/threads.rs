@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Output;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use ptfast::{Engine, Observer, Progress, RenderSettings, Renderer, Scene};
+use ptfast::{ComputeSettings, Engine, ImageSettings, Observer, Progress, Renderer, Scene};
 use tempfile::TempDir;
 
 use super::{RENDER, shell};
@@ -116,16 +116,10 @@ impl Observer for Panics {
 fn a_panic_in_a_worker_ends_the_render() {
     let scene = Scene::load("cornell").unwrap();
     for engine in Engine::ALL {
-        let settings = RenderSettings {
-            width: 64,
-            height: 64,
-            spp: 640,
-            wave_size: 256,
-            threads: 4,
-            engine,
-            ..RenderSettings::of(&scene)
-        };
-        let renderer = Renderer::new(&scene, settings).unwrap();
+        let settings =
+            ImageSettings { width: 64, height: 64, spp: 640, ..ImageSettings::of(&scene) };
+        let compute = ComputeSettings { engine, threads: 4, wave_size: 256, ..engine.into() };
+        let renderer = Renderer::new(&scene, settings, compute).unwrap();
         let panics = Panics(AtomicU64::new(0));
         let mut rendering = renderer.begin().unwrap();
         let advance = std::panic::AssertUnwindSafe(|| renderer.advance(&mut rendering, &panics));

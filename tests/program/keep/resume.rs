@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use ptfast::internals::{Checkpoint, Identity, Part, Stream};
 use ptfast::{
-    Engine, Limits, Observer, Progress, RenderSettings, RenderState, Renderer, Scene, Stop,
+    ComputeSettings, Engine, ImageSettings, Limits, Observer, Progress, RenderState, Renderer,
+    Scene, Stop,
 };
 use serde_json::Value;
 
@@ -38,24 +39,27 @@ fn renders_continue_from_checkpoints() {
     let mut random = Stream::new(6);
     for (name, spp) in [("tests/data/everything.ron", 50), ("cornell", 100), ("spheres", 33)] {
         let scene = Scene::load(name).unwrap();
-        let base = RenderSettings { width: 43, height: 29, spp, ..RenderSettings::of(&scene) };
-        let whole = Renderer::new(&scene, base.clone()).unwrap().render().unwrap();
+        let base = ImageSettings { width: 43, height: 29, spp, ..ImageSettings::of(&scene) };
+        let new = |settings: &ImageSettings| {
+            Renderer::new(&scene, settings.clone(), Engine::Wavefront).unwrap()
+        };
+        let whole = new(&base).render().unwrap();
         let identity = Identity::new(&scene, &base, base.image());
         let part = Part { identity: identity.clone(), shard: None, samples: 0..spp };
         for _ in 0..4 {
-            let mut rendering = Renderer::new(&scene, base.clone()).unwrap().begin().unwrap();
+            let mut rendering = new(&base).begin().unwrap();
             let mut stops = 0;
             loop {
                 let mut below = |end: u64| random.bits() % end;
-                let settings = RenderSettings {
+                let compute = ComputeSettings {
                     engine: Engine::ALL[below(2) as usize],
                     threads: 1 + below(3) as u32,
                     wave_size: 1 + below(3000) as u32,
-                    ..base.clone()
+                    ..ComputeSettings::default()
                 };
                 let stop = [Stop::Soon, Stop::Now][below(2) as usize];
                 let patience = Patience { left: AtomicU64::new(below(60)), stop };
-                let renderer = Renderer::new(&scene, settings).unwrap();
+                let renderer = Renderer::new(&scene, base.clone(), compute).unwrap();
                 renderer.advance(&mut rendering, &patience).unwrap();
                 let RenderState { film, .. } = &rendering;
                 if film.samples_done() == film.samples_to_do() {
@@ -69,8 +73,7 @@ fn renders_continue_from_checkpoints() {
                 rendering = kept.resume(&part).unwrap();
             }
             assert!(stops > 0, "{name}: the render was never stopped");
-            let render =
-                Renderer::new(&scene, base.clone()).unwrap().finish(&mut rendering).unwrap();
+            let render = new(&base).finish(&mut rendering).unwrap();
             assert_eq!(render.image.hash(), whole.image.hash(), "{name}");
             assert_eq!(render.tally, whole.tally, "{name}");
         }
@@ -178,7 +181,7 @@ fn other_renders_are_not_continued() {
         (&["--spp", "40", "--depth", "7"], "depth "),
         (&["--spp", "40", "--sampling", "bsdf"], "sampling \"mis\", not \"bsdf\""),
         (&["--spp", "40", "--sampler", "independent"], "sampler "),
-        (&["--spp", "40", "--roulette", "off"], "roulette 5, not null"),
+        (&["--spp", "40", "--roulette", "off"], "roulette 5, not \"off\""),
         (&["--spp", "40", "--clamp", "2"], "clamp null, not 2"),
         (&["--spp", "40", "--scene", "checker"], "scene_hash "),
         (&["--spp", "40", "--crop", "0,0,9,9"], "crop [0,0,24,24], not [0,0,9,9]"),
@@ -250,8 +253,8 @@ fn damaged_checkpoints_are_refused() {
     refused(&hashed([sums, &f32::NAN.to_le_bytes()].concat()), "a sum of samples is not a number");
     refused(&text("\"clamped\":0", "\"clamped\":18446744073709551615"), "each count must be");
     refused(&text("\"seconds\":", "\"seconds\":-"), "the seconds must be");
-    refused(&text("\"schema\":2", "\"schema\":1"), "version 1 is not supported");
-    refused(&text("\"schema\":2", "\"shemca\":1"), "version null");
+    refused(&text("\"schema\":3", "\"schema\":1"), "version 1 is not supported");
+    refused(&text("\"schema\":3", "\"shemca\":1"), "version null");
     refused(&text("\"roulette\":5", "\"wealth\":5"), "header: unknown field");
     refused(&text("\"width\":24", "\"width\":25000000"), "width must be");
     refused(&text("\"width\":24", "\"width\":23"), "the crop is not within");
