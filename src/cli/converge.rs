@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::arguments::camera::CameraArgs;
 use super::arguments::limits::SceneLimitArgs;
 use super::arguments::named::named;
-use super::arguments::sample::SceneArg;
+use super::arguments::scene::SceneArg;
 use super::console::{notice, say, say_lines};
 use super::files;
 use crate::engine::{ComputeSettings, ImageSettings, Pin};

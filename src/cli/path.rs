@@ -4,7 +4,8 @@ use clap::Args;
 
 use super::arguments::camera::CameraArgs;
 use super::arguments::limits::SceneLimitArgs;
-use super::arguments::sample::{SampleArgs, SceneArg};
+use super::arguments::sample::SampleArgs;
+use super::arguments::scene::SceneArg;
 use super::console::say;
 use crate::engine::{ImageSettings, PathRecorder, RayKind, TracedPath, TracedRay};
 use crate::error::{Error, Result};

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::camera::CameraArgs;
 use super::arguments::limits::SceneLimitArgs;
-use super::arguments::sample::SceneArg;
+use super::arguments::scene::SceneArg;
 use super::console::say;
 use super::folder;
 use crate::accel::HitBatch;

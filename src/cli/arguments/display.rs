@@ -2,8 +2,8 @@
 
 use clap::Args;
 
+use super::IMAGE;
 use super::named::named;
-use super::sample::IMAGE;
 use crate::image::{Display, MAX_STOPS, ToneMap, Transfer};
 
 #[derive(Debug, Args)]

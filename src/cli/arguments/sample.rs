@@ -1,107 +1,16 @@
-//! The arguments that name a scene, and those that decide the value of a sample.
-
-use std::path::{Path, PathBuf};
+//! The arguments that decide the value of a sample.
 
 use clap::Args;
 
-use super::camera::{CameraArgs, quoted};
+use super::IMAGE;
+use super::camera::CameraArgs;
 use super::named::named;
+use super::scene::SceneArg;
 use crate::engine::{ImageSettings, Roulette};
 use crate::error::Result;
-use crate::formats::{ImportOptions, Missing};
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
 use crate::scene::{Sampling, Scene};
-
-/// Heading in the help.
-pub(crate) const IMAGE: &str = "Image";
-const IMPORT: &str = "Scenes of other programs";
-
-/// A scene, with or without `--scene` before it.
-#[derive(Debug, Args)]
-pub(crate) struct SceneArg {
-    /// Built-in scene (spheres, spacetime, checker, cornell, garden, cloud:N, mesh:N, forest:N), a scene file (.ron,
-    /// .json, .gltf, .glb, .pbrt), a mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
-    #[arg(value_name = "SCENE", required_unless_present = "scene", conflicts_with = "scene")]
-    positional: Option<String>,
-    /// The same as SCENE
-    #[arg(long, value_name = "SCENE", hide = true)]
-    scene: Option<String>,
-    /// Environment map instead of the scene's background: a latitude-longitude image (.hdr, .exr, ...)
-    #[arg(long, value_name = "FILE", help_heading = IMAGE)]
-    env: Option<PathBuf>,
-    /// What to do if a texture or mesh of a scene of another program is missing; grey: render without it
-    #[arg(long, value_name = "HOW", help_heading = IMPORT, default_value = Missing::default().name(), value_parser = named(&Missing::ALL, Missing::name))]
-    missing: Missing,
-    /// Reject scenes of other programs that ask for something that ptfast lacks
-    #[arg(long, help_heading = IMPORT)]
-    strict: bool,
-    /// Pose a glTF scene by the animation of this name or number
-    #[arg(long, value_name = "NAME", help_heading = IMPORT)]
-    animation: Option<String>,
-    /// Time of the animation
-    #[arg(long, value_name = "SECONDS", help_heading = IMPORT, default_value_t = 0.0, requires = "animation")]
-    at: f64,
-    /// Choose the variant of this name of the materials of a glTF scene
-    #[arg(long, value_name = "NAME", help_heading = IMPORT)]
-    variant: Option<String>,
-}
-
-impl SceneArg {
-    #[cfg(test)]
-    pub(crate) fn of(name: &str) -> Self {
-        Self {
-            positional: Some(name.to_owned()),
-            scene: None,
-            env: None,
-            missing: Missing::default(),
-            strict: false,
-            animation: None,
-            at: 0.0,
-            variant: None,
-        }
-    }
-
-    /// The scene as the user named it.
-    pub(crate) fn name(&self) -> &str {
-        self.positional.as_deref().or(self.scene.as_deref()).expect("clap requires one")
-    }
-
-    /// The environment map that replaces the background.
-    pub(crate) fn env(&self) -> Option<&Path> {
-        self.env.as_deref()
-    }
-
-    /// How scenes of other programs are read.
-    pub(crate) fn import(&self) -> ImportOptions {
-        let Self { missing, strict, ref animation, at, ref variant, .. } = *self;
-        ImportOptions {
-            missing,
-            strict,
-            animation: animation.clone(),
-            at,
-            variant: variant.clone(),
-        }
-    }
-
-    /// These arguments on a command line.
-    pub(crate) fn words(&self) -> String {
-        let missing = match self.missing {
-            Missing::Error => String::new(),
-            other => format!(" --missing {}", other.name()),
-        };
-        let env = self.env.iter().map(|path| format!(" --env {}", quoted(&path.to_string_lossy())));
-        let named = |option: &str, name: &Option<String>| {
-            name.as_ref().map_or(String::new(), |name| format!(" --{option} {}", quoted(name)))
-        };
-        let animation = named("animation", &self.animation);
-        let at =
-            if self.animation.is_some() { format!(" --at {}", self.at) } else { String::new() };
-        let variant = named("variant", &self.variant);
-        let words = [env.collect(), missing, animation, at, variant];
-        quoted(self.name()) + &words.concat()
-    }
-}
 
 /// The arguments that decide the value of each sample.
 #[derive(Debug, Args)]
