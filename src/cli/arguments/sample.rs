@@ -45,12 +45,12 @@ pub(crate) struct SampleArgs {
 }
 
 fn roulette(text: &str) -> std::result::Result<Roulette, String> {
-    match text.parse() {
-        Ok(Roulette::From(first)) if !(1..=MAX_DEPTH).contains(&first) => {
-            Err(format!("must be off or a number from 1 to {MAX_DEPTH}"))
-        }
-        known => known,
-    }
+    let in_range = |roulette: &Roulette| match roulette {
+        Roulette::Off => true,
+        Roulette::From(first) => (1..=MAX_DEPTH).contains(first),
+    };
+    let wrong = || format!("must be off or a number from 1 to {MAX_DEPTH}");
+    text.parse().ok().filter(in_range).ok_or_else(wrong)
 }
 
 impl SampleArgs {

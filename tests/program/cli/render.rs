@@ -222,5 +222,9 @@ fn clamping_is_reported() {
     assert_eq!((&scalar["hash"], &scalar["clamped"]), (&clamped["hash"], &clamped["clamped"]));
     let wrong = ptfast(folder.path(), &[&base[..], &["--clamp", "0", "-o", "d.exr"]].concat());
     assert_eq!(wrong.status.code(), Some(2));
-    assert!(stderr(&wrong).contains("clamp must be above 0, is 0"), "{}", stderr(&wrong));
+    assert!(
+        stderr(&wrong).contains("clamp must be above 0 and finite, is 0"),
+        "{}",
+        stderr(&wrong)
+    );
 }
