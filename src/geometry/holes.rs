@@ -1,4 +1,4 @@
-//! HoleTest in triangles, such as those between the leaves on a picture of foliage.
+//! Holes in triangles, such as those between the leaves on a picture of foliage.
 
 use std::fmt::Debug;
 use std::sync::Arc;

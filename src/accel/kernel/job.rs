@@ -15,7 +15,7 @@ pub(crate) struct TraceJob<'a> {
     pub(crate) extent: &'a Extent,
     /// The table that contains the `spanning` blocks.
     pub(crate) blocks: &'a LeafBlocks,
-    /// LeafBlocks that every ray is tested against before the tree.
+    /// Blocks that every ray is tested against before the tree.
     pub(crate) spanning: &'a [LeafRef],
     /// The number of the first triangle of a mesh.
     pub(crate) meshes: u32,

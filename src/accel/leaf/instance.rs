@@ -1,4 +1,4 @@
-//! LeafBlocks of instances: a ray is transformed into the object spaces of all of them at once.
+//! Leaf blocks of instances: a ray is transformed into the object spaces of all of them at once.
 
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;

@@ -1,4 +1,4 @@
-//! LeafBlocks of spheres that move.
+//! Leaf blocks of spheres that move.
 
 use super::{Leaf, Meshes, count_tests, sphere, transpose};
 use crate::accel::counters::Count;

@@ -1,4 +1,4 @@
-//! LeafBlocks of quads.
+//! Leaf blocks of quads.
 
 use super::{Leaf, Meshes, count_tests, numbers, transpose};
 use crate::accel::counters::Count;

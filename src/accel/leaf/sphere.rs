@@ -1,4 +1,4 @@
-//! LeafBlocks of spheres that do not move.
+//! Leaf blocks of spheres that do not move.
 
 use super::{Leaf, Meshes, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;

@@ -1,4 +1,4 @@
-//! LeafBlocks of triangles.
+//! Leaf blocks of triangles.
 
 use glam::Vec3;
 

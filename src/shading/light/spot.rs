@@ -18,7 +18,7 @@ use crate::shading::emission::luminance;
 /// A point that emits light into a cone.
 ///
 /// The intensity falls from the inner to the outer cone by a smooth step in the cosine of the angle
-/// (Pharr et al., *Physically Based RenderState*, 4th ed., section 12.2.1).
+/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 12.2.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spot {

@@ -14,7 +14,7 @@ use crate::shading::interaction::Interaction;
 use crate::shading::texture::{Color, TextureRef, TextureTables};
 
 /// A thin matte surface: it reflects f = ρ/π on the side of the light, and transmits f = τ/π to the
-/// other side (Pharr et al., *Physically Based RenderState*, 4th ed., section 9.2).
+/// other side (Pharr et al., *Physically Based Rendering*, 4th ed., section 9.2).
 ///
 /// Samples choose a side in proportion to ρ and τ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub struct DiffuseTransmission {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }

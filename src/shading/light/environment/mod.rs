@@ -30,7 +30,7 @@ use crate::shading::emission::luminance;
 ///
 /// Samples are drawn from a grid of patches, whose corners are the centres of texels, or on the edges of the map.
 /// A table gives the patch, and the bilinear function of the luminance at its corners gives the place in it
-/// (Pharr et al., *Physically Based RenderState*, 4th ed., section 2.4.2). So the density is nearly proportional to
+/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 2.4.2). So the density is nearly proportional to
 /// the luminance, also around a sun of one texel, where a constant density in each texel doubles the variance.
 #[derive(Debug)]
 pub(crate) struct Environment {

@@ -58,7 +58,7 @@ pub struct Principled {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles and emit no light but that of a texture.
+    /// Holes in the surface, which must then be of triangles and emit no light but that of a texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
