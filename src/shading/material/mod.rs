@@ -1,9 +1,9 @@
 //! Materials, one file per kind with its parameters, their checks, its physics and its table.
 //!
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
-//! the tables and the dispatch.
+//! and the tables.
 
-/// The methods of [`MaterialModel`] for the fields `normal` and `opacity`.
+/// The methods of [`MaterialParameters`] for the fields `normal` and `opacity`.
 macro_rules! normal_and_opacity {
     () => {
         fn normal(&self) -> Option<&TextureRef> {
@@ -47,26 +47,8 @@ use crate::error::Result;
 use crate::image::Texels;
 use crate::math::{Real, Row};
 
-/// A kind of material: its parameters, its table and its physics.
-pub(crate) trait MaterialModel {
-    /// The parameters as stored in the table of this kind.
-    type Entry: Copy + Debug + Send + Sync;
-    /// The scattering of light at a point.
-    type Bsdf<R: Real>: Bsdf<R> + 'static;
-
-    /// Whether the material scatters any light.
-    const SCATTERS: bool = true;
-    /// Whether light passes through its surface.
-    const TRANSMITS: bool = false;
-    /// Whether it reflects light like a mirror, sharp or blurred.
-    const GLOSSY: bool = false;
-    /// Whether a parameter may be a texture.
-    const TEXTURED: bool = false;
-
-    /// Whether a single loop shades materials with and without textures, because the code is large or
-    /// rarely without them.
-    const LARGE: bool = false;
-
+/// The parameters of a material, as scene files describe them.
+pub(crate) trait MaterialParameters {
     /// Returns all references to textures.
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         Vec::new()
@@ -98,8 +80,32 @@ pub(crate) trait MaterialModel {
         None
     }
 
+    /// Whether light passes through the surface.
+    fn transmits(&self) -> bool {
+        false
+    }
+
     /// Checks the parameters.
     fn check(&self, e: &Location<'_>) -> Result<()>;
+}
+
+/// A kind of material: its table and its physics.
+pub(crate) trait MaterialModel: MaterialParameters {
+    /// The parameters as stored in the table of this kind.
+    type Entry: Copy + Debug + Send + Sync;
+    /// The scattering of light at a point.
+    type Bsdf<R: Real>: Bsdf<R> + 'static;
+
+    /// Whether the material scatters any light.
+    const SCATTERS: bool = true;
+    /// Whether it reflects light like a mirror, sharp or blurred.
+    const GLOSSY: bool = false;
+    /// Whether a parameter may be a texture.
+    const TEXTURED: bool = false;
+
+    /// Whether a single loop shades materials with and without textures, because the code is large or
+    /// rarely without them.
+    const LARGE: bool = false;
 
     /// Returns the parameters for the table, and adds their textures to `textures`.
     fn entry(&self, textures: &mut TextureTables) -> Self::Entry;
@@ -144,6 +150,35 @@ impl<E> Default for MaterialTable<E> {
     }
 }
 
+impl<E> MaterialTable<E> {
+    /// Adds a material and returns its index.
+    fn push<M: MaterialModel<Entry = E>>(
+        &mut self,
+        material: &M,
+        textures: &mut TextureTables,
+    ) -> u32 {
+        let before = textures.uses();
+        let index = self.entries.len();
+        self.entries.push(material.entry(textures));
+        let normal = textures.normal_code(material.normal());
+        if normal != 0 || !self.normals.is_empty() {
+            self.normals.resize(index, 0);
+            self.normals.push(normal);
+        }
+        let emission = material.emission_texture();
+        if emission.is_some() || !self.emission_rows.is_empty() {
+            self.emission_rows.resize(index, [0; 4]);
+            self.emission_rows.push(emission.map_or([0; 4], |texture| textures.row(texture)));
+        }
+        self.textured |= textures.uses() > before;
+        assert!(
+            M::TEXTURED || !self.textured,
+            "a kind of material with a texture must set TEXTURED"
+        );
+        index as u32
+    }
+}
+
 macro_rules! materials {
     ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
         $(pub use $module::$name;)*
@@ -158,8 +193,7 @@ macro_rules! materials {
             $($(#[doc = $doc])* $name($name),)*
         }
 
-        $(
-        impl From<$name> for Material {
+        $(impl From<$name> for Material {
             fn from(material: $name) -> Self {
                 Self::$name(material)
             }
@@ -178,74 +212,18 @@ macro_rules! materials {
         }
 
         impl Material {
-            pub(crate) fn textures(&mut self) -> Vec<&mut TextureRef> {
-                match self {
-                    $(Self::$name(material) => material.textures(),)*
-                }
-            }
-
-            pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
+            /// Returns the kind, its name in scene files, and the parameters.
+            fn parts(&self) -> (MaterialKind, &'static str, &dyn MaterialParameters) {
                 match self {
                     $(Self::$name(material) => {
-                        material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
-                        material.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
-                        material.check(e)
+                        (MaterialKind::$name, stringify!($module), material)
                     })*
                 }
             }
 
-            /// Whether the material has a normal map.
-            pub(crate) fn has_normal_map(&self) -> bool {
+            fn parameters_mut(&mut self) -> &mut dyn MaterialParameters {
                 match self {
-                    $(Self::$name(material) => material.normal().is_some(),)*
-                }
-            }
-
-            /// Returns the light that the material emits, if any.
-            pub fn emission(&self) -> Option<Emission> {
-                match self {
-                    $(Self::$name(material) => material.emission(),)*
-                }
-            }
-
-            /// Whether the material emits the light of a texture.
-            pub(crate) fn has_emission_texture(&self) -> bool {
-                match self {
-                    $(Self::$name(material) => material.emission_texture().is_some(),)*
-                }
-            }
-
-            /// Returns where the surface has holes, if anywhere.
-            pub(crate) fn opacity(&self) -> Option<&Opacity> {
-                match self {
-                    $(Self::$name(material) => material.opacity(),)*
-                }
-            }
-
-            /// Returns the field `opacity`, if the material has one.
-            pub(crate) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
-                match self {
-                    $(Self::$name(material) => material.opacity_mut(),)*
-                }
-            }
-
-            /// Returns the name of the material's kind in scene files.
-            pub fn name(&self) -> &'static str {
-                match self {
-                    $(Self::$name(_) => stringify!($module),)*
-                }
-            }
-
-            /// Whether light passes through its surface.
-            pub(crate) fn transmits(&self) -> bool {
-                match self {
-                    $(Self::$name(_) => $name::TRANSMITS,)*
-                }
-            }
-
-            pub(crate) fn kind(&self) -> MaterialKind {
-                match self {
-                    $(Self::$name(_) => MaterialKind::$name,)*
+                    $(Self::$name(material) => material,)*
                 }
             }
         }
@@ -254,23 +232,7 @@ macro_rules! materials {
             /// Adds a material and returns its index in the table of its kind.
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
-                    $(Material::$name(material) => {
-                        let before = textures.uses();
-                        let table = &mut self.$module;
-                        table.entries.push(material.entry(textures));
-                        let normal = textures.normal_code(material.normal());
-                        if normal != 0 || !table.normals.is_empty() {
-                            table.normals.resize(table.entries.len() - 1, 0);
-                            table.normals.push(normal);
-                        }
-                        if material.emission_texture().is_some() || !table.emission_rows.is_empty() {
-                            table.emission_rows.resize(table.entries.len() - 1, [0; 4]);
-                            table.emission_rows.push(material.emission_texture().map_or([0; 4], |texture| textures.row(texture)));
-                        }
-                        table.textured |= textures.uses() > before;
-                        assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");
-                        table.entries.len() as u32 - 1
-                    })*
+                    $(Material::$name(material) => self.$module.push(material, textures),)*
                 }
             }
 
@@ -323,6 +285,61 @@ fn check_normals(normal: &TextureRef, e: &Location<'_>) -> Result<()> {
 }
 
 impl Material {
+    pub(crate) fn kind(&self) -> MaterialKind {
+        self.parts().0
+    }
+
+    /// Returns the name of the material's kind in scene files.
+    pub fn name(&self) -> &'static str {
+        self.parts().1
+    }
+
+    fn parameters(&self) -> &dyn MaterialParameters {
+        self.parts().2
+    }
+
+    pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
+        let parameters = self.parameters();
+        parameters.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
+        parameters.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
+        parameters.check(e)
+    }
+
+    /// Returns all references to textures.
+    pub(crate) fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.parameters_mut().textures()
+    }
+
+    /// Whether the material has a normal map.
+    pub(crate) fn has_normal_map(&self) -> bool {
+        self.parameters().normal().is_some()
+    }
+
+    /// Returns the light that the material emits, if any.
+    pub fn emission(&self) -> Option<Emission> {
+        self.parameters().emission()
+    }
+
+    /// Whether the material emits the light of a texture.
+    pub(crate) fn has_emission_texture(&self) -> bool {
+        self.parameters().emission_texture().is_some()
+    }
+
+    /// Returns where the surface has holes, if anywhere.
+    pub(crate) fn opacity(&self) -> Option<&Opacity> {
+        self.parameters().opacity()
+    }
+
+    /// Returns the field `opacity`, if the material has one.
+    pub(crate) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
+        self.parameters_mut().opacity_mut()
+    }
+
+    /// Whether light passes through its surface.
+    pub(crate) fn transmits(&self) -> bool {
+        self.parameters().transmits()
+    }
+
     /// Whether a texture of the material depends on the colours of vertices.
     pub(crate) fn uses_vertex_colors(&self) -> bool {
         let uses = |texture: &mut TextureRef| matches!(texture, TextureRef::Texture(texture) if texture.uses_vertex_colors());
