@@ -1,6 +1,6 @@
 //! Primitives of scene files, and groups of primitives, one file per kind.
 //!
-//! The list in `primitive_files!` generates the enum of scene files and the dispatch.
+//! The list in `primitive_files!` generates the enum of scene files.
 
 mod boxes;
 mod instance;
@@ -217,25 +217,13 @@ macro_rules! primitive_files {
         })*
 
         impl PrimitiveFile {
-            /// Returns the name of the primitive's kind in scene files.
-            pub(crate) fn name(&self) -> &'static str {
+            /// Returns the name of the kind in scene files, the name of the material, and the
+            /// description.
+            fn parts(&self) -> (&'static str, Option<&str>, &dyn Expand) {
                 match self {
-                    $(Self::$name(_) => $word,)*
-                }
-            }
-
-            /// Returns the name of the primitive's material; `None` for an instance whose mesh has
-            /// its own materials.
-            pub(crate) fn material(&self) -> Option<&str> {
-                match self {
-                    $(Self::$name(primitive) => primitive.material.name(),)*
-                }
-            }
-
-            /// Checks the parameters and adds the primitives that they describe.
-            pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
-                match self {
-                    $(Self::$name(primitive) => primitive.expand(e, to),)*
+                    $(Self::$name(primitive) => {
+                        ($word, primitive.material.name(), primitive)
+                    })*
                 }
             }
         }
@@ -257,4 +245,22 @@ primitive_files! {
     Mesh(MeshFile) in mesh called "mesh",
     /// A named mesh, placed by a matrix.
     Instance(InstanceFile) in instance called "instance",
+}
+
+impl PrimitiveFile {
+    /// Returns the name of the primitive's kind in scene files.
+    pub(crate) fn name(&self) -> &'static str {
+        self.parts().0
+    }
+
+    /// Returns the name of the primitive's material; `None` for an instance whose mesh has its own
+    /// materials.
+    pub(crate) fn material(&self) -> Option<&str> {
+        self.parts().1
+    }
+
+    /// Checks the parameters and adds the primitives that they describe.
+    pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
+        self.parts().2.expand(e, to)
+    }
 }
