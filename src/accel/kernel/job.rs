@@ -65,8 +65,8 @@ impl TraceJob<'_> {
             return;
         }
         for &block in self.spanning {
-            // Spanning primitives are mostly huge. They are near most rays, so the filter before
-            // the sphere test would reject few of them.
+            // Spanning primitives are mostly huge, so that some ray of a packet hits them before
+            // another primitive, unless these are shadow rays.
             self.blocks.test_packet::<V, ANY, ANY, true>(
                 block,
                 block.valid(),

@@ -116,7 +116,7 @@ impl Leaf for LeafBlock {
 
     /// Traces the rays one by one.
     #[inline(never)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,

@@ -17,7 +17,7 @@ use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
 use super::ray::ray_group::{Members, RayGroup};
-use crate::geometry::{Geometry, Ray, Shape, shapes};
+use crate::geometry::{Geometry, Ray, Shape, match_shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
 
@@ -117,9 +117,10 @@ trait Leaf: Sized {
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// `NEAR` adds an early test of whether any ray meets a quad's plane within the ray's interval.
-    /// `LEAVE` adds an early test of whether rays move away from a sphere. Both affect only speed.
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    /// `ALL_MISS` tells that often all rays of the packet miss a primitive, as coherent rays and shadow
+    /// rays do, so that a branch on this pays. `SPANNING` tells that no box around the
+    /// block was tested first, because most of its primitives are huge. Both affect only speed.
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
@@ -197,18 +198,10 @@ macro_rules! blocks {
                 // Ties go to the lowest index. Sorting puts it into the lowest lane.
                 primitives.sort_unstable();
                 let shape = geometry.shape(primitives[0]);
-                let index = match shape {
-                    $(Shape::$name => {
-                        self.$module.push(Leaf::new(geometry, primitives));
-                        self.$module.len() - 1
-                    })*
-                };
-                LeafRef::new(shape, primitives.len(), index)
-            }
-
-            /// The number of blocks of each shape.
-            pub(super) fn counts(&self) -> [usize; Shape::ALL.len()] {
-                [$(self.$module.len(),)*]
+                match shape {
+                    $(Shape::$name => self.$module.push(Leaf::new(geometry, primitives)),)*
+                }
+                LeafRef::new(shape, primitives.len(), self.counts()[shape as usize] - 1)
             }
 
             /// Appends the blocks of `other`. `growth` estimates the ratio of the final number of
@@ -223,81 +216,6 @@ macro_rules! blocks {
             /// Moves the blocks to huge pages. Call this after the last block has been added.
             pub(super) fn settle(&mut self) {
                 $(self.$module = settle(take(&mut self.$module));)*
-            }
-
-            /// Prefetches a block.
-            #[inline(always)]
-            pub(super) fn prefetch(&self, block: LeafRef) {
-                match block.shape() {
-                    $(Shape::$name => prefetch(&self.$module[block.index()]),)*
-                }
-            }
-
-            /// Size in memory.
-            pub(super) fn bytes(&self) -> usize {
-                0 $(+ size_of_val(&*self.$module))*
-            }
-
-            /// Returns the boxes of a block's primitives, if they are cheaper to test than the
-            /// primitives.
-            #[inline(always)]
-            pub(super) fn bounds(&self, block: LeafRef) -> Option<[[Float; 3]; 2]> {
-                match block.shape() {
-                    $(Shape::$name => self.$module[block.index()].bounds(),)*
-                }
-            }
-
-            /// Tests the `rays` of `group`, one after the other, against all primitives of a block.
-            /// They enter its box at a distance of at least `distance`. If `ANY` is set, returns the
-            /// set of those that hit.
-            #[inline(always)]
-            pub(super) fn test_group<const ANY: bool, const V: usize>(
-                &self,
-                block: LeafRef,
-                group: &mut RayGroup<V>,
-                rays: u32,
-                distance: f32,
-                meshes: &mut impl Meshes,
-                count: &mut impl Count,
-            ) -> u32 {
-                let (mut found, valid, few) = (0, block.valid(), rays.count_ones() <= FEW);
-                match block.shape_of(meshes.some()) {
-                    $(Shape::$name => {
-                        let leaf = &self.$module[block.index()];
-                        for ray in Members(rays) {
-                            let mut best = group.best(ray);
-                            if !ANY && distance > best.t {
-                                continue;
-                            }
-                            count.leaf(LANES as u32, block.count());
-                            leaf.test_one::<ANY>(valid, few, &group.ray(ray), &mut best, meshes, count);
-                            group.set_best(ray, best);
-                            if ANY {
-                                found |= u32::from(best.found()) << ray;
-                            }
-                        }
-                    })*
-                }
-                found
-            }
-
-            /// Tests the rays of `packet` against those primitives of a block that are in `lanes`.
-            /// See [`Leaf::test_packet`].
-            #[inline(always)]
-            pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
-                &self,
-                block: LeafRef,
-                lanes: u32,
-                packet: &mut Packet<V>,
-                meshes: &mut impl Meshes,
-                count: &mut impl Count,
-            ) {
-                match block.shape_of(meshes.some()) {
-                    $(Shape::$name => {
-                        let block = &self.$module[block.index()];
-                        block.test_packet::<V, ANY, NEAR, LEAVE>(lanes, packet, meshes, count);
-                    })*
-                }
             }
         }
     };
@@ -315,6 +233,83 @@ impl LeafBlocks {
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()
+    }
+
+    /// The number of blocks of each shape.
+    pub(super) fn counts(&self) -> [usize; Shape::ALL.len()] {
+        Shape::ALL.map(|shape| match_shape!(shape, self, |blocks| blocks.len()))
+    }
+
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        let bytes = |shape| match_shape!(shape, self, |blocks| size_of_val(&**blocks));
+        Shape::ALL.map(bytes).iter().sum()
+    }
+
+    /// Prefetches a block.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, block: LeafRef) {
+        match_shape!(block.shape(), self, |blocks| prefetch(&blocks[block.index()]));
+    }
+
+    /// Returns the boxes of a block's primitives, if they are cheaper to test than the primitives.
+    #[inline(always)]
+    pub(super) fn bounds(&self, block: LeafRef) -> Option<[[Float; 3]; 2]> {
+        match_shape!(block.shape(), self, |blocks| blocks[block.index()].bounds())
+    }
+
+    /// Tests the `rays` of `group`, one after the other, against all primitives of a block. They
+    /// enter its box at a distance of at least `distance`. If `ANY` is set, returns the set of those
+    /// that hit.
+    #[inline(always)]
+    pub(super) fn test_group<const ANY: bool, const V: usize>(
+        &self,
+        block: LeafRef,
+        group: &mut RayGroup<V>,
+        rays: u32,
+        distance: f32,
+        meshes: &mut impl Meshes,
+        count: &mut impl Count,
+    ) -> u32 {
+        let (mut found, valid, few) = (0, block.valid(), rays.count_ones() <= FEW);
+        match_shape!(block.shape_of(meshes.some()), self, |blocks| {
+            let leaf = &blocks[block.index()];
+            for ray in Members(rays) {
+                let mut best = group.best(ray);
+                if !ANY && distance > best.t {
+                    continue;
+                }
+                count.leaf(LANES as u32, block.count());
+                leaf.test_one::<ANY>(valid, few, &group.ray(ray), &mut best, meshes, count);
+                group.set_best(ray, best);
+                if ANY {
+                    found |= u32::from(best.found()) << ray;
+                }
+            }
+        });
+        found
+    }
+
+    /// Tests the rays of `packet` against those primitives of a block that are in `lanes`. See
+    /// [`Leaf::test_packet`].
+    #[inline(always)]
+    pub(super) fn test_packet<
+        const V: usize,
+        const ANY: bool,
+        const ALL_MISS: bool,
+        const SPANNING: bool,
+    >(
+        &self,
+        block: LeafRef,
+        lanes: u32,
+        packet: &mut Packet<V>,
+        meshes: &mut impl Meshes,
+        count: &mut impl Count,
+    ) {
+        match_shape!(block.shape_of(meshes.some()), self, |blocks| {
+            let leaf = &blocks[block.index()];
+            leaf.test_packet::<V, ANY, ALL_MISS, SPANNING>(lanes, packet, meshes, count);
+        });
     }
 }
 
