@@ -1,6 +1,6 @@
 //! Primitives of scene files, and groups of primitives, one file per kind.
 //!
-//! The list in `primitive_files!` generates the enum of scene files.
+//! The list in `PrimitiveFile` names them.
 
 mod boxes;
 mod instance;
@@ -15,8 +15,6 @@ mod triangles;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
 pub use self::named_mesh::NamedMesh;
 use self::named_meshes::NamedMeshes;
 use super::assets::Assets;
@@ -27,6 +25,7 @@ use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Geometry, Quad, Vertices};
 use crate::limits::Budget;
+use crate::shading::kinds;
 use crate::shading::material::Material;
 
 /// Bytes of memory for each triangle while tangents are computed.
@@ -38,25 +37,11 @@ const ROW: u64 = 48;
 
 /// An entry in the list of primitives of a scene file.
 trait Expand {
+    /// Returns the name of the material, which instances may leave out.
+    fn material(&self) -> Option<&str>;
+
     /// Checks the parameters and adds the primitives that they describe.
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()>;
-}
-
-/// The name of a material, which may be left out.
-trait MaterialName {
-    fn name(&self) -> Option<&str>;
-}
-
-impl MaterialName for String {
-    fn name(&self) -> Option<&str> {
-        Some(self)
-    }
-}
-
-impl MaterialName for Option<String> {
-    fn name(&self) -> Option<&str> {
-        self.as_deref()
-    }
 }
 
 /// Collects the geometry of a scene while its primitives are expanded.
@@ -198,69 +183,35 @@ fn radius(e: &Location<'_>, radius: f32) -> Result<f32> {
     e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
 }
 
-macro_rules! primitive_files {
-    ($($(#[doc = $doc:literal])* $name:ident($file:ident) in $module:ident called $word:literal,)*) => {
-        $(pub use $module::$file;)*
-
-        /// A primitive, or a group that expands into primitives.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        pub enum PrimitiveFile {
-            $($(#[doc = $doc])* $name($file),)*
-        }
-
-        $(impl From<$file> for PrimitiveFile {
-            fn from(primitive: $file) -> Self {
-                Self::$name(primitive)
-            }
-        })*
-
-        impl PrimitiveFile {
-            /// Returns the name of the kind in scene files, the name of the material, and the
-            /// description.
-            fn parts(&self) -> (&'static str, Option<&str>, &dyn Expand) {
-                match self {
-                    $(Self::$name(primitive) => {
-                        ($word, primitive.material.name(), primitive)
-                    })*
-                }
-            }
-        }
-    };
-}
-
-primitive_files! {
-    /// A sphere that does not move.
-    Sphere(SphereFile) in sphere called "sphere",
-    /// A sphere that moves linearly.
-    MovingSphere(MovingSphereFile) in moving_sphere called "moving_sphere",
-    /// A parallelogram.
-    Quad(QuadFile) in quad called "quad",
-    /// A box of six quads.
-    Box(BoxFile) in boxes called "box",
-    /// A list of triangles.
-    Triangles(TrianglesFile) in triangles called "triangles",
-    /// A triangle mesh from a file.
-    Mesh(MeshFile) in mesh called "mesh",
-    /// A named mesh, placed by a matrix.
-    Instance(InstanceFile) in instance called "instance",
+kinds! {
+    /// A primitive, or a group that expands into primitives.
+    pub enum PrimitiveFile: Expand {
+        /// A sphere that does not move.
+        Sphere(SphereFile) in sphere called "sphere",
+        /// A sphere that moves linearly.
+        MovingSphere(MovingSphereFile) in moving_sphere called "moving_sphere",
+        /// A parallelogram.
+        Quad(QuadFile) in quad called "quad",
+        /// A box of six quads.
+        Box(BoxFile) in boxes called "box",
+        /// A list of triangles.
+        Triangles(TrianglesFile) in triangles called "triangles",
+        /// A triangle mesh from a file.
+        Mesh(MeshFile) in mesh called "mesh",
+        /// A named mesh, placed by a matrix.
+        Instance(InstanceFile) in instance called "instance",
+    }
 }
 
 impl PrimitiveFile {
-    /// Returns the name of the primitive's kind in scene files.
-    pub(crate) fn name(&self) -> &'static str {
-        self.parts().0
-    }
-
     /// Returns the name of the primitive's material; `None` for an instance whose mesh has its own
     /// materials.
     pub(crate) fn material(&self) -> Option<&str> {
-        self.parts().1
+        self.model().material()
     }
 
     /// Checks the parameters and adds the primitives that they describe.
     pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
-        self.parts().2.expand(e, to)
+        self.model().expand(e, to)
     }
 }

@@ -44,7 +44,7 @@ impl LightsBuilder {
         if !light.emits() {
             return;
         }
-        let (_, light) = light.model();
+        let light = light.model();
         let entry = light.add_to(&mut self.lights.tables);
         self.add(entry, light.radiance(), 0, light.inside());
     }

@@ -25,17 +25,12 @@ pub(super) trait FreeLightModel {
 }
 
 impl LightFile {
-    /// The name of the light's kind in scene files.
-    pub(crate) fn name(&self) -> &'static str {
-        self.model().0
-    }
-
     pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
-        self.model().1.check(e)
+        self.model().check(e)
     }
 
     /// Whether the light is not black.
     pub(crate) fn emits(&self) -> bool {
-        self.model().1.radiance() != Vec3::ZERO
+        self.model().radiance() != Vec3::ZERO
     }
 }

@@ -4,6 +4,7 @@
 
 mod alias;
 mod builder;
+mod chosen;
 mod distant;
 mod environment;
 mod file;
@@ -23,14 +24,13 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use serde::{Deserialize, Serialize};
-
 pub(crate) use self::builder::LightsBuilder;
 pub(crate) use self::environment::Environment;
 pub use self::environment::{EnvironmentMap, Mapping};
 use self::file::FreeLightModel;
 pub(crate) use self::lights::Lights;
 pub(crate) use self::sample::LightSample;
+use super::kinds::kinds;
 use crate::geometry::{Primitive, Ray};
 use crate::math::Real;
 
@@ -99,29 +99,11 @@ trait TableFold {
 }
 
 macro_rules! lights {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident $(described by $file:ident)?,)*) => {
-        $($(pub use self::$module::$file;)?)*
-
-        /// A light that is not a primitive.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        pub enum LightFile {
-            $($(#[doc = $doc])* $($file($file),)?)*
-        }
-
-        $($(impl From<$file> for LightFile {
-            fn from(light: $file) -> Self {
-                Self::$file(light)
-            }
-        })?)*
-
-        impl LightFile {
-            /// Returns the name of the light's kind in scene files, and the light.
-            fn model(&self) -> (&'static str, &dyn FreeLightModel) {
-                match self {
-                    $($(Self::$file(light) => (stringify!($module), light),)?)*
-                }
+    ($($(#[$doc:meta])* $name:ident in $module:ident $(described by $file:ident)?,)*) => {
+        kinds! {
+            /// A light that is not a primitive.
+            pub enum LightFile: FreeLightModel {
+                $($(#[$doc])* $($file($file) in $module called stringify!($module),)?)*
             }
         }
 

@@ -24,10 +24,10 @@ pub(crate) use lookup::TextureTables;
 pub use number::Number;
 use product::Product;
 pub use reference::TextureRef;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::images::{ImageFile, Images};
+use super::kinds::kinds;
 use crate::checks::Location;
 use crate::error::Result;
 pub use crate::image::Encoding;
@@ -107,34 +107,19 @@ trait TextureModel: TextureParameters {
 }
 
 macro_rules! textures {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
-        $(pub use $module::$name;)*
-
-        /// A colour that varies over a surface.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        pub enum Texture {
-            $($(#[doc = $doc])* $name($name),)*
-        }
-
-        $(impl From<$name> for Texture {
-            fn from(texture: $name) -> Self {
-                Self::$name(texture)
+    ($($(#[$doc:meta])* $name:ident in $module:ident,)*) => {
+        kinds! {
+            /// A colour that varies over a surface.
+            pub enum Texture: TextureParameters {
+                $($(#[$doc])* $name($name) in $module called stringify!($module),)*
             }
-        })*
+        }
 
         impl Texture {
             /// The names of the kinds in scene files.
             const KINDS: &[&str] = &[$(stringify!($module),)*];
 
-            fn parameters(&self) -> &dyn TextureParameters {
-                match self {
-                    $(Self::$name(texture) => texture,)*
-                }
-            }
-
-            fn parameters_mut(&mut self) -> &mut dyn TextureParameters {
+            fn model_mut(&mut self) -> &mut dyn TextureParameters {
                 match self {
                     $(Self::$name(texture) => texture,)*
                 }
@@ -197,41 +182,41 @@ textures! {
 impl Texture {
     /// Checks the parameters and reads the files that they name.
     pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
-        self.parameters_mut().load(e, images)
+        self.model_mut().load(e, images)
     }
 
     /// Returns the file of the texture's image, if it has one.
     pub(crate) fn file(&self) -> Option<ImageFile<'_>> {
-        self.parameters().file()
+        self.model().file()
     }
 
     /// Returns everything that determines the colours, for the hash of the scene.
     pub(crate) fn identity(&self) -> Value {
-        self.parameters().identity()
+        self.model().identity()
     }
 
     /// Returns the texture's colour if it is the same everywhere.
     fn constant(&self) -> Option<[f32; 3]> {
-        self.parameters().constant()
+        self.model().constant()
     }
 
     /// Returns a bound on all its colours and alpha values, none of which is negative.
     fn largest(&self) -> f32 {
-        self.parameters().largest()
+        self.model().largest()
     }
 
     /// Returns the texture's image, if it has one and it is loaded.
     pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
-        self.parameters().texels()
+        self.model().texels()
     }
 
     /// Whether the texture depends on the colours of vertices.
     pub(crate) fn uses_vertex_colors(&self) -> bool {
-        self.parameters().uses_vertex_colors()
+        self.model().uses_vertex_colors()
     }
 
     /// Whether the texture can be a normal map.
     pub(crate) fn holds_normals(&self) -> bool {
-        self.parameters().holds_normals()
+        self.model().holds_normals()
     }
 }
