@@ -5,6 +5,7 @@
 mod definition;
 mod directives;
 mod light;
+mod list;
 mod material;
 mod medium;
 mod options;
