@@ -4,6 +4,7 @@
 
 mod boxes;
 mod instance;
+mod materials;
 mod mesh;
 mod moving_sphere;
 mod named_mesh;
@@ -15,6 +16,7 @@ mod triangles;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+pub(crate) use self::materials::{Materials, Ranges};
 pub use self::named_mesh::NamedMesh;
 use self::named_meshes::NamedMeshes;
 use super::assets::Assets;
@@ -22,11 +24,10 @@ pub use super::mesh::Smooth;
 use super::mesh::{IndexedMesh, add_tangents, lacks_tangents};
 use super::named::Named;
 use crate::checks::{Location, MAX_COORDINATE};
-use crate::error::{Result, suggestion};
+use crate::error::Result;
 use crate::geometry::{Geometry, Quad, Vertices};
 use crate::limits::Budget;
 use crate::shading::kinds;
-use crate::shading::material::Material;
 
 /// Bytes of memory for each triangle while tangents are computed.
 const TANGENTS: u64 = 600;
@@ -59,55 +60,6 @@ pub(crate) struct Builder<'a> {
     folder: &'a Path,
     assets: &'a dyn Assets,
     budget: &'a Budget,
-}
-
-/// The materials of a scene, by name.
-pub(crate) struct Materials<'a> {
-    names: HashMap<&'a str, u32>,
-    /// Whether each of them is a light.
-    emits: Vec<bool>,
-    /// Whether any of them has a normal map, so that smooth meshes need tangents.
-    normal_maps: bool,
-    /// Whether any of them uses the colours of vertices. Otherwise, they are not stored, and are not
-    /// part of the scene's hash.
-    vertex_colors: bool,
-}
-
-impl<'a> Materials<'a> {
-    /// `names` are the names of `materials`.
-    pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
-        let emits = |material: &Material| material.emission().is_some_and(|e| e.emits());
-        Self {
-            names: names.zip(0..).collect(),
-            emits: materials.iter().map(emits).collect(),
-            normal_maps: materials.iter().any(Material::has_normal_map),
-            vertex_colors: materials.iter().any(Material::uses_vertex_colors),
-        }
-    }
-
-    /// Returns the index of the material called `name`.
-    pub(crate) fn find(&self, e: &Location<'_>, name: &str) -> Result<u32> {
-        self.names.get(name).copied().ok_or_else(|| {
-            let known = suggestion(name, self.names.keys().copied());
-            e.error(format!("unknown material `{name}`{known}"))
-        })
-    }
-}
-
-/// Ranges of triangles with the same material: one past the last triangle, and the material.
-#[derive(Debug, Default)]
-pub(crate) struct Ranges(pub(crate) Vec<(u32, u32)>);
-
-impl Ranges {
-    /// Sets the material of the triangles from the end of the last range up to `end`.
-    pub(crate) fn cover(&mut self, end: usize, material: u32) {
-        let (end, begin) = (end as u32, self.0.last().map_or(0, |&(end, _)| end));
-        match self.0.last_mut() {
-            Some((last, same)) if *same == material => *last = end,
-            _ if end > begin => self.0.push((end, material)),
-            _ => {}
-        }
-    }
 }
 
 impl<'a> Builder<'a> {
