@@ -2,9 +2,9 @@
 
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
+use crate::accel::extent::Extent;
 use crate::accel::leaf::{LeafBlocks, LeafRef, NoMeshes};
 use crate::accel::ray::packet::Packet;
-use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
 /// Rays to trace, and the scene data that all of them need.

@@ -2,11 +2,12 @@
 
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;
+use crate::accel::extent::ExtentLanes;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::ray_group::{Members, RayGroup};
-use crate::accel::setup::{ExtentLanes, Setup};
+use crate::accel::setup::Setup;
 use crate::geometry::{Geometry, ToObject};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
