@@ -65,8 +65,7 @@ impl TraceJob<'_> {
             return;
         }
         for &block in self.spanning {
-            // Spanning primitives are mostly huge, so that some ray of a packet hits them before
-            // another primitive, unless these are shadow rays.
+            // Spanning primitives are mostly huge, so that only shadow rays often all miss one.
             self.blocks.test_packet::<V, ANY, ANY, true>(
                 block,
                 block.valid(),

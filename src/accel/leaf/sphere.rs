@@ -70,6 +70,9 @@ impl Leaf for LeafBlock {
 }
 
 /// Tests the rays of a packet against a sphere. `center` returns its position at the rays' times.
+///
+/// The filter does not rule out rays that leave a huge sphere, because of its margin. For spanning
+/// spheres, the test rules them out before the square root.
 #[inline(always)]
 pub(super) fn test_packet<const V: usize, const ANY: bool, const SPANNING: bool>(
     packet: &mut Packet<V>,

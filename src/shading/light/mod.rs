@@ -82,7 +82,7 @@ const MIN_SOLID_ANGLE: f32 = 1e-3;
 /// points has lost too many digits.
 const MIN_SINE: f32 = 2.5e-3;
 
-/// The place of a kind of light in [`LightTables`].
+/// A kind of light in the list, which has a table in [`LightTables`].
 trait Listed: LightModel {
     const KIND: LightKind;
 
@@ -90,11 +90,11 @@ trait Listed: LightModel {
     fn table(tables: &mut LightTables) -> &mut Vec<Self>;
 }
 
-/// A value that every table of lights may change.
+/// Code that runs once for each table of lights, and passes a value from one to the next.
 trait TableFold {
     type Value;
 
-    /// Returns the value after the table of the kind `L`.
+    /// Returns the value for the next table, after the table of the kind `L`.
     fn step<L: Listed>(&self, table: &[L], value: Self::Value) -> Self::Value;
 }
 
@@ -156,7 +156,7 @@ lights! {
     Environment in environment,
 }
 
-/// The kind of a light, and its index in the table of its kind.
+/// The kind of a light, and its index in the table of that kind.
 type Entry = (LightKind, u32);
 
 /// The entry of a primitive, its area, and its unit normal if it is flat.
