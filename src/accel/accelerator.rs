@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::batch::{HitBatch, RayBatch};
 use super::counters::{Count, Counters};
+use super::extent::Extent;
 use super::kernel::Kernel;
 use super::kernel::beam;
 use super::kernel::flat::Flat;
@@ -13,7 +14,6 @@ use super::kernel::job::TraceJob;
 use super::kernel::packet;
 use super::kernel::stream;
 use super::leaf::{LeafBlocks, LeafRef};
-use super::setup::Extent;
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;

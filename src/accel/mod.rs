@@ -3,6 +3,7 @@
 mod accelerator;
 mod batch;
 mod counters;
+mod extent;
 mod kernel;
 mod leaf;
 mod probe;

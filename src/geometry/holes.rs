@@ -1,12 +1,13 @@
-//! HoleTest in triangles, such as those between the leaves on a picture of foliage.
+//! Holes in triangles, such as those between the leaves on a picture of foliage.
 
+use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::{Ray, Triangles};
 
 /// Decides where triangles have holes.
-pub trait HoleTest: Debug + Send + Sync {
+pub trait HoleTest: Any + Debug + Send + Sync {
     /// Whether triangle `triangle` of `triangles` has a hole where `ray` hits it at distance `t`. The
     /// ray is in the space of the triangles. `instance` is 0 for triangles that no instance places.
     ///
@@ -19,10 +20,13 @@ pub trait HoleTest: Debug + Send + Sync {
         ray: &Ray,
         t: f32,
     ) -> bool;
+
+    /// Whether `other` has the same holes.
+    fn equals(&self, other: &dyn HoleTest) -> bool;
 }
 
 /// The triangles that may have holes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Holes(Option<Arc<Marked>>);
 
 #[derive(Debug)]
@@ -32,11 +36,9 @@ struct Marked {
     holes: Arc<dyn HoleTest>,
 }
 
-/// Compares which triangles may have holes. Where the holes are follows from the materials of a scene,
-/// which are compared on their own.
-impl PartialEq for Holes {
+impl PartialEq for Marked {
     fn eq(&self, other: &Self) -> bool {
-        self.0.as_ref().map(|marked| &marked.bits) == other.0.as_ref().map(|marked| &marked.bits)
+        self.bits == other.bits && self.holes.equals(&*other.holes)
     }
 }
 

@@ -27,7 +27,7 @@ pub use collection::{Geometry, Instances};
 pub use holes::{HoleTest, Holes};
 pub use instance::Instance;
 pub(crate) use instance::ToObject;
-pub(crate) use primitive::{PrimitiveModel, Shape, primitives, shapes};
+pub(crate) use primitive::{PrimitiveModel, Shape, match_shape, primitives, shapes};
 pub use quad::Quad;
 pub(crate) use ray::PreparedRay;
 pub(crate) use ray::shear_axes;

@@ -5,11 +5,12 @@ use glam::Vec3;
 use super::bounds::Bounds;
 use super::ray::PreparedRay;
 
-/// Passes the list of primitives to the macro `$list`. Each entry has the type, its module, and the
-/// name and type of its list in [`Geometry`](super::Geometry).
+/// Passes the list of primitives to the macro `$list`, after `$arguments`. Each entry has the type, its
+/// module, and the name and type of its list in [`Geometry`](super::Geometry).
 macro_rules! primitives {
-    ($list:ident) => {
+    ($list:ident $($arguments:tt)?) => {
         $list! {
+            $($arguments)?
             /// Spheres, still or moving.
             Sphere in sphere listed in spheres: Vec<Sphere>,
             /// Parallelograms.
@@ -21,12 +22,13 @@ macro_rules! primitives {
 }
 pub(crate) use primitives;
 
-/// Passes the list of shapes to the macro `$list`. Each entry has the variant of [`Shape`], and the
-/// name of its module in `accel/leaf` and `geometry/surfaces`. Every shape has its own code for ray
-/// tests, leaf blocks and shading.
+/// Passes the list of shapes to the macro `$list`, after `$arguments`. Each entry has the variant of
+/// [`Shape`], and the name of its module in `accel/leaf` and `geometry/surfaces`. Every shape has its
+/// own code for ray tests, leaf blocks and shading.
 macro_rules! shapes {
-    ($list:ident) => {
+    ($list:ident $($arguments:tt)?) => {
         $list! {
+            $($arguments)?
             Sphere in sphere,
             MovingSphere in moving_sphere,
             Quad in quad,
@@ -36,6 +38,38 @@ macro_rules! shapes {
     };
 }
 pub(crate) use shapes;
+
+/// `match_primitive!(value, |primitive| code)` runs `code` with the sphere, quad or triangle in `value`,
+/// compiled for each of these types.
+macro_rules! match_primitive {
+    ([$value:expr, $primitive:ident, $code:expr]
+     $($(#[$doc:meta])* $name:ident in $module:ident listed in $list:ident: $many:ty,)*) => {
+        match $value {
+            $(Primitive::$name($primitive) => $code,)*
+        }
+    };
+    ($value:expr, |$primitive:ident| $code:expr) => {
+        primitives!(match_primitive [$value, $primitive, $code])
+    };
+}
+pub(super) use match_primitive;
+
+/// `match_shape!(shape, tables, |table| code)` runs `code` with a reference to the field of `tables` for
+/// this shape, compiled for each shape.
+macro_rules! match_shape {
+    ([$shape:expr, $tables:expr, $table:ident, $code:expr] $($name:ident in $module:ident,)*) => {
+        match $shape {
+            $(Shape::$name => {
+                let $table = &$tables.$module;
+                $code
+            })*
+        }
+    };
+    ($shape:expr, $tables:expr, |$table:ident| $code:expr) => {
+        shapes!(match_shape [$shape, $tables, $table, $code])
+    };
+}
+pub(crate) use match_shape;
 
 /// A kind of primitive.
 pub(crate) trait PrimitiveModel: Sized {

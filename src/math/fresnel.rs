@@ -1,6 +1,6 @@
 //! Fresnel reflectance of smooth surfaces.
 //!
-//! The formulas follow Pharr et al., *Physically Based RenderState*, 4th ed., section 9.3.
+//! The formulas follow Pharr et al., *Physically Based Rendering*, 4th ed., section 9.3.
 
 use super::max;
 use super::real::Vector;

@@ -1,5 +1,5 @@
 //! Maps from the unit square to domains that a path tracer samples
-//! (Pharr et al., *Physically Based RenderState*, 4th ed., section A.5).
+//! (Pharr et al., *Physically Based Rendering*, 4th ed., section A.5).
 
 use std::f32::consts::PI;
 

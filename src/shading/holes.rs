@@ -1,5 +1,6 @@
 //! Marks the triangles of a scene that may have holes, and finds the holes.
 
+use std::any::Any;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -23,12 +24,36 @@ struct Entry {
 /// The opacities of a scene's materials.
 #[derive(Debug)]
 struct MaterialHoles {
-    textures: TextureTables,
     /// One for each material.
-    entries: Arc<Vec<Option<Entry>>>,
+    opacities: Vec<Option<Opacity>>,
+    /// The tables of the opacities.
+    entries: Vec<Option<Entry>>,
+    textures: TextureTables,
     map: Arc<MaterialMap>,
     /// The number of the first triangle.
     first: u32,
+}
+
+impl MaterialHoles {
+    fn new(materials: &[Material], map: &Arc<MaterialMap>, first: u32) -> Self {
+        let mut textures = TextureTables::default();
+        let mut entry = |opacity: &Opacity| Entry {
+            alpha: textures.number(opacity.alpha()).map(f32::from_bits),
+            threshold: match *opacity {
+                Opacity::Mask { threshold, .. } => Some(threshold),
+                Opacity::Blend { .. } => None,
+            },
+        };
+        let opacities = || materials.iter().map(Material::opacity);
+        let entries = opacities().map(|opacity| opacity.map(&mut entry)).collect();
+        let opacities = opacities().map(Option::<&Opacity>::cloned).collect();
+        Self { opacities, entries, textures, map: Arc::clone(map), first }
+    }
+
+    /// The opacity of a triangle's material.
+    fn entry(&self, triangle: u32) -> Option<Entry> {
+        self.entries[self.map.get(self.first + triangle) as usize]
+    }
 }
 
 /// Marks the triangles of `geometry` whose materials have holes.
@@ -38,22 +63,9 @@ pub(crate) fn mark_holes(geometry: &mut Geometry, materials: &[Material], map: &
     }
     let map = Arc::new(map.clone());
     let holes = |first: usize, count: usize| {
-        let mut textures = TextureTables::default();
-        let mut entry = |material: &Material| {
-            material.opacity().map(|opacity| Entry {
-                alpha: textures.number(opacity.alpha()).map(f32::from_bits),
-                threshold: match *opacity {
-                    Opacity::Mask { threshold, .. } => Some(threshold),
-                    Opacity::Blend { .. } => None,
-                },
-            })
-        };
-        let entries: Arc<Vec<_>> = Arc::new(materials.iter().map(&mut entry).collect());
-        let (first, map) = (first as u32, Arc::clone(&map));
-        let (of, known) = (Arc::clone(&map), Arc::clone(&entries));
-        let has_holes =
-            move |triangle: usize| known[of.get(first + triangle as u32) as usize].is_some();
-        Holes::new(count, has_holes, Arc::new(MaterialHoles { textures, entries, map, first }))
+        let test = Arc::new(MaterialHoles::new(materials, &map, first as u32));
+        let has_holes = |triangle: usize| test.entry(triangle as u32).is_some();
+        Holes::new(count, has_holes, Arc::clone(&test) as Arc<dyn HoleTest>)
     };
     let (first, own, all) = (geometry.first_triangle(), geometry.triangles.len(), geometry.len());
     geometry.holes = holes(first, own);
@@ -97,16 +109,20 @@ impl HoleTest for MaterialHoles {
         ray: &Ray,
         t: f32,
     ) -> bool {
-        let material = self.map.get(self.first + triangle);
-        let Some(Entry { alpha, threshold }) = self.entries[material as usize] else {
-            return false;
-        };
+        let Some(Entry { alpha, threshold }) = self.entry(triangle) else { return false };
         let point = Point { triangles, triangle, ray, t };
         let alpha = self.textures.number_at::<f32>(alpha, &point);
         match threshold {
             Some(threshold) => alpha < threshold,
             None => chance(ray, instance, triangle) >= alpha,
         }
+    }
+
+    fn equals(&self, other: &dyn HoleTest) -> bool {
+        let Some(other) = (other as &dyn Any).downcast_ref::<Self>() else { return false };
+        // The tables follow from the opacities.
+        let Self { opacities, entries: _, textures: _, map, first } = self;
+        (opacities, map, first) == (&other.opacities, &other.map, &other.first)
     }
 }
 

@@ -10,6 +10,7 @@ mod emission;
 mod holes;
 mod images;
 mod interaction;
+mod kinds;
 pub mod light;
 mod looks;
 pub mod material;
@@ -31,6 +32,7 @@ pub(crate) use holes::mark_holes;
 pub(crate) use images::{ImageContainer, ImageFiles, Images};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
+pub(crate) use kinds::kinds;
 pub(crate) use looks::{Key, Looks, MaterialMap};
 #[cfg(test)]
 pub(crate) use medium::Isotropic;

@@ -1,4 +1,4 @@
-//! HoleTest in the surfaces of materials, by an alpha texture.
+//! Holes in the surfaces of materials, by an alpha texture.
 
 use serde::{Deserialize, Serialize};
 

@@ -15,7 +15,7 @@ pub(crate) const LEAST_COSINE: f32 = 1e-3;
 /// The result is on the same side. It is bent where it would face away from the viewer, as near
 /// silhouettes. On glossy materials, it is also bent where the mirrored direction would be inside the
 /// surface, which would leave black fringes (Keller et al. 2017, "The Iray Light Transport Simulation
-/// and RenderState System", section on shading normals).
+/// and Rendering System", section on shading normals).
 #[inline(always)]
 pub(crate) fn smooth_normal<R: Real>(
     shading: R::Vec3,

@@ -240,6 +240,7 @@ fn traverse<const ANY: bool, const V: usize>(
             Child::LeafBlock(block) => {
                 let candidates = beam.candidates(&tree.blocks, block, limit, count);
                 if candidates != 0 {
+                    // The rays of a beam are coherent, so that often all miss a primitive.
                     tree.blocks.test_packet::<V, ANY, true, false>(
                         block, candidates, packet, meshes, count,
                     );

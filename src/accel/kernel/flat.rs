@@ -3,9 +3,9 @@
 use super::job::TraceJob;
 use crate::accel::batch::HitBatch;
 use crate::accel::counters::Count;
+use crate::accel::extent::Extent;
 use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::ray::packet::VECTORS;
-use crate::accel::setup::Extent;
 use crate::geometry::{Bounds, Geometry};
 
 /// All primitives, without boxes.

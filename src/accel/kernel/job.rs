@@ -2,9 +2,9 @@
 
 use crate::accel::batch::{HitBatch, RayBatch};
 use crate::accel::counters::Count;
+use crate::accel::extent::Extent;
 use crate::accel::leaf::{LeafBlocks, LeafRef, NoMeshes};
 use crate::accel::ray::packet::Packet;
-use crate::accel::setup::Extent;
 use crate::simd::{Bits, LANES, first_bits};
 
 /// Rays to trace, and the scene data that all of them need.
@@ -15,7 +15,7 @@ pub(crate) struct TraceJob<'a> {
     pub(crate) extent: &'a Extent,
     /// The table that contains the `spanning` blocks.
     pub(crate) blocks: &'a LeafBlocks,
-    /// LeafBlocks that every ray is tested against before the tree.
+    /// Blocks that every ray is tested against before the tree.
     pub(crate) spanning: &'a [LeafRef],
     /// The number of the first triangle of a mesh.
     pub(crate) meshes: u32,
@@ -65,8 +65,7 @@ impl TraceJob<'_> {
             return;
         }
         for &block in self.spanning {
-            // Spanning primitives are mostly huge. They are near most rays, so the filter before
-            // the sphere test would reject few of them.
+            // Spanning primitives are mostly huge, so that only shadow rays often all miss one.
             self.blocks.test_packet::<V, ANY, ANY, true>(
                 block,
                 block.valid(),

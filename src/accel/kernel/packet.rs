@@ -107,6 +107,7 @@ impl<const V: usize> Packet<V> {
         let (mut top, mut next) = (0, root);
         loop {
             if let Some(block) = PairTree::block(next) {
+                // Shadow rays, and rays with similar directions, often all miss a primitive.
                 if ANY || WAY == ALIKE {
                     tree.blocks.test_packet::<V, ANY, true, false>(
                         block,

@@ -1,12 +1,13 @@
-//! LeafBlocks of instances: a ray is transformed into the object spaces of all of them at once.
+//! Leaf blocks of instances: a ray is transformed into the object spaces of all of them at once.
 
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::counters::Count;
+use crate::accel::extent::ExtentLanes;
 use crate::accel::ray::best::Best;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::ray_group::{Members, RayGroup};
-use crate::accel::setup::{ExtentLanes, Setup};
+use crate::accel::setup::Setup;
 use crate::geometry::{Geometry, ToObject};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
@@ -116,7 +117,7 @@ impl Leaf for LeafBlock {
 
     /// Traces the rays one by one.
     #[inline(never)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,

@@ -3,8 +3,10 @@
 //! Each shape has a file of its own.
 
 mod instance;
+mod meshes;
 mod moving_sphere;
 mod quad;
+mod reference;
 mod sphere;
 mod triangle;
 
@@ -12,80 +14,16 @@ use std::mem::take;
 
 use glam::Vec3;
 
+pub(super) use self::meshes::{Meshes, NoMeshes};
+pub(super) use self::reference::LeafRef;
 use super::counters::Count;
 use super::ray::best::Best;
 use super::ray::one_ray::OneRay;
 use super::ray::packet::Packet;
 use super::ray::ray_group::{Members, RayGroup};
-use crate::geometry::{Geometry, Ray, Shape, shapes};
+use crate::geometry::{Geometry, Shape, match_shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};
-
-/// A reference to a block: its shape, the number of its primitives, and its index among the blocks
-/// of that shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct LeafRef(u32);
-
-impl LeafRef {
-    /// The bit that distinguishes a reference to a block from the index of a node.
-    pub(super) const LEAF: u32 = 1 << 31;
-    const SHAPE_SHIFT: u32 = 28;
-    const COUNT_SHIFT: u32 = 24;
-    /// The shape has 3 bits and the count 4.
-    const FITS: () = assert!(Shape::ALL.len() <= 8 && LANES <= 16);
-
-    fn new(shape: Shape, count: usize, index: usize) -> Self {
-        let () = Self::FITS;
-        assert!(index < 1 << Self::COUNT_SHIFT, "a layout holds at most 2^24 blocks of a shape");
-        let count = (count as u32 - 1) << Self::COUNT_SHIFT;
-        Self(Self::LEAF | (shape as u32) << Self::SHAPE_SHIFT | count | index as u32)
-    }
-
-    /// The reference to the same block in a list in which `blocks` blocks of each shape come first.
-    pub(super) fn moved(self, blocks: &[usize; Shape::ALL.len()]) -> Self {
-        Self::new(self.shape(), self.count() as usize, self.index() + blocks[self.shape() as usize])
-    }
-
-    pub(super) fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// Returns the reference with these bits, which must include [`LeafRef::LEAF`].
-    #[inline(always)]
-    pub(super) fn from_bits(bits: u32) -> Self {
-        Self(bits)
-    }
-
-    #[inline(always)]
-    pub(super) fn shape(self) -> Shape {
-        self.shape_of(true)
-    }
-
-    /// The shape; if `instances` is false, there must be no instances. The compiler then omits
-    /// their code.
-    #[inline(always)]
-    fn shape_of(self, instances: bool) -> Shape {
-        const { assert!(Shape::Instance as u32 == 4) };
-        Shape::of_bits(self.0 >> Self::SHAPE_SHIFT & if instances { 7 } else { 3 })
-    }
-
-    #[inline(always)]
-    pub(super) fn count(self) -> u32 {
-        (self.0 >> Self::COUNT_SHIFT & 15) + 1
-    }
-
-    /// Bits of the lanes that hold a primitive. These are the first lanes, in the order of the
-    /// primitives' indices.
-    #[inline(always)]
-    pub(super) fn valid(self) -> u32 {
-        (2 << (self.0 >> Self::COUNT_SHIFT & 15)) - 1
-    }
-
-    #[inline(always)]
-    pub(super) fn index(self) -> usize {
-        (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize
-    }
-}
 
 /// Up to this many rays that visit a block together are few: they have little in common, so CPUs cannot
 /// predict what they hit. Rays in instances are always alone. Twice this number is as fast on average, but
@@ -117,70 +55,16 @@ trait Leaf: Sized {
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// `NEAR` adds an early test of whether any ray meets a quad's plane within the ray's interval.
-    /// `LEAVE` adds an early test of whether rays move away from a sphere. Both affect only speed.
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    /// `ALL_MISS` tells that often all rays of the packet miss a primitive, as coherent rays and shadow
+    /// rays do, so that a branch on this pays. `SPANNING` tells that no box around the
+    /// block was tested first, because most of its primitives are huge. Both affect only speed.
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
         meshes: &mut impl Meshes,
         count: &mut impl Count,
     );
-}
-
-/// The meshes that instances place, and the holes of triangles.
-pub(super) trait Meshes {
-    /// Whether there can be instances. Kernels are compiled for both cases, because a call that
-    /// gets a reference to a packet keeps all of it in memory.
-    fn some(&self) -> bool;
-
-    /// The number of the first triangle of a mesh among all primitives.
-    fn first(&self) -> u32;
-
-    /// Whether triangles may have holes.
-    #[inline(always)]
-    fn may_have_holes(&self) -> bool {
-        false
-    }
-
-    /// Whether a hit of triangle `primitive` at distance `t` along `ray` is in a hole, and does not count.
-    #[inline(always)]
-    fn is_hole(&self, _primitive: u32, _ray: impl FnOnce() -> Ray, _t: f32) -> bool {
-        false
-    }
-
-    /// Traces one of the rays of `group`, which are in the object spaces of instances, through the mesh
-    /// and the instance of `place`. Primitives are counted from the first triangle of all meshes.
-    fn trace<const ANY: bool>(
-        &mut self,
-        place: (u32, u32),
-        group: &mut RayGroup<1>,
-        ray: usize,
-        count: &mut impl Count,
-    );
-}
-
-/// The meshes of a layout without instances and holes.
-pub(super) struct NoMeshes;
-
-impl Meshes for NoMeshes {
-    fn some(&self) -> bool {
-        false
-    }
-
-    fn first(&self) -> u32 {
-        unreachable!("this layout has no instances")
-    }
-
-    fn trace<const ANY: bool>(
-        &mut self,
-        _: (u32, u32),
-        _: &mut RayGroup<1>,
-        _: usize,
-        _: &mut impl Count,
-    ) {
-        unreachable!("this layout has no instances")
-    }
 }
 
 macro_rules! blocks {
@@ -197,18 +81,10 @@ macro_rules! blocks {
                 // Ties go to the lowest index. Sorting puts it into the lowest lane.
                 primitives.sort_unstable();
                 let shape = geometry.shape(primitives[0]);
-                let index = match shape {
-                    $(Shape::$name => {
-                        self.$module.push(Leaf::new(geometry, primitives));
-                        self.$module.len() - 1
-                    })*
-                };
-                LeafRef::new(shape, primitives.len(), index)
-            }
-
-            /// The number of blocks of each shape.
-            pub(super) fn counts(&self) -> [usize; Shape::ALL.len()] {
-                [$(self.$module.len(),)*]
+                match shape {
+                    $(Shape::$name => self.$module.push(Leaf::new(geometry, primitives)),)*
+                }
+                LeafRef::new(shape, primitives.len(), self.counts()[shape as usize] - 1)
             }
 
             /// Appends the blocks of `other`. `growth` estimates the ratio of the final number of
@@ -223,81 +99,6 @@ macro_rules! blocks {
             /// Moves the blocks to huge pages. Call this after the last block has been added.
             pub(super) fn settle(&mut self) {
                 $(self.$module = settle(take(&mut self.$module));)*
-            }
-
-            /// Prefetches a block.
-            #[inline(always)]
-            pub(super) fn prefetch(&self, block: LeafRef) {
-                match block.shape() {
-                    $(Shape::$name => prefetch(&self.$module[block.index()]),)*
-                }
-            }
-
-            /// Size in memory.
-            pub(super) fn bytes(&self) -> usize {
-                0 $(+ size_of_val(&*self.$module))*
-            }
-
-            /// Returns the boxes of a block's primitives, if they are cheaper to test than the
-            /// primitives.
-            #[inline(always)]
-            pub(super) fn bounds(&self, block: LeafRef) -> Option<[[Float; 3]; 2]> {
-                match block.shape() {
-                    $(Shape::$name => self.$module[block.index()].bounds(),)*
-                }
-            }
-
-            /// Tests the `rays` of `group`, one after the other, against all primitives of a block.
-            /// They enter its box at a distance of at least `distance`. If `ANY` is set, returns the
-            /// set of those that hit.
-            #[inline(always)]
-            pub(super) fn test_group<const ANY: bool, const V: usize>(
-                &self,
-                block: LeafRef,
-                group: &mut RayGroup<V>,
-                rays: u32,
-                distance: f32,
-                meshes: &mut impl Meshes,
-                count: &mut impl Count,
-            ) -> u32 {
-                let (mut found, valid, few) = (0, block.valid(), rays.count_ones() <= FEW);
-                match block.shape_of(meshes.some()) {
-                    $(Shape::$name => {
-                        let leaf = &self.$module[block.index()];
-                        for ray in Members(rays) {
-                            let mut best = group.best(ray);
-                            if !ANY && distance > best.t {
-                                continue;
-                            }
-                            count.leaf(LANES as u32, block.count());
-                            leaf.test_one::<ANY>(valid, few, &group.ray(ray), &mut best, meshes, count);
-                            group.set_best(ray, best);
-                            if ANY {
-                                found |= u32::from(best.found()) << ray;
-                            }
-                        }
-                    })*
-                }
-                found
-            }
-
-            /// Tests the rays of `packet` against those primitives of a block that are in `lanes`.
-            /// See [`Leaf::test_packet`].
-            #[inline(always)]
-            pub(super) fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
-                &self,
-                block: LeafRef,
-                lanes: u32,
-                packet: &mut Packet<V>,
-                meshes: &mut impl Meshes,
-                count: &mut impl Count,
-            ) {
-                match block.shape_of(meshes.some()) {
-                    $(Shape::$name => {
-                        let block = &self.$module[block.index()];
-                        block.test_packet::<V, ANY, NEAR, LEAVE>(lanes, packet, meshes, count);
-                    })*
-                }
             }
         }
     };
@@ -315,6 +116,83 @@ impl LeafBlocks {
             .flat_map(|run| run.chunks_mut(LANES))
             .map(|block| self.push(geometry, block))
             .collect()
+    }
+
+    /// The number of blocks of each shape.
+    pub(super) fn counts(&self) -> [usize; Shape::ALL.len()] {
+        Shape::ALL.map(|shape| match_shape!(shape, self, |blocks| blocks.len()))
+    }
+
+    /// Size in memory.
+    pub(super) fn bytes(&self) -> usize {
+        let bytes = |shape| match_shape!(shape, self, |blocks| size_of_val(&**blocks));
+        Shape::ALL.map(bytes).iter().sum()
+    }
+
+    /// Prefetches a block.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, block: LeafRef) {
+        match_shape!(block.shape(), self, |blocks| prefetch(&blocks[block.index()]));
+    }
+
+    /// Returns the boxes of a block's primitives, if they are cheaper to test than the primitives.
+    #[inline(always)]
+    pub(super) fn bounds(&self, block: LeafRef) -> Option<[[Float; 3]; 2]> {
+        match_shape!(block.shape(), self, |blocks| blocks[block.index()].bounds())
+    }
+
+    /// Tests the `rays` of `group`, one after the other, against all primitives of a block. They
+    /// enter its box at a distance of at least `distance`. If `ANY` is set, returns the set of those
+    /// that hit.
+    #[inline(always)]
+    pub(super) fn test_group<const ANY: bool, const V: usize>(
+        &self,
+        block: LeafRef,
+        group: &mut RayGroup<V>,
+        rays: u32,
+        distance: f32,
+        meshes: &mut impl Meshes,
+        count: &mut impl Count,
+    ) -> u32 {
+        let (mut found, valid, few) = (0, block.valid(), rays.count_ones() <= FEW);
+        match_shape!(block.shape_of(meshes.some()), self, |blocks| {
+            let leaf = &blocks[block.index()];
+            for ray in Members(rays) {
+                let mut best = group.best(ray);
+                if !ANY && distance > best.t {
+                    continue;
+                }
+                count.leaf(LANES as u32, block.count());
+                leaf.test_one::<ANY>(valid, few, &group.ray(ray), &mut best, meshes, count);
+                group.set_best(ray, best);
+                if ANY {
+                    found |= u32::from(best.found()) << ray;
+                }
+            }
+        });
+        found
+    }
+
+    /// Tests the rays of `packet` against those primitives of a block that are in `lanes`. See
+    /// [`Leaf::test_packet`].
+    #[inline(always)]
+    pub(super) fn test_packet<
+        const V: usize,
+        const ANY: bool,
+        const ALL_MISS: bool,
+        const SPANNING: bool,
+    >(
+        &self,
+        block: LeafRef,
+        lanes: u32,
+        packet: &mut Packet<V>,
+        meshes: &mut impl Meshes,
+        count: &mut impl Count,
+    ) {
+        match_shape!(block.shape_of(meshes.some()), self, |blocks| {
+            let leaf = &blocks[block.index()];
+            leaf.test_packet::<V, ANY, ALL_MISS, SPANNING>(lanes, packet, meshes, count);
+        });
     }
 }
 

@@ -1,4 +1,4 @@
-//! LeafBlocks of spheres that move.
+//! Leaf blocks of spheres that move.
 
 use super::{Leaf, Meshes, count_tests, sphere, transpose};
 use crate::accel::counters::Count;
@@ -41,7 +41,7 @@ impl Leaf for LeafBlock {
     }
 
     #[inline(always)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
@@ -57,7 +57,7 @@ impl Leaf for LeafBlock {
             let center = |ray: &RayLanes| center + motion * ray.time;
             let radius = Float::splat(still.radius[lane]);
             let (padded, primitive) = (Float::splat(padded[lane]), still.primitive[lane]);
-            sphere::test_packet::<V, ANY, LEAVE>(packet, center, radius, padded, primitive);
+            sphere::test_packet::<V, ANY, SPANNING>(packet, center, radius, padded, primitive);
         }
     }
 }

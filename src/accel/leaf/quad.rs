@@ -1,4 +1,4 @@
-//! LeafBlocks of quads.
+//! Leaf blocks of quads.
 
 use super::{Leaf, Meshes, count_tests, numbers, transpose};
 use crate::accel::counters::Count;
@@ -83,7 +83,7 @@ impl Leaf for LeafBlock {
     }
 
     #[inline(always)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
@@ -96,15 +96,15 @@ impl Leaf for LeafBlock {
             // The special cases are distinguished here, once for all vectors.
             match &self.special[lane] {
                 Some(SpecialQuad::Aligned(quad)) => {
-                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                    test_packet::<V, ANY, ALL_MISS>(packet, quad, primitive);
                 }
                 Some(SpecialQuad::Level(quad)) => {
-                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                    test_packet::<V, ANY, ALL_MISS>(packet, quad, primitive);
                 }
                 Some(SpecialQuad::Upright(quad)) => {
-                    test_packet::<V, ANY, NEAR>(packet, quad, primitive);
+                    test_packet::<V, ANY, ALL_MISS>(packet, quad, primitive);
                 }
-                None => test_packet::<V, ANY, NEAR>(packet, &self.splat(lane), primitive),
+                None => test_packet::<V, ANY, ALL_MISS>(packet, &self.splat(lane), primitive),
             }
         }
     }
@@ -112,7 +112,7 @@ impl Leaf for LeafBlock {
 
 /// Tests a quad against the rays of a packet.
 #[inline(always)]
-fn test_packet<const V: usize, const ANY: bool, const NEAR: bool>(
+fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool>(
     packet: &mut Packet<V>,
     quad: &(impl QuadTest + Copy),
     primitive: u32,
@@ -126,7 +126,7 @@ fn test_packet<const V: usize, const ANY: bool, const NEAR: bool>(
         let hit = t.gt(ray.t_min) & quad.contains(ray, t);
         rays.offer::<ANY>(HitLanes { t, hit }, primitive);
     };
-    if !NEAR {
+    if !ALL_MISS {
         // Without the early test, doing all divisions first, as below, is slower.
         for rays in &mut packet.vectors {
             let t = quad.distance(&rays.setup.ray);

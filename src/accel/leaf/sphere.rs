@@ -1,4 +1,4 @@
-//! LeafBlocks of spheres that do not move.
+//! Leaf blocks of spheres that do not move.
 
 use super::{Leaf, Meshes, count_tests, gather, numbers, transpose};
 use crate::accel::counters::Count;
@@ -51,7 +51,7 @@ impl Leaf for LeafBlock {
     }
 
     #[inline(always)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,
@@ -64,14 +64,17 @@ impl Leaf for LeafBlock {
             let center = Vec3x::splat_lane(&self.center, lane);
             let radius = Float::splat(self.radius[lane]);
             let (padded, primitive) = (Float::splat(padded[lane]), self.primitive[lane]);
-            test_packet::<V, ANY, LEAVE>(packet, |_| center, radius, padded, primitive);
+            test_packet::<V, ANY, SPANNING>(packet, |_| center, radius, padded, primitive);
         }
     }
 }
 
 /// Tests the rays of a packet against a sphere. `center` returns its position at the rays' times.
+///
+/// The filter does not rule out rays that leave a huge sphere, because of its margin. For spanning
+/// spheres, the test rules them out before the square root.
 #[inline(always)]
-pub(super) fn test_packet<const V: usize, const ANY: bool, const LEAVE: bool>(
+pub(super) fn test_packet<const V: usize, const ANY: bool, const SPANNING: bool>(
     packet: &mut Packet<V>,
     center: impl Fn(&RayLanes) -> Vec3x,
     radius: Float,
@@ -91,7 +94,7 @@ pub(super) fn test_packet<const V: usize, const ANY: bool, const LEAVE: bool>(
     for (rays, missed) in packet.vectors.iter_mut().zip(missed) {
         if missed != all {
             let ray = &rays.setup.ray;
-            if let Some(hits) = hits::<LEAVE>(ray, center(ray), radius) {
+            if let Some(hits) = hits::<SPANNING>(ray, center(ray), radius) {
                 rays.offer::<ANY>(hits, primitive);
             }
         }

@@ -1,4 +1,4 @@
-//! LeafBlocks of triangles.
+//! Leaf blocks of triangles.
 
 use glam::Vec3;
 
@@ -81,7 +81,7 @@ impl Leaf for LeafBlock {
 
     /// Counts one test for each orientation of a vector of rays, not one for each vector.
     #[inline(always)]
-    fn test_packet<const V: usize, const ANY: bool, const NEAR: bool, const LEAVE: bool>(
+    fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,
         packet: &mut Packet<V>,

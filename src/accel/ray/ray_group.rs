@@ -103,8 +103,8 @@ impl Iterator for Members {
 mod tests {
     use super::*;
     use crate::accel::RayBatch;
+    use crate::accel::extent::Extent;
     use crate::accel::ray::packet::VECTORS;
-    use crate::accel::setup::Extent;
     use crate::geometry::{Bounds, Geometry, Ray, Triangle, shear_axes};
     use crate::math::random::Stream;
     use crate::simd::{Mask, first_bits};

@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::best::BestLanes;
 use crate::accel::batch::{HitBatch, RayVector};
-use crate::accel::setup::{Extent, Setup};
+use crate::accel::extent::Extent;
+use crate::accel::setup::Setup;
 use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::geometry::{Ray, shear_axes};
 use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};

@@ -1,8 +1,8 @@
 //! Binary trees for packets, whose nodes hold the boxes of both children in one cache line.
 
 use super::binary::{Below, BinaryTree};
+use crate::accel::extent::Extent;
 use crate::accel::leaf::{LeafBlocks, LeafRef};
-use crate::accel::setup::Extent;
 use crate::accel::slab::{Planes, planes};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;

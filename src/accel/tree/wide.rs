@@ -1,44 +1,19 @@
 //! Wide trees for beams and streams, collapsed from the binary tree: a node has up to [`LANES`]
 //! children.
 
-use std::collections::BTreeMap;
-use std::mem::take;
 use std::sync::{Arc, Mutex};
 
-use super::binary::{Below, BinaryNode, BinaryTree, LeafContent};
+use super::assembly::{Assembly, Cluster};
+use super::binary::{BinaryTree, LeafContent};
 use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, clusters};
+use super::subtree::Subtree;
+pub(crate) use super::subtree::WideNode;
 use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::threads::{for_each, map};
 use crate::geometry::{Bounds, Geometry};
-use crate::huge_pages::{reserve, settle};
-use crate::simd::{LANES, Lanes, prefetch};
-
-/// A node: the boxes of its children, and references to the children.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))]
-pub(crate) struct WideNode {
-    /// The lower and the upper plane on each axis. Lanes without a child hold a box that no ray
-    /// enters.
-    pub(crate) planes: [[Lanes; 2]; 3],
-    /// Indices of nodes, or bits of [`LeafRef`]s, which are equal for leaves that share a block.
-    pub(crate) children: Lanes<u32>,
-}
-
-impl WideNode {
-    const EMPTY: Self = Self {
-        planes: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3],
-        children: [0; LANES],
-    };
-
-    fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
-        for axis in 0..3 {
-            let [low, high] = &mut self.planes[axis];
-            (low[lane], high[lane]) = (bounds.min[axis], bounds.max[axis]);
-        }
-        self.children[lane] = child;
-    }
-}
+use crate::huge_pages::settle;
+use crate::simd::prefetch;
 
 /// A tree of wide nodes over blocks.
 #[derive(Clone, Debug, Default)]
@@ -61,183 +36,6 @@ pub(crate) struct WideTree {
 
 /// Size in bytes above which a tree is larger than the fast caches.
 const LARGE: usize = 1 << 20;
-
-/// A part of a wide tree, whose references count from its own first node and block.
-#[derive(Debug, Default)]
-struct Subtree {
-    nodes: Vec<WideNode>,
-    blocks: LeafBlocks,
-    /// Number of nodes on the longest path to a node.
-    depth: usize,
-}
-
-impl Subtree {
-    /// Lays out the subtree of `tree` from node `root` on. Its wide node becomes `slot`. `element`
-    /// returns what a leaf stands for.
-    ///
-    /// Neighbouring leaves of one shape share a block if they fit. Each leaf has its own
-    /// box, and a visit of one of them visits them all. Sharing blocks halves the memory for a
-    /// million spheres (`profiling/`).
-    fn lay_out(
-        &mut self,
-        geometry: &Geometry,
-        collapse: &Collapse<'_>,
-        slot: usize,
-        root: u32,
-        element: impl Fn(u32) -> LeafContent,
-    ) {
-        let tree = collapse.tree();
-        let mut open = vec![(slot, root, 1)];
-        let mut children = Vec::new();
-        while let Some((slot, index, depth)) = open.pop() {
-            self.depth = self.depth.max(depth);
-            children.clear();
-            collapse.children(index, &mut children);
-            let mut lane = 0;
-            for run in collapse.runs(&children) {
-                let child = match tree.nodes[run[0] as usize].below {
-                    _ if collapse.is_leaf(run[0]) => {
-                        let leaves = run.iter().flat_map(|&leaf| tree.primitives(leaf));
-                        let primitive = |number: u32| match element(number) {
-                            LeafContent::Primitive(primitive) => primitive,
-                            LeafContent::Node(_) => unreachable!("a leaf has primitives"),
-                        };
-                        let mut primitives: Vec<u32> = leaves.map(primitive).collect();
-                        self.blocks.push(geometry, &mut primitives).bits()
-                    }
-                    Below::Primitive(number) => match element(number) {
-                        LeafContent::Node(node) => node,
-                        LeafContent::Primitive(_) => unreachable!("a primitive is a leaf"),
-                    },
-                    Below::Children(_) => {
-                        let below = self.push();
-                        open.push((below, run[0], depth + 1));
-                        below as u32
-                    }
-                };
-                for &index in run {
-                    let bounds = &tree.nodes[index as usize].bounds;
-                    self.nodes[slot].set(lane, bounds, child);
-                    lane += 1;
-                }
-            }
-        }
-    }
-
-    /// Appends an empty node. Returns its index.
-    fn push(&mut self) -> usize {
-        self.nodes.push(WideNode::EMPTY);
-        self.nodes.len() - 1
-    }
-
-    /// Appends a part. `growth` estimates the ratio of the final size to the size after this call.
-    /// Returns the index of the part's first node.
-    fn append(&mut self, mut part: Self, growth: f64) -> u32 {
-        let (first, blocks) = (self.nodes.len() as u32, self.blocks.counts());
-        reserve(&mut self.nodes, part.nodes.len(), growth);
-        self.nodes.extend(part.nodes.drain(..).map(|node| {
-            let children = node.children.map(|child| match child & LeafRef::LEAF {
-                0 => child + first,
-                _ => LeafRef::from_bits(child).moved(&blocks).bits(),
-            });
-            WideNode { children, ..node }
-        }));
-        self.blocks.append(part.blocks, growth);
-        self.depth = self.depth.max(part.depth);
-        first
-    }
-}
-
-/// The layout of a cluster: its largest subtrees and its primitives outside them, with their boxes.
-/// Each subtree begins with a node of its own.
-struct Cluster {
-    part: Subtree,
-    /// Number of primitives.
-    primitives: usize,
-    elements: Vec<(LeafContent, Bounds)>,
-}
-
-impl Cluster {
-    fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
-        let collapse = Collapse::new(geometry, tree, LeafContent::Primitive);
-        let (mut part, mut elements) = (Subtree::default(), Vec::new());
-        for root in tree.largest() {
-            // Subtrees that fit into a block are left to the tree over all clusters.
-            let mut open = vec![root];
-            while let Some(node) = open.pop() {
-                let BinaryNode { bounds, below } = tree.nodes[node as usize];
-                match below {
-                    Below::Primitive(primitive) => {
-                        elements.push((LeafContent::Primitive(primitive), bounds));
-                    }
-                    Below::Children(first) if collapse.is_leaf(node) => {
-                        open.extend([first + 1, first]);
-                    }
-                    Below::Children(_) => {
-                        let slot = part.push();
-                        part.lay_out(geometry, &collapse, slot, node, LeafContent::Primitive);
-                        elements.push((LeafContent::Node(slot as u32), bounds));
-                    }
-                }
-            }
-        }
-        // A binary tree has one node less above its leaves than leaves.
-        let primitives = tree.nodes.len().div_ceil(2);
-        Self { part, primitives, elements }
-    }
-}
-
-/// A wide tree of clusters, which are appended in order, whatever the order in which they are finished.
-struct Assembly {
-    /// Its first node is the root, which is empty until all clusters are there.
-    tree: Subtree,
-    elements: Vec<(LeafContent, Bounds)>,
-    /// Number of appended clusters, of the primitives in them, and of all primitives.
-    appended: usize,
-    primitives: usize,
-    total: usize,
-    /// Finished clusters that come after unfinished ones.
-    waiting: BTreeMap<usize, Cluster>,
-}
-
-impl Assembly {
-    fn new(total: usize) -> Self {
-        let mut tree = Subtree::default();
-        tree.push();
-        let (elements, waiting) = (Vec::new(), BTreeMap::new());
-        Self { tree, elements, appended: 0, primitives: 0, total, waiting }
-    }
-
-    fn add(&mut self, number: usize, cluster: Cluster) {
-        self.waiting.insert(number, cluster);
-        while let Some(cluster) = self.waiting.remove(&self.appended) {
-            let Cluster { part, primitives, elements } = cluster;
-            self.primitives += primitives;
-            // Clusters differ a little in their numbers of nodes and blocks.
-            let growth = 1.05 * self.total as f64 / self.primitives as f64;
-            let first = self.tree.append(part, growth);
-            self.elements.extend(elements.into_iter().map(|(element, bounds)| match element {
-                LeafContent::Node(node) => (LeafContent::Node(node + first), bounds),
-                primitive => (primitive, bounds),
-            }));
-            self.appended += 1;
-        }
-    }
-
-    /// Builds the tree over the elements of all clusters.
-    fn finish(self, geometry: &Geometry) -> Subtree {
-        let Self { mut tree, elements, .. } = self;
-        let boxes: Vec<Bounds> = elements.iter().map(|(_, bounds)| *bounds).collect();
-        let all: Vec<u32> = (0..elements.len() as u32).collect();
-        let top = BinaryTree::of_cluster(&boxes, &all);
-        let element = |number: u32| elements[number as usize].0;
-        let collapse = Collapse::new(geometry, &top, element);
-        let below = take(&mut tree.depth);
-        tree.lay_out(geometry, &collapse, 0, 0, element);
-        tree.depth += below;
-        tree
-    }
-}
 
 impl WideTree {
     /// Builds the tree over `elements`, whose boxes are `boxes[element]`.

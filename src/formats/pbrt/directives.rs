@@ -4,7 +4,6 @@ use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::material::Definition;
 use super::params::Params;
 use super::tokens::{Token, Tokens};
 use super::{Reader, transform};
@@ -207,15 +206,13 @@ impl Reader<'_, '_> {
         match directive {
             "Shape" => self.shape(&class, &params),
             "Material" => {
-                let definition = Definition { name: None, class, params, line };
-                self.state.material = Rc::new(definition);
+                self.state.material = self.materials.define(None, class, params, line);
                 Ok(())
             }
             "MakeNamedMaterial" => {
                 let kind = params.text("type")?.unwrap_or("diffuse").to_owned();
-                let definition =
-                    Definition { name: Some(class.clone()), class: kind, params, line };
-                match self.materials.named.insert(class.clone(), Rc::new(definition)) {
+                let definition = self.materials.define(Some(class.clone()), kind, params, line);
+                match self.materials.named.insert(class.clone(), definition) {
                     None => Ok(()),
                     Some(_) => Err(format!("the material \"{class}\" is defined twice")),
                 }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::Reader;
+use super::definition::{Definition, MaterialKey};
 use super::params::Params;
 use super::texture::Value;
 use crate::shading::Opacity;
@@ -11,30 +12,6 @@ use crate::shading::material::{
     Principled, RoughDielectric,
 };
 use crate::shading::texture::{Color, Image, Number, TextureRef};
-
-/// A material as its directive describes it.
-#[derive(Debug)]
-pub(crate) struct Definition {
-    /// The name in the file; `None` for the directive `Material`.
-    pub(crate) name: Option<String>,
-    pub(crate) class: String,
-    pub(crate) params: Params,
-    /// Line of the directive.
-    pub(crate) line: usize,
-}
-
-impl Definition {
-    /// Whether surfaces do not change light.
-    pub(crate) fn is_invisible(&self) -> bool {
-        matches!(self.class.as_str(), "interface" | "" | "none")
-    }
-
-    /// Whether surfaces scatter no light, as is usual for lamps.
-    pub(crate) fn is_black(&self) -> bool {
-        let reflectance = self.params.numbers("reflectance").ok().flatten();
-        self.is_invisible() || reflectance.is_some_and(|rgb| rgb.iter().all(|c| *c == 0.0))
-    }
-}
 
 /// Largest number of mixtures within each other.
 const MAX_MIXTURES: usize = 100;
@@ -57,8 +34,11 @@ impl Reader<'_, '_> {
             return Ok(None);
         }
         let inside = self.state.inside.clone().filter(|_| definition.class == "dielectric");
-        let key =
-            (Rc::as_ptr(&definition), inside.clone(), alpha.map(|alpha| format!("{alpha:?}")));
+        let key = MaterialKey {
+            definition: definition.index,
+            inside: inside.clone(),
+            alpha: alpha.map(Value::key),
+        };
         if let Some(name) = self.materials.known.get(&key) {
             return Ok(Some(name.clone()));
         }
@@ -86,8 +66,6 @@ impl Reader<'_, '_> {
         }
         self.scene.add_material(name.clone(), material);
         self.materials.known.insert(key, name.clone());
-        // The key has the address of the definition, which must therefore stay in use.
-        self.materials.kept.push(definition);
         Ok(Some(name))
     }
 

@@ -2,8 +2,10 @@
 //!
 //! [`Reader`] follows the directives of a file; each module here handles some of them.
 
+mod definition;
 mod directives;
 mod light;
+mod list;
 mod material;
 mod medium;
 mod options;
@@ -15,15 +17,15 @@ mod texture;
 mod tokens;
 mod transform;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use glam::DAffine3;
 
+use self::definition::{Definition, Materials};
 use self::directives::quoted;
 use self::light::AreaLight;
-use self::material::Definition;
 use self::medium::Medium;
 use self::options::RenderOptions;
 use self::params::Params;
@@ -64,26 +66,6 @@ struct State {
     active: bool,
 }
 
-/// The materials of a file.
-#[derive(Default)]
-struct Materials {
-    named: HashMap<String, Rc<Definition>>,
-    /// The names in the scene, by definition, medium inside and alpha.
-    known: HashMap<(*const Definition, Option<String>, Option<String>), String>,
-    kept: Vec<Rc<Definition>>,
-    names: HashSet<String>,
-    /// The names in the scene of the materials that have textures.
-    textured: HashSet<String>,
-}
-
-impl Materials {
-    /// A name like `name` that no material of the scene has yet.
-    fn unique(&mut self, name: &str) -> String {
-        let number = self.names.len();
-        super::import::unique(&mut self.names, name, number)
-    }
-}
-
 /// Follows the directives of a file, and builds the scene.
 struct Reader<'i, 'a> {
     import: &'i mut Import<'a>,
@@ -114,13 +96,12 @@ struct Reader<'i, 'a> {
 
 /// Reads the scene in `path`.
 pub(crate) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
-    let name = None;
-    let definition =
-        Definition { name, class: "diffuse".to_owned(), params: Params::default(), line: 0 };
+    let mut materials = Materials::default();
+    let material = materials.define(None, "diffuse".to_owned(), Params::default(), 0);
     let state = State {
         transform: DAffine3::IDENTITY,
         reversed: false,
-        material: Rc::new(definition),
+        material,
         area_light: None,
         inside: None,
         outside: None,
@@ -136,7 +117,7 @@ pub(crate) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
         view_medium: None,
         has_background: false,
         textures: Textures::default(),
-        materials: Materials::default(),
+        materials,
         lights: HashMap::new(),
         media: HashMap::new(),
         object: None,

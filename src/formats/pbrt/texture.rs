@@ -16,7 +16,22 @@ pub(crate) enum Value {
     Texture { name: String, factor: [f64; 3] },
 }
 
+/// A [`Value`] as a key. Its numbers are compared by their bits.
+#[derive(PartialEq, Eq, Hash)]
+pub(crate) struct ValueKey {
+    texture: Option<String>,
+    numbers: [u64; 3],
+}
+
 impl Value {
+    pub(crate) fn key(&self) -> ValueKey {
+        let (texture, numbers) = match self {
+            Self::Constant(value) => (None, value),
+            Self::Texture { name, factor } => (Some(name.clone()), factor),
+        };
+        ValueKey { texture, numbers: numbers.map(f64::to_bits) }
+    }
+
     pub(crate) fn number(value: f64) -> Self {
         Self::Constant([value; 3])
     }

@@ -1,19 +1,21 @@
 //! Reader of PLY files, ASCII and binary, on top of ply-rs-bw.
 
+mod mesh;
 mod most;
+mod row;
 
 use std::io::ErrorKind;
 
-use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{BeginList, Encoding, Header, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::Encoding;
 
+use self::mesh::{Attributes, add_faces, add_vertices};
 use self::most::Most;
+use self::row::Row;
 use super::mesh::Format;
 use crate::error::{Error, Result};
-use crate::geometry::Vertices;
 use crate::limits::Budget;
-use crate::scene::mesh::{IndexedMesh, fan, in_range};
+use crate::scene::mesh::IndexedMesh;
 
 /// The Polygon File Format.
 pub(crate) static FORMAT: Format = Format { extension: "ply", parse };
@@ -24,108 +26,6 @@ const MAX_HEADER: usize = 1 << 16;
 const END: &[u8] = b"end_header";
 /// Number of rows that are in memory at once.
 const ROWS: usize = 1024;
-
-/// A row of any element, with the data of a vertex and the corners of a face. Properties that the
-/// element does not have keep their initial values.
-#[derive(Debug)]
-struct Row {
-    position: Vec3,
-    normal: Vec3,
-    /// The texture coordinates by each of [`UVS`].
-    uvs: [Vec2; UVS.len()],
-    color: Vec3,
-    /// Indices of vertices. Those that no `i32` can hold are -1.
-    corners: Vec<i32>,
-}
-
-/// The names of the components of normals.
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// The names of the components of colours.
-const COLOR: [&str; 3] = ["red", "green", "blue"];
-/// The names that programs use for texture coordinates.
-const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
-
-impl PropertyAccess for Row {
-    fn new() -> Self {
-        Self {
-            position: Vec3::NAN,
-            normal: Vec3::ZERO,
-            uvs: [Vec2::ZERO; UVS.len()],
-            color: Vec3::NAN,
-            corners: Vec::new(),
-        }
-    }
-
-    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        let color = COLOR.iter().position(|channel| *channel == name);
-        if let (Some(place), Some(number)) = (self.number(name), value.to_f32_lossy()) {
-            *place = number;
-        } else if let (Some(i), Some(channel)) = (color, channel(&value)) {
-            self.color[i] = channel;
-        } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
-            self.corners = corners;
-        } else {
-            return PropertyAccessResult::Ignored;
-        }
-        PropertyAccessResult::Set
-    }
-
-    fn set_float(&mut self, name: &str, value: f32) -> PropertyAccessResult {
-        match self.number(name) {
-            Some(place) => *place = value,
-            None => return self.set_property(name, Property::Float(value)),
-        }
-        PropertyAccessResult::Set
-    }
-
-    fn begin_list_int(&mut self, name: &str, _length: usize) -> BeginList<'_, i32> {
-        match name {
-            "vertex_indices" | "vertex_index" => BeginList::Fill(&mut self.corners),
-            _ => BeginList::UseSetter,
-        }
-    }
-}
-
-impl Row {
-    /// The number that a property of this name sets.
-    fn number(&mut self, name: &str) -> Option<&mut f32> {
-        Some(match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
-            "nx" => &mut self.normal.x,
-            "ny" => &mut self.normal.y,
-            "nz" => &mut self.normal.z,
-            _ => {
-                let names = UVS.iter().position(|names| names.contains(&name))?;
-                &mut self.uvs[names][usize::from(UVS[names][1] == name)]
-            }
-        })
-    }
-}
-
-/// The channel of a colour. Integers are fractions of their largest value.
-fn channel(value: &Property) -> Option<f32> {
-    match value {
-        Property::UChar(code) => Some(f32::from(*code) / 255.0),
-        Property::UShort(code) => Some(f32::from(*code) / 65535.0),
-        other => other.to_f32_lossy(),
-    }
-}
-
-fn integers(list: Property) -> Option<Vec<i32>> {
-    Some(match list {
-        Property::ListChar(list) => list.into_iter().map(i32::from).collect(),
-        Property::ListUChar(list) => list.into_iter().map(i32::from).collect(),
-        Property::ListShort(list) => list.into_iter().map(i32::from).collect(),
-        Property::ListUShort(list) => list.into_iter().map(i32::from).collect(),
-        Property::ListInt(list) => list,
-        Property::ListUInt(list) => {
-            list.into_iter().map(|index| i32::try_from(index).unwrap_or(-1)).collect()
-        }
-        _ => return None,
-    })
-}
 
 /// Reads the vertices and faces in `bytes`. Errors call the file `name`.
 pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<IndexedMesh> {
@@ -141,18 +41,9 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Indexed
     let most = Most::new(&header, reader.get_ref().len())
         .map_err(|(place, message)| Error::input(name, place, message))?;
     let count = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
-    let attributes = Attributes {
-        normals: has(&header, &NORMAL),
-        uvs: UVS.iter().position(|names| has(&header, names)),
-        colors: has(&header, &COLOR),
-    };
-    let with = |bytes: usize, is_there: bool| if is_there { bytes } else { 0 };
-    let bytes = 12
-        + with(12, attributes.normals)
-        + with(8, attributes.uvs.is_some())
-        + with(12, attributes.colors);
+    let attributes = Attributes::new(&header);
     budget
-        .check(most.memory(count * bytes, is_text.then_some(*reader.get_ref())))
+        .check(most.memory(count * attributes.bytes(), is_text.then_some(*reader.get_ref())))
         .map_err(|message| Error::input(name, "", message))?;
     let mut mesh = IndexedMesh::default();
     for (element, all) in &header.elements {
@@ -186,69 +77,6 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Indexed
     Ok(mesh)
 }
 
-/// Whether all of these properties are in the header of the vertices.
-fn has(header: &Header, names: &[&str]) -> bool {
-    let vertex = header.elements.get("vertex");
-    vertex.is_some_and(|vertex| names.iter().all(|name| vertex.properties.contains_key(*name)))
-}
-
-/// The data that vertices have besides their positions.
-#[derive(Clone, Copy)]
-struct Attributes {
-    normals: bool,
-    /// The index in [`UVS`] of the names of the texture coordinates.
-    uvs: Option<usize>,
-    colors: bool,
-}
-
-/// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
-fn add_vertices(
-    mesh: &mut IndexedMesh,
-    rows: &[Row],
-    attributes: Attributes,
-) -> Result<(), (usize, String)> {
-    if let Some(row) = rows.iter().position(|row| !in_range(row.position)) {
-        return Err((row, "a vertex needs x, y and z, finite and within ±1e9".to_owned()));
-    }
-    let Vertices { positions, normals, uvs, colors, .. } = &mut mesh.vertices;
-    positions.extend(rows.iter().map(|row| row.position));
-    if attributes.normals {
-        // A vertex without a usable normal gets the mean of its triangles.
-        let usable = |row: &Row| if row.normal.is_finite() { row.normal } else { Vec3::ZERO };
-        normals.extend(rows.iter().map(usable));
-    }
-    if let Some(names) = attributes.uvs {
-        if let Some(row) = rows.iter().position(|row| !row.uvs[names].is_finite()) {
-            return Err((row, "texture coordinates must be finite".to_owned()));
-        }
-        uvs.extend(rows.iter().map(|row| row.uvs[names]));
-    }
-    if attributes.colors {
-        colors.extend(rows.iter().map(|row| row.color));
-    }
-    Ok(())
-}
-
-/// Adds faces to the mesh. Their vertex indices must be below `count`, the number of vertices in
-/// the whole file. Faces may precede vertices, so the number of vertices read so far would not do.
-/// `Err` is the same as for [`add_vertices`].
-fn add_faces(mesh: &mut IndexedMesh, rows: &[Row], count: usize) -> Result<(), (usize, String)> {
-    for (number, Row { corners, .. }) in rows.iter().enumerate() {
-        if corners.len() < 3 {
-            let message = "a face needs a list `vertex_indices` of three or more";
-            return Err((number, message.to_owned()));
-        }
-        let is_known = |&corner: &i32| usize::try_from(corner).is_ok_and(|index| index < count);
-        if !corners.iter().all(is_known) {
-            let message =
-                format!("the face refers to a missing vertex, the file has {count} vertices");
-            return Err((number, message));
-        }
-        mesh.triangles.extend(fan(corners).map(|corners| corners.map(|index| index as u32)));
-    }
-    Ok(())
-}
-
 /// Converts an error of ply-rs-bw. The place is `element` if given, else the line that the error
 /// reports.
 fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
@@ -269,6 +97,8 @@ fn explain(name: &str, error: &ParseError, element: Option<&String>) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::limits::{Limit, Limits};
 

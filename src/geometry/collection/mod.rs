@@ -5,7 +5,7 @@ mod instances;
 use glam::Vec3;
 
 pub use self::instances::Instances;
-use super::primitive::{PrimitiveModel, Shape, primitives};
+use super::primitive::{PrimitiveModel, Shape, match_primitive, primitives};
 use super::{Bounds, Hit, Holes, Instance, PreparedRay, Quad, Ray, Sphere, Triangle, Triangles};
 use crate::math::max;
 
@@ -85,40 +85,34 @@ macro_rules! primitive {
                     $(Self::$name(_) => stringify!($module),)*
                 }
             }
-
-            /// [`PrimitiveModel::intersect`].
-            #[inline(always)]
-            pub(crate) fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-                match self {
-                    $(Self::$name(primitive) => primitive.intersect(ray, t_min, t_max),)*
-                }
-            }
-
-            /// [`PrimitiveModel::bounds`].
-            pub fn bounds(self) -> Bounds {
-                match self {
-                    $(Self::$name(primitive) => primitive.bounds(),)*
-                }
-            }
-
-            /// [`PrimitiveModel::shape`].
-            pub(crate) fn shape(self) -> Shape {
-                match self {
-                    $(Self::$name(primitive) => primitive.shape(),)*
-                }
-            }
-
-            /// [`PrimitiveModel::identity`].
-            pub(crate) fn identity(self) -> [Vec3; 3] {
-                match self {
-                    $(Self::$name(primitive) => primitive.identity(),)*
-                }
-            }
         }
     };
 }
 
 primitives!(primitive);
+
+impl Primitive {
+    /// [`PrimitiveModel::intersect`].
+    #[inline(always)]
+    pub(crate) fn intersect(self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
+        match_primitive!(self, |primitive| primitive.intersect(ray, t_min, t_max))
+    }
+
+    /// [`PrimitiveModel::bounds`].
+    pub fn bounds(self) -> Bounds {
+        match_primitive!(self, |primitive| primitive.bounds())
+    }
+
+    /// [`PrimitiveModel::shape`].
+    pub(crate) fn shape(self) -> Shape {
+        match_primitive!(self, |primitive| primitive.shape())
+    }
+
+    /// [`PrimitiveModel::identity`].
+    pub(crate) fn identity(self) -> [Vec3; 3] {
+        match_primitive!(self, |primitive| primitive.identity())
+    }
+}
 
 impl Geometry {
     /// The index of the first triangle among all primitives.

@@ -10,7 +10,7 @@ mod triangle;
 
 use std::sync::Arc;
 
-use super::{Geometry, Hit, Ray, Shape, Surface, shapes};
+use super::{Geometry, Hit, Ray, Shape, Surface, match_shape, shapes};
 use crate::math::{Real, Vector};
 
 /// The table of the primitives of one shape.
@@ -69,74 +69,66 @@ macro_rules! surfaces {
             pub(crate) fn new(geometry: &Arc<Geometry>) -> Self {
                 Self { $($module: SurfaceTable::new(geometry),)* }
             }
-
-            /// The point where `ray` has this hit. In lanes, all hits have the same shape. `instanced`
-            /// is set for [`Shape::Instance`].
-            #[inline(always)]
-            pub(crate) fn find<R: Real>(
-                &self,
-                shape: Shape,
-                ray: &Ray<R>,
-                hit: Hit<R>,
-                instanced: bool,
-            ) -> Surface<R> {
-                // Without instances, the compiler can keep more of the other shapes in registers.
-                assert!(instanced == (shape == Shape::Instance));
-                match shape {
-                    $(Shape::$name => self.$module.find(ray, hit),)*
-                }
-            }
-
-            /// [`SurfaceTable::second_uv`].
-            pub(crate) fn second_uv<R: Real>(
-                &self,
-                shape: Shape,
-                ray: &Ray<R>,
-                hit: Hit<R>,
-                surface: &Surface<R>,
-            ) -> (R, R) {
-                match shape {
-                    $(Shape::$name => self.$module.second_uv(ray, hit, surface),)*
-                }
-            }
-
-            /// [`SurfaceTable::color`].
-            pub(crate) fn color<R: Real>(&self, shape: Shape, ray: &Ray<R>, hit: Hit<R>) -> R::Vec3 {
-                match shape {
-                    $(Shape::$name => self.$module.color(ray, hit),)*
-                }
-            }
-
-            /// [`SurfaceTable::partials`].
-            pub(crate) fn partials<R: Real>(
-                &self,
-                shape: Shape,
-                ray: &Ray<R>,
-                hit: Hit<R>,
-                surface: &Surface<R>,
-            ) -> Partials<R> {
-                match shape {
-                    $(Shape::$name => self.$module.partials(ray, hit, surface),)*
-                }
-            }
-
-            /// [`SurfaceTable::uv`].
-            pub(crate) fn uv<R: Real>(
-                &self,
-                shape: Shape,
-                ray: &Ray<R>,
-                hit: Hit<R>,
-                surface: &Surface<R>,
-            ) -> (R, R) {
-                match shape {
-                    $(Shape::$name => self.$module.uv(ray, hit, surface),)*
-                }
-            }
         }
     };
 }
 
 shapes!(surfaces);
+
+impl Surfaces {
+    /// The point where `ray` has this hit. In lanes, all hits have the same shape. `instanced`
+    /// is set for [`Shape::Instance`].
+    #[inline(always)]
+    pub(crate) fn find<R: Real>(
+        &self,
+        shape: Shape,
+        ray: &Ray<R>,
+        hit: Hit<R>,
+        instanced: bool,
+    ) -> Surface<R> {
+        // Without instances, the compiler can keep more of the other shapes in registers.
+        assert!(instanced == (shape == Shape::Instance));
+        match_shape!(shape, self, |table| table.find(ray, hit))
+    }
+
+    /// [`SurfaceTable::second_uv`].
+    pub(crate) fn second_uv<R: Real>(
+        &self,
+        shape: Shape,
+        ray: &Ray<R>,
+        hit: Hit<R>,
+        surface: &Surface<R>,
+    ) -> (R, R) {
+        match_shape!(shape, self, |table| table.second_uv(ray, hit, surface))
+    }
+
+    /// [`SurfaceTable::color`].
+    pub(crate) fn color<R: Real>(&self, shape: Shape, ray: &Ray<R>, hit: Hit<R>) -> R::Vec3 {
+        match_shape!(shape, self, |table| table.color(ray, hit))
+    }
+
+    /// [`SurfaceTable::partials`].
+    pub(crate) fn partials<R: Real>(
+        &self,
+        shape: Shape,
+        ray: &Ray<R>,
+        hit: Hit<R>,
+        surface: &Surface<R>,
+    ) -> Partials<R> {
+        match_shape!(shape, self, |table| table.partials(ray, hit, surface))
+    }
+
+    /// [`SurfaceTable::uv`].
+    pub(crate) fn uv<R: Real>(
+        &self,
+        shape: Shape,
+        ray: &Ray<R>,
+        hit: Hit<R>,
+        surface: &Surface<R>,
+    ) -> (R, R) {
+        match_shape!(shape, self, |table| table.uv(ray, hit, surface))
+    }
+}
 
 #[cfg(test)]
 mod tests {

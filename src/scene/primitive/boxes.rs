@@ -23,6 +23,10 @@ pub struct BoxFile {
 }
 
 impl Expand for BoxFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         e.bounds(self.min, self.max)?;
         e.rotation(self.rotation)?;

@@ -32,6 +32,10 @@ impl InstanceFile {
 }
 
 impl Expand for InstanceFile {
+    fn material(&self) -> Option<&str> {
+        self.material.as_deref()
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         to.place(e, self)
     }

@@ -120,6 +120,10 @@ impl Builder<'_> {
 }
 
 impl Expand for MeshFile {
+    fn material(&self) -> Option<&str> {
+        self.material.as_deref()
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let &Self { ref file, scale, rotation, translation, smooth, soft_terminator, .. } = self;
         let ok = scale > 0.0 && scale <= MAX_COORDINATE;

@@ -1,9 +1,10 @@
 //! Primitives of scene files, and groups of primitives, one file per kind.
 //!
-//! The list in `primitive_files!` generates the enum of scene files and the dispatch.
+//! The list in `PrimitiveFile` names them.
 
 mod boxes;
 mod instance;
+mod materials;
 mod mesh;
 mod moving_sphere;
 mod named_mesh;
@@ -15,8 +16,7 @@ mod triangles;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
+pub(crate) use self::materials::{Materials, Ranges};
 pub use self::named_mesh::NamedMesh;
 use self::named_meshes::NamedMeshes;
 use super::assets::Assets;
@@ -24,10 +24,10 @@ pub use super::mesh::Smooth;
 use super::mesh::{IndexedMesh, add_tangents, lacks_tangents};
 use super::named::Named;
 use crate::checks::{Location, MAX_COORDINATE};
-use crate::error::{Result, suggestion};
+use crate::error::Result;
 use crate::geometry::{Geometry, Quad, Vertices};
 use crate::limits::Budget;
-use crate::shading::material::Material;
+use crate::shading::kinds;
 
 /// Bytes of memory for each triangle while tangents are computed.
 const TANGENTS: u64 = 600;
@@ -38,25 +38,11 @@ const ROW: u64 = 48;
 
 /// An entry in the list of primitives of a scene file.
 trait Expand {
+    /// Returns the name of the material, which instances may leave out.
+    fn material(&self) -> Option<&str>;
+
     /// Checks the parameters and adds the primitives that they describe.
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()>;
-}
-
-/// The name of a material, which may be left out.
-trait MaterialName {
-    fn name(&self) -> Option<&str>;
-}
-
-impl MaterialName for String {
-    fn name(&self) -> Option<&str> {
-        Some(self)
-    }
-}
-
-impl MaterialName for Option<String> {
-    fn name(&self) -> Option<&str> {
-        self.as_deref()
-    }
 }
 
 /// Collects the geometry of a scene while its primitives are expanded.
@@ -74,55 +60,6 @@ pub(crate) struct Builder<'a> {
     folder: &'a Path,
     assets: &'a dyn Assets,
     budget: &'a Budget,
-}
-
-/// The materials of a scene, by name.
-pub(crate) struct Materials<'a> {
-    names: HashMap<&'a str, u32>,
-    /// Whether each of them is a light.
-    emits: Vec<bool>,
-    /// Whether any of them has a normal map, so that smooth meshes need tangents.
-    normal_maps: bool,
-    /// Whether any of them uses the colours of vertices. Otherwise, they are not stored, and are not
-    /// part of the scene's hash.
-    vertex_colors: bool,
-}
-
-impl<'a> Materials<'a> {
-    /// `names` are the names of `materials`.
-    pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
-        let emits = |material: &Material| material.emission().is_some_and(|e| e.emits());
-        Self {
-            names: names.zip(0..).collect(),
-            emits: materials.iter().map(emits).collect(),
-            normal_maps: materials.iter().any(Material::has_normal_map),
-            vertex_colors: materials.iter().any(Material::uses_vertex_colors),
-        }
-    }
-
-    /// Returns the index of the material called `name`.
-    pub(crate) fn find(&self, e: &Location<'_>, name: &str) -> Result<u32> {
-        self.names.get(name).copied().ok_or_else(|| {
-            let known = suggestion(name, self.names.keys().copied());
-            e.error(format!("unknown material `{name}`{known}"))
-        })
-    }
-}
-
-/// Ranges of triangles with the same material: one past the last triangle, and the material.
-#[derive(Debug, Default)]
-pub(crate) struct Ranges(pub(crate) Vec<(u32, u32)>);
-
-impl Ranges {
-    /// Sets the material of the triangles from the end of the last range up to `end`.
-    pub(crate) fn cover(&mut self, end: usize, material: u32) {
-        let (end, begin) = (end as u32, self.0.last().map_or(0, |&(end, _)| end));
-        match self.0.last_mut() {
-            Some((last, same)) if *same == material => *last = end,
-            _ if end > begin => self.0.push((end, material)),
-            _ => {}
-        }
-    }
 }
 
 impl<'a> Builder<'a> {
@@ -198,63 +135,35 @@ fn radius(e: &Location<'_>, radius: f32) -> Result<f32> {
     e.check(ok, "radius", "above 0 and at most 1e9", radius).map(|()| radius)
 }
 
-macro_rules! primitive_files {
-    ($($(#[doc = $doc:literal])* $name:ident($file:ident) in $module:ident called $word:literal,)*) => {
-        $(pub use $module::$file;)*
-
-        /// A primitive, or a group that expands into primitives.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        pub enum PrimitiveFile {
-            $($(#[doc = $doc])* $name($file),)*
-        }
-
-        $(impl From<$file> for PrimitiveFile {
-            fn from(primitive: $file) -> Self {
-                Self::$name(primitive)
-            }
-        })*
-
-        impl PrimitiveFile {
-            /// Returns the name of the primitive's kind in scene files.
-            pub(crate) fn name(&self) -> &'static str {
-                match self {
-                    $(Self::$name(_) => $word,)*
-                }
-            }
-
-            /// Returns the name of the primitive's material; `None` for an instance whose mesh has
-            /// its own materials.
-            pub(crate) fn material(&self) -> Option<&str> {
-                match self {
-                    $(Self::$name(primitive) => primitive.material.name(),)*
-                }
-            }
-
-            /// Checks the parameters and adds the primitives that they describe.
-            pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
-                match self {
-                    $(Self::$name(primitive) => primitive.expand(e, to),)*
-                }
-            }
-        }
-    };
+kinds! {
+    /// A primitive, or a group that expands into primitives.
+    pub enum PrimitiveFile: Expand {
+        /// A sphere that does not move.
+        Sphere(SphereFile) in sphere called "sphere",
+        /// A sphere that moves linearly.
+        MovingSphere(MovingSphereFile) in moving_sphere called "moving_sphere",
+        /// A parallelogram.
+        Quad(QuadFile) in quad called "quad",
+        /// A box of six quads.
+        Box(BoxFile) in boxes called "box",
+        /// A list of triangles.
+        Triangles(TrianglesFile) in triangles called "triangles",
+        /// A triangle mesh from a file.
+        Mesh(MeshFile) in mesh called "mesh",
+        /// A named mesh, placed by a matrix.
+        Instance(InstanceFile) in instance called "instance",
+    }
 }
 
-primitive_files! {
-    /// A sphere that does not move.
-    Sphere(SphereFile) in sphere called "sphere",
-    /// A sphere that moves linearly.
-    MovingSphere(MovingSphereFile) in moving_sphere called "moving_sphere",
-    /// A parallelogram.
-    Quad(QuadFile) in quad called "quad",
-    /// A box of six quads.
-    Box(BoxFile) in boxes called "box",
-    /// A list of triangles.
-    Triangles(TrianglesFile) in triangles called "triangles",
-    /// A triangle mesh from a file.
-    Mesh(MeshFile) in mesh called "mesh",
-    /// A named mesh, placed by a matrix.
-    Instance(InstanceFile) in instance called "instance",
+impl PrimitiveFile {
+    /// Returns the name of the primitive's material; `None` for an instance whose mesh has its own
+    /// materials.
+    pub(crate) fn material(&self) -> Option<&str> {
+        self.model().material()
+    }
+
+    /// Checks the parameters and adds the primitives that they describe.
+    pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
+        self.model().expand(e, to)
+    }
 }

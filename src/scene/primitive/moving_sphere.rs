@@ -22,6 +22,10 @@ pub struct MovingSphereFile {
 }
 
 impl Expand for MovingSphereFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         let center1 = e.point("center1", self.center1)?;

@@ -21,6 +21,10 @@ pub struct QuadFile {
 }
 
 impl Expand for QuadFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         to.room(e, 1)?;
         for (name, vector) in [("q", self.q), ("u", self.u), ("v", self.v)] {

@@ -20,6 +20,10 @@ pub struct SphereFile {
 }
 
 impl Expand for SphereFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let center = e.point("center", self.center)?;
         to.room(e, 1)?;

@@ -69,6 +69,10 @@ impl TrianglesFile {
 }
 
 impl Expand for TrianglesFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
         let Self { vertices, indices, normals, uvs, second_uvs, colors, tangents, .. } = self;
         to.room(e, indices.len())?;

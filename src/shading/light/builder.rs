@@ -4,10 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::alias::AliasTable;
 use super::environment::{Environment, EnvironmentMap};
-use super::file::LightFile;
-use super::free::FreeLight;
+use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights};
 use super::tree::{LightBounds, LightTree};
-use super::{Choice, FRONT_ONLY, KIND_SHIFT, LightKind, Lights, free};
+use super::{Entry, LightFile};
 use crate::geometry::Primitive;
 use crate::math::row;
 use crate::shading::emission::{Emission, Sides, luminance};
@@ -27,7 +26,7 @@ impl LightsBuilder {
     /// Adds a primitive that emits light.
     pub(crate) fn push(&mut self, primitive: Primitive, emission: Emission) {
         let Emission { radiance, sides } = emission;
-        let (kind, place, area, normal) = self.lights.tables.push(primitive);
+        let (entry, area, normal) = self.lights.tables.push_primitive(primitive);
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
         let faces = if sides == Sides::Both { 2.0 } else { 1.0 };
         let bounds = LightBounds {
@@ -37,7 +36,7 @@ impl LightsBuilder {
             two_sided: sides == Sides::Both,
             power: luminance(radiance) * area * faces,
         };
-        self.add(kind, place as usize, radiance, one_sided, Some(bounds));
+        self.add(entry, radiance, one_sided, Some(bounds));
     }
 
     /// Adds a light that is not a primitive, unless it is black.
@@ -45,15 +44,9 @@ impl LightsBuilder {
         if !light.emits() {
             return;
         }
-        let tables = &mut self.lights.tables;
-        let (kind, place, FreeLight { radiance, inside }) = match light {
-            LightFile::Point(light) => free::push(light, LightKind::PointLight, &mut tables.point),
-            LightFile::Spot(light) => free::push(light, LightKind::SpotLight, &mut tables.spot),
-            LightFile::Distant(light) => {
-                free::push(light, LightKind::DistantLight, &mut tables.distant)
-            }
-        };
-        self.add(kind, place, radiance, 0, inside);
+        let light = light.model();
+        let entry = light.add_to(&mut self.lights.tables);
+        self.add(entry, light.radiance(), 0, light.inside());
     }
 
     /// Adds an environment map, unless it is black.
@@ -63,22 +56,21 @@ impl LightsBuilder {
         }
         if let Some(light) = Environment::new(map) {
             self.lights.environment = Some(self.inside.len() as u32);
-            self.lights.tables.environment.push(light);
-            self.add(LightKind::Environment, 0, Vec3::splat(map.scale), 0, None);
+            let entry = self.lights.tables.push(light);
+            self.add(entry, Vec3::splat(map.scale), 0, None);
         }
     }
 
-    /// Adds the row of a light whose entry is at `place` in the table of its kind.
+    /// Adds the row of a light that is in the table of its kind.
     fn add(
         &mut self,
-        kind: LightKind,
-        place: usize,
+        (kind, index): Entry,
         radiance: Vec3,
         flags: u32,
         inside: Option<LightBounds>,
     ) {
         let flags = (kind as u32) << KIND_SHIFT | flags;
-        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, place as u32, 0, 0]]);
+        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, index, 0, 0]]);
         // Above 0 even for the dimmest light.
         let power = |power: f64| if power > 1e-300 { power } else { 1e-300 };
         self.inside.push(inside.map(|light| LightBounds { power: power(light.power), ..light }));

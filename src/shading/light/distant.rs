@@ -3,9 +3,10 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::LightModel;
-use super::free::{FreeLight, FreeLightModel};
+use super::file::FreeLightModel;
 use super::sample::LightSample;
+use super::tree::LightBounds;
+use super::{Entry, LightModel, LightTables};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::precise::{one_minus_cos, unit};
@@ -36,11 +37,14 @@ impl Distant {
     fn toward(&self) -> DVec3 {
         -unit(Vec3::from(self.direction).as_dvec3())
     }
+
+    /// 1 − cosine of the angular radius of the disk.
+    fn height(&self) -> f64 {
+        one_minus_cos(f64::from(self.angle) / 2.0)
+    }
 }
 
 impl FreeLightModel for Distant {
-    type Light = DistantLight;
-
     fn check(&self, e: &Location<'_>) -> Result<()> {
         e.point("direction", self.direction)?;
         if !self.toward().is_finite() {
@@ -50,14 +54,19 @@ impl FreeLightModel for Distant {
         e.check((0.0..180.0).contains(&self.angle), "angle", "in [0, 180) degrees", self.angle)
     }
 
-    fn light(&self) -> (DistantLight, FreeLight) {
-        let one_minus_cos = one_minus_cos(f64::from(self.angle) / 2.0);
-        let light = DistantLight { middle: row(self.toward().as_vec3(), one_minus_cos as f32) };
-        // A disk of uniform radiance L and angular radius a causes the irradiance π L sin² a, and
-        // has the solid angle 2π (1 − cos a). Samples have the density 1, so that this radiance
-        // stands for L times the solid angle.
-        let radiance = Vec3::from(self.irradiance) * (2.0 / (2.0 - one_minus_cos)) as f32;
-        (light, FreeLight { radiance, inside: None })
+    /// A disk of uniform radiance L and angular radius a causes the irradiance π L sin² a, and has
+    /// the solid angle 2π (1 − cos a). Samples have the density 1, so that this radiance stands for
+    /// L times the solid angle.
+    fn radiance(&self) -> Vec3 {
+        Vec3::from(self.irradiance) * (2.0 / (2.0 - self.height())) as f32
+    }
+
+    fn inside(&self) -> Option<LightBounds> {
+        None
+    }
+
+    fn add_to(&self, tables: &mut LightTables) -> Entry {
+        tables.push(DistantLight { middle: row(self.toward().as_vec3(), self.height() as f32) })
     }
 }
 

@@ -1,68 +1,36 @@
 //! Lights of scene files that are not primitives.
 
-use serde::{Deserialize, Serialize};
+use glam::Vec3;
 
-use super::distant::Distant;
-use super::free::FreeLightModel;
-use super::point::Point;
-use super::spot::Spot;
+use super::tree::LightBounds;
+use super::{Entry, LightFile, LightTables};
 use crate::checks::Location;
 use crate::error::Result;
 
-/// A light that is not a primitive. Paths cannot hit it, so that only light samples find it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum LightFile {
-    /// A point.
-    Point(Point),
-    /// A point that shines into a cone.
-    Spot(Spot),
-    /// Parallel light, such as that of the sun.
-    Distant(Distant),
+/// The description of a light that is not a primitive.
+pub(super) trait FreeLightModel {
+    /// Checks the parameters.
+    fn check(&self, e: &Location<'_>) -> Result<()>;
+
+    /// Returns the radiance. For lights without a surface, this is the number that gives the
+    /// irradiance when it is divided by the density of samples.
+    fn radiance(&self) -> Vec3;
+
+    /// Returns the place and the power of the light, or `None` for light from outside the scene.
+    /// Powers are luminances divided by π.
+    fn inside(&self) -> Option<LightBounds>;
+
+    /// Adds the light to the table of its kind.
+    fn add_to(&self, tables: &mut LightTables) -> Entry;
 }
 
 impl LightFile {
-    /// The name of the light's kind in scene files.
-    pub(crate) fn name(&self) -> &'static str {
-        match self {
-            Self::Point(_) => "point",
-            Self::Spot(_) => "spot",
-            Self::Distant(_) => "distant",
-        }
-    }
-
     pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
-        match self {
-            Self::Point(light) => light.check(e),
-            Self::Spot(light) => light.check(e),
-            Self::Distant(light) => light.check(e),
-        }
+        self.model().check(e)
     }
 
     /// Whether the light is not black.
     pub(crate) fn emits(&self) -> bool {
-        let (Self::Point(Point { intensity: light, .. })
-        | Self::Spot(Spot { intensity: light, .. })
-        | Self::Distant(Distant { irradiance: light, .. })) = self;
-        *light != [0.0; 3]
-    }
-}
-
-impl From<Point> for LightFile {
-    fn from(light: Point) -> Self {
-        Self::Point(light)
-    }
-}
-
-impl From<Spot> for LightFile {
-    fn from(light: Spot) -> Self {
-        Self::Spot(light)
-    }
-}
-
-impl From<Distant> for LightFile {
-    fn from(light: Distant) -> Self {
-        Self::Distant(light)
+        self.model().radiance() != Vec3::ZERO
     }
 }

@@ -1,12 +1,12 @@
 //! Lights of one point.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::LightModel;
-use super::free::{FreeLight, FreeLightModel};
+use super::file::FreeLightModel;
 use super::sample::LightSample;
 use super::tree::LightBounds;
+use super::{Entry, LightModel, LightTables};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::geometry::Bounds;
@@ -30,24 +30,27 @@ pub(super) struct PointLight {
 }
 
 impl FreeLightModel for Point {
-    type Light = PointLight;
-
     fn check(&self, e: &Location<'_>) -> Result<()> {
         e.point("position", self.position)?;
         e.color("intensity", self.intensity, MAX_RADIANCE).map(|_| ())
     }
 
-    fn light(&self) -> (PointLight, FreeLight) {
-        let radiance = self.intensity.into();
-        let light = PointLight { position: row(self.position.into(), 0.0) };
-        let inside = LightBounds {
+    fn radiance(&self) -> Vec3 {
+        self.intensity.into()
+    }
+
+    fn inside(&self) -> Option<LightBounds> {
+        Some(LightBounds {
             bounds: Bounds::of([self.position.into()]),
             axis: DVec3::Z,
             cos: -1.0,
             two_sided: false,
-            power: 4.0 * luminance(radiance),
-        };
-        (light, FreeLight { radiance, inside: Some(inside) })
+            power: 4.0 * luminance(self.radiance()),
+        })
+    }
+
+    fn add_to(&self, tables: &mut LightTables) -> Entry {
+        tables.push(PointLight { position: row(self.position.into(), 0.0) })
     }
 }
 

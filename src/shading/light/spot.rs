@@ -3,11 +3,11 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::LightModel;
-use super::free::{FreeLight, FreeLightModel};
+use super::file::FreeLightModel;
 use super::point::sample_point;
 use super::sample::LightSample;
 use super::tree::LightBounds;
+use super::{Entry, LightModel, LightTables};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::geometry::Bounds;
@@ -18,7 +18,7 @@ use crate::shading::emission::luminance;
 /// A point that emits light into a cone.
 ///
 /// The intensity falls from the inner to the outer cone by a smooth step in the cosine of the angle
-/// (Pharr et al., *Physically Based RenderState*, 4th ed., section 12.2.1).
+/// (Pharr et al., *Physically Based Rendering*, 4th ed., section 12.2.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spot {
@@ -55,8 +55,6 @@ impl Spot {
 }
 
 impl FreeLightModel for Spot {
-    type Light = SpotLight;
-
     fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { inner, outer, .. } = *self;
         e.point("position", self.position)?;
@@ -69,24 +67,30 @@ impl FreeLightModel for Spot {
         e.check((0.0..outer).contains(&inner), "inner", "at least 0 and below `outer`", inner)
     }
 
-    fn light(&self) -> (SpotLight, FreeLight) {
-        let radiance = self.intensity.into();
+    fn radiance(&self) -> Vec3 {
+        self.intensity.into()
+    }
+
+    fn inside(&self) -> Option<LightBounds> {
         let [inner, outer] = self.heights();
-        let light = SpotLight {
-            position: row(self.position.into(), outer as f32),
-            axis: row(self.axis().as_vec3(), (1.0 / (outer - inner)) as f32),
-        };
         // The cone whose normals, spread by 90°, just reach the outer angle.
         let wide = f64::from(self.outer) - 90.0;
-        let inside = LightBounds {
+        Some(LightBounds {
             bounds: Bounds::of([self.position.into()]),
             axis: self.axis(),
             cos: if wide > 0.0 { sin_cos_degrees(wide).1 } else { 1.0 },
             two_sided: false,
             // The smooth step is 1/2 on average.
-            power: luminance(radiance) * (inner + outer),
-        };
-        (light, FreeLight { radiance, inside: Some(inside) })
+            power: luminance(self.radiance()) * (inner + outer),
+        })
+    }
+
+    fn add_to(&self, tables: &mut LightTables) -> Entry {
+        let [inner, outer] = self.heights();
+        tables.push(SpotLight {
+            position: row(self.position.into(), outer as f32),
+            axis: row(self.axis().as_vec3(), (1.0 / (outer - inner)) as f32),
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::principled::{LayeredBsdf, Parameters, Shares, reflectance_at_normal};
-use super::{MaterialModel, Opacity};
+use super::{MaterialModel, MaterialParameters, Opacity};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, max};
@@ -34,7 +34,7 @@ pub struct CoatedDiffuse {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -51,15 +51,7 @@ impl CoatedDiffuse {
     }
 }
 
-impl MaterialModel for CoatedDiffuse {
-    /// Row of ρ, and (the words of the roughness, index of refraction, 0).
-    type Entry = [Row; 2];
-    type Bsdf<R: Real> = LayeredBsdf<R>;
-
-    const GLOSSY: bool = true;
-    const TEXTURED: bool = true;
-    const LARGE: bool = true;
-
+impl MaterialParameters for CoatedDiffuse {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         let parameters = self.reflectance.reference().into_iter().chain(self.roughness.reference());
@@ -73,6 +65,16 @@ impl MaterialModel for CoatedDiffuse {
         self.roughness.check(e, "roughness", 0.0..=1.0)?;
         e.check((1.01..=10.0).contains(&self.ior), "ior", "in [1.01, 10]", self.ior)
     }
+}
+
+impl MaterialModel for CoatedDiffuse {
+    /// Row of ρ, and (the words of the roughness, index of refraction, 0).
+    type Entry = [Row; 2];
+    type Bsdf<R: Real> = LayeredBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
+    const LARGE: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
         Shares::<f32>::prepare();

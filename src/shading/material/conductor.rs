@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, SPECULAR, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
@@ -31,7 +31,7 @@ pub struct Conductor {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -46,14 +46,7 @@ impl Conductor {
 /// Smallest α of a rough metal.
 const LEAST_ALPHA: f32 = 0.001;
 
-impl MaterialModel for Conductor {
-    /// `eta` and `k`, each with a word of `alpha`.
-    type Entry = [Row; 2];
-    type Bsdf<R: Real> = ConductorBsdf<R>;
-
-    const GLOSSY: bool = true;
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for Conductor {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
@@ -70,6 +63,15 @@ impl MaterialModel for Conductor {
         let known = eta.iter().zip(k).all(|(&eta, k)| eta >= 0.001 || k >= 0.001);
         e.check(known, "k", "at least 0.001 in channels whose eta is below 0.001", k)
     }
+}
+
+impl MaterialModel for Conductor {
+    /// `eta` and `k`, each with a word of `alpha`.
+    type Entry = [Row; 2];
+    type Bsdf<R: Real> = ConductorBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
         let [alpha, code] = textures.number(&self.alpha).map(f32::from_bits);

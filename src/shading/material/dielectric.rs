@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, SPECULAR, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, reflect, row};
@@ -26,7 +26,7 @@ pub struct Dielectric {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -50,15 +50,7 @@ pub enum Fresnel {
     Exact,
 }
 
-impl MaterialModel for Dielectric {
-    /// (`f`, 0, 0), index of refraction. `f` is 1 for the exact Fresnel equations, 0 for Schlick.
-    type Entry = Row;
-    type Bsdf<R: Real> = DielectricBsdf<R>;
-
-    const GLOSSY: bool = true;
-    const TRANSMITS: bool = true;
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for Dielectric {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         self.normal.iter_mut().chain(opacity).collect()
@@ -66,9 +58,22 @@ impl MaterialModel for Dielectric {
 
     normal_and_opacity!();
 
+    fn transmits(&self) -> bool {
+        true
+    }
+
     fn check(&self, e: &Location<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)
     }
+}
+
+impl MaterialModel for Dielectric {
+    /// (`f`, 0, 0), index of refraction. `f` is 1 for the exact Fresnel equations, 0 for Schlick.
+    type Entry = Row;
+    type Bsdf<R: Real> = DielectricBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
 
     fn entry(&self, _: &mut TextureTables) -> Row {
         let exact = if self.fresnel == Fresnel::Exact { 1.0 } else { 0.0 };

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::uniform_hemisphere;
@@ -21,13 +21,7 @@ pub struct Diffuse {
     pub albedo: Color,
 }
 
-impl MaterialModel for Diffuse {
-    /// Row of the albedo ρ.
-    type Entry = Row;
-    type Bsdf<R: Real> = DiffuseBsdf<R>;
-
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for Diffuse {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         self.albedo.reference().into_iter().collect()
     }
@@ -35,6 +29,14 @@ impl MaterialModel for Diffuse {
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")
     }
+}
+
+impl MaterialModel for Diffuse {
+    /// Row of the albedo ρ.
+    type Entry = Row;
+    type Bsdf<R: Real> = DiffuseBsdf<R>;
+
+    const TEXTURED: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> Row {
         textures.row(&self.albedo)

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
@@ -14,7 +14,7 @@ use crate::shading::interaction::Interaction;
 use crate::shading::texture::{Color, TextureRef, TextureTables};
 
 /// A thin matte surface: it reflects f = ρ/π on the side of the light, and transmits f = τ/π to the
-/// other side (Pharr et al., *Physically Based RenderState*, 4th ed., section 9.2).
+/// other side (Pharr et al., *Physically Based Rendering*, 4th ed., section 9.2).
 ///
 /// Samples choose a side in proportion to ρ and τ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub struct DiffuseTransmission {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -49,15 +49,7 @@ impl DiffuseTransmission {
     }
 }
 
-impl MaterialModel for DiffuseTransmission {
-    /// Rows of ρ and τ, and (`scale`, 0, 0, 0).
-    type Entry = [Row; 3];
-    type Bsdf<R: Real> = DiffuseTransmissionBsdf<R>;
-
-    const TRANSMITS: bool = true;
-    const TEXTURED: bool = true;
-    const LARGE: bool = true;
-
+impl MaterialParameters for DiffuseTransmission {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         let colors = [&mut self.reflectance, &mut self.transmittance];
@@ -70,6 +62,10 @@ impl MaterialModel for DiffuseTransmission {
     }
 
     normal_and_opacity!();
+
+    fn transmits(&self) -> bool {
+        true
+    }
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         let scale = self.scale;
@@ -86,6 +82,15 @@ impl MaterialModel for DiffuseTransmission {
         let ok = sum.iter().all(|&sum| sum <= 1.0);
         e.check(ok, "the sum of reflectance and transmittance", "at most 1 per channel", sum)
     }
+}
+
+impl MaterialModel for DiffuseTransmission {
+    /// Rows of ρ and τ, and (`scale`, 0, 0, 0).
+    type Entry = [Row; 3];
+    type Bsdf<R: Real> = DiffuseTransmissionBsdf<R>;
+
+    const TEXTURED: bool = true;
+    const LARGE: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 3] {
         let scale = [self.scale.to_bits(), 0, 0, 0];

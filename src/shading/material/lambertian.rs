@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
@@ -23,7 +23,7 @@ pub struct Lambertian {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -35,13 +35,7 @@ impl Lambertian {
     }
 }
 
-impl MaterialModel for Lambertian {
-    /// Row of the albedo ρ.
-    type Entry = Row;
-    type Bsdf<R: Real> = LambertianBsdf<R>;
-
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for Lambertian {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         self.albedo.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
@@ -52,6 +46,14 @@ impl MaterialModel for Lambertian {
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")
     }
+}
+
+impl MaterialModel for Lambertian {
+    /// Row of the albedo ρ.
+    type Entry = Row;
+    type Bsdf<R: Real> = LambertianBsdf<R>;
+
+    const TEXTURED: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> Row {
         textures.row(&self.albedo)

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, Emission, MaterialModel, Scatter, Sides};
+use super::{Bsdf, Emission, MaterialModel, MaterialParameters, Scatter, Sides};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Vector};
@@ -22,12 +22,7 @@ pub struct Light {
     pub sides: Sides,
 }
 
-impl MaterialModel for Light {
-    type Entry = ();
-    type Bsdf<R: Real> = Black;
-
-    const SCATTERS: bool = false;
-
+impl MaterialParameters for Light {
     fn emission(&self) -> Option<Emission> {
         Some(Emission { radiance: Vec3::from(self.radiance), sides: self.sides })
     }
@@ -35,6 +30,13 @@ impl MaterialModel for Light {
     fn check(&self, e: &Location<'_>) -> Result<()> {
         e.color("radiance", self.radiance, MAX_RADIANCE).map(|_| ())
     }
+}
+
+impl MaterialModel for Light {
+    type Entry = ();
+    type Bsdf<R: Real> = Black;
+
+    const SCATTERS: bool = false;
 
     fn entry(&self, _: &mut TextureTables) {}
 

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, SPECULAR, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, SPECULAR, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::warp::uniform_ball;
@@ -27,7 +27,7 @@ pub struct Metal {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -39,14 +39,7 @@ impl Metal {
     }
 }
 
-impl MaterialModel for Metal {
-    /// Row of the albedo, and the two words of `fuzz`.
-    type Entry = [Row; 2];
-    type Bsdf<R: Real> = MetalBsdf<R>;
-
-    const GLOSSY: bool = true;
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for Metal {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         let parameters = self.albedo.reference().into_iter().chain(self.fuzz.reference());
@@ -59,6 +52,15 @@ impl MaterialModel for Metal {
         self.albedo.check(e, "albedo")?;
         self.fuzz.check(e, "fuzz", 0.0..=1.0)
     }
+}
+
+impl MaterialModel for Metal {
+    /// Row of the albedo, and the two words of `fuzz`.
+    type Entry = [Row; 2];
+    type Bsdf<R: Real> = MetalBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 2] {
         let [fuzz, code] = textures.number(&self.fuzz);

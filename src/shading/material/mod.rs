@@ -1,9 +1,9 @@
 //! Materials, one file per kind with its parameters, their checks, its physics and its table.
 //!
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
-//! the tables and the dispatch.
+//! and the tables.
 
-/// The methods of [`MaterialModel`] for the fields `normal` and `opacity`.
+/// The methods of [`MaterialParameters`] for the fields `normal` and `opacity`.
 macro_rules! normal_and_opacity {
     () => {
         fn normal(&self) -> Option<&TextureRef> {
@@ -28,142 +28,37 @@ mod diffuse_transmission;
 mod lambertian;
 mod light;
 mod metal;
+mod model;
 mod principled;
 mod rough_dielectric;
+mod table;
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
 pub use dielectric::Fresnel;
-use serde::{Deserialize, Serialize};
+pub(crate) use model::MaterialModel;
+use model::MaterialParameters;
+pub(crate) use table::{MaterialTable, MaterialVisitor};
 
 pub(crate) use super::bsdf::{Bsdf, SPECULAR, Scatter};
 pub use super::emission::{Emission, Sides};
-use super::interaction::Interaction;
+use super::kinds::kinds;
 pub use super::opacity::Opacity;
-use super::texture::{Color, TextureRef, TextureTables};
+use super::texture::{TextureRef, TextureTables};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::image::Texels;
-use crate::math::{Real, Row};
-
-/// A kind of material: its parameters, its table and its physics.
-pub(crate) trait MaterialModel {
-    /// The parameters as stored in the table of this kind.
-    type Entry: Copy + Debug + Send + Sync;
-    /// The scattering of light at a point.
-    type Bsdf<R: Real>: Bsdf<R> + 'static;
-
-    /// Whether the material scatters any light.
-    const SCATTERS: bool = true;
-    /// Whether light passes through its surface.
-    const TRANSMITS: bool = false;
-    /// Whether it reflects light like a mirror, sharp or blurred.
-    const GLOSSY: bool = false;
-    /// Whether a parameter may be a texture.
-    const TEXTURED: bool = false;
-
-    /// Whether a single loop shades materials with and without textures, because the code is large or
-    /// rarely without them.
-    const LARGE: bool = false;
-
-    /// Returns all references to textures.
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        Vec::new()
-    }
-
-    /// Returns the normal map.
-    fn normal(&self) -> Option<&TextureRef> {
-        None
-    }
-
-    /// Returns the light that the material emits, if any.
-    fn emission(&self) -> Option<Emission> {
-        None
-    }
-
-    /// Returns the texture of the light that the material emits, if it has one. Such light is not
-    /// sampled: only paths that hit the surface find it.
-    fn emission_texture(&self) -> Option<&Color> {
-        None
-    }
-
-    /// Returns where the surface has holes, if anywhere.
-    fn opacity(&self) -> Option<&Opacity> {
-        None
-    }
-
-    /// Returns the field `opacity`, if the material has one.
-    fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
-        None
-    }
-
-    /// Checks the parameters.
-    fn check(&self, e: &Location<'_>) -> Result<()>;
-
-    /// Returns the parameters for the table, and adds their textures to `textures`.
-    fn entry(&self, textures: &mut TextureTables) -> Self::Entry;
-
-    /// Returns the BSDFs of the entries at `index` for the point `at`.
-    fn bsdf<R: Real>(
-        table: &[Self::Entry],
-        index: R::Index,
-        at: &Interaction<'_, R>,
-    ) -> Self::Bsdf<R>;
-}
-
-/// An operation on the table of any kind of material.
-pub(crate) trait MaterialVisitor {
-    /// Result of the operation.
-    type Output;
-
-    /// Runs the operation on the table of the kind `M`.
-    fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> Self::Output;
-}
-
-/// The materials of one kind.
-#[derive(Debug)]
-pub(crate) struct MaterialTable<E> {
-    pub(crate) entries: Vec<E>,
-    /// Whether any of them has a texture.
-    pub(crate) textured: bool,
-    /// For each of them, the code of its normal map; empty if none has one.
-    pub(crate) normals: Vec<u32>,
-    /// For each of them, the row of the texture of its light; empty if none has one.
-    pub(crate) emission_rows: Vec<Row>,
-}
-
-impl<E> Default for MaterialTable<E> {
-    fn default() -> Self {
-        Self {
-            entries: Vec::new(),
-            textured: false,
-            normals: Vec::new(),
-            emission_rows: Vec::new(),
-        }
-    }
-}
 
 macro_rules! materials {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
-        $(pub use $module::$name;)*
-
-        /// How a surface scatters and emits light.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        // A scene has few materials.
-        #[allow(clippy::large_enum_variant)]
-        pub enum Material {
-            $($(#[doc = $doc])* $name($name),)*
-        }
-
-        $(
-        impl From<$name> for Material {
-            fn from(material: $name) -> Self {
-                Self::$name(material)
+    ($($(#[$doc:meta])* $name:ident in $module:ident,)*) => {
+        kinds! {
+            /// How a surface scatters and emits light.
+            // A scene has few materials.
+            #[allow(clippy::large_enum_variant)]
+            pub enum Material: MaterialParameters {
+                $($(#[$doc])* $name($name) in $module called stringify!($module),)*
             }
-        })*
+        }
 
         /// The kinds of materials.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,74 +73,15 @@ macro_rules! materials {
         }
 
         impl Material {
-            pub(crate) fn textures(&mut self) -> Vec<&mut TextureRef> {
-                match self {
-                    $(Self::$name(material) => material.textures(),)*
-                }
-            }
-
-            pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
-                match self {
-                    $(Self::$name(material) => {
-                        material.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
-                        material.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
-                        material.check(e)
-                    })*
-                }
-            }
-
-            /// Whether the material has a normal map.
-            pub(crate) fn has_normal_map(&self) -> bool {
-                match self {
-                    $(Self::$name(material) => material.normal().is_some(),)*
-                }
-            }
-
-            /// Returns the light that the material emits, if any.
-            pub fn emission(&self) -> Option<Emission> {
-                match self {
-                    $(Self::$name(material) => material.emission(),)*
-                }
-            }
-
-            /// Whether the material emits the light of a texture.
-            pub(crate) fn has_emission_texture(&self) -> bool {
-                match self {
-                    $(Self::$name(material) => material.emission_texture().is_some(),)*
-                }
-            }
-
-            /// Returns where the surface has holes, if anywhere.
-            pub(crate) fn opacity(&self) -> Option<&Opacity> {
-                match self {
-                    $(Self::$name(material) => material.opacity(),)*
-                }
-            }
-
-            /// Returns the field `opacity`, if the material has one.
-            pub(crate) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
-                match self {
-                    $(Self::$name(material) => material.opacity_mut(),)*
-                }
-            }
-
-            /// Returns the name of the material's kind in scene files.
-            pub fn name(&self) -> &'static str {
-                match self {
-                    $(Self::$name(_) => stringify!($module),)*
-                }
-            }
-
-            /// Whether light passes through its surface.
-            pub(crate) fn transmits(&self) -> bool {
-                match self {
-                    $(Self::$name(_) => $name::TRANSMITS,)*
-                }
-            }
-
             pub(crate) fn kind(&self) -> MaterialKind {
                 match self {
                     $(Self::$name(_) => MaterialKind::$name,)*
+                }
+            }
+
+            fn model_mut(&mut self) -> &mut dyn MaterialParameters {
+                match self {
+                    $(Self::$name(material) => material,)*
                 }
             }
         }
@@ -254,23 +90,7 @@ macro_rules! materials {
             /// Adds a material and returns its index in the table of its kind.
             pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
                 match material {
-                    $(Material::$name(material) => {
-                        let before = textures.uses();
-                        let table = &mut self.$module;
-                        table.entries.push(material.entry(textures));
-                        let normal = textures.normal_code(material.normal());
-                        if normal != 0 || !table.normals.is_empty() {
-                            table.normals.resize(table.entries.len() - 1, 0);
-                            table.normals.push(normal);
-                        }
-                        if material.emission_texture().is_some() || !table.emission_rows.is_empty() {
-                            table.emission_rows.resize(table.entries.len() - 1, [0; 4]);
-                            table.emission_rows.push(material.emission_texture().map_or([0; 4], |texture| textures.row(texture)));
-                        }
-                        table.textured |= textures.uses() > before;
-                        assert!($name::TEXTURED || !table.textured, "a kind of material with a texture must set TEXTURED");
-                        table.entries.len() as u32 - 1
-                    })*
+                    $(Material::$name(material) => self.$module.push(material, textures),)*
                 }
             }
 
@@ -323,6 +143,48 @@ fn check_normals(normal: &TextureRef, e: &Location<'_>) -> Result<()> {
 }
 
 impl Material {
+    pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
+        let model = self.model();
+        model.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
+        model.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
+        model.check(e)
+    }
+
+    /// Returns all references to textures.
+    pub(crate) fn textures(&mut self) -> Vec<&mut TextureRef> {
+        self.model_mut().textures()
+    }
+
+    /// Whether the material has a normal map.
+    pub(crate) fn has_normal_map(&self) -> bool {
+        self.model().normal().is_some()
+    }
+
+    /// Returns the light that the material emits, if any.
+    pub fn emission(&self) -> Option<Emission> {
+        self.model().emission()
+    }
+
+    /// Whether the material emits the light of a texture.
+    pub(crate) fn has_emission_texture(&self) -> bool {
+        self.model().emission_texture().is_some()
+    }
+
+    /// Returns where the surface has holes, if anywhere.
+    pub(crate) fn opacity(&self) -> Option<&Opacity> {
+        self.model().opacity()
+    }
+
+    /// Returns the field `opacity`, if the material has one.
+    pub(crate) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
+        self.model_mut().opacity_mut()
+    }
+
+    /// Whether light passes through its surface.
+    pub(crate) fn transmits(&self) -> bool {
+        self.model().transmits()
+    }
+
     /// Whether a texture of the material depends on the colours of vertices.
     pub(crate) fn uses_vertex_colors(&self) -> bool {
         let uses = |texture: &mut TextureRef| matches!(texture, TextureRef::Texture(texture) if texture.uses_vertex_colors());

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bsdf, MaterialModel, Opacity, Scatter};
+use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, Scatter};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::microfacet::Ggx;
@@ -26,7 +26,7 @@ pub struct RoughDielectric {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -41,21 +41,17 @@ impl RoughDielectric {
 /// Smallest α.
 const LEAST_ALPHA: f32 = 0.001;
 
-impl MaterialModel for RoughDielectric {
-    /// The words of α, and the index of refraction.
-    type Entry = Row;
-    type Bsdf<R: Real> = RoughDielectricBsdf<R>;
-
-    const GLOSSY: bool = true;
-    const TRANSMITS: bool = true;
-    const TEXTURED: bool = true;
-
+impl MaterialParameters for RoughDielectric {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let opacity = self.opacity.as_mut().and_then(Opacity::reference);
         self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
     }
 
     normal_and_opacity!();
+
+    fn transmits(&self) -> bool {
+        true
+    }
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { ior, alpha, .. } = self;
@@ -64,6 +60,15 @@ impl MaterialModel for RoughDielectric {
         e.check(ok, "ior", "in [0.01, 0.99] or [1.01, 100]", ior)?;
         alpha.check(e, "alpha", LEAST_ALPHA..=1.0)
     }
+}
+
+impl MaterialModel for RoughDielectric {
+    /// The words of α, and the index of refraction.
+    type Entry = Row;
+    type Bsdf<R: Real> = RoughDielectricBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> Row {
         let [alpha, code] = textures.number(&self.alpha);

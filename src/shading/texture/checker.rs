@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Rgba, TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
@@ -23,10 +23,7 @@ pub struct Checker {
     pub scale: f32,
 }
 
-impl TextureModel for Checker {
-    /// (`odd`, cells per unit of length), (`even`, 0).
-    type Entry = [Row; 2];
-
+impl TextureParameters for Checker {
     fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         let ok = self.scale > 0.0 && self.scale <= 1e6;
         e.check(ok, "scale", "above 0 and at most 1e6", self.scale)?;
@@ -37,6 +34,11 @@ impl TextureModel for Checker {
     fn identity(&self) -> Value {
         json!({ "checker": self })
     }
+}
+
+impl TextureModel for Checker {
+    /// (`odd`, cells per unit of length), (`even`, 0).
+    type Entry = [Row; 2];
 
     fn entry(&self) -> [Row; 2] {
         let frequency = (f64::from(self.scale) / PI) as f32;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Rgba, TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::image::{Encoding, Texels};
@@ -128,9 +128,7 @@ pub(crate) struct ImageEntry {
     flags: Row,
 }
 
-impl TextureModel for Image {
-    type Entry = ImageEntry;
-
+impl TextureParameters for Image {
     fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
         e.check(self.uv <= 1, "uv", "0 or 1", self.uv)?;
         let within = |value: f32| value.abs() <= MAX_COORDINATE;
@@ -166,6 +164,10 @@ impl TextureModel for Image {
     fn texels(&self) -> Option<&Arc<Texels>> {
         self.texels.as_ref()
     }
+}
+
+impl TextureModel for Image {
+    type Entry = ImageEntry;
 
     fn entry(&self) -> ImageEntry {
         let texels = Arc::clone(self.texels());

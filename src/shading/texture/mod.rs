@@ -1,6 +1,6 @@
 //! Textures, one file per kind.
 //!
-//! The list in `textures!` generates the enum of scene files, the tables and the dispatch.
+//! The list in `textures!` generates the enum of scene files and the tables.
 
 mod channel;
 mod checker;
@@ -20,18 +20,19 @@ use std::sync::Arc;
 pub use channel::Channel;
 pub use color::Color;
 pub use image::{Filter, Wrap};
+pub(crate) use lookup::TextureTables;
 pub use number::Number;
 use product::Product;
 pub use reference::TextureRef;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::images::{ImageFile, Images};
+use super::kinds::kinds;
 use crate::checks::Location;
 use crate::error::Result;
 pub use crate::image::Encoding;
 use crate::image::Texels;
-use crate::math::{Mask, Real, Word};
+use crate::math::Real;
 
 /// The properties of a surface point, or of one per lane, that textures depend on.
 pub(crate) trait TexturePoint<R: Real>: Copy {
@@ -51,19 +52,13 @@ pub(crate) trait TexturePoint<R: Real>: Copy {
 /// A linear colour and alpha, or one per lane.
 pub(crate) type Rgba<R> = (<R as Real>::Vec3, R);
 
-/// A kind of texture: its parameters, its table and its evaluation.
-pub(crate) trait TextureModel {
-    /// The parameters as stored in the table of this kind.
-    type Entry: Debug + Send + Sync;
-
+/// The parameters of a texture, as scene files describe them.
+trait TextureParameters {
     /// Checks the parameters and reads the files that they name.
     fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()>;
 
     /// Returns everything that determines the colours, for the hash of the scene.
     fn identity(&self) -> Value;
-
-    /// Whether every texture of this kind has the same colour everywhere.
-    const CONSTANT: bool = false;
 
     /// Returns the texture's colour if it is the same everywhere.
     fn constant(&self) -> Option<[f32; 3]> {
@@ -86,12 +81,23 @@ pub(crate) trait TextureModel {
     }
 
     /// Whether the texture depends on the colours of vertices.
-    const USES_VERTEX_COLORS: bool = false;
+    fn uses_vertex_colors(&self) -> bool {
+        false
+    }
 
     /// Whether the texture can be a normal map.
     fn holds_normals(&self) -> bool {
         false
     }
+}
+
+/// A kind of texture: its table and its evaluation.
+trait TextureModel: TextureParameters {
+    /// The parameters as stored in the table of this kind.
+    type Entry: Debug + Send + Sync;
+
+    /// Whether every texture of this kind has the same colour everywhere.
+    const CONSTANT: bool = false;
 
     /// Returns the parameters for the table.
     fn entry(&self) -> Self::Entry;
@@ -101,73 +107,21 @@ pub(crate) trait TextureModel {
 }
 
 macro_rules! textures {
-    ($($(#[doc = $doc:literal])* $name:ident in $module:ident,)*) => {
-        $(pub use $module::$name;)*
-
-        /// A colour that varies over a surface.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[non_exhaustive]
-        pub enum Texture {
-            $($(#[doc = $doc])* $name($name),)*
-        }
-
-        $(impl From<$name> for Texture {
-            fn from(texture: $name) -> Self {
-                Self::$name(texture)
+    ($($(#[$doc:meta])* $name:ident in $module:ident,)*) => {
+        kinds! {
+            /// A colour that varies over a surface.
+            pub enum Texture: TextureParameters {
+                $($(#[$doc])* $name($name) in $module called stringify!($module),)*
             }
-        })*
+        }
 
         impl Texture {
             /// The names of the kinds in scene files.
             const KINDS: &[&str] = &[$(stringify!($module),)*];
 
-            pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
+            fn model_mut(&mut self) -> &mut dyn TextureParameters {
                 match self {
-                    $(Self::$name(texture) => texture.load(e, images),)*
-                }
-            }
-
-            pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
-                match self {
-                    $(Self::$name(texture) => TextureModel::texels(texture),)*
-                }
-            }
-
-            /// The file of its image, if it has one.
-            pub(crate) fn file(&self) -> Option<ImageFile<'_>> {
-                match self {
-                    $(Self::$name(texture) => TextureModel::file(texture),)*
-                }
-            }
-
-            fn constant(&self) -> Option<[f32; 3]> {
-                match self {
-                    $(Self::$name(texture) => texture.constant(),)*
-                }
-            }
-
-            pub(crate) fn largest(&self) -> f32 {
-                match self {
-                    $(Self::$name(texture) => texture.largest(),)*
-                }
-            }
-
-            pub(crate) fn uses_vertex_colors(&self) -> bool {
-                match self {
-                    $(Self::$name(_) => $name::USES_VERTEX_COLORS,)*
-                }
-            }
-
-            pub(crate) fn holds_normals(&self) -> bool {
-                match self {
-                    $(Self::$name(texture) => texture.holds_normals(),)*
-                }
-            }
-
-            pub(crate) fn identity(&self) -> Value {
-                match self {
-                    $(Self::$name(texture) => texture.identity(),)*
+                    $(Self::$name(texture) => texture,)*
                 }
             }
         }
@@ -177,28 +131,18 @@ macro_rules! textures {
             $($name,)*
         }
 
-        /// The textures of a scene, one table per kind.
+        /// The entries of textures, one table per kind.
         #[derive(Debug, Default)]
-        pub(crate) struct TextureTables {
+        struct Entries {
             $($module: Vec<<$name as TextureModel>::Entry>,)*
-            /// The textures in the tables, with their codes.
-            known: Vec<(Arc<Texture>, u32)>,
-            /// Number of parameters that are textures.
-            uses: usize,
         }
 
-        impl TextureTables {
-            /// Adds a texture to its table and returns its code as `Err`. If the texture has the
-            /// same colour everywhere, returns that colour as `Ok` and adds nothing.
-            fn push(&mut self, texture: &Texture) -> std::result::Result<[f32; 3], u32> {
+        impl Entries {
+            /// Adds a texture to its table and returns its code.
+            fn push(&mut self, texture: &Texture) -> u32 {
                 match texture {
                     $(Texture::$name(texture) => {
-                        if let Some(color) = texture.constant() {
-                            return Ok(color);
-                        }
-                        let entry = self.$module.len() as u32;
-                        self.$module.push(texture.entry());
-                        Err(((TextureKind::$name as u32 + 1) << KIND_SHIFT) | entry)
+                        lookup::push(TextureKind::$name, &mut self.$module, texture)
                     })*
                 }
             }
@@ -212,20 +156,10 @@ macro_rules! textures {
                 code: R::Word,
                 at: &impl TexturePoint<R>,
             ) -> Rgba<R> {
-                $(if !$name::CONSTANT {
-                    let kind = R::Word::splat(TextureKind::$name as u32 + 1);
-                    let here = (code >> KIND_SHIFT).eq(kind);
-                    if here.any() {
-                        let entry = code & R::Word::splat((1 << CHANNEL_SHIFT) - 1);
-                        let entry = here.select(entry, R::Word::splat(0));
-                        // Pass a copy: if the original were passed by reference, the compiler would
-                        // always keep it in memory instead of in registers.
-                        let at = *at;
-                        let found = $name::value(&self.$module, entry, &at);
-                        value.0 = here.select(found.0, value.0);
-                        value.1 = here.select(found.1, value.1);
-                    }
-                })*
+                $(
+                    let (kind, table) = (TextureKind::$name, &self.$module[..]);
+                    value = lookup::textured::<$name, R>(kind, table, value, code, at);
+                )*
                 value
             }
         }
@@ -245,8 +179,44 @@ textures! {
     UvChecker in uv_checker,
 }
 
-/// Number of low bits in a texture's code that hold its index in its table and the channel. The
-/// bits above them hold its kind plus 1, so that code 0 means no texture.
-const KIND_SHIFT: u32 = 28;
-/// Number of low bits that hold the index. The bits from here to the kind hold the channel.
-const CHANNEL_SHIFT: u32 = 26;
+impl Texture {
+    /// Checks the parameters and reads the files that they name.
+    pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
+        self.model_mut().load(e, images)
+    }
+
+    /// Returns the file of the texture's image, if it has one.
+    pub(crate) fn file(&self) -> Option<ImageFile<'_>> {
+        self.model().file()
+    }
+
+    /// Returns everything that determines the colours, for the hash of the scene.
+    pub(crate) fn identity(&self) -> Value {
+        self.model().identity()
+    }
+
+    /// Returns the texture's colour if it is the same everywhere.
+    fn constant(&self) -> Option<[f32; 3]> {
+        self.model().constant()
+    }
+
+    /// Returns a bound on all its colours and alpha values, none of which is negative.
+    fn largest(&self) -> f32 {
+        self.model().largest()
+    }
+
+    /// Returns the texture's image, if it has one and it is loaded.
+    pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
+        self.model().texels()
+    }
+
+    /// Whether the texture depends on the colours of vertices.
+    pub(crate) fn uses_vertex_colors(&self) -> bool {
+        self.model().uses_vertex_colors()
+    }
+
+    /// Whether the texture can be a normal map.
+    pub(crate) fn holds_normals(&self) -> bool {
+        self.model().holds_normals()
+    }
+}

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Rgba, TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Real, Vector};
@@ -17,11 +17,7 @@ pub struct Solid {
     pub color: [f32; 3],
 }
 
-impl TextureModel for Solid {
-    type Entry = ();
-
-    const CONSTANT: bool = true;
-
+impl TextureParameters for Solid {
     fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         e.color("color", self.color, 1.0).map(|_| ())
     }
@@ -34,6 +30,12 @@ impl TextureModel for Solid {
     fn constant(&self) -> Option<[f32; 3]> {
         Some(self.color)
     }
+}
+
+impl TextureModel for Solid {
+    type Entry = ();
+
+    const CONSTANT: bool = true;
 
     fn entry(&self) {}
 

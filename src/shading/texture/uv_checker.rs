@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Rgba, TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
@@ -25,10 +25,7 @@ pub struct UvChecker {
     pub offset: (f32, f32),
 }
 
-impl TextureModel for UvChecker {
-    /// (`odd`, factor of u), (`even`, factor of v), (offsets, 0, 0).
-    type Entry = [Row; 3];
-
+impl TextureParameters for UvChecker {
     fn load(&mut self, e: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         let within = |(u, v): (f32, f32)| u.abs() <= MAX_COORDINATE && v.abs() <= MAX_COORDINATE;
         e.check(within(self.scale), "scale", "within ±1e9", self.scale)?;
@@ -40,6 +37,11 @@ impl TextureModel for UvChecker {
     fn identity(&self) -> Value {
         json!({ "uv_checker": self })
     }
+}
+
+impl TextureModel for UvChecker {
+    /// (`odd`, factor of u), (`even`, factor of v), (offsets, 0, 0).
+    type Entry = [Row; 3];
 
     fn entry(&self) -> [Row; 3] {
         let offset = [self.offset.0, self.offset.1, 0.0];

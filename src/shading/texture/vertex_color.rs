@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Rgba, TextureModel, TexturePoint};
+use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::Real;
@@ -14,10 +14,10 @@ use crate::shading::images::Images;
 #[serde(deny_unknown_fields)]
 pub struct VertexColor {}
 
-impl TextureModel for VertexColor {
-    type Entry = ();
-
-    const USES_VERTEX_COLORS: bool = true;
+impl TextureParameters for VertexColor {
+    fn uses_vertex_colors(&self) -> bool {
+        true
+    }
 
     fn load(&mut self, _: &Location<'_>, _: &mut Images<'_>) -> Result<()> {
         Ok(())
@@ -26,6 +26,10 @@ impl TextureModel for VertexColor {
     fn identity(&self) -> Value {
         json!({ "vertex_color": {} })
     }
+}
+
+impl TextureModel for VertexColor {
+    type Entry = ();
 
     fn entry(&self) {}
 

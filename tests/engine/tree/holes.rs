@@ -1,5 +1,6 @@
 //! Triangles with holes, in scenes with and without instances.
 
+use std::any::Any;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -26,6 +27,10 @@ impl HoleTest for Pattern {
         let distance = (ray.origin + ray.direction * t - a).length_squared();
         let bits = distance.to_bits() >> 20 ^ ray.direction.x.to_bits() >> 13;
         (bits ^ triangle ^ instance) & 1 == 1
+    }
+
+    fn equals(&self, other: &dyn HoleTest) -> bool {
+        (other as &dyn Any).is::<Self>()
     }
 }
 

@@ -1,5 +1,5 @@
 //! Random choice of the cell of a grid, by the inversion of tables, which keeps the stratification
-//! of Sobol' points (Pharr et al., *Physically Based RenderState*, 4th ed., section A.5).
+//! of Sobol' points (Pharr et al., *Physically Based Rendering*, 4th ed., section A.5).
 
 use rayon::prelude::*;
 

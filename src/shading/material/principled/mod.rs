@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use self::albedo::Shares;
 pub(super) use self::layered::{LayeredBsdf, Parameters, reflectance_at_normal};
-use super::{Emission, MaterialModel, Opacity, Sides};
+use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Real, Row, row};
@@ -58,7 +58,7 @@ pub struct Principled {
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// HoleTest in the surface, which must then be of triangles and emit no light but that of a texture.
+    /// Holes in the surface, which must then be of triangles and emit no light but that of a texture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -91,18 +91,7 @@ impl Default for Principled {
     }
 }
 
-impl MaterialModel for Principled {
-    /// The base colour; the words of metalness and roughness, of specular and transmission, of coat
-    /// and coat roughness; (coat colour, index of refraction); (absorption per unit of length, 1 if
-    /// thin).
-    type Entry = [Row; 6];
-    type Bsdf<R: Real> = LayeredBsdf<R>;
-
-    const TRANSMITS: bool = true;
-    const GLOSSY: bool = true;
-    const TEXTURED: bool = true;
-    const LARGE: bool = true;
-
+impl MaterialParameters for Principled {
     fn textures(&mut self) -> Vec<&mut TextureRef> {
         let numbers = [
             &mut self.metalness,
@@ -135,6 +124,10 @@ impl MaterialModel for Principled {
         Some(&self.emission).filter(|emission| emission.constant().is_none())
     }
 
+    fn transmits(&self) -> bool {
+        true
+    }
+
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.base_color.check(e, "base_color")?;
         let numbers = [
@@ -160,6 +153,18 @@ impl MaterialModel for Principled {
         let allowed = self.opacity.is_none() || radiance == [0.0; 3];
         e.check(allowed, "emission", "0, or varied by a texture, where there is opacity", radiance)
     }
+}
+
+impl MaterialModel for Principled {
+    /// The base colour; the words of metalness and roughness, of specular and transmission, of coat
+    /// and coat roughness; (coat colour, index of refraction); (absorption per unit of length, 1 if
+    /// thin).
+    type Entry = [Row; 6];
+    type Bsdf<R: Real> = LayeredBsdf<R>;
+
+    const GLOSSY: bool = true;
+    const TEXTURED: bool = true;
+    const LARGE: bool = true;
 
     fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {
         Shares::<f32>::prepare();
