@@ -55,12 +55,10 @@ impl Identity {
     }
 
     fn fields(&self) -> impl Iterator<Item = (String, Value)> {
-        let own = [
-            ("bits", json!(self.bits)),
-            ("scene_hash", json!(self.scene_hash)),
-            ("crop", json!(self.crop)),
-        ];
-        own.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(self.settings.by_name())
+        let own = |name: &str, value| (name.to_owned(), value);
+        let scene =
+            [own("bits", json!(self.bits)), own("scene_hash", json!(self.scene_hash))].into_iter();
+        scene.chain(self.settings.by_name()).chain([own("crop", json!(self.crop))])
     }
 
     /// Metadata of an image file whose pixels have this `hash`. Equal renders have equal metadata,

@@ -82,8 +82,9 @@ pub(super) fn cases() -> Vec<Case> {
     };
     let header = |from: &str, to: &str| {
         let good = concat!(
-            r#"{"schema":2,"scene":"cornell","identity":{"bits":1,"scene_hash":"x","width":8,"height":8,"#,
-            r#""crop":[0,0,8,8],"spp":4,"depth":5,"seed":1,"sampling":"mis","sampler":"sobol","roulette":true,"clamp":null},"#,
+            r#"{"schema":3,"scene":"cornell","identity":{"bits":1,"scene_hash":"x","crop":[0,0,8,8],"settings":{"#,
+            r#""width":8,"height":8,"spp":4,"depth":5,"seed":1,"sampling":"mis","sampler":"sobol","roulette":5,"#,
+            r#""clamp":null,"transparent":false}},"#,
             r#""shard":null,"samples":[0,4],"tally":TALLY,"seconds":1.0}"#
         );
         assert!(good.contains(from), "{from}");
@@ -103,7 +104,7 @@ pub(super) fn cases() -> Vec<Case> {
         (whole("[]", b""), "m.film"),
         (whole(&"[".repeat(60_000), b""), "header"),
         (whole(&" ".repeat(100_000), b""), "header"),
-        (whole(&header("\"schema\":2", "\"schema\":99"), b""), "version 99"),
+        (whole(&header("\"schema\":3", "\"schema\":99"), b""), "version 99"),
         (whole(&header("\"width\":8", "\"width\":4000000000"), b""), "width must be"),
         (whole(&header("\"crop\":[0,0,8,8]", "\"crop\":[8,8,0,0]"), b""), "the crop is not within"),
         (
