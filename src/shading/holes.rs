@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::looks::MaterialMap;
 use super::material::Material;
+use super::material_map::MaterialMap;
 use super::opacity::Opacity;
 use super::texture::{TexturePoint, TextureTables};
 use crate::geometry::{Geometry, HoleTest, Holes, Ray, Triangles};

@@ -14,6 +14,7 @@ mod kinds;
 pub mod light;
 mod looks;
 pub mod material;
+mod material_map;
 mod medium;
 mod normal_map;
 mod opacity;
@@ -33,7 +34,8 @@ pub(crate) use images::{ImageContainer, ImageFiles, Images};
 #[cfg(test)]
 pub(crate) use interaction::Interaction;
 pub(crate) use kinds::kinds;
-pub(crate) use looks::{Key, Looks, MaterialMap};
+pub(crate) use looks::{Key, Looks};
+pub(crate) use material_map::MaterialMap;
 #[cfg(test)]
 pub(crate) use medium::Isotropic;
 pub(crate) use medium::Medium;

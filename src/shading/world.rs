@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::background::Background;
 use super::light::LightFile;
-use super::looks::MaterialMap;
 use super::material::Material;
+use super::material_map::MaterialMap;
 use super::medium::Medium;
 use crate::geometry::Geometry;
 
