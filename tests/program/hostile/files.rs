@@ -127,8 +127,8 @@ pub(super) fn cases() -> Vec<Case> {
         (
             whole(
                 &header(
-                    "\"width\":8,\"height\":8,\"crop\":[0,0,8,8]",
-                    "\"width\":65536,\"height\":65536,\"crop\":[0,0,65536,65536]",
+                    "\"crop\":[0,0,8,8],\"settings\":{\"width\":8,\"height\":8",
+                    "\"crop\":[0,0,65536,65536],\"settings\":{\"width\":65536,\"height\":65536",
                 ),
                 b"",
             ),
@@ -137,8 +137,8 @@ pub(super) fn cases() -> Vec<Case> {
         (
             whole(
                 &header(
-                    "\"width\":8,\"height\":8,\"crop\":[0,0,8,8]",
-                    "\"width\":9999,\"height\":9999,\"crop\":[0,0,9999,9999]",
+                    "\"crop\":[0,0,8,8],\"settings\":{\"width\":8,\"height\":8",
+                    "\"crop\":[0,0,9999,9999],\"settings\":{\"width\":9999,\"height\":9999",
                 ),
                 b"",
             ),
