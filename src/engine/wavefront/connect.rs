@@ -2,8 +2,8 @@
 
 use super::columns::Columns;
 use super::extend::trace;
-use super::order::{CellSort, Cells};
 use super::paths::Paths;
+use super::ray_sort::{CellSort, Cells};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::geometry::Ray;
 use crate::simd::{Float, Indices, Int, LANES, Vec3x};

@@ -6,12 +6,13 @@ mod columns;
 mod connect;
 mod extend;
 mod generate;
+mod material_sort;
 mod order;
 mod paths;
 mod planning;
+mod ray_sort;
 mod rays;
 mod shade;
-mod sort;
 mod wave;
 
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! The rays of a segment, in the order of tracing.
 
-use super::order::CellSort;
 use super::paths::{Paths, Segment};
+use super::ray_sort::CellSort;
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
 

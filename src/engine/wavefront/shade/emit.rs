@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::contract::emission_weight;
+use crate::engine::wavefront::material_sort::Queue;
 use crate::engine::wavefront::paths::Segment;
-use crate::engine::wavefront::sort::Queue;
 use crate::geometry::{Hit, Shape};
 use crate::math::{Real, Row, Vector};
 use crate::simd::{Float, LANES, Mask, Vec3x};

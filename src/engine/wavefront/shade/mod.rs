@@ -7,10 +7,10 @@ mod vertex;
 
 use self::scatter::{COLORED, GENERAL, PLAIN};
 use super::connect::Shadows;
-use super::order::Cells;
+use super::material_sort::{Queue, Queues};
 use super::order::Next;
 use super::paths::Paths;
-use super::sort::{Queue, Queues};
+use super::ray_sort::Cells;
 use crate::engine::backdrop::Backdrop;
 use crate::engine::image_settings::ImageSettings;
 use crate::engine::stats::StageWork;

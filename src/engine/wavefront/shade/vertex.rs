@@ -1,8 +1,8 @@
 //! Vertices: the points at which the segments of paths end.
 
 use super::ShadeInputs;
+use crate::engine::wavefront::material_sort::Queue;
 use crate::engine::wavefront::paths::{History, Paths, Segment};
-use crate::engine::wavefront::sort::Queue;
 use crate::geometry::Hit;
 use crate::sampler::Randoms;
 use crate::simd::{Float, Indices, Int, LANES, first_bits};

@@ -1,4 +1,4 @@
-//! Cells: sorts rays so that neighbours start near each other and have similar directions.
+//! Sorts rays by the cells of a grid so that neighbours start near each other and have similar directions.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::simd::{Float, Int, Vec3x, axes};
 
 /// A grid over a scene, which numbers the cells of rays.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::engine::wavefront) struct Cells {
+pub(super) struct Cells {
     low: Vec3,
     /// Cells per unit of length.
     scale: f32,
@@ -19,7 +19,7 @@ impl Cells {
     /// The highest position.
     const LAST: u32 = (1 << Self::BITS) - 1;
 
-    pub(in crate::engine::wavefront) fn new(bounds: &Bounds) -> Self {
+    pub(super) fn new(bounds: &Bounds) -> Self {
         let edges = bounds.max - bounds.min;
         let scale = Self::LAST as f32 / edges.max_element();
         Self { low: bounds.min, scale: if scale.is_finite() { scale } else { 1.0 } }
@@ -29,7 +29,7 @@ impl Cells {
     /// each axis (8 bits each), the direction within its octant (4 bits), and the octant (3 bits).
     /// WaveRays that start outside the grid belong to its border.
     #[inline(always)]
-    pub(in crate::engine::wavefront) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
+    pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // Adding 1.5 · 2²³ rounds to an integer and moves it to the lowest bits of the sum.
         let magic = Float::splat(12_582_912.0);
         let along = axes(|axis| {
@@ -108,7 +108,7 @@ impl Region {
 
 /// A counting sort by the keys of cells.
 #[derive(Debug, Default)]
-pub(in crate::engine::wavefront) struct CellSort {
+pub(super) struct CellSort {
     /// The key of each value.
     keys: Vec<u32>,
     /// For each key, the index of its next value.
@@ -119,7 +119,7 @@ impl CellSort {
     /// Replaces the contents of `list` with `values`, sorted by the keys of their `cells`. Values
     /// with the same key stay in order.
     #[inline(always)]
-    pub(in crate::engine::wavefront) fn list(
+    pub(super) fn list(
         &mut self,
         cells: &[u32],
         values: impl Iterator<Item = u32>,

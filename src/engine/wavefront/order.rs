@@ -1,10 +1,6 @@
 //! Order: builds the rays of the next segment, optionally sorted so that neighbours start near each
 //! other and have similar directions.
 
-mod cells;
-
-pub(super) use cells::{CellSort, Cells};
-
 use super::columns::Columns;
 use super::paths::Paths;
 use super::rays::WaveRays;
