@@ -34,7 +34,7 @@ pub struct Seconds {
     pub build: f64,
     /// Finding the plan, including building the trees that its trials need.
     pub plan: f64,
-    /// RenderState.
+    /// Rendering.
     pub render: f64,
 }
 

@@ -97,10 +97,9 @@ pub enum Refused {
 #[derive(Clone, Copy, Debug)]
 struct Advice(fn(Refused) -> String);
 
-/// Advice does not affect whether limits are equal.
 impl PartialEq for Advice {
-    fn eq(&self, _: &Self) -> bool {
-        true
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::fn_addr_eq(self.0, other.0)
     }
 }
 

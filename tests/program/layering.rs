@@ -78,7 +78,7 @@ fn modules_import_only_what_architecture_allows() {
     assert_eq!(listed, modules, "ARCHITECTURE.md lists modules that do not exist");
 }
 
-/// The module path of a source file: `[engine, wavefront, sort]` for `engine/wavefront/sort.rs`.
+/// The module path of a source file: `[engine, wavefront, order]` for `engine/wavefront/order.rs`.
 fn path_of(file: &Path) -> Vec<String> {
     let inside = file.strip_prefix("src").unwrap().with_extension("");
     let names = inside.iter().map(|name| name.to_str().unwrap().to_owned());

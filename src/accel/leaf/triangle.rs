@@ -109,7 +109,7 @@ fn test_rays<const ANY: bool>(
 ) {
     let looking = rays.looking();
     let (mut t, mut decided) = (Float::ZERO, 0);
-    rays.find_views();
+    rays.find_orientations();
     for orientation in rays.orientations() {
         count.leaf(LANES as u32, (looking & orientation.rays).count_ones());
         let origin = axes(|axis| rays.setup.ray.origin[orientation.axes[axis]]);

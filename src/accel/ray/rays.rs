@@ -83,13 +83,13 @@ impl Rays {
 
     /// Finds the orientations, unless they are known. Many rays are never tested in this way.
     #[inline(always)]
-    pub(crate) fn find_views(&mut self) {
+    pub(crate) fn find_orientations(&mut self) {
         if self.orientations.count == 0 {
             self.orientations.set(&self.setup);
         }
     }
 
-    /// Returns the rays in groups with the same longest axis and sign, which [`Self::find_views`] has
+    /// Returns the rays in groups with the same longest axis and sign, which [`Self::find_orientations`] has
     /// found. Usually all rays are in one group.
     #[inline(always)]
     pub(crate) fn orientations(&self) -> &[Orientation] {

@@ -1,4 +1,4 @@
-//! Concentric of primitives whose boxes have the same centre. The builder treats each group as one
+//! Groups of primitives whose boxes have the same centre. The builder treats each group as one
 //! primitive.
 //!
 //! The builder of the crate obvhs merges boxes that are nearest neighbours of each other (PLOC).

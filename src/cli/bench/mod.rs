@@ -60,7 +60,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<u8> {
         None => return exported.map(|()| 0),
     };
     table::print_counts(&counts(&record, reference))?;
-    // Samples are not pooled: each further sample is judged on its own. It has twice as many
+    // Measurements are not pooled: each further one is judged on its own. It has twice as many
     // blocks, so that a few disturbed blocks do not hide a change.
     let again = args.gate.then_some(2 * blocks);
     let gate = judge(&bench, &record, reference, threshold, again, &mut show)?;

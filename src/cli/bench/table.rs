@@ -168,7 +168,7 @@ pub(crate) fn print_gate(record: &Record, gate: &Gate, judged: bool) -> Result<(
     ))
 }
 
-/// The samples that decided the verdict, or else the last one, and the outcome.
+/// The measurements that decided the verdict, or else the last one, and the outcome.
 fn describe(verdict: &Verdict, threshold: f64, judged: bool) -> String {
     let change = |estimate: &Estimate| {
         let Estimate { median, lo, hi } = estimate;
@@ -183,9 +183,9 @@ fn describe(verdict: &Verdict, threshold: f64, judged: bool) -> String {
         let doubt = last.and_then(|finding| finding.doubt);
         return format!("{first:<29}{}", doubt.map_or("", |doubt| doubt.reason()));
     }
-    let samples = verdict.findings.len();
-    let discarded = samples - verdict.counted(threshold).count();
-    let discarded = (discarded > 0).then(|| format!("{discarded} of {samples} samples discarded"));
+    let measurements = verdict.findings.len();
+    let discarded = measurements - verdict.counted(threshold).count();
+    let discarded = (discarded > 0).then(|| format!("{discarded} of {measurements} measurements discarded"));
     let reason = Some(verdict.reason.clone()).filter(|reason| !reason.is_empty());
     let why: Vec<String> = reason.into_iter().chain(discarded).collect();
     let why = if why.is_empty() { String::new() } else { format!(" ({})", why.join(", ")) };

@@ -1,5 +1,5 @@
 //! Chi-square tests: samples follow the density that `pdf` reports. Counts of samples are compared
-//! with integrals of the density (Pharr et al., *Physically Based RenderState*, 4th ed., chapter 2;
+//! with integrals of the density (Pharr et al., *Physically Based Rendering*, 4th ed., chapter 2;
 //! Mitsuba's chi-square tests).
 //!
 //! `cargo test --lib proof -- --nocapture` prints a table. The environment variable

@@ -56,7 +56,7 @@ impl Shadows {
         self.list.light.clear();
     }
 
-    /// Sorts the rays by cell. WaveRays to many lights, or to an environment, leave neighbouring vertices
+    /// Sorts the rays by cell. Rays to many lights, or to an environment, leave neighbouring vertices
     /// in all directions.
     #[inline(never)]
     pub(super) fn sort(&mut self, cells: &Cells) {

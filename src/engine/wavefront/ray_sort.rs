@@ -27,7 +27,7 @@ impl Cells {
 
     /// The cell numbers of rays. From the lowest bits up, a number consists of the position along
     /// each axis (8 bits each), the direction within its octant (4 bits), and the octant (3 bits).
-    /// WaveRays that start outside the grid belong to its border.
+    /// Rays that start outside the grid belong to its border.
     #[inline(always)]
     pub(super) fn of(&self, origin: Vec3x, direction: Vec3x) -> Int {
         // Adding 1.5 · 2²³ rounds to an integer and moves it to the lowest bits of the sum.

@@ -5,7 +5,7 @@ use super::ray_sort::CellSort;
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
 
-/// WaveRays and the paths to which they belong.
+/// Rays and the paths to which they belong.
 #[derive(Debug)]
 pub(super) struct WaveRays {
     pub(super) batch: RayBatch,

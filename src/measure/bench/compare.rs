@@ -59,15 +59,15 @@ pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Resul
 /// share of the cores that other processes keep busy.
 const MOST_LOAD_CHANGE: f64 = 0.1;
 
-/// Maximum number of times that a run is measured. Each measurement is called a sample.
-const MOST_SAMPLES: usize = 4;
+/// Maximum number of measurements of a run.
+const MOST_MEASUREMENTS: usize = 4;
 
 /// Compares every run of `record`, which `bench` has measured, with the matching run of
 /// `reference`, if there is one.
 ///
 /// If `again` is given, it is a number of blocks. Groups with a run that seems to have changed by
 /// more than `threshold`, or that was too disturbed to decide, are then measured again with this
-/// number of blocks, until they have at most [`MOST_SAMPLES`] samples in total.
+/// number of blocks, until they have at most [`MOST_MEASUREMENTS`] measurements in total.
 ///
 /// # Errors
 /// If a program fails.
@@ -91,7 +91,7 @@ pub(crate) fn judge(
     let (commit, verdicts) = (commit.clone(), first.collect());
     let mut gate = Gate { threshold, commit, verdicts, again: Vec::new() };
     let Some(blocks) = again else { return Ok(gate) };
-    while gate.again.len() + 1 < MOST_SAMPLES && gate.verdicts.iter().any(|v| v.is_open(threshold))
+    while gate.again.len() + 1 < MOST_MEASUREMENTS && gate.verdicts.iter().any(|v| v.is_open(threshold))
     {
         let open = |scene: &str, threads: usize| {
             let mut open = gate.verdicts.iter().filter(|verdict| verdict.is_open(threshold));
@@ -110,7 +110,7 @@ pub(crate) fn judge(
     Ok(gate)
 }
 
-/// Findings of one sample, for each run with a matching run in the reference.
+/// Findings of one measurement, for each run with a matching run in the reference.
 fn findings<'a>(
     record: &'a Record,
     reference: Reference<'_>,

@@ -1,4 +1,4 @@
-//! Summarizes samples as records.
+//! Summarizes measurements as records.
 
 use super::block::Series;
 use super::record::{Against, Record, SCHEMA};
@@ -8,10 +8,10 @@ use crate::engine::{Engine, Stage};
 use crate::measure::statistics::Estimate;
 
 impl Bench {
-    /// Summarizes `sample` as a record.
-    pub(crate) fn record(&self, sample: &Measurement) -> Record {
+    /// Summarizes `measurement` as a record.
+    pub(crate) fn record(&self, measurement: &Measurement) -> Record {
         let measured = || {
-            let contests = self.contests.iter().zip(&sample.0);
+            let contests = self.contests.iter().zip(&measurement.0);
             contests.filter_map(|(contest, series)| Some((contest, series.as_ref()?)))
         };
         let runs = |program| {

@@ -13,12 +13,12 @@ pub(crate) struct Gate {
     /// Commit of the baseline or of the other program.
     pub(crate) commit: String,
     pub(crate) verdicts: Vec<Verdict>,
-    /// Further samples, measured because a run seemed to have changed or was disturbed.
+    /// Further measurements, measured because a run seemed to have changed or was disturbed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) again: Vec<Again>,
 }
 
-/// A further sample of some contests.
+/// A further measurement of some contests.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Again {
     pub(crate) runs: Vec<Run>,
@@ -34,25 +34,25 @@ pub(crate) struct Verdict {
     pub(crate) scene: String,
     pub(crate) engine: String,
     pub(crate) threads: usize,
-    /// One finding for each sample, in the order of measurement.
+    /// One finding for each measurement, in the order of measurement.
     pub(crate) findings: Vec<Finding>,
     pub(crate) outcome: Outcome,
-    /// Why the outcome is unclear, or why it is `Same` although a sample showed a change.
+    /// Why the outcome is unclear, or why it is `Same` although a measurement showed a change.
     #[serde(default)]
     pub(crate) reason: String,
 }
 
-/// Result of one sample of a run.
+/// Result of one measurement of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Finding {
     /// Speed ratio of the run to its reference.
     pub(crate) change: Estimate,
-    /// The reason why the sample does not count; `None` if there is no doubt about it.
+    /// The reason why the measurement does not count; `None` if there is no doubt about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) doubt: Option<Doubt>,
 }
 
-/// Reason why a sample does not count.
+/// Reason why a measurement does not count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Doubt {
@@ -74,11 +74,11 @@ pub(crate) enum Doubt {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Outcome {
-    /// Faster by more than the threshold in two samples.
+    /// Faster by more than the threshold in two measurements.
     Improved,
     /// Neither an improvement nor a regression was shown.
     Same,
-    /// Slower by more than the threshold in two samples.
+    /// Slower by more than the threshold in two measurements.
     Regressed,
     /// Undecided, for the reason in [`Verdict::reason`].
     Unclear,
@@ -98,7 +98,7 @@ impl Doubt {
         }
     }
 
-    /// Whether another sample may be free of this doubt.
+    /// Whether another measurement may be free of this doubt.
     fn passes(self) -> bool {
         matches!(self, Self::Contaminated | Self::Control | Self::Load)
     }
@@ -152,34 +152,34 @@ impl Verdict {
         (&self.scene, &self.engine, self.threads) == (&work.scene, &work.engine, work.threads)
     }
 
-    /// Adds the finding of one more sample and updates the outcome.
+    /// Adds the finding of one more measurement and updates the outcome.
     pub(super) fn add(&mut self, finding: Finding, threshold: f64) {
         self.findings.push(finding);
         let (outcome, reason) = self.conclude(threshold);
         (self.outcome, self.reason) = (outcome, reason.to_owned());
     }
 
-    /// Decides the outcome. Only two samples that agree can show a change; one sample can show that
+    /// Decides the outcome. Only two measurements that agree can show a change; one measurement can show that
     /// nothing changed.
     fn conclude(&self, threshold: f64) -> (Outcome, &'static str) {
-        let samples: Vec<Outcome> =
+        let measurements: Vec<Outcome> =
             self.counted(threshold).map(|change| decide(change, threshold)).take(2).collect();
-        match samples[..] {
+        match measurements[..] {
             [Outcome::Same, ..] => return (Outcome::Same, ""),
             [_, Outcome::Same] => return (Outcome::Same, "not confirmed"),
             [first, second] if first == second => return (first, ""),
-            [_, _] => return (Outcome::Unclear, "samples contradict each other"),
+            [_, _] => return (Outcome::Unclear, "measurements contradict each other"),
             _ => {}
         }
         let doubt = self.findings.last().and_then(|finding| finding.doubt);
-        let limit = match samples[..] {
+        let limit = match measurements[..] {
             [] => "the interval is not wholly within or beyond the threshold",
-            _ => "one sample is beyond the threshold, two are needed",
+            _ => "one measurement is beyond the threshold, two are needed",
         };
         (Outcome::Unclear, doubt.map_or(limit, Doubt::reason))
     }
 
-    /// Whether another sample could settle the outcome.
+    /// Whether another measurement could settle the outcome.
     pub(super) fn is_open(&self, threshold: f64) -> bool {
         let lasting = |finding: &Finding| finding.doubt.is_some_and(|doubt| !doubt.passes());
         self.outcome == Outcome::Unclear
@@ -187,7 +187,7 @@ impl Verdict {
             && !self.findings.iter().any(lasting)
     }
 
-    /// Changes of the samples that count: samples that have no [`Doubt`], and that clearly show
+    /// Changes of the measurements that count: measurements that have no [`Doubt`], and that clearly show
     /// either a change or no change.
     pub(crate) fn counted(&self, threshold: f64) -> impl Iterator<Item = &Estimate> {
         let clean = self.findings.iter().filter(|finding| finding.doubt.is_none());
@@ -231,14 +231,14 @@ mod tests {
             told(&[slow]),
             (
                 Outcome::Unclear,
-                "one sample is beyond the threshold, two are needed".to_owned(),
+                "one measurement is beyond the threshold, two are needed".to_owned(),
                 true
             )
         );
         assert_eq!(told(&[slow, slow]), (Outcome::Regressed, String::new(), false));
         assert_eq!(told(&[fast, fast]), (Outcome::Improved, String::new(), false));
         assert_eq!(told(&[slow, same]), (Outcome::Same, "not confirmed".to_owned(), false));
-        let contradict = "samples contradict each other".to_owned();
+        let contradict = "measurements contradict each other".to_owned();
         assert_eq!(told(&[slow, fast]), (Outcome::Unclear, contradict, false));
     }
 

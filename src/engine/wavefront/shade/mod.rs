@@ -76,7 +76,7 @@ impl ShadeInputs<'_> {
         StageWork::in_lanes(paths, lanes)
     }
 
-    /// Returns whether the depth limit ends the paths of `queue` here, and counts them if so. WaveRays
+    /// Returns whether the depth limit ends the paths of `queue` here, and counts them if so. Rays
     /// beyond the limit are not traced, so scattering would be useless.
     fn ends_by_depth(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) -> bool {
         let ends = self.segment == self.settings.depth;
