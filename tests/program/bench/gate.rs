@@ -185,7 +185,7 @@ fn disturbed_samples_are_measured_again() {
     // Each block has four renders of this program, and the first sample has 6 blocks.
     let (code, doubts, again, told) = gate(1 + 4 * 6);
     assert_eq!((code, &doubts[..], again), (Some(3), &[true, false, false][..], 2), "{told}");
-    assert!(told.contains("REGRESSED (1 of 3 samples discarded)"), "{told}");
+    assert!(told.contains("REGRESSED (1 of 3 measurements discarded)"), "{told}");
     let (code, doubts, again, told) = gate(u32::MAX);
     assert_eq!((code, &doubts[..], again), (Some(0), &[true; 4][..], 3), "{told}");
     assert!(told.contains("unclear (most blocks are contaminated, 4 of 4"), "{told}");
