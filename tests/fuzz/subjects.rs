@@ -15,10 +15,9 @@ use ptfast::{Engine, Image, Limit, Limits, Metadata, RenderSettings, Renderer, S
 pub type Subject = fn(&[u8]);
 
 /// All subjects with their names.
-pub const ALL: [(&str, Subject); 14] = [
+pub const ALL: [(&str, Subject); 13] = [
     ("scene_ron", scene_ron),
     ("scene_json", scene_json),
-    ("scene_flat", scene_flat),
     ("scene_pbrt", scene_pbrt),
     ("scene_gltf", scene_gltf),
     ("mesh_mtl", mesh_mtl),
@@ -73,10 +72,6 @@ pub fn scene_ron(bytes: &[u8]) {
 
 pub fn scene_json(bytes: &[u8]) {
     scene("a.json", bytes);
-}
-
-pub fn scene_flat(bytes: &[u8]) {
-    scene("a.txt", bytes);
 }
 
 pub fn scene_pbrt(bytes: &[u8]) {
