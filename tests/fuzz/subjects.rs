@@ -18,10 +18,9 @@ use ptfast::{
 pub type Subject = fn(&[u8]);
 
 /// All subjects with their names.
-pub const ALL: [(&str, Subject); 14] = [
+pub const ALL: [(&str, Subject); 13] = [
     ("scene_ron", scene_ron),
     ("scene_json", scene_json),
-    ("scene_flat", scene_flat),
     ("scene_pbrt", scene_pbrt),
     ("scene_gltf", scene_gltf),
     ("mesh_mtl", mesh_mtl),
@@ -40,10 +39,30 @@ fn limits() -> Limits {
     limits.with(Limit::Primitives, 10_000).with(Limit::Pixels, 1 << 20)
 }
 
-/// Calls `use_it` with a file of this name and content in a temporary folder.
+/// Files that scenes of other programs in the corpora name.
+const BESIDE: [(&str, &[u8]); 7] = [
+    ("grid.png", include_bytes!("../data/import/grid.png")),
+    ("tilted.png", include_bytes!("../data/import/tilted.png")),
+    ("sky.pfm", include_bytes!("../data/import/sky.pfm")),
+    ("quad.ply", include_bytes!("../data/import/quad.ply")),
+    ("quad.ply.gz", include_bytes!("../data/import/quad.ply.gz")),
+    ("part.pbrt", include_bytes!("../data/import/part.pbrt")),
+    ("state.pbrt.gz", include_bytes!("../data/import/state.pbrt.gz")),
+];
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("cannot create a temporary folder");
+    for (name, bytes) in BESIDE {
+        fs::write(folder.path().join(name), bytes).expect("cannot write the file");
+    }
+    folder
+}
+
+/// Calls `use_it` with a file of this name and content in a temporary folder, which also has the
+/// files of [`BESIDE`].
 fn in_file<T>(name: &str, bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
     thread_local! {
-        static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("cannot create a temporary folder");
+        static FOLDER: tempfile::TempDir = folder();
     }
     FOLDER.with(|folder| {
         let path = folder.path().join(name);
@@ -78,10 +97,6 @@ pub fn scene_json(bytes: &[u8]) {
     scene("a.json", bytes);
 }
 
-pub fn scene_flat(bytes: &[u8]) {
-    scene("a.txt", bytes);
-}
-
 pub fn scene_pbrt(bytes: &[u8]) {
     scene("a.pbrt", bytes);
 }
@@ -92,8 +107,8 @@ pub fn scene_gltf(bytes: &[u8]) {
 
 /// Loads a mesh with this file of materials.
 pub fn mesh_mtl(bytes: &[u8]) {
-    const MESH: &str =
-        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n";
+    const MESH: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n\
+        usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 2/2\n";
     in_file("m.mtl", bytes, |_| scene("m.obj", MESH.as_bytes()));
 }
 

@@ -39,18 +39,27 @@ fn interval(i: usize, t_max: f32, hit: Option<Hit>) -> (f32, f32) {
     }
 }
 
+/// Generates `rays` rays in rounds, to be checked in parallel. `make` generates ray number `i` and the
+/// end of its interval.
+///
+/// Rounds are generated in sequence, so rays from one random stream do not depend on the threads.
+pub(crate) fn rounds(
+    rays: usize,
+    mut make: impl FnMut(usize) -> (Ray, f32) + Send,
+) -> impl ParallelIterator<Item = Vec<(Ray, f32)>> {
+    let round = move |first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>();
+    (0..rays).step_by(ROUND).map(round).par_bridge()
+}
+
 /// Compares every kernel with `oracle`. `make` generates ray number `i` and the end of its interval.
 pub(crate) fn check_kernels(
     name: &str,
     geometry: &Geometry,
     rays: usize,
-    mut make: impl FnMut(usize) -> (Ray, f32) + Send,
+    make: impl FnMut(usize) -> (Ray, f32) + Send,
     oracle: impl Fn(&Ray, f32, f32) -> Option<Hit> + Sync,
 ) {
     let accelerator = Accelerator::new(geometry.clone());
-    let rounds = (0..rays)
-        .step_by(ROUND)
-        .map(|first| (first..rays.min(first + ROUND)).map(&mut make).collect::<Vec<_>>());
     let check_round = |rays: Vec<(Ray, f32)>| {
         let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
         for (i, (ray, t_max)) in rays.into_iter().enumerate() {
@@ -78,8 +87,7 @@ pub(crate) fn check_kernels(
         }
         want.primitive.iter().filter(|p| **p != HitBatch::MISS).count()
     };
-    // Rays are generated in sequence from one random stream; rounds are then checked in parallel.
-    let hit: usize = rounds.par_bridge().map(check_round).sum();
+    let hit: usize = rounds(rays, make).map(check_round).sum();
     assert!(hit > rays / 20, "{name}: only {hit} of {rays} rays hit anything");
 }
 

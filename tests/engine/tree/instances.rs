@@ -5,6 +5,7 @@ use ptfast::internals::{
     Bvh2, Geometry, Instance, Quad, Ray, Stream, Triangle, Triangles, cross, normalize,
     uniform_sphere,
 };
+use rayon::prelude::*;
 
 use super::check::{RAYS, bits, check_kernels};
 use super::rays::{Bundles, adversarial, soup, vector};
@@ -121,16 +122,16 @@ fn the_reference_agrees_with_brute_force_on_instances() {
         let (geometry, placed) = instanced(20 + seed as u64, kind, 1.0, Vec3::ZERO);
         let tree = Bvh2::new(&geometry, 1);
         let mut random = Stream::new(7);
-        let mut instances = 0;
-        for i in 0..20_000 {
-            let (ray, t_max) = adversarial(&mut random, i, &placed, 1.0, Vec3::ZERO);
+        let make = |i| adversarial(&mut random, i, &placed, 1.0, Vec3::ZERO);
+        let rays: Vec<_> = (0..20_000).map(make).collect();
+        let meets_instance = |&(ray, t_max): &(Ray, f32)| {
             let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
             let found = tree.closest(&geometry, &ray, 0.0, t_max);
             assert_eq!(bits(found), bits(want), "{kind:?} {ray:?}");
             assert_eq!(tree.occluded(&geometry, &ray, 0.0, t_max), want.is_some());
-            let first = geometry.len() as u32;
-            instances += usize::from(want.is_some_and(|hit| hit.primitive >= first));
-        }
+            want.is_some_and(|hit| hit.primitive >= geometry.len() as u32)
+        };
+        let instances = rays.par_iter().filter(|ray| meets_instance(ray)).count();
         assert!(instances > 4000, "only {instances} rays hit instances");
     }
 }

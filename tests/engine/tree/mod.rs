@@ -18,8 +18,9 @@ use ptfast::internals::{
     Accelerator, Bvh2, Geometry, HitBatch, Quad, Ray, RayBatch, Sphere, Stream, Triangle,
     uniform_sphere,
 };
+use rayon::prelude::*;
 
-use self::check::{RAYS, ROUND, bits, check, check_kernels};
+use self::check::{RAYS, ROUND, bits, check, check_kernels, rounds};
 use self::rays::{Bundles, adversarial, soup, vector};
 
 #[test]
@@ -75,17 +76,17 @@ fn triangles_smaller_than_rounding() {
             };
             (Ray { origin, direction: to - origin, time: 0.0 }, f32::INFINITY)
         };
-        for i in 0..20_000 {
-            let (ray, _) = make(i);
-            let want = geometry.closest_by_brute_force(&ray, 0.0, f32::INFINITY);
-            assert_eq!(tree.closest(&geometry, &ray, 0.0, f32::INFINITY), want, "{ray:?}");
+        let rays: Vec<_> = (0..20_000).map(|i| make(i).0).collect();
+        rays.par_iter().for_each(|ray| {
+            let want = geometry.closest_by_brute_force(ray, 0.0, f32::INFINITY);
+            assert_eq!(tree.closest(&geometry, ray, 0.0, f32::INFINITY), want, "{ray:?}");
             // A hit must not lie far beside the triangle.
             if let Some(hit) = want {
                 let middle = geometry.triangles.vertices(hit.primitive as usize)[0];
                 let miss = ray.origin + ray.direction * hit.t - middle;
                 assert!(miss.length_squared().sqrt() < 4.0 * size + 1e-5 * distance, "{miss}");
             }
-        }
+        });
         let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
         check_kernels("smaller than rounding", &geometry, RAYS / 4, make, oracle);
     }
@@ -146,12 +147,12 @@ fn generated_scenes() {
         assert!(layout.bytes > 3 << 19, "{name}: {} bytes", layout.bytes);
         let tree = Bvh2::new(geometry, 2);
         let mut random = Stream::new(17);
-        for i in 0..RAYS / 100 {
-            let (ray, t_max) = adversarial(&mut random, i, geometry, scale, shift);
-            let want = geometry.closest_by_brute_force(&ray, 0.0, t_max);
-            assert_eq!(bits(tree.closest(geometry, &ray, 0.0, t_max)), bits(want), "{ray:?}");
-        }
-        let make = |i| adversarial(&mut random, i, geometry, scale, shift);
+        let mut make = |i| adversarial(&mut random, i, geometry, scale, shift);
+        let rays: Vec<_> = (0..RAYS / 100).map(&mut make).collect();
+        rays.par_iter().for_each(|(ray, t_max)| {
+            let want = geometry.closest_by_brute_force(ray, 0.0, *t_max);
+            assert_eq!(bits(tree.closest(geometry, ray, 0.0, *t_max)), bits(want), "{ray:?}");
+        });
         let oracle = |ray: &Ray, t_min, t_max| tree.closest(geometry, ray, t_min, t_max);
         check_kernels(name, geometry, RAYS / 2, make, oracle);
         let mut bundles = Bundles::new(18, geometry, scale, shift);
@@ -191,28 +192,32 @@ fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
     let accelerator = Accelerator::new(geometry.clone());
     let mut random = Stream::new(31);
     let (mut origin, mut target) = (middle, middle);
-    for _ in (0..RAYS).step_by(ROUND) {
-        let mut batch = RayBatch::default();
-        for i in 0..ROUND {
-            // Bundles alternate with independent rays.
-            let bundled = (i / Bundles::SIZE).is_multiple_of(2);
-            if !bundled || i.is_multiple_of(Bundles::SIZE) {
-                origin = middle + vector(&mut random, 0.2);
-                let [a, b, c] = geometry.triangles.vertices((random.bits() % 20_480) as usize);
-                target = match i / Bundles::SIZE % 3 {
-                    0 => a,
-                    1 => b + (c - b) * random.uniform(),
-                    _ => middle + vector(&mut random, 1.0),
-                };
-            }
-            let beside = vector(&mut random, if bundled && i % 4 > 0 { 0.01 } else { 0.0 });
-            let direction = target + beside - origin;
-            batch.push(&Ray { origin, direction, time: 0.0 }, 0.0, f32::INFINITY);
+    let make = |i: usize| {
+        // Bundles alternate with independent rays.
+        let bundled = (i / Bundles::SIZE).is_multiple_of(2);
+        if !bundled || i.is_multiple_of(Bundles::SIZE) {
+            origin = middle + vector(&mut random, 0.2);
+            let [a, b, c] = geometry.triangles.vertices((random.bits() % 20_480) as usize);
+            target = match i / Bundles::SIZE % 3 {
+                0 => a,
+                1 => b + (c - b) * random.uniform(),
+                _ => middle + vector(&mut random, 1.0),
+            };
         }
+        let wide = bundled && !i.is_multiple_of(4);
+        let beside = vector(&mut random, if wide { 0.01 } else { 0.0 });
+        let direction = target + beside - origin;
+        (Ray { origin, direction, time: 0.0 }, f32::INFINITY)
+    };
+    rounds(RAYS, make).for_each(|rays| {
+        let mut batch = RayBatch::default();
+        rays.iter().for_each(|(ray, t_max)| batch.push(ray, 0.0, *t_max));
         for kernel in Kernel::ALL {
             // `flat` takes too long for all rays.
-            let each = 0..if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
-            let (mut closest, mut any) = (HitBatch::misses(ROUND), HitBatch::misses(ROUND));
+            let share = if kernel == Kernel::Flat { ROUND / 100 } else { ROUND };
+            let each = 0..batch.len().min(share);
+            let (mut closest, mut any) =
+                (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
             accelerator.closest(kernel, &batch, each.clone(), &mut closest);
             accelerator.occluded(kernel, &batch, each.clone(), &mut any);
             for hits in [closest, any] {
@@ -221,5 +226,5 @@ fn escapes(name: &str, geometry: Geometry, middle: Vec3) {
                 assert_eq!(escaped, None, "{name}, {kernel:?}: {told:?}");
             }
         }
-    }
+    });
 }

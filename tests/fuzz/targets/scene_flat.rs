@@ -1,6 +1,0 @@
-#![no_main]
-
-#[path = "../subjects.rs"]
-mod subjects;
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| subjects::scene_flat(bytes));
