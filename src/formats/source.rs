@@ -13,7 +13,7 @@ use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Budget, Limit, Limits};
 
-/// Bytes of memory that a generated [`SceneFile`] needs for each primitive.
+/// Bytes of memory that a generated [`SceneFile`](crate::SceneFile) needs for each primitive.
 const GENERATED: u64 = 300;
 
 /// The format of scenes of other programs in files with this extension in lower case.

@@ -1,7 +1,7 @@
 //! The schema of scene files in `.ron` and `.json`, read and written by serde.
 //!
 //! Lengths are in the scene's unit, angles in degrees and colours in linear RGB. The numbers are
-//! checked later, in [`super::resolve`].
+//! checked later, in `resolve`.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Wide trees for beams and streams, collapsed from the binary tree: a node has up to [`LANES`]
+//! Wide trees for beams and streams, collapsed from the binary tree: a node has up to [`LANES`](crate::simd::LANES)
 //! children.
 
 use std::sync::{Arc, Mutex};
