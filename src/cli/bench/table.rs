@@ -185,7 +185,8 @@ fn describe(verdict: &Verdict, threshold: f64, judged: bool) -> String {
     }
     let measurements = verdict.findings.len();
     let discarded = measurements - verdict.counted(threshold).count();
-    let discarded = (discarded > 0).then(|| format!("{discarded} of {measurements} measurements discarded"));
+    let discarded =
+        (discarded > 0).then(|| format!("{discarded} of {measurements} measurements discarded"));
     let reason = Some(verdict.reason.clone()).filter(|reason| !reason.is_empty());
     let why: Vec<String> = reason.into_iter().chain(discarded).collect();
     let why = if why.is_empty() { String::new() } else { format!(" ({})", why.join(", ")) };

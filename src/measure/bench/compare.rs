@@ -91,7 +91,8 @@ pub(crate) fn judge(
     let (commit, verdicts) = (commit.clone(), first.collect());
     let mut gate = Gate { threshold, commit, verdicts, again: Vec::new() };
     let Some(blocks) = again else { return Ok(gate) };
-    while gate.again.len() + 1 < MOST_MEASUREMENTS && gate.verdicts.iter().any(|v| v.is_open(threshold))
+    while gate.again.len() + 1 < MOST_MEASUREMENTS
+        && gate.verdicts.iter().any(|v| v.is_open(threshold))
     {
         let open = |scene: &str, threads: usize| {
             let mut open = gate.verdicts.iter().filter(|verdict| verdict.is_open(threshold));
