@@ -43,8 +43,8 @@ pub(crate) fn command(
     (x, y): (u32, u32),
     sample: u32,
 ) -> String {
-    let settings = ImageSettings { clamp: None, transparent: false, ..settings.clone() };
-    let flags = NamedSettings::from(&settings).flags();
+    // These do not change the rays of a sample, so `path` has no such flags.
+    let flags = NamedSettings::from(settings).flags(&["spp", "clamp", "transparent"]);
     let (scene, camera) = (scene.words(), camera.words());
     format!("ptfast path {scene}{camera} {flags} --pixel {x},{y} --sample {sample}")
 }
@@ -106,12 +106,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn commands_are_accepted() {
+        use clap::Parser;
+        let scene = Scene::load("cornell").unwrap();
+        let settings =
+            ImageSettings { clamp: Some(2.0), transparent: true, ..ImageSettings::of(&scene) };
+        let command =
+            command(&SceneArg::of("cornell"), &CameraArgs::default(), &settings, (3, 4), 5);
+        let parsed = crate::cli::args::Cli::try_parse_from(command.split(' '));
+        assert!(parsed.is_ok(), "{command}: {parsed:?}");
+    }
+
+    #[test]
     fn commands_can_be_pasted() {
         let scene = Scene::load("cornell").unwrap();
         let settings = ImageSettings { seed: 7, ..ImageSettings::of(&scene) };
         let command =
             command(&SceneArg::of("it's.ron"), &CameraArgs::default(), &settings, (3, 4), 5);
         assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
+        assert!(!command.contains("--spp"), "`path` has no such flag: {command}");
         assert!(command.ends_with("--roulette 5 --pixel 3,4 --sample 5"), "{command}");
         assert_eq!(
             (pixel("3,4"), pixel("3").is_err(), pixel("a,4").is_err()),

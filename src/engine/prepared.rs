@@ -78,7 +78,10 @@ impl View {
         settings: ImageSettings,
         compute: ComputeSettings,
     ) -> Self {
-        let camera = settings.camera(prepared.scene()).frame(settings.width, settings.height);
+        // The scene's own camera is the same view whether the settings name it or not.
+        let camera = settings.camera(prepared.scene()).clone();
+        let settings = ImageSettings { camera: Some(camera.clone()), ..settings };
+        let camera = camera.frame(settings.width, settings.height);
         let backdrop = if settings.transparent { Backdrop::Hidden } else { Backdrop::Shown };
         Self { prepared, settings, compute, camera, backdrop }
     }

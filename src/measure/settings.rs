@@ -50,10 +50,10 @@ impl NamedSettings {
         format!("{width} x {height}, {spp} spp{}", others.collect::<String>())
     }
 
-    /// The flags of `ptfast render` and `ptfast path` that stand for the settings.
-    pub(crate) fn flags(&self) -> String {
-        let flags: Vec<String> =
-            self.words().map(|(name, value)| format!("--{name}{value}")).collect();
+    /// The flags of `ptfast render` that stand for the settings, without those called `except`.
+    pub(crate) fn flags(&self, except: &[&str]) -> String {
+        let wanted = self.words().filter(|(name, _)| !except.contains(name));
+        let flags: Vec<String> = wanted.map(|(name, value)| format!("--{name}{value}")).collect();
         flags.join(" ")
     }
 
@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(named.describe(), format!("400 x 400, 4 spp, {words}"));
         (settings.roulette, settings.clamp, settings.transparent) =
             (Roulette::Off, Some(2.5), true);
-        let flags = NamedSettings::from(&settings).flags();
+        let flags = NamedSettings::from(&settings).flags(&[]);
         assert!(
             flags.starts_with("--width 400 --height 400 --spp 4 --depth 50 --seed 1"),
             "{flags}"

@@ -23,7 +23,7 @@ pub(super) fn render(record: &Record, run: &Run) -> String {
         folder(record),
         quoted(scene),
         quoted(engine),
-        settings.flags()
+        settings.flags(&[])
     )
 }
 
