@@ -9,7 +9,7 @@
 //! # fn main() -> ptfast::Result<()> {
 //! # let folder = tempfile::tempdir().unwrap();
 //! # let path = folder.path().join("spheres.png");
-//! let scene = Scene::load("spheres")?; // or the path of a .ron, .json or .txt file
+//! let scene = Scene::load("spheres")?; // or the path of a scene file
 //! let settings = ImageSettings { width: 64, height: 36, spp: 4, ..ImageSettings::of(&scene) };
 //! let render = Renderer::new(&scene, settings, Engine::Wavefront)?.render()?;
 //! println!("{} rays, image {}", render.tally.rays.total(), render.image.hash());
@@ -99,6 +99,9 @@
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+#[macro_use]
+mod names;
 
 mod accel;
 #[cfg(feature = "cli")]

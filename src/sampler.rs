@@ -16,18 +16,9 @@ pub enum Sampler {
     Sobol,
 }
 
+names! { pub Sampler: Independent = "independent", Sobol = "sobol" }
+
 impl Sampler {
-    /// All samplers.
-    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
-
-    /// The name on the command line and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Independent => "independent",
-            Self::Sobol => "sobol",
-        }
-    }
-
     /// The key of sample `sample` of a pixel.
     #[inline(always)]
     pub(crate) fn path<W: Word>(self, pixel: PixelKey<W>, sample: W) -> PathKey<W> {

@@ -162,7 +162,6 @@ fn common_seconds(curves: &[Curve]) -> f64 {
 }
 
 fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Value {
-    let ImageSettings { width, height, depth, seed, .. } = options.settings;
     let curve = |curve: &Curve| {
         let slope = Slope::of_samples(&curve.points);
         json!({
@@ -175,21 +174,22 @@ fn record(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> V
             "points": curve.points,
         })
     };
-    json!({
+    let mut record = json!({
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
         "scene_hash": scene.hash_with(options.settings.camera(scene)),
-        "width": width,
-        "height": height,
-        "depth": depth,
-        "seed": seed,
         "threads": options.compute.threads,
         "rounds": options.rounds,
         "reference_spp": 2 * u64::from(options.reference),
         "seconds": seconds,
         "curves": curves.iter().map(curve).collect::<Vec<_>>(),
-    })
+    });
+    // Each curve has its own values of the others.
+    let common = options.settings.by_name().into_iter();
+    let common = common.filter(|(name, _)| !["spp", "sampling", "sampler"].contains(&&**name));
+    record.as_object_mut().expect("a record is an object").extend(common);
+    record
 }
 
 fn print(scene: &Scene, options: &Options, curves: &[Curve], seconds: f64) -> Result<()> {

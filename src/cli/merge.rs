@@ -12,6 +12,7 @@ use super::render::target::Target;
 use crate::checkpoint::{Checkpoint, PartialRender, merge, merge_partial};
 use crate::error::{Error, Result};
 use crate::image::Metadata;
+use crate::measure::settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
@@ -58,14 +59,8 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     if let Target::Image(path) = output {
         image.write(path, args.display.display(), &identity.metadata(&hash))?;
     }
-    say(format_args!(
-        "scene   {scene}, {} x {}, {} spp, seed {}, of {} parts",
-        identity.settings.width,
-        identity.settings.height,
-        identity.settings.spp,
-        identity.settings.seed,
-        args.parts.len()
-    ))?;
+    let settings = settings::describe(&identity.settings);
+    say(format_args!("scene   {scene}, {settings}, of {} parts", args.parts.len()))?;
     say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;
     say(format_args!("hash    {hash}"))?;
     say(format_args!("file    {output}"))

@@ -11,7 +11,7 @@ use crate::engine::{ImageSettings, PathRecorder, RayKind, TracedPath, TracedRay}
 use crate::error::{Error, Result};
 use crate::geometry::Hit;
 use crate::limits::MAX_SPP;
-use crate::measure::settings::NamedSettings;
+use crate::measure::settings;
 use crate::scene::Scene;
 
 #[derive(Debug, Args)]
@@ -39,12 +39,14 @@ fn pixel(text: &str) -> std::result::Result<(u32, u32), String> {
 pub(crate) fn command(
     scene: &SceneArg,
     camera: &CameraArgs,
-    settings: &ImageSettings,
+    image: &ImageSettings,
     (x, y): (u32, u32),
     sample: u32,
 ) -> String {
-    // These do not change the rays of a sample, so `path` has no such flags.
-    let flags = NamedSettings::from(settings).flags(&["spp", "clamp", "transparent"]);
+    // `path` lacks the flags of settings that do not change the rays of a sample.
+    let path = PathArgs::augment_args(clap::Command::new("path"));
+    let has = |flag: &str| path.get_arguments().any(|known| known.get_long() == Some(flag));
+    let flags = settings::flags(image, has);
     let (scene, camera) = (scene.words(), camera.words());
     format!("ptfast path {scene}{camera} {flags} --pixel {x},{y} --sample {sample}")
 }
@@ -109,23 +111,15 @@ mod tests {
     fn commands_are_accepted() {
         use clap::Parser;
         let scene = Scene::load("cornell").unwrap();
-        let settings =
-            ImageSettings { clamp: Some(2.0), transparent: true, ..ImageSettings::of(&scene) };
-        let command =
-            command(&SceneArg::of("cornell"), &CameraArgs::default(), &settings, (3, 4), 5);
-        let parsed = crate::cli::args::Cli::try_parse_from(command.split(' '));
-        assert!(parsed.is_ok(), "{command}: {parsed:?}");
-    }
-
-    #[test]
-    fn commands_can_be_pasted() {
-        let scene = Scene::load("cornell").unwrap();
-        let settings = ImageSettings { seed: 7, ..ImageSettings::of(&scene) };
-        let command =
-            command(&SceneArg::of("it's.ron"), &CameraArgs::default(), &settings, (3, 4), 5);
-        assert!(command.starts_with(r"ptfast path 'it'\''s.ron' --width 400"), "{command}");
-        assert!(!command.contains("--spp"), "`path` has no such flag: {command}");
-        assert!(command.ends_with("--roulette 5 --pixel 3,4 --sample 5"), "{command}");
+        let (clamp, transparent) = (Some(2.0), true);
+        let settings = ImageSettings { seed: 7, clamp, transparent, ..ImageSettings::of(&scene) };
+        let command = |of| command(&SceneArg::of(of), &CameraArgs::default(), &settings, (3, 4), 5);
+        let words = "--width 400 --height 400 --depth 50 --seed 7 --sampling mis --sampler sobol --roulette 5";
+        let pasted = format!("ptfast path cornell {words} --pixel 3,4 --sample 5");
+        assert_eq!(command("cornell"), pasted);
+        let parsed = crate::cli::args::Cli::try_parse_from(pasted.split(' '));
+        assert!(parsed.is_ok(), "{parsed:?}");
+        assert!(command("it's.ron").starts_with(r"ptfast path 'it'\''s.ron' --width"));
         assert_eq!(
             (pixel("3,4"), pixel("3").is_err(), pixel("a,4").is_err()),
             (Ok((3, 4)), true, true)

@@ -29,17 +29,7 @@ pub(crate) enum ProgressMode {
     None,
 }
 
-impl ProgressMode {
-    pub(crate) const ALL: [Self; 3] = [Self::Auto, Self::Json, Self::None];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Json => "json",
-            Self::None => "none",
-        }
-    }
-}
+names! { pub(crate) ProgressMode: Auto = "auto", Json = "json", None = "none" }
 
 /// Does `work`, and shows on a terminal what it is and since when.
 pub(crate) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> T) -> T {

@@ -13,7 +13,7 @@ use crate::accel::HitBatch;
 use crate::engine::ImageSettings;
 use crate::error::Result;
 use crate::limits::{MAX_RAYS, MAX_SPP};
-use crate::measure::rayset;
+use crate::measure::{rayset, settings};
 use crate::output::check_folder;
 
 #[derive(Debug, Args)]
@@ -52,15 +52,7 @@ pub(crate) fn run(args: &RaysArgs) -> Result<()> {
     settings.spp = args.spp.unwrap_or(enough as u32);
     let sets = rayset::record(&scene, &settings, args.max_rays)?;
     rayset::write(&sets, &args.output)?;
-    say(format_args!(
-        "scene   {}, {} x {}, {} spp, seed {}, sampling {}",
-        scene.name(),
-        settings.width,
-        settings.height,
-        settings.spp,
-        settings.seed,
-        settings.sampling.name()
-    ))?;
+    say(format_args!("scene   {}, {}", scene.name(), settings::describe(&settings)))?;
     for set in &sets.sets {
         let hits = set.hits.primitive.iter().filter(|p| **p != HitBatch::MISS).count();
         let share = 100.0 * hits as f64 / set.rays.len() as f64;

@@ -15,18 +15,7 @@ pub enum Engine {
     Scalar,
 }
 
-impl Engine {
-    /// All engines.
-    pub const ALL: [Self; 2] = [Self::Wavefront, Self::Scalar];
-
-    /// The name on the command line and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Wavefront => "wavefront",
-            Self::Scalar => "scalar",
-        }
-    }
-}
+names! { pub Engine: Wavefront = "wavefront", Scalar = "scalar" }
 
 /// How an image is computed. None of these settings changes a bit of the image.
 #[derive(Clone, Debug, Default, PartialEq)]

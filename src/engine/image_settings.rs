@@ -14,7 +14,8 @@ use crate::shading::Camera;
 /// What decides the bits of an image, besides its scene.
 ///
 /// This is the only list of these settings: the identity of films, the metadata of images, records and the
-/// dashboard contain all fields by their names.
+/// dashboard contain all fields by their names. A field with a default is missing in older records, whose renders
+/// used it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageSettings {
@@ -34,14 +35,27 @@ pub struct ImageSettings {
     /// How paths find light: by scattering, by sampling lights, or by both.
     pub sampling: Sampling,
     /// The source of random numbers.
+    #[serde(default = "before_sobol")]
     pub sampler: Sampler,
     /// Russian roulette, from a segment of 1 to 65 536 on.
+    #[serde(default = "before_roulette")]
     pub roulette: Roulette,
     /// Maximum component of a sample, above 0; `None` for no limit. Brighter samples are scaled down, which
     /// hides fireflies and loses energy.
+    #[serde(default)]
     pub clamp: Option<f32>,
     /// Whether the camera sees black instead of the background.
+    #[serde(default)]
     pub transparent: bool,
+}
+
+fn before_sobol() -> Sampler {
+    Sampler::Independent
+}
+
+/// Before it was a setting, it applied from segment 5 on.
+fn before_roulette() -> Roulette {
+    Roulette::From(5)
 }
 
 impl ImageSettings {

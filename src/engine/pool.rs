@@ -22,19 +22,9 @@ pub enum Pin {
     Auto,
 }
 
+names! { pub Pin: On = "on", Off = "off", Auto = "auto" }
+
 impl Pin {
-    /// All variants.
-    pub const ALL: [Self; 3] = [Self::On, Self::Off, Self::Auto];
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::On => "on",
-            Self::Off => "off",
-            Self::Auto => "auto",
-        }
-    }
-
     /// Whether to try to pin `threads` threads if the process may use `cores` cores, 0 if their
     /// number is unknown.
     fn tries(self, threads: usize, cores: usize) -> bool {

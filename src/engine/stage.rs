@@ -21,30 +21,14 @@ pub enum Stage {
     Accumulate,
 }
 
-impl Stage {
-    /// All stages, in the order in which they run.
-    pub const ALL: [Self; 8] = [
-        Self::Generate,
-        Self::Extend,
-        Self::Collide,
-        Self::Sort,
-        Self::Shade,
-        Self::Connect,
-        Self::Order,
-        Self::Accumulate,
-    ];
-
-    /// The name in tables and records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Generate => "generate",
-            Self::Extend => "extend",
-            Self::Collide => "collide",
-            Self::Sort => "sort",
-            Self::Shade => "shade",
-            Self::Connect => "connect",
-            Self::Order => "order",
-            Self::Accumulate => "accumulate",
-        }
-    }
+names! {
+    pub Stage:
+    Generate = "generate",
+    Extend = "extend",
+    Collide = "collide",
+    Sort = "sort",
+    Shade = "shade",
+    Connect = "connect",
+    Order = "order",
+    Accumulate = "accumulate",
 }

@@ -27,18 +27,7 @@ pub(crate) enum Missing {
     Grey,
 }
 
-impl Missing {
-    /// All choices.
-    pub(crate) const ALL: [Self; 2] = [Self::Error, Self::Grey];
-
-    /// The name on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Error => "error",
-            Self::Grey => "grey",
-        }
-    }
-}
+names! { pub(crate) Missing: Error = "error", Grey = "grey" }
 
 /// How scenes of other programs are read.
 #[derive(Clone, Debug, Default, PartialEq)]

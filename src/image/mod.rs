@@ -123,7 +123,8 @@ impl Image {
     }
 
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`,
-    /// a [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written atomically: it appears complete or not at all.
+    /// a [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written
+    /// atomically: it appears complete or not at all.
     ///
     /// # Errors
     /// If no writer supports the extension, if the image has an alpha channel and the format has not,

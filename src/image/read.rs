@@ -32,7 +32,8 @@ pub(super) struct Decoded {
     transfer: Transfer,
 }
 
-/// Reads and decodes an image file, whose integers will be read as `encoding` says. `allow` is called before memory for it is allocated.
+/// Reads and decodes an image file, whose integers will be read as `encoding` says. `allow` is called
+/// before memory for it is allocated.
 pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) -> Result<Decoded> {
     let (path, length) = (source.path(), source.length()?);
     let open = || source.open();

@@ -19,19 +19,9 @@ pub enum ToneMap {
     Neutral,
 }
 
+names! { pub ToneMap: None = "none", Agx = "agx", Neutral = "neutral" }
+
 impl ToneMap {
-    /// All tone maps.
-    pub const ALL: [Self; 3] = [Self::None, Self::Agx, Self::Neutral];
-
-    /// The name on the command line and in file metadata.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Agx => "agx",
-            Self::Neutral => "neutral",
-        }
-    }
-
     /// Maps linear RGB to linear RGB in `[0, 1]`. Values of `color` are 0 or more, and finite.
     pub(super) fn apply(self, color: [f64; 3]) -> [f64; 3] {
         match self {

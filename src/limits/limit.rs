@@ -21,29 +21,17 @@ pub enum Limit {
     Memory,
 }
 
+names! {
+    pub Limit:
+    SceneBytes = "scene-bytes",
+    Primitives = "primitives",
+    MeshBytes = "mesh-bytes",
+    TextureBytes = "texture-bytes",
+    Pixels = "pixels",
+    Memory = "memory",
+}
+
 impl Limit {
-    /// All limits.
-    pub const ALL: [Self; 6] = [
-        Self::SceneBytes,
-        Self::Primitives,
-        Self::MeshBytes,
-        Self::TextureBytes,
-        Self::Pixels,
-        Self::Memory,
-    ];
-
-    /// The name in messages and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SceneBytes => "scene-bytes",
-            Self::Primitives => "primitives",
-            Self::MeshBytes => "mesh-bytes",
-            Self::TextureBytes => "texture-bytes",
-            Self::Pixels => "pixels",
-            Self::Memory => "memory",
-        }
-    }
-
     /// `value` as text, bytes with a unit. `round` rounds numbers of tenths of a unit.
     fn amount(self, value: u64, round: fn(f64) -> f64) -> String {
         let units = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];

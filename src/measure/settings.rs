@@ -1,71 +1,41 @@
-//! Settings of renders by their names, as records contain them.
+//! Image settings in words, and as flags in commands.
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::engine::ImageSettings;
-use crate::scene::Named;
 
-/// The settings that decide an image, by name. Records of other versions may lack some.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Map<String, Value>")]
-pub(crate) struct NamedSettings(Named<Value>);
-
-impl From<Map<String, Value>> for NamedSettings {
-    /// Keeps the settings among the fields of a record.
-    fn from(mut fields: Map<String, Value>) -> Self {
-        let named = |name: String| fields.remove_entry(&name);
-        Self(Named(ImageSettings::names().filter_map(named).collect()))
-    }
+/// The settings in words, such as `640 x 360, 16 spp, depth 50, seed 1`.
+pub(crate) fn describe(settings: &ImageSettings) -> String {
+    let ImageSettings { width, height, spp, .. } = settings;
+    let others = words(settings).filter(|(name, _)| !["width", "height", "spp"].contains(&&**name));
+    let others = others.map(|(name, value)| format!(", {name}{value}"));
+    format!("{width} x {height}, {spp} spp{}", others.collect::<String>())
 }
 
-impl From<&ImageSettings> for NamedSettings {
-    fn from(settings: &ImageSettings) -> Self {
-        Self(Named(settings.by_name()))
-    }
+/// The flags that stand for the settings, of those that a command `has`.
+pub(crate) fn flags(settings: &ImageSettings, has: impl Fn(&str) -> bool) -> String {
+    let flags = words(settings).map(|(name, value)| (name.replace('_', "-"), value));
+    let flags = flags.filter(|(flag, _)| has(flag)).map(|(flag, value)| format!("--{flag}{value}"));
+    flags.collect::<Vec<_>>().join(" ")
 }
 
-impl NamedSettings {
-    fn get(&self, name: &str) -> Option<&Value> {
-        let Named(settings) = &self.0;
-        settings.iter().find(|(known, _)| known == name).map(|(_, value)| value)
-    }
+/// The names of all settings that are on, with their values after a blank.
+fn words(settings: &ImageSettings) -> impl Iterator<Item = (String, String)> {
+    settings.by_name().into_iter().filter_map(|(name, value)| match value {
+        Value::Null | Value::Bool(false) => None,
+        Value::Bool(true) => Some((name, String::new())),
+        Value::String(word) => Some((name, format!(" {word}"))),
+        other => Some((name, format!(" {other}"))),
+    })
+}
 
-    /// Returns a setting that is a number, or 0 if it is missing.
-    pub(crate) fn number(&self, name: &str) -> u64 {
-        self.get(name).and_then(Value::as_u64).unwrap_or(0)
-    }
-
-    /// Whether all settings that both have are equal.
-    pub(crate) fn agree(&self, other: &Self) -> bool {
-        let Named(settings) = &self.0;
-        settings.iter().all(|(name, here)| other.get(name).is_none_or(|there| here == there))
-    }
-
-    /// The settings in words, such as `640 x 360, 16 spp, depth 50, seed 1`.
-    pub(crate) fn describe(&self) -> String {
-        let [width, height, spp] = ["width", "height", "spp"].map(|name| self.number(name));
-        let others = self.words().filter(|(name, _)| !["width", "height", "spp"].contains(name));
-        let others = others.map(|(name, value)| format!(", {name}{value}"));
-        format!("{width} x {height}, {spp} spp{}", others.collect::<String>())
-    }
-
-    /// The flags of `ptfast render` that stand for the settings, without those called `except`.
-    pub(crate) fn flags(&self, except: &[&str]) -> String {
-        let wanted = self.words().filter(|(name, _)| !except.contains(name));
-        let flags: Vec<String> = wanted.map(|(name, value)| format!("--{name}{value}")).collect();
-        flags.join(" ")
-    }
-
-    /// The names of all settings that are on, with their values after a blank.
-    fn words(&self) -> impl Iterator<Item = (&str, String)> {
-        let Named(settings) = &self.0;
-        settings.iter().filter_map(|(name, value)| match value {
-            Value::Null | Value::Bool(false) => None,
-            Value::Bool(true) => Some((name.as_str(), String::new())),
-            Value::String(word) => Some((name.as_str(), format!(" {word}"))),
-            other => Some((name.as_str(), format!(" {other}"))),
-        })
+/// `word` as a shell takes it literally.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
     }
 }
 
@@ -73,32 +43,40 @@ impl NamedSettings {
 mod tests {
     use super::*;
     use crate::engine::Roulette;
+    use crate::sampler::Sampler;
     use crate::scene::Scene;
 
     #[test]
     fn settings_are_described_by_name() {
         let scene = Scene::load("cornell").unwrap();
         let mut settings = ImageSettings { spp: 4, ..ImageSettings::of(&scene) };
-        let named = NamedSettings::from(&settings);
         let words = "depth 50, seed 1, sampling mis, sampler sobol, roulette 5";
-        assert_eq!(named.describe(), format!("400 x 400, 4 spp, {words}"));
+        assert_eq!(describe(&settings), format!("400 x 400, 4 spp, {words}"));
         (settings.roulette, settings.clamp, settings.transparent) =
             (Roulette::Off, Some(2.5), true);
-        let flags = NamedSettings::from(&settings).flags(&[]);
-        assert!(
-            flags.starts_with("--width 400 --height 400 --spp 4 --depth 50 --seed 1"),
-            "{flags}"
-        );
-        assert!(flags.ends_with("--roulette off --clamp 2.5 --transparent"), "{flags}");
+        let all = flags(&settings, |_| true);
+        assert!(all.starts_with("--width 400 --height 400 --spp 4 --depth 50 --seed 1"), "{all}");
+        assert!(all.ends_with("--roulette off --clamp 2.5 --transparent"), "{all}");
+        assert_eq!(flags(&settings, |flag| flag == "spp"), "--spp 4");
     }
 
     #[test]
-    fn settings_that_a_record_lacks_do_not_count() {
-        let named = |text: &str| serde_json::from_str::<NamedSettings>(text).unwrap();
-        let old = named(r#"{"width": 8, "spp": 4, "hash": "ab"}"#);
-        assert_eq!((old.number("width"), old.number("depth")), (8, 0));
-        assert!(old.agree(&named(r#"{"width": 8, "spp": 4, "sampler": "sobol"}"#)));
-        assert!(!old.agree(&named(r#"{"width": 9, "spp": 4}"#)));
-        assert_eq!(serde_json::to_string(&old).unwrap(), r#"{"width":8,"spp":4}"#);
+    fn words_are_quoted_where_they_must_be() {
+        assert_eq!(quoted("cloud:1000"), "cloud:1000");
+        assert_eq!(quoted("-C target-cpu=native"), "'-C target-cpu=native'");
+        assert_eq!(quoted("it's; rm"), "'it'\\''s; rm'");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn settings_of_older_versions_are_complete() {
+        let old =
+            r#""width": 8, "height": 4, "spp": 4, "depth": 50, "seed": 1, "sampling": "bsdf""#;
+        let read = |text: &str| serde_json::from_str::<ImageSettings>(&format!("{{{text}}}"));
+        let settings = read(old).unwrap();
+        assert_eq!((settings.sampler, settings.clamp), (Sampler::Independent, None));
+        assert_eq!(settings.roulette, Roulette::From(5));
+        assert!(read(&old.replace("\"seed\": 1, ", "")).is_err());
+        assert!(read(&old.replace("\"bsdf\"", "\"bsdf; rm\"")).is_err());
     }
 }

@@ -148,16 +148,4 @@ pub enum Sampling {
     Mis,
 }
 
-impl Sampling {
-    /// All ways of sampling.
-    pub const ALL: [Self; 3] = [Self::Bsdf, Self::Light, Self::Mis];
-
-    /// Returns the name on the command line and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bsdf => "bsdf",
-            Self::Light => "light",
-            Self::Mis => "mis",
-        }
-    }
-}
+names! { pub Sampling: Bsdf = "bsdf", Light = "light", Mis = "mis" }

@@ -9,8 +9,9 @@ use crate::shading::material::Material;
 use crate::shading::texture::TextureRef;
 use crate::shading::{Camera, Medium, World};
 
-/// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their materials, and the media, in a
-/// canonical form: JSON of the parameters after names are resolved, and the bytes of coordinates.
+/// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their
+/// materials, and the media, in a canonical form: JSON of the parameters after names are resolved, and the
+/// bytes of coordinates.
 pub(crate) fn hash(world: &World, camera: &Camera) -> String {
     let mut hasher = Hasher::new();
     hasher.text("camera");

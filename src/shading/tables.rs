@@ -39,9 +39,9 @@ impl SceneTables {
         Self { surfaces, looks, materials, textures, lights: lights.finish(), media }
     }
 
-    /// Returns the points where `ray` has these hits of primitives of one shape. `textured` states whether the table of their materials contains any textures, and `glossy` whether they
-    /// reflect light like a mirror, sharp or blurred. `instanced` is set for
-    /// [`Shape::Instance`].
+    /// Returns the points where `ray` has these hits of primitives of one shape. `textured` states
+    /// whether the table of their materials contains any textures, and `glossy` whether they reflect
+    /// light like a mirror, sharp or blurred. `instanced` is set for [`Shape::Instance`].
     #[inline(always)]
     pub(crate) fn interaction<R: Real>(
         &self,

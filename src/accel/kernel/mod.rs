@@ -32,18 +32,11 @@ pub enum Kernel {
     Scalar,
 }
 
-impl Kernel {
-    /// All kernels.
-    pub const ALL: [Self; 5] = [Self::Packet, Self::Beam, Self::Stream, Self::Flat, Self::Scalar];
-
-    /// Returns the name on the command line and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Packet => "packet",
-            Self::Beam => "beam",
-            Self::Stream => "stream",
-            Self::Flat => "flat",
-            Self::Scalar => "scalar",
-        }
-    }
+names! {
+    pub Kernel:
+    Packet = "packet",
+    Beam = "beam",
+    Stream = "stream",
+    Flat = "flat",
+    Scalar = "scalar",
 }

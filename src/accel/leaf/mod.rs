@@ -42,7 +42,7 @@ trait Leaf: Sized {
     }
 
     /// Tests one ray against all primitives. `valid` has the bits of their lanes. If `ANY` is set,
-    /// any hit suffices. `few` tells that few rays are tested together. It affects only speed.
+    /// any hit suffices. `few` is set if few rays are tested together. It affects only speed.
     fn test_one<const ANY: bool>(
         &self,
         valid: u32,
@@ -55,9 +55,9 @@ trait Leaf: Sized {
 
     /// Tests the rays of `packet` against the primitives in `lanes`, one after the other.
     ///
-    /// `ALL_MISS` tells that often all rays of the packet miss a primitive, as coherent rays and shadow
-    /// rays do, so that a branch on this pays. `SPANNING` tells that no box around the
-    /// block was tested first, because most of its primitives are huge. Both affect only speed.
+    /// `ALL_MISS` is set if often all rays of the packet miss a primitive, as coherent rays and shadow
+    /// rays do, so that a branch on this pays. `SPANNING` is set if no box around the block was tested
+    /// first, because most of its primitives are huge. Both affect only speed.
     fn test_packet<const V: usize, const ANY: bool, const ALL_MISS: bool, const SPANNING: bool>(
         &self,
         lanes: u32,

@@ -3,6 +3,7 @@
 use clap::Args;
 
 use crate::error::{Error, Result, suggestion};
+use crate::measure::settings::quoted;
 use crate::scene::Scene;
 use crate::shading::{Camera, CameraFile};
 
@@ -72,15 +73,6 @@ impl CameraArgs {
         ];
         let word = |(name, value): (&str, Option<String>)| Some(format!(" --{name} {}", value?));
         words.into_iter().filter_map(word).collect()
-    }
-}
-
-/// `word` as a shell takes it literally.
-pub(crate) fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:".contains(c);
-    match word.chars().all(plain) {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', r"'\''")),
     }
 }
 

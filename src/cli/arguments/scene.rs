@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::IMAGE;
-use super::camera::quoted;
 use super::named::named;
 use crate::formats::{ImportOptions, Missing};
+use crate::measure::settings::quoted;
 
 const IMPORT: &str = "Scenes of other programs";
 

@@ -4,6 +4,7 @@ use crate::cli::console::say;
 use crate::engine::{Engine, Stage};
 use crate::error::Result;
 use crate::measure::bench::{CountChanges, Gate, Outcome, Ratio, Record, Run, Verdict, Workload};
+use crate::measure::settings;
 use crate::measure::statistics::Estimate;
 
 /// Prints the machine, then a line per run.
@@ -16,7 +17,7 @@ pub(crate) fn print(record: &Record) -> Result<()> {
     let build = format!("{}, {}, commit {}", machine.rustc, machine.flags, machine.commit);
     say(format_args!("build   {}", &build))?;
     if let Some(run) = record.runs.first() {
-        let settings = run.work.settings.describe();
+        let settings = settings::describe(&run.work.settings);
         let blocks = run.blocks.len();
         say(format_args!("blocks  {blocks}, each renders everything twice, at about {settings}"))?;
     }

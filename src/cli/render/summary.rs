@@ -4,12 +4,12 @@ use super::record::Run;
 use super::target::Target;
 use crate::cli::console::say;
 use crate::error::Result;
-use crate::measure::settings::NamedSettings;
+use crate::measure::settings;
 
 /// Prints the summary of `run`, which wrote `output`.
 pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
     let Run { scene, renderer, render, hash, seconds } = *run;
-    let settings = NamedSettings::from(renderer.image_settings()).describe();
+    let settings = settings::describe(renderer.image_settings());
     let engine = renderer.compute_settings().engine.name();
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;

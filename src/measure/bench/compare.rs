@@ -4,6 +4,7 @@ use super::record::Record;
 use super::run::{Ratio, Run, Workload};
 use super::verdict::{Again, Doubt, Finding, Gate, Verdict};
 use super::{Bench, Progress};
+use crate::engine::ImageSettings;
 use crate::error::{Error, Result};
 use crate::measure::machine::Machine;
 use crate::measure::statistics::Estimate;
@@ -48,8 +49,10 @@ pub(crate) fn check_machine(baseline: &Record, file: &str) -> Result<()> {
 pub(crate) fn check_works(bench: &Bench, baseline: &Record, file: &str) -> Result<()> {
     let works = bench.works();
     if !baseline.runs.iter().any(|run| works.iter().any(|work| work.is_like(&run.work))) {
-        let message = "no run matches this bench: scene, size, samples, depth, sampling, sampler, \
-                       seed, engine and threads must be the same";
+        let settings = ImageSettings::names().collect::<Vec<_>>().join(", ");
+        let message = format!(
+            "no run matches this bench: scene, engine, threads, {settings} must be the same"
+        );
         return Err(Error::input(file, "runs", message));
     }
     Ok(())
@@ -219,7 +222,7 @@ mod tests {
                          "flags": "", "commit": "c" },
             "runs": [{
                 "scene": "s", "engine": "wavefront", "threads": 1, "width": 1, "height": 1, "spp": 1,
-                "seed": 1, "hash": "h", "blocks": (0..12).map(block).collect::<Vec<_>>(),
+                "depth": 50, "sampling": "bsdf", "seed": 1, "hash": "h", "blocks": (0..12).map(block).collect::<Vec<_>>(),
                 "mrays_per_s": estimate, "msamples_per_s": estimate, "stages": {}, "counters": {},
                 "peak_rss_bytes": 0,
             }],

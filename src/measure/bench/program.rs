@@ -15,11 +15,10 @@ use serde_json::Value;
 
 use super::run::Lanes;
 use crate::accel::Counters;
-use crate::engine::{Engine, Planning, RayCounts};
+use crate::engine::{Engine, ImageSettings, Planning, RayCounts};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::measure::machine::{Interference, Machine};
-use crate::measure::settings::NamedSettings;
 
 /// Settings of a render.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,7 +60,7 @@ pub(super) struct Rendered {
     #[serde(default)]
     pub(super) scene_hash: String,
     #[serde(flatten)]
-    pub(super) settings: NamedSettings,
+    pub(super) settings: ImageSettings,
     pub(super) hash: String,
     pub(super) seconds: Seconds,
     pub(super) rays: RayCounts,

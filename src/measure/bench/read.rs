@@ -44,6 +44,7 @@ impl Record {
 const MOST_BLOCKS: usize = 20_000;
 
 fn check_run(run: &Run, place: &str) -> Result<(), Wrong> {
+    run.work.settings.check_ranges().map_err(|message| (place.to_owned(), message))?;
     let blocks = Estimate::LEAST..=MOST_BLOCKS;
     if !blocks.contains(&run.blocks.len()) {
         let message = format!("a run must have {} to {MOST_BLOCKS} blocks", Estimate::LEAST);

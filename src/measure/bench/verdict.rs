@@ -201,9 +201,14 @@ impl Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::ImageSettings;
+    use crate::scene::Scene;
 
     fn verdict(findings: &[(f64, Option<Doubt>)]) -> Verdict {
-        let mut verdict = Verdict::new(&Workload::default());
+        let settings = ImageSettings::of(&Scene::load("cornell").unwrap());
+        let [scene, scene_hash, engine] = [const { String::new() }; 3];
+        let mut verdict =
+            Verdict::new(&Workload { scene, scene_hash, engine, threads: 1, settings });
         for &(median, doubt) in findings {
             let change = Estimate { median, lo: 0.995 * median, hi: 1.005 * median };
             verdict.add(Finding { change, doubt }, 0.01);
@@ -224,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_needs_two_samples_that_agree() {
+    fn a_change_needs_two_measurements_that_agree() {
         let (slow, same, fast) = ((0.97, None), (1.0, None), (1.03, None));
         assert_eq!(told(&[same]), (Outcome::Same, String::new(), false));
         assert_eq!(
@@ -243,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_are_not_sure_do_not_count() {
+    fn measurements_that_are_not_sure_do_not_count() {
         let of = |findings: &[Finding]| {
             let mut verdict = verdict(&[]);
             findings.iter().for_each(|&finding| verdict.add(finding, 0.01));
@@ -261,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn disturbed_samples_do_not_count() {
+    fn disturbed_measurements_do_not_count() {
         let (slow, same) = ((0.97, None), (1.0, None));
         for passing in [Doubt::Contaminated, Doubt::Control, Doubt::Load] {
             let disturbed = (0.97, Some(passing));

@@ -1,6 +1,7 @@
 //! Shell commands that repeat a run.
 
 use crate::measure::bench::{Record, Run, Workload};
+use crate::measure::settings::{self, quoted};
 
 /// Command that measures all engines again, so that the result includes the speed-up. It uses the
 /// bench of the current checkout, since old commits have no bench.
@@ -23,7 +24,7 @@ pub(super) fn render(record: &Record, run: &Run) -> String {
         folder(record),
         quoted(scene),
         quoted(engine),
-        settings.flags(&[])
+        settings::flags(settings, |_| true)
     )
 }
 
@@ -53,30 +54,6 @@ fn folder(record: &Record) -> String {
 
 /// The arguments of `ptfast bench`, which has no others for settings.
 fn work(Workload { scene, threads, settings, .. }: &Workload) -> String {
-    let [width, spp, seed] = ["width", "spp", "seed"].map(|name| settings.number(name));
-    let scene = quoted(scene);
-    format!("--scene {scene} --threads {threads} --width {width} --spp {spp} --seed {seed}")
-}
-
-/// Quotes a word for the shell if necessary.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:@".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_where_they_must_be() {
-        assert_eq!(quoted("cloud:1000"), "cloud:1000");
-        assert_eq!(quoted("-C target-cpu=native"), "'-C target-cpu=native'");
-        assert_eq!(quoted("it's; rm"), "'it'\\''s; rm'");
-        assert_eq!(quoted(""), "''");
-    }
+    let has = |flag: &str| ["width", "spp", "seed"].contains(&flag);
+    format!("--scene {} --threads {threads} {}", quoted(scene), settings::flags(settings, has))
 }

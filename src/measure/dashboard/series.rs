@@ -10,6 +10,7 @@ use super::history::History;
 use crate::accel::Counters;
 use crate::measure::bench::{Lanes, Record, Run};
 use crate::measure::machine::Machine;
+use crate::measure::settings;
 use crate::measure::statistics::Estimate;
 
 /// All data that the page shows.
@@ -79,9 +80,9 @@ fn machine_name(machine: &Machine) -> String {
     format!("{cpu}{model}, {cores} cores, {isa} ({lanes} lanes)")
 }
 
-fn settings(run: &Run) -> String {
+fn described(run: &Run) -> String {
     let scene: String = run.work.scene_hash.chars().take(8).collect();
-    format!("{}, scene {scene}", run.work.settings.describe())
+    format!("{}, scene {scene}", settings::describe(&run.work.settings))
 }
 
 impl Data {
@@ -96,7 +97,7 @@ impl Data {
                 let of_run = |series: &Series| {
                     (series.machine, &series.scene, &series.engine, series.threads)
                         == (machine, &run.work.scene, &run.work.engine, run.work.threads)
-                        && series.settings == settings(run)
+                        && series.settings == described(run)
                 };
                 if let Some(found) = series.iter().position(of_run) {
                     series[found].points.push(point);
@@ -108,7 +109,7 @@ impl Data {
                         scene: run.work.scene.clone(),
                         engine: run.work.engine.clone(),
                         threads: run.work.threads,
-                        settings: settings(run),
+                        settings: described(run),
                         points: vec![point],
                     });
                 }

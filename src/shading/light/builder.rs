@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::alias::AliasTable;
 use super::environment::{Environment, EnvironmentMap};
-use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights};
+use super::lights::{Choice, FRONT_ONLY, Lights, UNSEEN};
 use super::tree::{LightBounds, LightTree};
 use super::{Entry, LightFile};
 use crate::geometry::Primitive;
@@ -66,11 +66,11 @@ impl LightsBuilder {
         &mut self,
         (kind, index): Entry,
         radiance: Vec3,
-        flags: u32,
+        one_sided: u32,
         inside: Option<LightBounds>,
     ) {
-        let flags = (kind as u32) << KIND_SHIFT | flags;
-        self.lights.rows.push([row(radiance, f32::from_bits(flags)), [0, index, 0, 0]]);
+        self.lights.has_unseen |= kind & UNSEEN != 0;
+        self.lights.rows.push([row(radiance, f32::from_bits(kind | one_sided)), [0, index, 0, 0]]);
         // Above 0 even for the dimmest light.
         let power = |power: f64| if power > 1e-300 { power } else { 1e-300 };
         self.inside.push(inside.map(|light| LightBounds { power: power(light.power), ..light }));

@@ -1,6 +1,6 @@
 //! Chooses lights and samples them.
 
-use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights};
+use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights, UNSEEN};
 use super::tree::LightTree;
 use super::{Environment, LightKind, LightSample, Listed, TableFold};
 use crate::geometry::Ray;
@@ -103,7 +103,7 @@ impl<R: Real> Chosen<'_, R> {
     /// Returns which of the lights only light samples find.
     #[inline(always)]
     pub(crate) fn unseen(&self) -> R::Mask {
-        self.lights.tables.fold(&Unseen { chosen: self }, R::Mask::NONE)
+        self.has(UNSEEN)
     }
 
     #[inline(always)]
@@ -139,22 +139,12 @@ impl<R: Real> Chosen<'_, R> {
     /// Returns the radiance towards a viewer. `front` marks viewers on the front side of the light.
     #[inline(always)]
     pub(crate) fn radiance(&self, front: R::Mask) -> R::Vec3 {
-        let one_sided = (self.flags & R::Word::splat(FRONT_ONLY)).eq(R::Word::splat(FRONT_ONLY));
-        (one_sided & !front).select(R::Vec3::zero(), self.emission)
+        (self.has(FRONT_ONLY) & !front).select(R::Vec3::zero(), self.emission)
     }
-}
-
-/// [`Chosen::unseen`].
-struct Unseen<'a, R: Real> {
-    chosen: &'a Chosen<'a, R>,
-}
-
-impl<R: Real> TableFold for Unseen<'_, R> {
-    type Value = R::Mask;
 
     #[inline(always)]
-    fn step<L: Listed>(&self, _: &[L], unseen: R::Mask) -> R::Mask {
-        if L::UNSEEN { unseen | self.chosen.is(L::KIND) } else { unseen }
+    fn has(&self, flag: u32) -> R::Mask {
+        (self.flags & R::Word::splat(flag)).eq(R::Word::splat(flag))
     }
 }
 

@@ -1,17 +1,20 @@
 //! The lights of a scene, and how they are chosen.
 
+use super::LightTables;
 use super::alias::AliasTable;
 use super::tree::LightTree;
-use super::{LightTables, Listed, TableFold};
 use crate::math::Row;
 
 /// Data of every light: (radiance, flags) and (chance of being chosen, index in the table of its
 /// kind, 0, 0).
 pub(super) type LightRows = [Row; 2];
 
-/// Flag of lights that emit on their front side only. The kind is in the bits above it.
+/// Flag of lights that emit on their front side only.
 pub(super) const FRONT_ONLY: u32 = 1;
-pub(super) const KIND_SHIFT: u32 = 1;
+/// Flag of lights that only light samples find.
+pub(super) const UNSEEN: u32 = 2;
+/// The kind is in the bits above the flags.
+pub(super) const KIND_SHIFT: u32 = 2;
 
 /// The lights of a scene: those of primitives in their order, then those of the list of lights, then
 /// the environment map.
@@ -22,6 +25,7 @@ pub(crate) struct Lights {
     pub(super) choice: Choice,
     /// Index of the environment map.
     pub(super) environment: Option<u32>,
+    pub(super) has_unseen: bool,
 }
 
 /// How a light is chosen.
@@ -51,18 +55,6 @@ impl Lights {
     /// Whether there are lights that only light samples find.
     #[inline(always)]
     pub(crate) fn has_unseen(&self) -> bool {
-        self.tables.fold(&HasUnseen, false)
-    }
-}
-
-/// [`Lights::has_unseen`].
-struct HasUnseen;
-
-impl TableFold for HasUnseen {
-    type Value = bool;
-
-    #[inline(always)]
-    fn step<L: Listed>(&self, table: &[L], has_unseen: bool) -> bool {
-        has_unseen || L::UNSEEN && !table.is_empty()
+        self.has_unseen
     }
 }

@@ -156,8 +156,8 @@ lights! {
     Environment in environment,
 }
 
-/// The kind of a light, and its index in the table of that kind.
-type Entry = (LightKind, u32);
+/// The flags of a light, and its index in the table of its kind.
+type Entry = (u32, u32);
 
 /// The entry of a primitive, its area, and its unit normal if it is flat.
 type PrimitiveEntry = (Entry, f64, Option<DVec3>);
@@ -167,7 +167,8 @@ impl LightTables {
     fn push<L: Listed>(&mut self, light: L) -> Entry {
         let table = L::table(self);
         table.push(light);
-        (L::KIND, table.len() as u32 - 1)
+        let unseen = if L::UNSEEN { lights::UNSEEN } else { 0 };
+        ((L::KIND as u32) << lights::KIND_SHIFT | unseen, table.len() as u32 - 1)
     }
 
     /// Adds the primitive as a light of the kind `L`. Returns `None` if it has another shape.

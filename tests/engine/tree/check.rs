@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::rays::{Bundles, adversarial};
 
 /// Number of rays traced for each kind of scene.
-pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 120_000 };
+pub(crate) const RAYS: usize = if cfg!(feature = "slow-tests") { 10_000_000 } else { 50_000 };
 /// Number of rays in a round, which are traced as one batch: a whole number of bundles.
 pub(crate) const ROUND: usize = 320 * Bundles::SIZE;
 

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use crate::error::Result;
 use crate::measure::bench::record::Record;
 use crate::measure::bench::run::{Run, Workload};
+use crate::measure::settings;
 use crate::output::write_atomically;
 
 /// Writes one row for each run.
@@ -28,7 +29,7 @@ fn row(run: &Run, record: &Record) -> Value {
         "range": format!("± {:.3}", 0.5 * (speed.hi - speed.lo)),
         "extra": format!(
             "{}, {threads} threads\n{}, {} lanes, {}\nimage {hash}",
-            settings.describe(), machine.cpu, machine.lanes, machine.rustc
+            settings::describe(settings), machine.cpu, machine.lanes, machine.rustc
         ),
     })
 }

@@ -27,20 +27,7 @@ pub(crate) enum Format {
     Csv,
 }
 
-impl Format {
-    /// All formats.
-    pub(crate) const ALL: [Self; 4] = [Self::Criterion, Self::Gha, Self::Bmf, Self::Csv];
-
-    /// The name on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Criterion => "criterion",
-            Self::Gha => "gha",
-            Self::Bmf => "bmf",
-            Self::Csv => "csv",
-        }
-    }
-}
+names! { pub(crate) Format: Criterion = "criterion", Gha = "gha", Bmf = "bmf", Csv = "csv" }
 
 /// Path of the file that [`export`] writes in `folder`, or of the folder for several files.
 pub(crate) fn export_file(format: Format, folder: &Path) -> PathBuf {
