@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Hit, Ray};
+use crate::math::Real;
 use crate::simd::{Float, LANES, Vec3x, axes, set_lanes};
 
 /// Rays, each with the open interval in which hits count.

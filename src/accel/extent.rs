@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::slab::SLACK;
 use crate::geometry::{Bounds, Geometry, Instance};
-use crate::math::{UNIT_ROUNDOFF, max, max_element, min};
+use crate::math::{Real, UNIT_ROUNDOFF, max, max_element, min};
 use crate::simd::{Float, Vec3x, axes};
 
 /// Largest coordinate of a box or an origin. Within this limit and the next two, no product of the

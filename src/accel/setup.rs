@@ -5,7 +5,7 @@ use super::extent::{Extent, ExtentLanes};
 use super::slab::SLACK;
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
-use crate::math::UNIT_ROUNDOFF;
+use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Float, Mask, Vec3x, axes};
 
 /// A vector of rays, with the values that several tests share.

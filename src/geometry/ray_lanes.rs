@@ -4,7 +4,7 @@
 //! operations in the same order, with masks instead of branches; a test that deviates documents why
 //! the result is the same. Lanes that hold NaN miss.
 
-use crate::math::UNIT_ROUNDOFF;
+use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Float, Mask, Vec3x};
 
 /// The ray data for sphere and quad tests: [`super::PreparedRay`] without the shear.

@@ -3,22 +3,13 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Int, LANES, Lanes, Mask, Register, UintRegister};
-use crate::math::Select;
+use crate::math::{Real, Select};
 
 /// A vector with one f32 in each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Float(pub(super) Register);
 
 impl Float {
-    pub(crate) const ZERO: Self = Self(Register::ZERO);
-    pub(crate) const INFINITY: Self = Self(Register::new([f32::INFINITY; LANES]));
-
-    /// Returns a vector with `value` in every lane.
-    #[inline(always)]
-    pub(crate) fn splat(value: f32) -> Self {
-        Self(Register::splat(value))
-    }
-
     #[inline(always)]
     pub(crate) fn new(lanes: Lanes) -> Self {
         Self(Register::new(lanes))
@@ -81,41 +72,6 @@ impl Float {
         self
     }
 
-    /// Reinterprets each lane's bits as a float.
-    #[inline(always)]
-    pub(crate) fn from_bits(bits: Int) -> Self {
-        Self(Register::from_bits(bits.0))
-    }
-
-    /// Returns the bits of each lane.
-    #[inline(always)]
-    pub(crate) fn to_bits(self) -> Int {
-        Int(self.0.to_bits())
-    }
-
-    #[inline(always)]
-    pub(crate) fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    /// Rounds each lane down to an integer.
-    #[inline(always)]
-    pub(crate) fn floor(self) -> Self {
-        Self(self.0.floor())
-    }
-
-    #[inline(always)]
-    pub(crate) fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-
-    /// Returns the magnitude of `self` with the sign of `sign`.
-    #[inline(always)]
-    pub(crate) fn copysign(self, sign: Self) -> Self {
-        let negative_zero = Register::splat(-0.0);
-        Self((self.0 & !negative_zero) | (sign.0 & negative_zero))
-    }
-
     /// `if self < other { self } else { other }`.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
@@ -136,31 +92,6 @@ impl Float {
         } else {
             self.gt(other).select(self, other)
         }
-    }
-
-    #[inline(always)]
-    pub(crate) fn lt(self, other: Self) -> Mask {
-        Mask(self.0.simd_lt(other.0))
-    }
-
-    #[inline(always)]
-    pub(crate) fn le(self, other: Self) -> Mask {
-        Mask(self.0.simd_le(other.0))
-    }
-
-    #[inline(always)]
-    pub(crate) fn gt(self, other: Self) -> Mask {
-        Mask(self.0.simd_gt(other.0))
-    }
-
-    #[inline(always)]
-    pub(crate) fn ge(self, other: Self) -> Mask {
-        Mask(self.0.simd_ge(other.0))
-    }
-
-    #[inline(always)]
-    pub(crate) fn eq(self, other: Self) -> Mask {
-        Mask(self.0.simd_eq(other.0))
     }
 
     /// `self * a + b` with one rounding or two, whichever is faster on the target CPU.

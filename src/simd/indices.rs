@@ -94,7 +94,7 @@ mod tests {
 
     use super::*;
     use crate::math::random::Stream;
-    use crate::math::row;
+    use crate::math::{Real, row};
     use glam::Vec3;
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use super::{Float, LANES, Lanes, Mask, Register, UintRegister};
-use crate::math::{Select, Word};
+use crate::math::{Real, Select, Word};
 
 /// A vector with one u32 in each lane.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@
 //! otherwise (one AVX register or two SSE2 registers). This module is built on the crate `wide`,
 //! which no other module names.
 //!
-//! Operators, comparisons, [`Float::min`], [`Float::max`], [`Float::sqrt`], [`Float::floor`] and
-//! sign operations are contract arithmetic: each lane equals the result of the scalar operation of
-//! the same name in [`crate::math`], bit for bit. [`Float::free_mul_add`] and
+//! Operators, [`Float::min`], [`Float::max`] and the methods of [`Real`](crate::math::Real) are
+//! contract arithmetic: each lane equals the result of the scalar operation of the same name in
+//! [`crate::math`], bit for bit. [`Float::free_mul_add`] and
 //! [`Float::free_mul_sub`] are not contract arithmetic: use them only to decide where to look for
 //! hits, and for decisions that hold despite any rounding.
 
@@ -44,7 +44,7 @@ pub(crate) type Lanes<T = f32> = [T; LANES];
 mod tests {
     use super::*;
     use crate::math::random::Stream;
-    use crate::math::{self, Vector, Word};
+    use crate::math::{self, Real, Vector, Word};
 
     /// Random numbers of every kind: arbitrary bits, special values and ordinary numbers.
     fn numbers(random: &mut Stream) -> Lanes {
@@ -96,11 +96,11 @@ mod tests {
             same(x.lt(y).select(x, y), |i| if a[i] < b[i] { a[i] } else { b[i] });
             type Compare = fn(&f32, &f32) -> bool;
             let comparisons: [(Mask, Compare); 5] = [
-                (x.lt(y), f32::lt),
-                (x.le(y), f32::le),
-                (x.gt(y), f32::gt),
-                (x.ge(y), f32::ge),
-                (x.eq(y), f32::eq),
+                (x.lt(y), PartialOrd::lt),
+                (x.le(y), PartialOrd::le),
+                (x.gt(y), PartialOrd::gt),
+                (x.ge(y), PartialOrd::ge),
+                (x.eq(y), PartialEq::eq),
             ];
             for (mask, scalar) in comparisons {
                 let bits = (0..LANES).map(|i| u32::from(scalar(&a[i], &b[i])) << i).sum();
@@ -181,7 +181,6 @@ mod tests {
 
     #[test]
     fn reads_and_calls_match_scalars() {
-        use crate::math::Real;
         let mut random = Stream::new(5);
         for len in [1, 2, 7, 1000] {
             let words = |random: &mut Stream| random.bits() as u32;

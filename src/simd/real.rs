@@ -9,23 +9,23 @@ impl Real for Float {
     type Vec3 = Vec3x;
     type Index = Indices;
 
-    const ZERO: Self = Self::ZERO;
+    const ZERO: Self = Self(Register::ZERO);
     const ONE: Self = Self(Register::ONE);
-    const INFINITY: Self = Self::INFINITY;
+    const INFINITY: Self = Self(Register::new([f32::INFINITY; LANES]));
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Self::splat(value)
+        Self(Register::splat(value))
     }
 
     #[inline(always)]
     fn from_bits(bits: Int) -> Self {
-        Self::from_bits(bits)
+        Self(Register::from_bits(bits.0))
     }
 
     #[inline(always)]
     fn to_bits(self) -> Int {
-        self.to_bits()
+        Int(self.0.to_bits())
     }
 
     #[inline(always)]
@@ -35,22 +35,23 @@ impl Real for Float {
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.sqrt()
+        Self(self.0.sqrt())
     }
 
     #[inline(always)]
     fn floor(self) -> Self {
-        self.floor()
+        Self(self.0.floor())
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        self.abs()
+        Self(self.0.abs())
     }
 
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
-        self.copysign(sign)
+        let negative_zero = Register::splat(-0.0);
+        Self((self.0 & !negative_zero) | (sign.0 & negative_zero))
     }
 
     #[inline(always)]
@@ -65,27 +66,27 @@ impl Real for Float {
 
     #[inline(always)]
     fn lt(self, other: Self) -> Mask {
-        self.lt(other)
+        Mask(self.0.simd_lt(other.0))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> Mask {
-        self.le(other)
+        Mask(self.0.simd_le(other.0))
     }
 
     #[inline(always)]
     fn gt(self, other: Self) -> Mask {
-        self.gt(other)
+        Mask(self.0.simd_gt(other.0))
     }
 
     #[inline(always)]
     fn ge(self, other: Self) -> Mask {
-        self.ge(other)
+        Mask(self.0.simd_ge(other.0))
     }
 
     #[inline(always)]
     fn eq(self, other: Self) -> Mask {
-        self.eq(other)
+        Mask(self.0.simd_eq(other.0))
     }
 
     #[inline(always)]

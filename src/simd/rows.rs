@@ -8,7 +8,7 @@
 use std::mem::transmute;
 
 use super::{Float, LANES, Lanes, Vec3x};
-use crate::math::Row;
+use crate::math::{Real, Row};
 
 /// Returns one row in all lanes, as a vector and a number.
 #[inline(always)]

@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 use super::{Float, Lanes, Mask};
-use crate::math::{Select, Vector};
+use crate::math::{Real, Select, Vector};
 
 /// Returns `f` of each axis. Unlike `[0, 1, 2].map(f)`, this is inlined however large the values
 /// are.

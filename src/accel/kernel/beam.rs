@@ -25,6 +25,7 @@ use crate::accel::leaf::{LeafBlocks, LeafRef, Meshes, NoMeshes};
 use crate::accel::ray::packet::{Packet, VECTORS};
 use crate::accel::ray::rays::Rays;
 use crate::accel::tree::wide::WideTree;
+use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// The intervals that bound the rays of a packet. Each value is the same in every lane.

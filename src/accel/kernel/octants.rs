@@ -2,6 +2,7 @@
 
 use crate::accel::ray::packet::Packet;
 use crate::accel::ray::rays::Rays;
+use crate::math::Real;
 use crate::simd::{Float, axes};
 
 /// The signs of the rays' directions.

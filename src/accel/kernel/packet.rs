@@ -12,6 +12,7 @@ use crate::accel::ray::rays::Rays;
 use crate::accel::setup::SlabLanes;
 use crate::accel::slab::near_and_far;
 use crate::accel::tree::pair::PairTree;
+use crate::math::Real;
 use crate::simd::{Float, LANES};
 
 /// The box test for packets whose rays agree in the signs of their directions.

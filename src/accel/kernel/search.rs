@@ -6,6 +6,7 @@ use crate::accel::leaf::Meshes;
 use crate::accel::ray::one_ray::OneRay;
 use crate::accel::ray::ray_group::{Members, RayGroup};
 use crate::accel::tree::wide::{WideNode, WideTree};
+use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// Makes all `visits`, and searches there for hits of those rays of `group` that are in the set `rays`.

@@ -8,6 +8,7 @@ use crate::accel::ray::packet::Packet;
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::sphere::lanes::{hits, padded_radius2};
+use crate::math::Real;
 use crate::simd::{Bits, Float, Lanes, Vec3x};
 
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@ use crate::accel::ray::rays::Rays;
 use crate::geometry::Geometry;
 use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
 use crate::geometry::ray_lanes::HitLanes;
+use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x};
 
 #[derive(Clone, Debug)]

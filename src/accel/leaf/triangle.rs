@@ -11,6 +11,7 @@ use crate::accel::ray::rays::Rays;
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::HitLanes;
 use crate::geometry::triangle::lanes::shear;
+use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes};
 
 #[derive(Clone, Debug)]

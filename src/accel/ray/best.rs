@@ -2,6 +2,7 @@
 
 use crate::accel::batch::HitBatch;
 use crate::geometry::ray_lanes::HitLanes;
+use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes};
 
 /// The closest hit so far. The ray's interval is open, so a hit at exactly `t` counts only if `t`

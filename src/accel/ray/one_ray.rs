@@ -6,6 +6,7 @@ use crate::accel::setup::{Setup, Shear};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
+use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 
 /// A vector of prepared rays in memory, read lane by lane.

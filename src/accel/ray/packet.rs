@@ -2,6 +2,7 @@
 
 use super::rays::Rays;
 use crate::accel::batch::HitBatch;
+use crate::math::Real;
 use crate::simd::{Bits, Float, Int, LANES, first_bits};
 
 /// Number of vectors in a packet of most kernels. The 32 rays of such a packet share the loads of a

@@ -8,6 +8,7 @@ use crate::accel::extent::Extent;
 use crate::accel::setup::Setup;
 use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::geometry::{Ray, shear_axes};
+use crate::math::Real;
 use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};
 
 /// A vector of rays and their closest hits so far.

@@ -6,6 +6,7 @@ use super::paths::Paths;
 use super::ray_sort::{CellSort, Cells};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::geometry::Ray;
+use crate::math::Real;
 use crate::simd::{Float, Indices, Int, LANES, Vec3x};
 
 /// Shadow rays, and the light that each one adds if it is not occluded.

@@ -3,6 +3,7 @@
 use super::columns::Columns;
 use super::rays::WaveRays;
 use crate::accel::HitBatch;
+use crate::math::Real;
 use crate::shading::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 

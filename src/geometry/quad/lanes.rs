@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::Quad;
 use crate::geometry::ray_lanes::RayLanes;
+use crate::math::Real;
 use crate::simd::{Float, Int, Mask, Vec3x};
 
 /// The quad data that the general test needs.

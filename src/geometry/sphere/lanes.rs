@@ -1,7 +1,7 @@
 //! Tests of spheres and rays in lanes.
 
 use crate::geometry::ray_lanes::{HitLanes, RayLanes};
-use crate::math::UNIT_ROUNDOFF;
+use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Float, Vec3x};
 
 /// Intersects rays with spheres whose centres are at `center` at the rays' times. Only distances

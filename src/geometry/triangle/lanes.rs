@@ -1,7 +1,7 @@
 //! Tests of triangles and rays in lanes.
 
 use super::{distance, distance_by_select};
-use crate::math::UNIT_ROUNDOFF;
+use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};
 
 /// Triangles in the coordinates of their rays, and the lanes that may hit.

@@ -6,7 +6,7 @@ use crate::engine::contract::ROULETTE_MAX;
 use crate::engine::wavefront::material_sort::Queue;
 use crate::engine::wavefront::paths::{History, Segment};
 use crate::geometry::{Ray, Shape, Surface};
-use crate::math::max_element;
+use crate::math::{Real, max_element};
 use crate::sampler::Dimension;
 use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};

@@ -4,6 +4,7 @@ use super::ShadeInputs;
 use crate::engine::wavefront::material_sort::Queue;
 use crate::engine::wavefront::paths::{History, Paths, Segment};
 use crate::geometry::Hit;
+use crate::math::Real;
 use crate::sampler::Randoms;
 use crate::simd::{Float, Indices, Int, LANES, first_bits};
 
