@@ -64,7 +64,7 @@ pub(crate) fn hash(world: &World, camera: &Camera) -> String {
 fn identity(material: &Material) -> Vec<u8> {
     let mut material = material.clone();
     for reference in material.textures() {
-        let texture = canonical(reference.get().identity());
+        let texture = canonical(reference.get().model().identity());
         *reference = TextureRef::Named(String::from_utf8(texture).expect("JSON is UTF-8"));
     }
     canonical(json!(material))

@@ -4,7 +4,7 @@ use super::Scene;
 use crate::geometry::Primitive;
 use crate::math::length;
 use crate::shading::Camera;
-use crate::shading::material::{Material, Sides};
+use crate::shading::material::Sides;
 
 impl Scene {
     /// Returns the reasons why the picture may be black, and the data in the scene's files that
@@ -19,7 +19,8 @@ impl Scene {
         if self.geometry().is_empty() {
             warnings.push("the scene has no primitives".to_owned());
         }
-        let emission_rows = self.materials().iter().any(Material::has_emission_texture);
+        let emission_rows =
+            self.materials().iter().any(|material| material.model().emission_texture().is_some());
         if self.lights() == 0 && !emission_rows && self.background().is_black() {
             let message =
                 "the picture will be black: nothing emits light, and the background is black";
@@ -38,7 +39,8 @@ impl Scene {
             let (center, material) = (sphere.center_at(camera.shutter.0), self.material(primitive));
             let inside = length(camera.look_from.as_vec3() - center) < sphere.radius;
             let emits = material.emission().is_some_and(|emission| emission.sides == Sides::Both);
-            (inside && !emits && !material.transmits()).then_some((primitive, material.name()))
+            (inside && !emits && !material.model().transmits())
+                .then_some((primitive, material.name()))
         })
     }
 }

@@ -44,7 +44,7 @@ impl MaterialHoles {
                 Opacity::Blend { .. } => None,
             },
         };
-        let opacities = || materials.iter().map(Material::opacity);
+        let opacities = || materials.iter().map(|material| material.model().opacity());
         let entries = opacities().map(|opacity| opacity.map(&mut entry)).collect();
         let opacities = opacities().map(Option::<&Opacity>::cloned).collect();
         Self { opacities, entries, textures, map: Arc::clone(map), first }
@@ -58,7 +58,7 @@ impl MaterialHoles {
 
 /// Marks the triangles of `geometry` whose materials have holes.
 pub(crate) fn mark_holes(geometry: &mut Geometry, materials: &[Material], map: &MaterialMap) {
-    if materials.iter().all(|material| material.opacity().is_none()) {
+    if materials.iter().all(|material| material.model().opacity().is_none()) {
         return;
     }
     let map = Arc::new(map.clone());

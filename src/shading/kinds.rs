@@ -1,11 +1,11 @@
 //! The enums of scene files that have a variant for each kind of material, texture, light or primitive.
 
 /// Declares such an enum. Each variant contains a type of its module, and has a name in scene files. All
-/// types implement the trait after the name of the enum.
+/// types implement the trait after the name of the enum, which `model` returns.
 macro_rules! kinds {
     (
         $(#[$attribute:meta])*
-        pub enum $enum:ident: $model:ident {
+        pub enum $enum:ident: $vis:vis $model:ident {
             $($(#[$doc:meta])* $name:ident($type:ident) in $module:ident called $word:expr,)*
         }
     ) => {
@@ -33,7 +33,7 @@ macro_rules! kinds {
                 }
             }
 
-            fn model(&self) -> &dyn $model {
+            $vis fn model(&self) -> &dyn $model {
                 match self {
                     $(Self::$name(kind) => kind,)*
                 }

@@ -92,7 +92,7 @@ impl Looks {
             let entry = entries[material as usize];
             let material = &world.materials[material as usize];
             let emission = material.emission().filter(Emission::emits);
-            let emits = emission.is_some() || material.has_emission_texture();
+            let emits = emission.is_some() || material.model().emission_texture().is_some();
             let key = number(Key::Surface { shape, kind: material.kind(), emits });
             let first = light;
             if let Some(emission) = emission {

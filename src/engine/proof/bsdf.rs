@@ -145,7 +145,7 @@ fn cases() -> Vec<Case> {
         for cos in [0.99f32, 0.6, 0.15] {
             let sin = (1.0 - cos * cos).sqrt();
             let direction = -Frame::new(normal).world(Vec3::new(0.6 * sin, 0.8 * sin, cos));
-            let glass = material.transmits();
+            let glass = material.model().transmits();
             for front in [true, false] {
                 if !front && !glass {
                     continue;

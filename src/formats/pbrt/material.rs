@@ -52,7 +52,7 @@ impl Reader<'_, '_> {
         }
         if let Some(alpha) = alpha {
             let alpha = alpha.mapped(|alpha| alpha);
-            match material.opacity_mut() {
+            match material.model_mut().opacity_mut() {
                 Some(opacity) => *opacity = Some(Opacity::Blend { alpha }),
                 None => {
                     self.import.warn(format!("alpha of {class} is not supported, so it is opaque"))

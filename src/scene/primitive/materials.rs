@@ -25,7 +25,7 @@ impl<'a> Materials<'a> {
         Self {
             names: names.zip(0..).collect(),
             emits: materials.iter().map(emits).collect(),
-            normal_maps: materials.iter().any(Material::has_normal_map),
+            normal_maps: materials.iter().any(|material| material.model().normal().is_some()),
             vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }
     }

@@ -37,8 +37,8 @@ const TANGENTS: u64 = 600;
 const ROW: u64 = 48;
 
 /// An entry in the list of primitives of a scene file.
-trait Expand {
-    /// Returns the name of the material, which instances may leave out.
+pub(crate) trait Expand {
+    /// Returns the name of the material. `None` for an instance whose mesh has its own materials.
     fn material(&self) -> Option<&str>;
 
     /// Checks the parameters and adds the primitives that they describe.
@@ -137,7 +137,7 @@ fn radius(e: &Location<'_>, radius: f32) -> Result<f32> {
 
 kinds! {
     /// A primitive, or a group that expands into primitives.
-    pub enum PrimitiveFile: Expand {
+    pub enum PrimitiveFile: pub(crate) Expand {
         /// A sphere that does not move.
         Sphere(SphereFile) in sphere called "sphere",
         /// A sphere that moves linearly.
@@ -152,18 +152,5 @@ kinds! {
         Mesh(MeshFile) in mesh called "mesh",
         /// A named mesh, placed by a matrix.
         Instance(InstanceFile) in instance called "instance",
-    }
-}
-
-impl PrimitiveFile {
-    /// Returns the name of the primitive's material; `None` for an instance whose mesh has its own
-    /// materials.
-    pub(crate) fn material(&self) -> Option<&str> {
-        self.model().material()
-    }
-
-    /// Checks the parameters and adds the primitives that they describe.
-    pub(crate) fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
-        self.model().expand(e, to)
     }
 }

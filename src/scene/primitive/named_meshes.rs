@@ -252,7 +252,7 @@ impl<'a> Builder<'a> {
         part: &PrimitiveFile,
         material: Option<u32>,
     ) -> Result<(Triangles, Vec<(u32, u32)>)> {
-        let own = part.material().map(|own| self.materials.find(e, own)).transpose()?;
+        let own = part.model().material().map(|own| self.materials.find(e, own)).transpose()?;
         let before = self.geometry.triangles.mark();
         let ranges = take(&mut self.ranges);
         // If another material replaces those of the file, their names need not exist.
@@ -260,7 +260,7 @@ impl<'a> Builder<'a> {
             PrimitiveFile::Mesh(file) if own.is_none() && material.is_some() => {
                 MeshFile { material: Some(String::new()), ..file.clone() }.expand(e, self)?;
             }
-            _ => part.expand(e, self)?,
+            _ => part.model().expand(e, self)?,
         }
         let Ranges(read) = replace(&mut self.ranges, ranges);
         let list = self.geometry.triangles.split_off(before);

@@ -28,7 +28,7 @@ impl Resolver<'_> {
                     },
                     TextureRef::Texture(texture) => {
                         let mut texture = Texture::clone(texture);
-                        texture.load(&e, images)?;
+                        texture.model_mut().load(&e, images)?;
                         Arc::new(texture)
                     }
                 };
@@ -46,12 +46,12 @@ impl Resolver<'_> {
         let references = materials.iter_mut().flat_map(Material::textures);
         let unnamed: Vec<_> = references.filter_map(|reference| reference.unnamed()).collect();
         let named = self.file.textures.0.iter().map(|(_, texture)| texture);
-        images.preload(named.chain(unnamed).filter_map(Texture::file));
+        images.preload(named.chain(unnamed).filter_map(|texture| texture.model().file()));
         let mut textures = HashMap::new();
         for (name, texture) in &self.file.textures.0 {
             let e = self.element(format!("textures.{name}"), "texture");
             let mut texture = texture.clone();
-            texture.load(&e, images)?;
+            texture.model_mut().load(&e, images)?;
             textures.insert(name.as_str(), Arc::new(texture));
         }
         Ok(textures)

@@ -27,14 +27,15 @@ impl Resolver<'_> {
         let mut solids = [const { Vec::new() }; 2];
         for (index, primitive) in self.file.primitives.iter().enumerate() {
             let e = self.element(format!("primitives[{index}]"), primitive.name());
-            let material = primitive.material().map(|name| materials.find(&e, name)).transpose()?;
+            let model = primitive.model();
+            let material = model.material().map(|name| materials.find(&e, name)).transpose()?;
             let solids_before = [builder.geometry.spheres.len(), builder.geometry.quads.len()];
-            primitive.expand(&e, &mut builder)?;
+            model.expand(&e, &mut builder)?;
             // Instances set the materials of their triangles themselves.
             let Some(material) = material else { continue };
             let geometry = &builder.geometry;
             let has_solids = solids_before != [geometry.spheres.len(), geometry.quads.len()];
-            if has_solids && all[material as usize].opacity().is_some() {
+            if has_solids && all[material as usize].model().opacity().is_some() {
                 return Err(e.error("a material with `opacity` can only be that of triangles"));
             }
             for (list, count) in

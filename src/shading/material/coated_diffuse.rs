@@ -52,13 +52,7 @@ impl CoatedDiffuse {
 }
 
 impl MaterialParameters for CoatedDiffuse {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        let parameters = self.reflectance.reference().into_iter().chain(self.roughness.reference());
-        parameters.chain(&mut self.normal).chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(reflectance, roughness);
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.reflectance.check(e, "reflectance")?;

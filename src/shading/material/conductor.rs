@@ -47,12 +47,7 @@ impl Conductor {
 const LEAST_ALPHA: f32 = 0.001;
 
 impl MaterialParameters for Conductor {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(alpha);
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { eta, k, .. } = *self;

@@ -51,12 +51,7 @@ pub enum Fresnel {
 }
 
 impl MaterialParameters for Dielectric {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        self.normal.iter_mut().chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!();
 
     fn transmits(&self) -> bool {
         true

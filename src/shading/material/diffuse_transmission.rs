@@ -50,18 +50,7 @@ impl DiffuseTransmission {
 }
 
 impl MaterialParameters for DiffuseTransmission {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        let colors = [&mut self.reflectance, &mut self.transmittance];
-        colors
-            .into_iter()
-            .filter_map(Color::reference)
-            .chain(&mut self.normal)
-            .chain(opacity)
-            .collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(reflectance, transmittance);
 
     fn transmits(&self) -> bool {
         true

@@ -36,12 +36,7 @@ impl Lambertian {
 }
 
 impl MaterialParameters for Lambertian {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        self.albedo.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(albedo);
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")

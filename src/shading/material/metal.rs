@@ -40,13 +40,7 @@ impl Metal {
 }
 
 impl MaterialParameters for Metal {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        let parameters = self.albedo.reference().into_iter().chain(self.fuzz.reference());
-        parameters.chain(&mut self.normal).chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(albedo, fuzz);
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
         self.albedo.check(e, "albedo")?;

@@ -3,9 +3,16 @@
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
 //! and the tables.
 
-/// The methods of [`MaterialParameters`] for the fields `normal` and `opacity`.
-macro_rules! normal_and_opacity {
-    () => {
+/// The methods of [`MaterialParameters`] for textures: those of the named parameters, and those of the
+/// fields `normal` and `opacity`.
+macro_rules! texture_methods {
+    ($($parameter:ident),*) => {
+        fn textures(&mut self) -> Vec<&mut TextureRef> {
+            let opacity = self.opacity.as_mut().and_then(Opacity::reference);
+            let textures = [$(self.$parameter.reference(),)* self.normal.as_mut(), opacity];
+            textures.into_iter().flatten().collect()
+        }
+
         fn normal(&self) -> Option<&TextureRef> {
             self.normal.as_ref()
         }
@@ -55,7 +62,7 @@ macro_rules! materials {
             /// How a surface scatters and emits light.
             // A scene has few materials.
             #[allow(clippy::large_enum_variant)]
-            pub enum Material: MaterialParameters {
+            pub enum Material: pub(crate) MaterialParameters {
                 $($(#[$doc])* $name($name) in $module called stringify!($module),)*
             }
         }
@@ -79,7 +86,7 @@ macro_rules! materials {
                 }
             }
 
-            fn model_mut(&mut self) -> &mut dyn MaterialParameters {
+            pub(crate) fn model_mut(&mut self) -> &mut dyn MaterialParameters {
                 match self {
                     $(Self::$name(material) => material,)*
                 }
@@ -134,7 +141,7 @@ materials! {
 
 /// Checks that a normal map is a texture that contains normals.
 fn check_normals(normal: &TextureRef, e: &Location<'_>) -> Result<()> {
-    match normal.get().holds_normals() {
+    match normal.get().model().holds_normals() {
         true => Ok(()),
         false => Err(e.error(
             "normal must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
@@ -155,45 +162,22 @@ impl Material {
         self.model_mut().textures()
     }
 
-    /// Whether the material has a normal map.
-    pub(crate) fn has_normal_map(&self) -> bool {
-        self.model().normal().is_some()
-    }
-
     /// Returns the light that the material emits, if any.
     pub fn emission(&self) -> Option<Emission> {
         self.model().emission()
     }
 
-    /// Whether the material emits the light of a texture.
-    pub(crate) fn has_emission_texture(&self) -> bool {
-        self.model().emission_texture().is_some()
-    }
-
-    /// Returns where the surface has holes, if anywhere.
-    pub(crate) fn opacity(&self) -> Option<&Opacity> {
-        self.model().opacity()
-    }
-
-    /// Returns the field `opacity`, if the material has one.
-    pub(crate) fn opacity_mut(&mut self) -> Option<&mut Option<Opacity>> {
-        self.model_mut().opacity_mut()
-    }
-
-    /// Whether light passes through its surface.
-    pub(crate) fn transmits(&self) -> bool {
-        self.model().transmits()
-    }
-
     /// Whether a texture of the material depends on the colours of vertices.
     pub(crate) fn uses_vertex_colors(&self) -> bool {
-        let uses = |texture: &mut TextureRef| matches!(texture, TextureRef::Texture(texture) if texture.uses_vertex_colors());
+        let uses = |texture: &mut TextureRef| {
+            texture.unnamed().is_some_and(|texture| texture.model().uses_vertex_colors())
+        };
         self.clone().textures().into_iter().any(uses)
     }
 
     /// Returns the images of the material's textures, once they are loaded.
     pub(crate) fn images(&self) -> Vec<Arc<Texels>> {
-        let image = |texture: &mut TextureRef| texture.get().texels().cloned();
+        let image = |texture: &mut TextureRef| texture.get().model().texels().cloned();
         self.clone().textures().into_iter().filter_map(image).collect()
     }
 }

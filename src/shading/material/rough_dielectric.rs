@@ -42,12 +42,7 @@ impl RoughDielectric {
 const LEAST_ALPHA: f32 = 0.001;
 
 impl MaterialParameters for RoughDielectric {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        self.alpha.reference().into_iter().chain(&mut self.normal).chain(opacity).collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(alpha);
 
     fn transmits(&self) -> bool {
         true

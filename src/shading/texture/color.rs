@@ -41,7 +41,7 @@ impl Color {
             Self::Rgb(rgb) => e.color(name, *rgb, most).map(|_| ()),
             Self::Texture { texture, factor } => {
                 e.color(&format!("the factor of {name}"), *factor, most)?;
-                let largest = texture.get().largest();
+                let largest = texture.get().model().largest();
                 let product = factor.map(|factor| factor * largest);
                 let ok = product.iter().all(|&value| value <= most);
                 let range = format!("textures and factors with products in [0, {}]", limit(most));
@@ -56,7 +56,7 @@ impl Color {
             Self::Rgb(rgb) => Some(*rgb),
             Self::Texture { factor: [0.0, 0.0, 0.0], .. } => Some([0.0; 3]),
             Self::Texture { texture: TextureRef::Texture(texture), factor } => {
-                texture.constant().map(|color| [0, 1, 2].map(|i| color[i] * factor[i]))
+                texture.model().constant().map(|color| [0, 1, 2].map(|i| color[i] * factor[i]))
             }
             Self::Texture { .. } => None,
         }

@@ -77,7 +77,7 @@ impl TextureTables {
     /// Adds a texture, unless it is known or has the same colour everywhere.
     fn store(&mut self, texture: &TextureRef) -> Stored {
         let texture = texture.get();
-        if let Some(color) = texture.constant() {
+        if let Some(color) = texture.model().constant() {
             return Stored::Constant(color);
         }
         self.uses += 1;

@@ -53,7 +53,7 @@ pub(crate) trait TexturePoint<R: Real>: Copy {
 pub(crate) type Rgba<R> = (<R as Real>::Vec3, R);
 
 /// The parameters of a texture, as scene files describe them.
-trait TextureParameters {
+pub(crate) trait TextureParameters {
     /// Checks the parameters and reads the files that they name.
     fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()>;
 
@@ -110,7 +110,7 @@ macro_rules! textures {
     ($($(#[$doc:meta])* $name:ident in $module:ident,)*) => {
         kinds! {
             /// A colour that varies over a surface.
-            pub enum Texture: TextureParameters {
+            pub enum Texture: pub(crate) TextureParameters {
                 $($(#[$doc])* $name($name) in $module called stringify!($module),)*
             }
         }
@@ -119,7 +119,7 @@ macro_rules! textures {
             /// The names of the kinds in scene files.
             const KINDS: &[&str] = &[$(stringify!($module),)*];
 
-            fn model_mut(&mut self) -> &mut dyn TextureParameters {
+            pub(crate) fn model_mut(&mut self) -> &mut dyn TextureParameters {
                 match self {
                     $(Self::$name(texture) => texture,)*
                 }
@@ -177,46 +177,4 @@ textures! {
     VertexColor in vertex_color,
     /// A 2-D checker of texture coordinates.
     UvChecker in uv_checker,
-}
-
-impl Texture {
-    /// Checks the parameters and reads the files that they name.
-    pub(crate) fn load(&mut self, e: &Location<'_>, images: &mut Images<'_>) -> Result<()> {
-        self.model_mut().load(e, images)
-    }
-
-    /// Returns the file of the texture's image, if it has one.
-    pub(crate) fn file(&self) -> Option<ImageFile<'_>> {
-        self.model().file()
-    }
-
-    /// Returns everything that determines the colours, for the hash of the scene.
-    pub(crate) fn identity(&self) -> Value {
-        self.model().identity()
-    }
-
-    /// Returns the texture's colour if it is the same everywhere.
-    fn constant(&self) -> Option<[f32; 3]> {
-        self.model().constant()
-    }
-
-    /// Returns a bound on all its colours and alpha values, none of which is negative.
-    fn largest(&self) -> f32 {
-        self.model().largest()
-    }
-
-    /// Returns the texture's image, if it has one and it is loaded.
-    pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
-        self.model().texels()
-    }
-
-    /// Whether the texture depends on the colours of vertices.
-    pub(crate) fn uses_vertex_colors(&self) -> bool {
-        self.model().uses_vertex_colors()
-    }
-
-    /// Whether the texture can be a normal map.
-    pub(crate) fn holds_normals(&self) -> bool {
-        self.model().holds_normals()
-    }
 }

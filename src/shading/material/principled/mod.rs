@@ -92,28 +92,16 @@ impl Default for Principled {
 }
 
 impl MaterialParameters for Principled {
-    fn textures(&mut self) -> Vec<&mut TextureRef> {
-        let numbers = [
-            &mut self.metalness,
-            &mut self.roughness,
-            &mut self.specular,
-            &mut self.transmission,
-            &mut self.coat,
-            &mut self.coat_roughness,
-        ];
-        let numbers = numbers.into_iter().filter_map(Number::reference);
-        let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-        self.base_color
-            .reference()
-            .into_iter()
-            .chain(self.emission.reference())
-            .chain(numbers)
-            .chain(&mut self.normal)
-            .chain(opacity)
-            .collect()
-    }
-
-    normal_and_opacity!();
+    texture_methods!(
+        base_color,
+        emission,
+        metalness,
+        roughness,
+        specular,
+        transmission,
+        coat,
+        coat_roughness
+    );
 
     fn emission(&self) -> Option<Emission> {
         let radiance = Vec3::from(self.emission.constant()?);
