@@ -4,21 +4,18 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::batch::{HitBatch, RayBatch};
-use super::counters::{Count, Counters};
-use super::extent::Extent;
 use super::kernel::Kernel;
 use super::kernel::beam;
 use super::kernel::flat::Flat;
 use super::kernel::job::TraceJob;
 use super::kernel::packet;
 use super::kernel::stream;
-use super::leaf::{LeafBlocks, LeafRef};
 use super::tree::binary::BinaryTree;
 use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
 use super::tree::partition::MAX_CLUSTER;
 use super::tree::wide::WideTree;
+use super::{Count, Counters, Extent, HitBatch, LeafBlocks, LeafRef, RayBatch};
 use crate::geometry::{Bounds, Geometry, Hit};
 use crate::simd::LANES;
 

@@ -3,10 +3,9 @@
 use std::ops::Range;
 
 use super::accelerator::Accelerator;
-use super::batch::{HitBatch, RayBatch};
 use super::kernel::job::TraceJob;
 use super::kernel::packet;
-use super::slab::SlabRay;
+use super::{HitBatch, RayBatch, SlabRay};
 
 impl Accelerator {
     /// Number of boxes that each ray is tested against.

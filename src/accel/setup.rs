@@ -1,8 +1,7 @@
 //! Per-ray setup: values that the kernels compute once for each ray, a vector at a time.
 
-use super::batch::RayVector;
-use super::extent::{Extent, ExtentLanes};
 use super::slab::SLACK;
+use super::{Extent, ExtentLanes, RayVector};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::math::{Real, UNIT_ROUNDOFF};

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::limits::LimitArgs;
-use super::arguments::named::named;
+use super::arguments::{LimitArgs, named};
 use super::console::say;
 use super::files;
 use crate::error::Result;

@@ -7,8 +7,7 @@ use bytesize::ByteSize;
 
 use clap::{Args, Subcommand};
 
-use super::arguments::limits::SceneLimitArgs;
-use super::arguments::scene::SceneArg;
+use super::arguments::{SceneArg, SceneLimitArgs};
 use super::console::{notice, say, say_lines};
 use crate::error::Result;
 use crate::formats::BUILTIN_NAMES;

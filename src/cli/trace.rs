@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::arguments::named::named;
+use super::arguments::named;
 use super::console::{advise_on_build, notice, say};
 use super::files;
 use crate::accel::{Accelerator, Kernel, Layout};

@@ -1,11 +1,6 @@
 //! The alpha channel of images without a background.
 
-use super::compute_settings::ComputeSettings;
-use super::image_settings::ImageSettings;
-use super::observer::Observer;
-use super::prepared::View;
-use super::renderer::Renderer;
-use super::state::RenderState;
+use super::{ComputeSettings, ImageSettings, Observer, RenderState, Renderer, View};
 use crate::error::Result;
 use crate::film::Film;
 

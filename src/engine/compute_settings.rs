@@ -1,7 +1,6 @@
 //! Settings that decide how an image is computed, and never its bits.
 
-use super::plan::Plan;
-use super::pool::Pin;
+use super::{Pin, Plan};
 use crate::error::{Error, Result};
 use crate::limits;
 

@@ -1,9 +1,6 @@
 //! Estimates the memory of a render, so that it is checked before anything is allocated.
 
-use super::compute_settings::ComputeSettings;
-use super::pool;
-use super::state::MOST_EVENTS;
-use super::timeline::Event;
+use super::{ComputeSettings, Event, MOST_EVENTS, pool};
 use crate::accel::MAX_CLUSTER;
 use crate::error::{Error, Result};
 use crate::limits::Limit;

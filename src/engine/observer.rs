@@ -1,6 +1,6 @@
 //! Observers watch the progress of a render and may stop it.
 
-use super::state::Progress;
+use super::Progress;
 
 /// Watches the progress of a render, and may stop it.
 pub trait Observer: Sync {

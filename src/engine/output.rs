@@ -2,10 +2,7 @@
 
 use std::time::Instant;
 
-use super::stats::WaveStats;
-use super::tally::Tally;
-use super::timeline::Event;
-use super::unit::UnitEngine;
+use super::{Event, Tally, UnitEngine, WaveStats};
 use crate::image::Image;
 
 /// A finished render.

@@ -2,10 +2,8 @@
 
 use glam::Vec3;
 
-use super::compute_settings::ComputeSettings;
-use super::image_settings::ImageSettings;
-use super::prepared::{PreparedScene, View};
 use super::scalar::{Intersect, ScalarEngine, Tree};
+use super::{ComputeSettings, ImageSettings, PreparedScene, View};
 use crate::error::Result;
 use crate::geometry::{Hit, Ray};
 

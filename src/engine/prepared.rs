@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::backdrop::Backdrop;
-use super::compute_settings::ComputeSettings;
-use super::image_settings::ImageSettings;
+use super::{Backdrop, ComputeSettings, ImageSettings};
 use crate::accel::Accelerator;
 use crate::scene::Scene;
 use crate::shading::{CameraFrame, SceneTables};

@@ -6,18 +6,12 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::compute_settings::{ComputeSettings, Engine};
-use super::image_settings::ImageSettings;
-use super::observer::{Observer, Stop};
-use super::output::{Render, Seconds};
-use super::plan::{Plan, Planning};
-use super::pool::{Pinned, Pool};
-use super::prepared::{PreparedScene, View};
 use super::scalar::ScalarEngine;
-use super::state::{RenderState, Shared};
-use super::timeline::{Activity, Lap};
-use super::unit::UnitEngine;
 use super::wavefront::WavefrontEngine;
+use super::{
+    Activity, ComputeSettings, Engine, ImageSettings, Lap, Observer, Pinned, Plan, Planning, Pool,
+    PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine, View,
+};
 use crate::error::Result;
 use crate::film::{Film, Schedule};
 

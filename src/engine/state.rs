@@ -2,11 +2,7 @@
 
 use std::time::Instant;
 
-use super::image_settings::ImageSettings;
-use super::stats::WaveStats;
-use super::tally::Tally;
-use super::timeline::{Event, Lap};
-use super::unit::{Taken, Task};
+use super::{Event, ImageSettings, Lap, Taken, Tally, Task, WaveStats};
 use crate::error::{Error, Result};
 use crate::film::{Film, Schedule, Tile, UnitSums};
 use crate::image::Image;

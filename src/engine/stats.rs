@@ -2,9 +2,7 @@
 
 use std::time::Instant;
 
-use super::stage::Stage;
-use super::tally::Endings;
-use super::timeline::{Activity, Lap};
+use super::{Activity, Endings, Lap, Stage};
 use crate::accel::Counters;
 use crate::simd::LANES;
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::contract::counted;
+use super::counted;
 
 /// Counts of rays, path endings, and samples that were non-finite or clamped.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

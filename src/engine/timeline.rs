@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::stage::Stage;
+use super::Stage;
 use crate::film::Unit;
 
 /// An activity of a worker, with its time.

@@ -2,10 +2,7 @@
 
 use glam::Vec3;
 
-use super::plan::{Plan, Planning};
-use super::stats::WaveStats;
-use super::tally::Tally;
-use super::timeline::Lap;
+use super::{Lap, Plan, Planning, Tally, WaveStats};
 use crate::film::{Plane, Unit, UnitSums};
 
 /// An engine, which creates workers that render units of work.

@@ -14,8 +14,8 @@ use crate::math::{length, normalize};
 use crate::scene::SceneFile;
 use crate::scene::primitive::MeshFile;
 use crate::shading::material::{Lambertian, Light, Sides};
-use crate::shading::texture::{Color, VertexColor};
-use crate::shading::{Background, CameraFile};
+use crate::shading::texture::VertexColor;
+use crate::shading::{Background, CameraFile, Color};
 
 /// Vertical field of view in degrees.
 const VFOV: f32 = 35.0;

@@ -8,9 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::named::Named;
 use super::primitive::{NamedMesh, PrimitiveFile, SphereFile, TrianglesFile};
 use crate::shading::light::LightFile;
-use crate::shading::material::Material;
-use crate::shading::texture::Texture;
-use crate::shading::{Background, CameraFile, MediumFile};
+use crate::shading::{Background, CameraFile, Material, MediumFile, Texture};
 
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,9 +5,7 @@ use std::io::{BufWriter, Write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use crate::shading::material::Material;
-use crate::shading::texture::TextureRef;
-use crate::shading::{Camera, Medium, World};
+use crate::shading::{Camera, Material, Medium, TextureRef, World};
 
 /// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their
 /// materials, and the media, in a canonical form: JSON of the parameters after names are resolved, and the

@@ -22,8 +22,7 @@ pub(crate) use resolve::{LIGHT_BYTES, resolve};
 use crate::geometry::Geometry;
 use crate::limits::Limits;
 use crate::shading::light::LightFile;
-use crate::shading::material::Material;
-use crate::shading::{Background, Camera, CameraFile, Medium, World};
+use crate::shading::{Background, Camera, CameraFile, Material, Medium, World};
 
 /// A scene that can be rendered: all names are resolved to indices, and every number is in its
 /// range.

@@ -3,8 +3,7 @@
 use super::Scene;
 use crate::geometry::Primitive;
 use crate::math::length;
-use crate::shading::Camera;
-use crate::shading::material::Sides;
+use crate::shading::{Camera, Sides};
 
 impl Scene {
     /// Returns the reasons why the picture may be black, and the data in the scene's files that

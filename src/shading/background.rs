@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::images::Images;
+use super::Images;
 use super::light::EnvironmentMap;
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;

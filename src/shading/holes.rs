@@ -5,10 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::material::Material;
-use super::material_map::MaterialMap;
-use super::opacity::Opacity;
-use super::texture::{TexturePoint, TextureTables};
+use super::{Material, MaterialMap, Opacity, TexturePoint, TextureTables};
 use crate::geometry::{Geometry, HoleTest, Holes, Ray, Triangles};
 use crate::math::random::{mix32, unit_interval};
 

@@ -1,6 +1,6 @@
 //! The point where a path meets a surface.
 
-use super::texture::{TexturePoint, TextureTables};
+use super::{TexturePoint, TextureTables};
 use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::Real;
 

@@ -1,10 +1,7 @@
 //! The appearance of each primitive: its material, its light, and its sort key for paths.
 
-use super::emission::Emission;
 use super::material::{MaterialKind, MaterialTables};
-use super::material_map::MaterialMap;
-use super::texture::TextureTables;
-use super::world::World;
+use super::{Emission, MaterialMap, TextureTables, World};
 use crate::geometry::{Hit, Shape};
 use crate::math::{Mask, Real, Word};
 

@@ -24,22 +24,29 @@ pub mod texture;
 mod world;
 
 pub use background::Background;
+use bsdf::{Bsdf, SPECULAR, Scatter};
 pub(crate) use camera::CameraFrame;
 #[cfg(test)]
 pub(crate) use camera::FilterTable;
 pub use camera::{Camera, CameraFile, PixelFilter};
 pub(crate) use emission::Sides;
+use emission::{Emission, LUMINANCE, luminance};
 pub(crate) use holes::mark_holes;
+use images::ImageFile;
 pub(crate) use images::{ImageContainer, ImageFiles, Images};
-#[cfg(test)]
 pub(crate) use interaction::Interaction;
 pub(crate) use kinds::kinds;
 pub(crate) use looks::{Key, Looks};
+pub(crate) use material::Material;
 pub(crate) use material_map::MaterialMap;
 #[cfg(test)]
 pub(crate) use medium::Isotropic;
+use medium::Media;
 pub(crate) use medium::Medium;
 pub use medium::MediumFile;
 pub(crate) use opacity::Opacity;
+use smooth::{LEAST_COSINE, smooth_normal};
 pub(crate) use tables::SceneTables;
+pub(crate) use texture::{Color, Number, Texture, TextureRef};
+use texture::{TexturePoint, TextureTables};
 pub(crate) use world::World;

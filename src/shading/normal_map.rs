@@ -1,8 +1,7 @@
 //! Normal maps: textures that turn the shading normal.
 
-use super::interaction::Interaction;
 use super::material::MaterialTable;
-use super::smooth::{LEAST_COSINE, smooth_normal};
+use super::{Interaction, LEAST_COSINE, smooth_normal};
 use crate::geometry::{Partials, ShadingNormal};
 use crate::math::{Mask, Real, Word, cross, dot, normalize};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::texture::{Number, TextureRef};
+use super::{Number, TextureRef};
 use crate::checks::Location;
 use crate::error::Result;
 

@@ -1,7 +1,6 @@
 //! Smooth shading: scattering about an interpolated normal, without light through the surface.
 
-use super::bsdf::{Bsdf, SPECULAR, Scatter};
-use super::interaction::Interaction;
+use super::{Bsdf, Interaction, SPECULAR, Scatter};
 use crate::math::{Mask, Real, dot, min, normalize, reflect};
 use crate::sampler::Randoms;
 

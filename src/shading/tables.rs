@@ -1,14 +1,8 @@
 //! The tables of a scene that both engines read.
 
-use super::background::Background;
-use super::interaction::Interaction;
 use super::light::{Lights, LightsBuilder};
-use super::looks::Looks;
 use super::material::MaterialTables;
-use super::medium::Media;
-use super::smooth::smooth_normal;
-use super::texture::TextureTables;
-use super::world::World;
+use super::{Background, Interaction, Looks, Media, TextureTables, World, smooth_normal};
 use crate::geometry::{Hit, Ray, ShadingNormal, Shape, Surfaces};
 use crate::math::{Real, face_forward};
 

@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use super::background::Background;
 use super::light::LightFile;
-use super::material::Material;
-use super::material_map::MaterialMap;
-use super::medium::Medium;
+use super::{Background, Material, MaterialMap, Medium};
 use crate::geometry::Geometry;
 
 /// The content of a scene: all names are resolved to indices, and every number is in its range.

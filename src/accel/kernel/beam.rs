@@ -19,12 +19,9 @@ use super::meshes::MeshTrees;
 use super::octants::Octants;
 use super::stream::Tracer;
 use super::visits::{Child, Visits};
-use crate::accel::batch::HitBatch;
-use crate::accel::counters::Count;
-use crate::accel::leaf::{LeafBlocks, LeafRef, Meshes, NoMeshes};
-use crate::accel::ray::packet::{Packet, VECTORS};
-use crate::accel::ray::rays::Rays;
+use crate::accel::ray::{Packet, Rays, VECTORS};
 use crate::accel::tree::wide::WideTree;
+use crate::accel::{Count, HitBatch, LeafBlocks, LeafRef, Meshes, NoMeshes};
 use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Mask, axes};
 

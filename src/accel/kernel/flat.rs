@@ -1,11 +1,8 @@
 //! The kernel `flat`, which tests packets against every primitive, without boxes.
 
 use super::job::TraceJob;
-use crate::accel::batch::HitBatch;
-use crate::accel::counters::Count;
-use crate::accel::extent::Extent;
-use crate::accel::leaf::{LeafBlocks, LeafRef};
-use crate::accel::ray::packet::VECTORS;
+use crate::accel::ray::VECTORS;
+use crate::accel::{Count, Extent, HitBatch, LeafBlocks, LeafRef};
 use crate::geometry::{Bounds, Geometry};
 
 /// All primitives, without boxes.

@@ -1,10 +1,7 @@
 //! The loop over packets, which all packet kernels share.
 
-use crate::accel::batch::{HitBatch, RayBatch};
-use crate::accel::counters::Count;
-use crate::accel::extent::Extent;
-use crate::accel::leaf::{LeafBlocks, LeafRef, NoMeshes};
-use crate::accel::ray::packet::Packet;
+use crate::accel::ray::Packet;
+use crate::accel::{Count, Extent, HitBatch, LeafBlocks, LeafRef, NoMeshes, RayBatch};
 use crate::simd::{Bits, LANES, first_bits};
 
 /// Rays to trace, and the scene data that all of them need.
@@ -23,7 +20,7 @@ pub(crate) struct TraceJob<'a> {
 
 impl TraceJob<'_> {
     /// Tests the rays, packet by packet, against the spanning blocks, then calls `search`. Returns
-    /// the indices of the wild rays (see [`Rays::load`](crate::accel::ray::rays::Rays::load)),
+    /// the indices of the wild rays (see [`Rays::load`](crate::accel::ray::Rays::load)),
     /// which are left to the scalar reference.
     #[inline(always)]
     pub(crate) fn trace<const ANY: bool, const INSTANCES: bool, const V: usize, C: Count>(

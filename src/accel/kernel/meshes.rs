@@ -2,10 +2,9 @@
 
 use super::search::search;
 use super::visits::Visits;
-use crate::accel::counters::Count;
-use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::ray_group::RayGroup;
+use crate::accel::ray::RayGroup;
 use crate::accel::tree::wide::WideTree;
+use crate::accel::{Count, Meshes, NoMeshes};
 use crate::geometry::{Geometry, Ray};
 
 /// The trees of the meshes, room to traverse them, and the holes of triangles.

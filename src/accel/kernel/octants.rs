@@ -1,7 +1,6 @@
 //! The octants of a packet's rays.
 
-use crate::accel::ray::packet::Packet;
-use crate::accel::ray::rays::Rays;
+use crate::accel::ray::{Packet, Rays};
 use crate::math::Real;
 use crate::simd::{Float, axes};
 

@@ -4,14 +4,10 @@ use std::cell::Cell;
 
 use super::job::TraceJob;
 use super::octants::Octants;
-use crate::accel::batch::HitBatch;
-use crate::accel::counters::Count;
-use crate::accel::leaf::NoMeshes;
-use crate::accel::ray::packet::{Packet, VECTORS};
-use crate::accel::ray::rays::Rays;
-use crate::accel::setup::SlabLanes;
+use crate::accel::ray::{Packet, Rays, VECTORS};
 use crate::accel::slab::near_and_far;
 use crate::accel::tree::pair::PairTree;
+use crate::accel::{Count, HitBatch, NoMeshes, SlabLanes};
 use crate::math::Real;
 use crate::simd::{Float, LANES};
 

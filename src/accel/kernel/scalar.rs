@@ -3,9 +3,8 @@
 
 use glam::Vec3;
 
-use crate::accel::counters::Count;
-use crate::accel::slab::SlabRay;
 use crate::accel::tree::bvh2::{Bvh2, Node};
+use crate::accel::{Count, SlabRay};
 use crate::geometry::{Geometry, Hit, PreparedRay, Ray};
 
 /// A ray in the object space of an instance, and the tree of its mesh.

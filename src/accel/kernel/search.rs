@@ -1,11 +1,9 @@
 //! The traversal of a wide tree by a group of rays.
 
 use super::visits::{Child, Visits};
-use crate::accel::counters::Count;
-use crate::accel::leaf::Meshes;
-use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::ray_group::{Members, RayGroup};
+use crate::accel::ray::{Members, OneRay, RayGroup};
 use crate::accel::tree::wide::{WideNode, WideTree};
+use crate::accel::{Count, Meshes};
 use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Mask, axes};
 

@@ -15,16 +15,12 @@ use super::job::TraceJob;
 use super::meshes::MeshTrees;
 use super::search::search;
 use super::visits::Visits;
-use crate::accel::batch::HitBatch;
-use crate::accel::counters::Count;
-use crate::accel::leaf::{Meshes, NoMeshes};
-use crate::accel::ray::packet::VECTORS;
-use crate::accel::ray::ray_group::RayGroup;
-use crate::accel::ray::rays::Rays;
+use crate::accel::ray::{RayGroup, Rays, VECTORS};
 use crate::accel::tree::wide::WideTree;
+use crate::accel::{Count, HitBatch, Meshes, NoMeshes};
 
 /// Traces rays through the tree. Returns the indices of the wild rays (see
-/// [`Rays::load`](crate::accel::ray::rays::Rays::load)), which are left to the scalar reference.
+/// [`Rays::load`](crate::accel::ray::Rays::load)), which are left to the scalar reference.
 #[inline(never)] // so that profilers find it
 pub(crate) fn trace<const ANY: bool, C: Count>(
     tree: &WideTree,

@@ -1,6 +1,6 @@
 //! The nodes and blocks that rays are still to visit.
 
-use crate::accel::leaf::LeafRef;
+use crate::accel::LeafRef;
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::math::min;
 use crate::simd::{Bits, Float, Int, LANES};
@@ -137,7 +137,7 @@ fn sort(visits: &mut [Visit]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::leaf::LeafBlocks;
+    use crate::accel::LeafBlocks;
     use crate::math::random::Stream;
     use crate::simd::Lanes;
 

@@ -1,13 +1,8 @@
 //! Leaf blocks of instances: a ray is transformed into the object spaces of all of them at once.
 
 use super::{Leaf, Meshes, numbers, transpose};
-use crate::accel::counters::Count;
-use crate::accel::extent::ExtentLanes;
-use crate::accel::ray::best::Best;
-use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::packet::Packet;
-use crate::accel::ray::ray_group::{Members, RayGroup};
-use crate::accel::setup::Setup;
+use crate::accel::ray::{Best, Members, OneRay, Packet, RayGroup};
+use crate::accel::{Count, ExtentLanes, Setup};
 use crate::geometry::{Geometry, ToObject};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x, axes};

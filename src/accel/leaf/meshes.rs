@@ -1,7 +1,7 @@
 //! What leaf blocks need of the scene outside their layout: meshes of instances, and holes.
 
-use crate::accel::counters::Count;
-use crate::accel::ray::ray_group::RayGroup;
+use crate::accel::Count;
+use crate::accel::ray::RayGroup;
 use crate::geometry::Ray;
 
 /// The meshes that instances place, and the holes of triangles.

@@ -16,11 +16,8 @@ use glam::Vec3;
 
 pub(super) use self::meshes::{Meshes, NoMeshes};
 pub(super) use self::reference::LeafRef;
-use super::counters::Count;
-use super::ray::best::Best;
-use super::ray::one_ray::OneRay;
-use super::ray::packet::Packet;
-use super::ray::ray_group::{Members, RayGroup};
+use super::Count;
+use super::ray::{Best, Members, OneRay, Packet, RayGroup};
 use crate::geometry::{Geometry, Shape, match_shape, shapes};
 use crate::huge_pages::{reserve, settle};
 use crate::simd::{Float, LANES, Lanes, prefetch};

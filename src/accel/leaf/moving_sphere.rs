@@ -1,10 +1,8 @@
 //! Leaf blocks of spheres that move.
 
 use super::{Leaf, Meshes, count_tests, sphere, transpose};
-use crate::accel::counters::Count;
-use crate::accel::ray::best::Best;
-use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::packet::Packet;
+use crate::accel::Count;
+use crate::accel::ray::{Best, OneRay, Packet};
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::sphere::lanes::{hits, padded_radius2};

@@ -1,11 +1,8 @@
 //! Leaf blocks of quads.
 
 use super::{Leaf, Meshes, count_tests, numbers, transpose};
-use crate::accel::counters::Count;
-use crate::accel::ray::best::Best;
-use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::packet::Packet;
-use crate::accel::ray::rays::Rays;
+use crate::accel::Count;
+use crate::accel::ray::{Best, OneRay, Packet, Rays};
 use crate::geometry::Geometry;
 use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
 use crate::geometry::ray_lanes::HitLanes;

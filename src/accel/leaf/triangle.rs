@@ -3,11 +3,8 @@
 use glam::Vec3;
 
 use super::{Leaf, Meshes, numbers, transpose};
-use crate::accel::counters::Count;
-use crate::accel::ray::best::Best;
-use crate::accel::ray::one_ray::OneRay;
-use crate::accel::ray::packet::Packet;
-use crate::accel::ray::rays::Rays;
+use crate::accel::Count;
+use crate::accel::ray::{Best, OneRay, Packet, Rays};
 use crate::geometry::Geometry;
 use crate::geometry::ray_lanes::HitLanes;
 use crate::geometry::triangle::lanes::shear;

@@ -1,7 +1,13 @@
 //! Rays and their closest hits so far, in the forms that kernels use.
 
-pub(super) mod best;
-pub(super) mod one_ray;
-pub(super) mod packet;
-pub(super) mod ray_group;
-pub(super) mod rays;
+mod best;
+mod one_ray;
+mod packet;
+mod ray_group;
+mod rays;
+
+pub(super) use best::{Best, BestLanes};
+pub(super) use one_ray::OneRay;
+pub(super) use packet::{Packet, VECTORS};
+pub(super) use ray_group::{Members, RayGroup};
+pub(super) use rays::Rays;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::setup::{Setup, Shear};
+use crate::accel::{Setup, Shear};
 use crate::geometry::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;

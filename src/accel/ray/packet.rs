@@ -1,7 +1,7 @@
 //! Packets: vectors of rays that are traced together.
 
-use super::rays::Rays;
-use crate::accel::batch::HitBatch;
+use super::Rays;
+use crate::accel::HitBatch;
 use crate::math::Real;
 use crate::simd::{Bits, Float, Int, LANES, first_bits};
 

@@ -1,9 +1,8 @@
 //! Rays that are traced together and tested one after the other, and their closest hits so far.
 
-use super::best::{Best, BestLanes};
-use super::one_ray::{OneRay, Table};
-use super::rays::Rays;
-use crate::accel::setup::Setup;
+use super::one_ray::Table;
+use super::{Best, BestLanes, OneRay, Rays};
+use crate::accel::Setup;
 use crate::simd::LANES;
 
 /// Up to `V` vectors of rays, and their closest hits so far. The rays are numbered through the
@@ -102,9 +101,8 @@ impl Iterator for Members {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::RayBatch;
-    use crate::accel::extent::Extent;
-    use crate::accel::ray::packet::VECTORS;
+    use crate::accel::ray::VECTORS;
+    use crate::accel::{Extent, RayBatch};
     use crate::geometry::{Bounds, Geometry, Ray, Triangle, shear_axes};
     use crate::math::random::Stream;
     use crate::simd::{Mask, first_bits};

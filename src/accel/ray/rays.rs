@@ -2,10 +2,8 @@
 
 use glam::Vec3;
 
-use super::best::BestLanes;
-use crate::accel::batch::{HitBatch, RayVector};
-use crate::accel::extent::Extent;
-use crate::accel::setup::Setup;
+use super::BestLanes;
+use crate::accel::{Extent, HitBatch, RayVector, Setup};
 use crate::geometry::ray_lanes::{HitLanes, RayLanes};
 use crate::geometry::{Ray, shear_axes};
 use crate::math::Real;

@@ -1,9 +1,8 @@
 //! Binary trees for packets, whose nodes hold the boxes of both children in one cache line.
 
 use super::binary::{Below, BinaryTree};
-use crate::accel::extent::Extent;
-use crate::accel::leaf::{LeafBlocks, LeafRef};
 use crate::accel::slab::{Planes, planes};
+use crate::accel::{Extent, LeafBlocks, LeafRef};
 use crate::geometry::{Bounds, Geometry};
 use crate::simd::LANES;
 

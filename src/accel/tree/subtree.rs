@@ -2,7 +2,7 @@
 
 use super::binary::{Below, LeafContent};
 use super::collapse::Collapse;
-use crate::accel::leaf::{LeafBlocks, LeafRef};
+use crate::accel::{LeafBlocks, LeafRef};
 use crate::geometry::{Bounds, Geometry};
 use crate::huge_pages::reserve;
 use crate::simd::{LANES, Lanes};

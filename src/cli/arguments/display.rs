@@ -2,8 +2,7 @@
 
 use clap::Args;
 
-use super::IMAGE;
-use super::named::named;
+use super::{IMAGE, named};
 use crate::image::{Display, MAX_STOPS, ToneMap, Transfer};
 
 #[derive(Debug, Args)]

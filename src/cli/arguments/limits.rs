@@ -3,7 +3,7 @@
 use bytesize::ByteSize;
 use clap::Args;
 
-use super::scene::SceneArg;
+use super::SceneArg;
 use crate::error::Result;
 use crate::formats::{Parsed, Source};
 use crate::limits::{Limit, Limits, Refused};

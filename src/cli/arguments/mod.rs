@@ -7,5 +7,12 @@ pub(super) mod named;
 pub(super) mod sample;
 pub(super) mod scene;
 
+use camera::CameraArgs;
+pub(super) use display::DisplayArgs;
+pub(super) use limits::{LimitArgs, SceneLimitArgs};
+pub(super) use named::named;
+pub(super) use sample::SampleArgs;
+pub(super) use scene::SceneArg;
+
 /// Heading in the help.
 pub(super) const IMAGE: &str = "Image";

@@ -2,10 +2,7 @@
 
 use clap::Args;
 
-use super::IMAGE;
-use super::camera::CameraArgs;
-use super::named::named;
-use super::scene::SceneArg;
+use super::{CameraArgs, IMAGE, SceneArg, named};
 use crate::engine::{ImageSettings, Roulette};
 use crate::error::Result;
 use crate::limits::{MAX_DEPTH, MAX_SIDE};

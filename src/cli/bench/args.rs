@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::arguments::limits::SceneLimitArgs;
-use crate::cli::arguments::named::named;
+use crate::cli::arguments::{SceneLimitArgs, named};
 use crate::engine::Engine;
 use crate::limits::{MAX_SIDE, MAX_SPP, MAX_THREADS};
 use crate::measure::statistics::Estimate;

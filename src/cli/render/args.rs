@@ -6,11 +6,7 @@ use clap::Args;
 
 use super::checkpoint_args::CheckpointArgs;
 use super::part_args::PartArgs;
-use crate::cli::arguments::IMAGE;
-use crate::cli::arguments::display::DisplayArgs;
-use crate::cli::arguments::limits::SceneLimitArgs;
-use crate::cli::arguments::named::named;
-use crate::cli::arguments::sample::SampleArgs;
+use crate::cli::arguments::{DisplayArgs, IMAGE, SampleArgs, SceneLimitArgs, named};
 use crate::cli::progress::ProgressMode;
 use crate::engine::{Engine, Pin};
 use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};

@@ -10,12 +10,10 @@ use crate::math::random::Stream;
 use crate::math::{Frame, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::shading::material::{
-    Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, Material,
-    MaterialModel, MaterialTable, MaterialTables, MaterialVisitor, Metal, Principled,
-    RoughDielectric, Scatter,
+    Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, MaterialModel,
+    MaterialTable, MaterialTables, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
 };
-use crate::shading::texture::{Color, Number};
-use crate::shading::{Interaction, Isotropic};
+use crate::shading::{Color, Interaction, Isotropic, Material, Number};
 
 /// Scattering by a surface or a medium, with the type of its BSDF erased.
 struct Scattering {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
-use crate::engine::contract::SHADOW_REACH;
+use crate::engine::SHADOW_REACH;
 use crate::geometry::{PreparedRay, Primitive, Ray};
 use crate::math::random::Stream;
 use crate::math::{length, normalize};

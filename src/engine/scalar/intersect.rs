@@ -1,8 +1,7 @@
 //! Ray queries of the path tracing loop.
 
 use crate::accel::{Bvh2, Counters};
-use crate::engine::stage::Stage;
-use crate::engine::stats::{StageWork, WaveStats};
+use crate::engine::{Stage, StageWork, WaveStats};
 use crate::geometry::{Geometry, Hit, Ray};
 
 /// Answers ray queries. Only hits at distances above 0 count.

@@ -4,10 +4,7 @@
 mod intersect;
 mod path;
 
-use super::prepared::View;
-use super::stats::WaveStats;
-use super::tally::Tally;
-use super::unit::{Taken, Task, UnitEngine, UnitWorker};
+use super::{Taken, Tally, Task, UnitEngine, UnitWorker, View, WaveStats};
 use crate::accel::Kernel;
 use crate::film::{Plane, UnitSums};
 use crate::geometry::Ray;

@@ -3,11 +3,10 @@
 use glam::Vec3;
 
 use super::intersect::Intersect;
-use crate::engine::backdrop::Backdrop;
-use crate::engine::contract::{ROULETTE_MAX, SHADOW_REACH, emission_weight, power_heuristic};
-use crate::engine::image_settings::ImageSettings;
-use crate::engine::prepared::View;
-use crate::engine::{Endings, RayCounts};
+use crate::engine::{
+    Backdrop, Endings, ImageSettings, ROULETTE_MAX, RayCounts, SHADOW_REACH, View, emission_weight,
+    power_heuristic,
+};
 use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::random::PathKey;
 use crate::math::{Real, dot, max_element, min};

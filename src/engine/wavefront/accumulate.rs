@@ -1,9 +1,7 @@
 //! Accumulate: adds the samples of each pixel, in the order that all engines use.
 
-use super::paths::Paths;
-use crate::engine::image_settings::ImageSettings;
-use crate::engine::tally::Tally;
-use crate::engine::unit::Task;
+use super::Paths;
+use crate::engine::{ImageSettings, Tally, Task};
 use crate::film::UnitSums;
 
 /// Adds the samples of `paths`, which belong to `task`, pixel by pixel.

@@ -1,7 +1,6 @@
 //! Collide: finds collisions of paths in media, in front of their hits.
 
-use super::paths::Paths;
-use super::rays::WaveRays;
+use super::{Paths, WaveRays};
 use crate::accel::HitBatch;
 use crate::sampler::{Randoms, Sampler};
 use crate::shading::SceneTables;

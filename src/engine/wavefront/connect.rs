@@ -1,9 +1,7 @@
 //! Connect: traces shadow rays and adds the light of those that are not occluded.
 
-use super::columns::Columns;
 use super::extend::trace;
-use super::paths::Paths;
-use super::ray_sort::{CellSort, Cells};
+use super::{CellSort, Cells, Columns, Paths};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::geometry::Ray;
 use crate::math::Real;

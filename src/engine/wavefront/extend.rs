@@ -1,6 +1,6 @@
 //! Extend: finds the hits of rays.
 
-use super::rays::WaveRays;
+use super::WaveRays;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
 use crate::simd::LANES;
 

@@ -1,9 +1,8 @@
 //! Generate: creates paths and their camera rays.
 
-use super::paths::{History, Paths, Segment};
-use super::rays::WaveRays;
+use super::{History, Paths, Segment, WaveRays};
 use crate::accel::RayVector;
-use crate::engine::image_settings::ImageSettings;
+use crate::engine::ImageSettings;
 use crate::film::Unit;
 use crate::math::Real;
 use crate::math::random::PixelKey;

@@ -1,7 +1,6 @@
 //! Sort: a counting sort of the paths by key, which selects the kernel that shades them.
 
-use super::columns::Columns;
-use super::rays::WaveRays;
+use super::{Columns, WaveRays};
 use crate::accel::HitBatch;
 use crate::math::Real;
 use crate::shading::Looks;

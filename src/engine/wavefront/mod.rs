@@ -17,10 +17,14 @@ mod wave;
 
 use std::time::Instant;
 
-use super::plan::{Plan, Planning};
-use super::pool::Pool;
-use super::prepared::View;
-use super::unit::{UnitEngine, UnitWorker};
+use super::{Plan, Planning, Pool, UnitEngine, UnitWorker, View};
+use columns::Columns;
+use connect::Shadows;
+use material_sort::{Queue, Queues};
+use paths::{History, Paths, Segment};
+use ray_sort::{CellSort, Cells};
+use rays::WaveRays;
+use shade::{ShadeInputs, ShadeOutputs};
 use wave::Worker;
 
 /// Renders a view according to a plan.

@@ -1,9 +1,7 @@
 //! Order: builds the rays of the next segment, optionally sorted so that neighbours start near each
 //! other and have similar directions.
 
-use super::columns::Columns;
-use super::paths::Paths;
-use super::rays::WaveRays;
+use super::{Columns, Paths, WaveRays};
 
 /// The paths that continue. Columns: path, cell.
 pub(super) type Next = Columns<2>;

@@ -1,7 +1,6 @@
 //! The rays of a segment, in the order of tracing.
 
-use super::paths::{Paths, Segment};
-use super::ray_sort::CellSort;
+use super::{CellSort, Paths, Segment};
 use crate::accel::{RayBatch, RayVector};
 use crate::simd::{Int, LANES};
 

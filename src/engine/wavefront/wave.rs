@@ -2,22 +2,16 @@
 
 use super::accumulate::accumulate;
 use super::collide::collide;
-use super::connect::{Shadows, connect};
+use super::connect::connect;
 use super::extend::extend;
 use super::generate::generate;
-use super::material_sort::{Queues, sort};
+use super::material_sort::sort;
 use super::order::{Next, order};
-use super::paths::Paths;
-use super::ray_sort::Cells;
-use super::rays::WaveRays;
-use super::shade::{ShadeInputs, ShadeOutputs};
+use super::{Cells, Paths, Queues, ShadeInputs, ShadeOutputs, Shadows, WaveRays};
 use crate::accel::HitBatch;
-use crate::engine::plan::Plan;
-use crate::engine::prepared::View;
-use crate::engine::stage::Stage;
-use crate::engine::stats::{StageWork, Stopwatch};
-use crate::engine::tally::{Endings, Tally};
-use crate::engine::unit::{Taken, Task, UnitWorker};
+use crate::engine::{
+    Endings, Plan, Stage, StageWork, Stopwatch, Taken, Tally, Task, UnitWorker, View,
+};
 
 /// The paths of a wave, and the data that the stages hand to each other. The size of a wave depends
 /// on the plan and on the kinds of materials, not on the image or its samples.

@@ -16,8 +16,7 @@ use crate::error::{Error, Result};
 use crate::limits::MAX_GENERATED;
 use crate::scene::primitive::PrimitiveFile;
 use crate::scene::{Named, SceneFile};
-use crate::shading::material::Material;
-use crate::shading::{Background, CameraFile};
+use crate::shading::{Background, CameraFile, Material};
 
 /// A kind of generated scene and its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,11 +3,9 @@
 use super::Reader;
 use super::file::{Material, MaterialExtensions, Primitive, TextureInfo};
 use crate::image::Encoding;
-use crate::shading::Opacity;
 use crate::shading::material::Principled;
-use crate::shading::texture::{
-    Channel, Color, Filter, Image, Number, TextureRef, VertexColor, Wrap,
-};
+use crate::shading::texture::{Channel, Filter, Image, VertexColor, Wrap};
+use crate::shading::{Color, Number, Opacity, TextureRef};
 
 /// A number of a file, limited to [0, 1].
 fn share(number: f64) -> f32 {

@@ -6,12 +6,12 @@ use super::Reader;
 use super::definition::{Definition, MaterialKey};
 use super::params::Params;
 use super::texture::Value;
-use crate::shading::Opacity;
 use crate::shading::material::{
-    CoatedDiffuse, Conductor, Dielectric, DiffuseTransmission, Fresnel, Lambertian, Material,
-    Principled, RoughDielectric,
+    CoatedDiffuse, Conductor, Dielectric, DiffuseTransmission, Fresnel, Lambertian, Principled,
+    RoughDielectric,
 };
-use crate::shading::texture::{Color, Image, Number, TextureRef};
+use crate::shading::texture::Image;
+use crate::shading::{Color, Material, Number, Opacity, TextureRef};
 
 /// Largest number of mixtures within each other.
 const MAX_MIXTURES: usize = 100;

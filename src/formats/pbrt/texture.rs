@@ -5,9 +5,8 @@ use std::collections::{HashMap, HashSet};
 use super::params::{Param, Params, Values};
 use super::{Reader, spectrum};
 use crate::image::Encoding;
-use crate::shading::texture::{
-    Channel, Color, Filter, Image, Number, Texture, TextureRef, UvChecker, Wrap,
-};
+use crate::shading::texture::{Channel, Filter, Image, UvChecker, Wrap};
+use crate::shading::{Color, Number, Texture, TextureRef};
 
 /// A colour or a number: a constant, or a texture of the scene times a constant.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::checks::Location;
 use crate::error::{Result, suggestion};
-use crate::shading::material::Material;
+use crate::shading::Material;
 
 /// The materials of a scene, by name.
 pub(crate) struct Materials<'a> {

@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use super::Resolver;
 use crate::error::{Result, suggestion};
-use crate::shading::Images;
-use crate::shading::material::Material;
-use crate::shading::texture::{Texture, TextureRef};
+use crate::shading::{Images, Material, Texture, TextureRef};
 
 impl Resolver<'_> {
     /// Checks the materials and returns them with their texture names replaced by the textures.

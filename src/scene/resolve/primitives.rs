@@ -9,8 +9,7 @@ use crate::geometry::Geometry;
 use crate::scene::assets::Assets;
 use crate::scene::mesh::IndexedMesh;
 use crate::scene::primitive::{Builder, Materials};
-use crate::shading::MaterialMap;
-use crate::shading::material::Material;
+use crate::shading::{Material, MaterialMap};
 
 impl Resolver<'_> {
     /// Returns the primitives, their materials, and the meshes by file.

@@ -11,7 +11,7 @@ use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::{Mask, Real, Row, Vector, dot, row};
-use crate::shading::emission::luminance;
+use crate::shading::luminance;
 
 /// A point that emits light uniformly in all directions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::math::precise::{one_minus_cos, sin_cos_degrees, unit};
 use crate::math::{Real, Row, Vector, clamp, dot, row};
-use crate::shading::emission::luminance;
+use crate::shading::luminance;
 
 /// A point that emits light into a cone.
 ///

@@ -7,8 +7,7 @@ use super::{MaterialModel, MaterialParameters, Opacity};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, max};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, Number, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// A matte surface below a clear, colourless coat, such as varnished wood or glazed pottery (pbrt-v4's
 /// `coateddiffuse`).

@@ -9,8 +9,7 @@ use crate::error::Result;
 use crate::math::microfacet::Ggx;
 use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, min, normalize, row};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Number, TextureRef, TextureTables};
+use crate::shading::{Interaction, Number, TextureRef, TextureTables};
 
 /// A metal with a complex index of refraction, smooth or with GGX microfacets.
 ///

@@ -8,8 +8,7 @@ use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, Vector, dot, fresnel, max, min, normalize, reflect, row};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{TextureRef, TextureTables};
+use crate::shading::{Interaction, TextureRef, TextureTables};
 
 /// Clear glass in air. Each path is randomly either reflected or refracted.
 ///

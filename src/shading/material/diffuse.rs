@@ -10,8 +10,7 @@ use crate::error::Result;
 use crate::math::warp::uniform_hemisphere;
 use crate::math::{Mask, Real, Row, dot};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, TextureRef, TextureTables};
 
 /// A surface that scatters light uniformly over the hemisphere: f·cos θ = ρ/2π.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,8 +10,7 @@ use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Mask, Real, Row, Vector, dot, max};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, TextureRef, TextureTables};
 
 /// A thin matte surface: it reflects f = ρ/π on the side of the light, and transmits f = τ/π to the
 /// other side (Pharr et al., *Physically Based Rendering*, 4th ed., section 9.2).

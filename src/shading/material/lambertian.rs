@@ -10,8 +10,7 @@ use crate::error::Result;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Mask, Real, Row, dot};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, TextureRef, TextureTables};
 
 /// A matte surface that follows Lambert's law: f = ρ/π, sampled in proportion to the cosine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,8 +8,7 @@ use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Vector};
 use crate::sampler::Randoms;
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::TextureTables;
+use crate::shading::{Interaction, TextureTables};
 
 /// A surface that emits light and absorbs all light that hits it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

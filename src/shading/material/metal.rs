@@ -10,8 +10,7 @@ use crate::error::Result;
 use crate::math::warp::uniform_ball;
 use crate::math::{Mask, Real, Row, cross, dot, max, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, Number, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// A mirror that offsets the reflected direction by `fuzz` times a uniformly distributed
 /// random point of the unit ball. Paths whose direction then points below the surface are absorbed.

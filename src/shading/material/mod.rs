@@ -51,7 +51,7 @@ pub(crate) use super::bsdf::{Bsdf, SPECULAR, Scatter};
 pub use super::emission::{Emission, Sides};
 use super::kinds::kinds;
 pub use super::opacity::Opacity;
-use super::texture::{TextureRef, TextureTables};
+use super::{TextureRef, TextureTables};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::image::Texels;

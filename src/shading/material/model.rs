@@ -6,8 +6,7 @@ use super::{Bsdf, Emission, Opacity};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::Real;
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, TextureRef, TextureTables};
 
 /// The parameters of a material, as scene files describe them.
 pub(crate) trait MaterialParameters {

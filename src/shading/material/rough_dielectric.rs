@@ -8,8 +8,7 @@ use crate::error::Result;
 use crate::math::microfacet::Ggx;
 use crate::math::{Frame, Mask, Real, Row, Vector, dot, fresnel, max, min, normalize};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Number, TextureRef, TextureTables};
+use crate::shading::{Interaction, Number, TextureRef, TextureTables};
 
 /// Frosted glass in air, with GGX microfacets and the exact Fresnel equations.
 ///

@@ -2,7 +2,7 @@
 
 use super::MaterialModel;
 use crate::math::Row;
-use crate::shading::texture::TextureTables;
+use crate::shading::TextureTables;
 
 /// The materials of one kind.
 #[derive(Debug)]

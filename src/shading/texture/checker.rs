@@ -9,7 +9,7 @@ use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
-use crate::shading::images::Images;
+use crate::shading::Images;
 
 /// A 3-D checker: `odd` where sin(sx)·sin(sy)·sin(sz) < 0 with s = `scale`, else `even`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::image::{Encoding, Texels};
 use crate::math::precise::sin_cos_degrees;
 use crate::math::{Mask, Real, Row, Vector, Word, clamp, whole};
-use crate::shading::images::{ImageFile, Images};
+use crate::shading::{ImageFile, Images};
 
 /// An image mapped to the surface's texture coordinates. v = 0 is the bottom.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -26,8 +26,8 @@ use product::Product;
 pub use reference::TextureRef;
 use serde_json::Value;
 
-use super::images::{ImageFile, Images};
 use super::kinds::kinds;
+use super::{ImageFile, Images};
 use crate::checks::Location;
 use crate::error::Result;
 pub use crate::image::Encoding;

@@ -7,7 +7,7 @@ use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::{Real, Vector};
-use crate::shading::images::Images;
+use crate::shading::Images;
 
 /// A constant colour.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

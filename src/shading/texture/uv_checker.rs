@@ -7,7 +7,7 @@ use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::Result;
 use crate::math::{Mask, Real, Row, row};
-use crate::shading::images::Images;
+use crate::shading::Images;
 
 /// A 2-D checker: `even` where the sum of the integer parts of the scaled texture coordinates is even,
 /// else `odd`.

@@ -7,7 +7,7 @@ use super::{Rgba, TextureModel, TextureParameters, TexturePoint};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::Real;
-use crate::shading::images::Images;
+use crate::shading::Images;
 
 /// The colours at the vertices of a mesh, interpolated. Surfaces without colours are white.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,8 +1,6 @@
 //! Chooses the fastest plan from the times of trials.
 
-use crate::engine::plan::{Plan, SegmentPlan};
-use crate::engine::stage::Stage;
-use crate::engine::stats::{SegmentWork, WaveStats};
+use crate::engine::{Plan, SegmentPlan, SegmentWork, Stage, WaveStats};
 
 /// Number of segments that have a plan of their own. The plan of the last one also applies to all
 /// later segments.
@@ -123,7 +121,7 @@ pub(super) fn without_those_behind(tried: Vec<Tried<'_>>, round: u64) -> Vec<Tri
 mod tests {
     use super::*;
     use crate::accel::Kernel;
-    use crate::engine::stats::StageWork;
+    use crate::engine::StageWork;
 
     fn plan(ordered: bool, kernel: Kernel) -> Plan {
         let (closest, occluded) = (kernel, kernel);

@@ -10,10 +10,7 @@ use trial::{Effort, try_all};
 use usual::usual_plan;
 
 use crate::accel::Kernel;
-use crate::engine::compute_settings::ComputeSettings;
-use crate::engine::plan::{Plan, Planning, SegmentPlan};
-use crate::engine::pool::Pool;
-use crate::engine::prepared::View;
+use crate::engine::{ComputeSettings, Plan, Planning, Pool, SegmentPlan, View};
 
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 12, 1 << 13, 1 << 14];

@@ -3,13 +3,8 @@
 use std::sync::Mutex;
 
 use super::fastest::{Tried, without_those_behind};
-use crate::engine::image_settings::ImageSettings;
-use crate::engine::plan::Plan;
-use crate::engine::pool::Pool;
-use crate::engine::prepared::View;
-use crate::engine::stats::WaveStats;
-use crate::engine::unit::Task;
 use crate::engine::wavefront::wave::Worker;
+use crate::engine::{ImageSettings, Plan, Pool, Task, View, WaveStats};
 use crate::film::{CHUNK, Grid, Tile, Unit};
 
 /// Limits the length of a trial.
@@ -123,7 +118,7 @@ fn units(
 mod tests {
     use super::*;
     use crate::accel::Kernel;
-    use crate::engine::plan::SegmentPlan;
+    use crate::engine::SegmentPlan;
     use crate::scene::Scene;
 
     #[test]

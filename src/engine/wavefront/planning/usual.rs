@@ -1,7 +1,7 @@
 //! The plan that is best for most scenes of a size.
 
 use crate::accel::Kernel;
-use crate::engine::plan::{Plan, SegmentPlan};
+use crate::engine::{Plan, SegmentPlan};
 
 /// Usual number of paths of a wave. With fewer, later segments have too few rays to sort them well.
 const USUAL_WAVE: u32 = 1 << 14;

@@ -3,8 +3,8 @@
 use super::ShadeInputs;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
-use crate::engine::contract::{SHADOW_REACH, power_heuristic};
-use crate::engine::wavefront::connect::Shadows;
+use crate::engine::wavefront::Shadows;
+use crate::engine::{SHADOW_REACH, power_heuristic};
 use crate::geometry::{Ray, Surface};
 use crate::math::{Real, dot, max_element};
 use crate::sampler::Dimension;

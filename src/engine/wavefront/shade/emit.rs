@@ -3,9 +3,8 @@
 use glam::Vec3;
 
 use super::{ShadeInputs, ShadeOutputs};
-use crate::engine::contract::emission_weight;
-use crate::engine::wavefront::material_sort::Queue;
-use crate::engine::wavefront::paths::Segment;
+use crate::engine::emission_weight;
+use crate::engine::wavefront::{Queue, Segment};
 use crate::geometry::{Hit, Shape};
 use crate::math::{Real, Row, Vector};
 use crate::simd::{Float, LANES, Mask, Vec3x};

@@ -6,15 +6,9 @@ mod scatter;
 mod vertex;
 
 use self::scatter::{COLORED, GENERAL, PLAIN};
-use super::connect::Shadows;
-use super::material_sort::{Queue, Queues};
 use super::order::Next;
-use super::paths::Paths;
-use super::ray_sort::Cells;
-use crate::engine::backdrop::Backdrop;
-use crate::engine::image_settings::ImageSettings;
-use crate::engine::stats::StageWork;
-use crate::engine::tally::Endings;
+use super::{Cells, Paths, Queue, Queues, Shadows};
+use crate::engine::{Backdrop, Endings, ImageSettings, StageWork};
 use crate::geometry::Shape;
 use crate::scene::Scene;
 use crate::shading::material::{MaterialModel, MaterialTable, MaterialVisitor};

@@ -2,9 +2,8 @@
 
 use super::vertex::Vertex;
 use super::{ShadeInputs, ShadeOutputs};
-use crate::engine::contract::ROULETTE_MAX;
-use crate::engine::wavefront::material_sort::Queue;
-use crate::engine::wavefront::paths::{History, Segment};
+use crate::engine::ROULETTE_MAX;
+use crate::engine::wavefront::{History, Queue, Segment};
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Real, max_element};
 use crate::sampler::Dimension;

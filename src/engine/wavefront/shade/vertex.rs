@@ -1,8 +1,7 @@
 //! Vertices: the points at which the segments of paths end.
 
 use super::ShadeInputs;
-use crate::engine::wavefront::material_sort::Queue;
-use crate::engine::wavefront::paths::{History, Paths, Segment};
+use crate::engine::wavefront::{History, Paths, Queue, Segment};
 use crate::geometry::Hit;
 use crate::math::Real;
 use crate::sampler::Randoms;

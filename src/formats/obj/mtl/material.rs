@@ -5,9 +5,9 @@ use std::path::Path;
 use super::section::{Section, Wrong};
 use crate::formats::import::Import;
 use crate::image::Encoding;
-use crate::shading::material::{Dielectric, Fresnel, Lambertian, Light, Material, Principled};
-use crate::shading::texture::{Channel, Color, Number, TextureRef};
-use crate::shading::{Opacity, Sides};
+use crate::shading::material::{Dielectric, Fresnel, Lambertian, Light, Principled};
+use crate::shading::texture::Channel;
+use crate::shading::{Color, Material, Number, Opacity, Sides, TextureRef};
 
 /// The keywords that are read, and those of the light that local illumination models add everywhere.
 const READ: [&str; 22] = [

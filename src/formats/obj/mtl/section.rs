@@ -6,7 +6,7 @@ use std::path::Path;
 use super::map::options;
 use crate::formats::import::Import;
 use crate::image::Encoding;
-use crate::shading::texture::TextureRef;
+use crate::shading::TextureRef;
 
 /// The lines of one material, by keyword in lower case: the line number and what follows.
 pub(crate) struct Section<'a> {

@@ -13,7 +13,7 @@ use super::{Environment, EnvironmentMap};
 use crate::image::Texels;
 use crate::math::Row;
 use crate::math::precise::sin_cos_degrees;
-use crate::shading::emission::luminance;
+use crate::shading::luminance;
 
 impl Environment {
     /// Creates the light of a map, whose image is loaded. Returns `None` if the map is black.

@@ -11,7 +11,7 @@ use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::image::{Encoding, Texels};
 use crate::math::precise::{rotate, sin_cos_degrees, unit};
-use crate::shading::images::{ImageFile, Images};
+use crate::shading::{ImageFile, Images};
 
 /// An image of the light from all directions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

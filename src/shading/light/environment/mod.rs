@@ -150,7 +150,7 @@ mod tests {
     use crate::math::random::Stream;
     use crate::math::warp::uniform_sphere;
     use crate::math::{length, max};
-    use crate::shading::emission::luminance;
+    use crate::shading::luminance;
 
     /// A map with a dark sky, a sun and a few coloured texels.
     fn map(mapping: Mapping, compensated: bool) -> Environment {

@@ -4,7 +4,7 @@
 //! edges of the image. So the patches at the edges are half as large.
 
 use crate::math::{Real, Vector, clamp, max, min};
-use crate::shading::emission::LUMINANCE;
+use crate::shading::LUMINANCE;
 
 /// Patches of this mean luminance or less are as black: they are not drawn.
 pub(super) const BLACK: f32 = 1e-36;

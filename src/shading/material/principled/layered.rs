@@ -8,8 +8,7 @@ use crate::math::powers::exp;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Frame, Mask, Real, Vector, dot, max, min, normalize};
 use crate::sampler::{Dimension, Randoms};
-use crate::shading::bsdf::{Bsdf, Scatter};
-use crate::shading::interaction::Interaction;
+use crate::shading::{Bsdf, Interaction, Scatter};
 
 /// Smallest GGX roughness.
 const LEAST_ALPHA: f32 = 0.001;

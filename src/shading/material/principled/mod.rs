@@ -12,8 +12,7 @@ use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::{Real, Row, row};
-use crate::shading::interaction::Interaction;
-use crate::shading::texture::{Color, Number, TextureRef, TextureTables};
+use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// A surface between matte, metal and glass, with an optional clear coat.
 ///
