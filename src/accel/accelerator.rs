@@ -306,7 +306,7 @@ impl Accelerator {
         let (tree, geometry) = (self.scalar(), &*self.geometry);
         let (ray, t_min, t_max) = rays.get(index);
         if ANY {
-            if tree.count_occluded(geometry, &ray, t_min, t_max, count) {
+            if tree.any_occluded(geometry, 0, &ray, (t_min, t_max), count) {
                 hits.set(index, Hit::of(0, 0.0));
             }
         } else if let Some(hit) = tree.count_closest(geometry, &ray, t_min, t_max, count) {

@@ -7,27 +7,6 @@ use crate::accel::tree::bvh2::{Bvh2, Node};
 use crate::accel::{Count, SlabRay};
 use crate::geometry::{Geometry, Hit, PreparedRay, Ray};
 
-/// A ray in the object space of an instance, and the tree of its mesh.
-struct Within<'a> {
-    tree: &'a Bvh2,
-    triangles: &'a Geometry,
-    instance: u32,
-    ray: Ray,
-}
-
-impl Within<'_> {
-    #[inline(never)] // traversal within traversal
-    fn closest(&self, range: (f32, f32), count: &mut impl Count) -> Option<Hit> {
-        self.tree.closest_primitive(self.triangles, self.instance, &self.ray, range, count)
-    }
-
-    #[inline(never)]
-    fn occluded(&self, (t_min, t_max): (f32, f32), count: &mut impl Count) -> bool {
-        let Self { tree, triangles, instance, ray } = self;
-        tree.any_occluded(triangles, *instance, ray, (t_min, t_max), count)
-    }
-}
-
 /// Largest depth for which tracing a ray needs no allocation.
 const USUAL_DEPTH: usize = 64;
 
@@ -39,7 +18,7 @@ impl Bvh2 {
 
     /// Returns whether the ray hits anything in the open interval `(t_min, t_max)`.
     pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_min: f32, t_max: f32) -> bool {
-        self.count_occluded(geometry, ray, t_min, t_max, &mut ())
+        self.any_occluded(geometry, 0, ray, (t_min, t_max), &mut ())
     }
 
     /// Does the same as [`Self::closest`], and records the work in `count`.
@@ -65,10 +44,12 @@ impl Bvh2 {
                     let t = geometry.intersect(element, 0, &prepared, t_min, limit_or_tie);
                     t.map(|t| Hit::of(element, t))
                 }
-                Some(instance) => self
-                    .enter(geometry, instance, ray)
-                    .closest((t_min, limit_or_tie), count)
-                    .map(|hit| Hit { primitive: first + hit.primitive, instance, ..hit }),
+                Some(instance) => {
+                    let (tree, triangles, ray) = self.enter(geometry, instance, ray);
+                    let range = (t_min, limit_or_tie);
+                    let hit = tree.closest_primitive(triangles, instance, &ray, range, count);
+                    hit.map(|hit| Hit { primitive: first + hit.primitive, instance, ..hit })
+                }
             };
             // Triangles of meshes come after all other primitives, whose instance is 0.
             let rank = |hit: &Hit| (hit.instance, hit.primitive);
@@ -112,31 +93,26 @@ impl Bvh2 {
         best.map(|(t, primitive)| Hit::of(primitive, t))
     }
 
-    /// The ray in the object space of an instance.
-    fn enter<'a>(&'a self, geometry: &'a Geometry, instance: u32, ray: &Ray) -> Within<'a> {
+    /// The tree of an instance's mesh, its triangles, and the ray in its object space.
+    fn enter<'a>(
+        &'a self,
+        geometry: &'a Geometry,
+        instance: u32,
+        ray: &Ray,
+    ) -> (&'a Self, &'a Geometry, Ray) {
         let instances = &geometry.instances;
         let placed = &instances.list()[instance as usize];
         let (tree, ray) = (&self.meshes[placed.mesh()], placed.world_to_object().ray(ray));
-        Within { tree, triangles: instances.triangles(), instance, ray }
+        (tree, instances.triangles(), ray)
     }
 
-    /// Does the same as [`Self::occluded`], and records the work in `count`.
-    #[inline]
-    pub(crate) fn count_occluded(
-        &self,
-        geometry: &Geometry,
-        ray: &Ray,
-        t_min: f32,
-        t_max: f32,
-        count: &mut impl Count,
-    ) -> bool {
-        self.any_occluded(geometry, 0, ray, (t_min, t_max), count)
-    }
-
+    /// Does the same as [`Self::occluded`], and records the work in `count`. In a tree without
+    /// instances, the geometry may be that of instance `instance`.
+    ///
     /// Not inlined, for there are 18 copies of the function that calls it: one for each kind of
     /// material, of scalar engine or of recording.
     #[inline(never)]
-    fn any_occluded(
+    pub(crate) fn any_occluded(
         &self,
         geometry: &Geometry,
         instance: u32,
@@ -150,7 +126,9 @@ impl Bvh2 {
             occluded |= if self.meshes.is_empty() || element < first {
                 geometry.intersect(element, instance, &prepared, t_min, t_max).is_some()
             } else {
-                self.enter(geometry, element - first, ray).occluded((t_min, t_max), count)
+                let instance = element - first;
+                let (tree, triangles, ray) = self.enter(geometry, instance, ray);
+                tree.any_occluded(triangles, instance, &ray, (t_min, t_max), count)
             };
             // With the limit −∞ no box is entered, which ends the traversal.
             if occluded { f32::NEG_INFINITY } else { limit }

@@ -65,7 +65,7 @@ impl Intersect for CountingTree<'_> {
     #[inline(never)]
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool {
         let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
-        let occluded = tree.count_occluded(geometry, ray, 0.0, t_max, &mut counters);
+        let occluded = tree.any_occluded(geometry, 0, ray, (0.0, t_max), &mut counters);
         self.note(Stage::Connect, segment, counters);
         occluded
     }
