@@ -167,9 +167,8 @@ pub mod internals {
         Triangles, Vertices,
     };
     pub use crate::isa::missing_feature;
-    pub use crate::math::random::Stream;
     pub use crate::math::warp::uniform_sphere;
-    pub use crate::math::{cross, dot, length, min, normalize};
+    pub use crate::math::{Stream, cross, dot, length, min, normalize};
     #[cfg(feature = "cli")]
     pub use crate::measure::rayset::{Query, RaySet, record};
 

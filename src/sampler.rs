@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::random::{PathKey, PixelKey};
-use crate::math::{Real, Word};
+use crate::math::{PathKey, PixelKey, Real, Word};
 
 /// Source of the random numbers of paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -41,7 +41,7 @@ impl Accelerator {
 mod tests {
     use super::*;
     use crate::geometry::{Geometry, Ray, Sphere};
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use glam::Vec3;
 
     #[test]

@@ -2,8 +2,7 @@
 
 use super::slab::SLACK;
 use super::{Extent, ExtentLanes, RayVector};
-use crate::geometry::Ray;
-use crate::geometry::ray_lanes::RayLanes;
+use crate::geometry::{Ray, RayLanes};
 use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Float, Mask, Vec3x, axes};
 
@@ -170,8 +169,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Bounds, Geometry, Quad};
-    use crate::math::random::Stream;
-    use crate::math::{max, max_element};
+    use crate::math::{Stream, max, max_element};
 
     /// Except for rounding, the slack is at least that of [`SlabRay`](super::super::slab::SlabRay),
     /// and at most three times as large. For rays that begin near the boxes, it does not exceed the

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::random::mix32;
+use crate::math::mix32;
 
 /// Side of a tile in pixels.
 const TILE: u32 = 32;

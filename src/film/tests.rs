@@ -1,7 +1,7 @@
 //! Tests of films, and helpers that make films for the tests of the other modules.
 
 use super::*;
-use crate::math::random::Stream;
+use crate::math::Stream;
 
 pub(super) const AREA: Tile = Tile { x: 3, y: 2, width: 23, height: 9 };
 

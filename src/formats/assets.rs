@@ -7,8 +7,7 @@ use super::gltf::Gltf;
 use super::{builtin, mesh};
 use crate::error::Result;
 use crate::limits::Budget;
-use crate::scene::Assets;
-use crate::scene::mesh::IndexedMesh;
+use crate::scene::{Assets, IndexedMesh};
 use crate::shading::{ImageContainer, ImageFiles};
 
 /// The reader of all formats.

@@ -6,7 +6,7 @@ use super::MESHES;
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
 use crate::limits::{Budget, Limit};
-use crate::scene::mesh::IndexedMesh;
+use crate::scene::IndexedMesh;
 
 /// A format of meshes.
 pub(crate) struct Format {

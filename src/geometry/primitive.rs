@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::bounds::Bounds;
-use super::ray::PreparedRay;
+use super::{Bounds, PreparedRay};
 
 /// Passes the list of primitives to the macro `$list`, after `$arguments`. Each entry has the type, its
 /// module, and the name and type of its list in [`Geometry`](super::Geometry).

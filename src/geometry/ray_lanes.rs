@@ -63,7 +63,7 @@ mod tests {
     use crate::geometry::{
         Geometry, PreparedRay, Primitive, PrimitiveModel, Quad, Ray, Sphere, Triangle,
     };
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::simd::{LANES, axes};
     use glam::Vec3;
 

@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::Triangle;
-use super::vertices::{Vertices, rows};
+use super::vertices::rows;
+use super::{Triangle, Vertices};
 use crate::huge_pages::settle;
 use crate::math::Row;
 use crate::simd::axes;

@@ -139,9 +139,8 @@ impl Volume {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::normalize;
-    use crate::math::random::Stream;
     use crate::math::warp::uniform_sphere;
+    use crate::math::{Stream, normalize};
 
     fn sphere(x: f32, radius: f32) -> Volume {
         Volume::Ball { center: Vec3::new(x, 0.0, 0.0), radius }

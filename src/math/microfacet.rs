@@ -10,8 +10,7 @@ use std::f32::consts::PI;
 
 use super::real::Real;
 use super::real::Vector;
-use super::trig::sin_cos_turns;
-use super::{max, normalize};
+use super::{max, normalize, sin_cos_turns};
 
 /// GGX distribution of roughness α in `(0, 1]`. With α = 0 every sampled normal is the surface
 /// normal.

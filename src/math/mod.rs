@@ -17,7 +17,10 @@ pub(crate) mod trig;
 pub(crate) mod vector;
 pub(crate) mod warp;
 
+pub use random::Stream;
+pub(crate) use random::{PathKey, PixelKey, mix32};
 pub(crate) use real::{Mask, Real, Row, Select, Vector, Word, row};
+pub(crate) use trig::{acos, atan2, sin_cos, sin_cos_turns};
 pub(crate) use vector::{Frame, face_forward, max_element, reflect};
 pub use vector::{cross, dot, length, normalize};
 

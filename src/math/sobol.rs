@@ -17,8 +17,9 @@
 //!    odd if and only if j has all bits of i (Lucas 1878).
 //! 4. The tree hash is the later one by Vegdahl (2021, "Building a Better LK Hash").
 
-use super::random::{GOLDEN, PathKey, PixelKey, mix32, unit_interval};
+use super::random::{GOLDEN, unit_interval};
 use super::real::{Real, Word};
+use super::{PathKey, PixelKey, mix32};
 
 /// Bits that are zero in every reversed sample number, because sample numbers are below 2^24.
 const SPARE: u32 = 0xFF;

@@ -93,7 +93,7 @@ impl<V: Vector> Frame<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
 
     #[test]

@@ -6,8 +6,7 @@ use std::f32::consts::PI;
 use super::powers::cbrt;
 use super::real::Real;
 use super::real::Vector;
-use super::trig::sin_cos_turns;
-use super::{Frame, max};
+use super::{Frame, max, sin_cos_turns};
 
 /// Uniform point in the unit disk.
 #[inline(always)]
@@ -71,8 +70,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::random::Stream;
-    use crate::math::{dot, length};
+    use crate::math::{Stream, dot, length};
 
     const N: usize = 400_000;
 

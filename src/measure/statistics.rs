@@ -90,7 +90,7 @@ fn beyond_shift(a: usize, b: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     fn skewed(random: &mut Stream, count: usize) -> Vec<f64> {
         (0..count).map(|_| -f64::from(1.0 - random.uniform()).ln()).collect()

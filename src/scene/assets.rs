@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::mesh::IndexedMesh;
+use super::IndexedMesh;
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::shading::ImageFiles;

@@ -5,8 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::named::Named;
-use super::primitive::{NamedMesh, PrimitiveFile, SphereFile, TrianglesFile};
+use super::{Named, NamedMesh, PrimitiveFile, SphereFile, TrianglesFile};
 use crate::shading::light::LightFile;
 use crate::shading::{Background, CameraFile, Material, MediumFile, Texture};
 

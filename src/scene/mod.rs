@@ -15,7 +15,11 @@ use std::sync::Arc;
 
 pub(crate) use assets::Assets;
 pub use description::{RenderDefaults, Sampling, SceneFile};
+pub(crate) use mesh::IndexedMesh;
+use mesh::{Smooth, Transform, Transformed, add_tangents, lacks_tangents};
 pub use named::Named;
+use primitive::{Builder, Materials};
+pub(crate) use primitive::{InstanceFile, MeshFile, QuadFile, SphereFile, TrianglesFile};
 pub use primitive::{NamedMesh, PrimitiveFile};
 pub(crate) use resolve::{LIGHT_BYTES, resolve};
 

@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use super::{Material, MaterialMap, Opacity, TexturePoint, TextureTables};
 use crate::geometry::{Geometry, HoleTest, Holes, Ray, Triangles};
-use crate::math::random::{mix32, unit_interval};
+use crate::math::mix32;
+use crate::math::random::unit_interval;
 
 /// The opacity of a material, in the form of tables.
 #[derive(Clone, Copy, Debug)]

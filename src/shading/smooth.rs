@@ -126,7 +126,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
 
     #[test]

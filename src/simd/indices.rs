@@ -93,8 +93,7 @@ mod tests {
     use std::panic::catch_unwind;
 
     use super::*;
-    use crate::math::random::Stream;
-    use crate::math::{Real, row};
+    use crate::math::{Real, Stream, row};
     use glam::Vec3;
 
     #[test]

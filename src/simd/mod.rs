@@ -43,8 +43,7 @@ pub(crate) type Lanes<T = f32> = [T; LANES];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
-    use crate::math::{self, Real, Vector, Word};
+    use crate::math::{self, Real, Stream, Vector, Word};
 
     /// Random numbers of every kind: arbitrary bits, special values and ordinary numbers.
     fn numbers(random: &mut Stream) -> Lanes {

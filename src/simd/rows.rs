@@ -170,7 +170,7 @@ mod register {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     #[test]
     fn rows_become_columns_and_rows() {

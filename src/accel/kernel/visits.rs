@@ -138,7 +138,7 @@ fn sort(visits: &mut [Visit]) {
 mod tests {
     use super::*;
     use crate::accel::LeafBlocks;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::simd::Lanes;
 
     /// A node whose children are numbered from 100, except that the blocks of lanes 2 to 4 are one.

@@ -3,9 +3,8 @@
 use super::{Leaf, Meshes, count_tests, sphere, transpose};
 use crate::accel::Count;
 use crate::accel::ray::{Best, OneRay, Packet};
-use crate::geometry::Geometry;
-use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::sphere::lanes::{hits, padded_radius2};
+use crate::geometry::{Geometry, RayLanes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, Lanes, Vec3x};
 

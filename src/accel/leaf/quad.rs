@@ -3,9 +3,8 @@
 use super::{Leaf, Meshes, count_tests, numbers, transpose};
 use crate::accel::Count;
 use crate::accel::ray::{Best, OneRay, Packet, Rays};
-use crate::geometry::Geometry;
 use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
-use crate::geometry::ray_lanes::HitLanes;
+use crate::geometry::{Geometry, HitLanes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, Vec3x};
 

@@ -3,9 +3,8 @@
 use super::{Leaf, Meshes, count_tests, gather, numbers, transpose};
 use crate::accel::Count;
 use crate::accel::ray::{Best, OneRay, Packet};
-use crate::geometry::Geometry;
-use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::sphere::lanes::{hits, misses, padded_radius2};
+use crate::geometry::{Geometry, RayLanes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Vec3x, axes, first_bits};
 

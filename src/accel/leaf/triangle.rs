@@ -5,9 +5,8 @@ use glam::Vec3;
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::Count;
 use crate::accel::ray::{Best, OneRay, Packet, Rays};
-use crate::geometry::Geometry;
-use crate::geometry::ray_lanes::HitLanes;
 use crate::geometry::triangle::lanes::shear;
+use crate::geometry::{Geometry, HitLanes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes};
 

@@ -1,7 +1,7 @@
 //! The closest hits so far of rays that are tested one after the other.
 
 use crate::accel::HitBatch;
-use crate::geometry::ray_lanes::HitLanes;
+use crate::geometry::HitLanes;
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes};
 

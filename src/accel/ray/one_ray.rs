@@ -3,9 +3,8 @@
 use glam::Vec3;
 
 use crate::accel::{Setup, Shear};
-use crate::geometry::Ray;
-use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::shear_axes;
+use crate::geometry::{Ray, RayLanes};
 use crate::math::Real;
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 

@@ -104,7 +104,7 @@ mod tests {
     use crate::accel::ray::VECTORS;
     use crate::accel::{Extent, RayBatch};
     use crate::geometry::{Bounds, Geometry, Ray, Triangle, shear_axes};
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::simd::{Mask, first_bits};
     use glam::Vec3;
 

@@ -4,8 +4,7 @@ use glam::Vec3;
 
 use super::BestLanes;
 use crate::accel::{Extent, HitBatch, RayVector, Setup};
-use crate::geometry::ray_lanes::{HitLanes, RayLanes};
-use crate::geometry::{Ray, shear_axes};
+use crate::geometry::{HitLanes, Ray, RayLanes, shear_axes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};
 

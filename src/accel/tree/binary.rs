@@ -13,7 +13,7 @@ use super::concentric::Concentric;
 use super::partition::{MAX_CLUSTER, clusters};
 use crate::accel::threads::map;
 use crate::geometry::Bounds;
-use crate::math::random::Stream;
+use crate::math::Stream;
 
 /// A binary tree of boxes with one primitive in each leaf. A node precedes its children, which are
 /// adjacent; node 0 is the root.

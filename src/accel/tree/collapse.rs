@@ -156,7 +156,7 @@ impl<'a> Collapse<'a> {
 mod tests {
     use super::*;
     use crate::geometry::{Quad, Shape, Sphere};
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use glam::Vec3;
 
     /// Quads, still spheres and moving spheres, close together.

@@ -145,7 +145,7 @@ fn order(a: &Bounds, b: &Bounds) -> (u32, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use glam::Vec3;
 
     #[test]

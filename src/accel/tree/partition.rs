@@ -90,7 +90,7 @@ fn split(boxes: &[Bounds], mut primitives: Vec<u32>) -> [Vec<u32>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use glam::Vec3;
 
     /// Small boxes at random places, on a line, or all at one place.

@@ -134,7 +134,7 @@ impl WideTree {
 mod tests {
     use super::*;
     use crate::geometry::Sphere;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use glam::Vec3;
 
     #[test]

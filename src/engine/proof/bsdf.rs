@@ -6,8 +6,7 @@ use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
 use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
-use crate::math::random::Stream;
-use crate::math::{Frame, dot, normalize, reflect};
+use crate::math::{Frame, Stream, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::shading::material::{
     Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, MaterialModel,

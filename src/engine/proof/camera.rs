@@ -3,8 +3,7 @@
 use glam::Vec3;
 
 use super::{SAMPLES, Table, randoms, seed};
-use crate::math::random::PixelKey;
-use crate::math::{cross, dot};
+use crate::math::{PixelKey, cross, dot};
 use crate::sampler::{Dimension, Randoms, Sampler};
 use crate::scene::Scene;
 

@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::math::Real;
-use crate::math::random::Stream;
+use crate::math::{Real, Stream};
 use crate::shading::{FilterTable, PixelFilter};
 use crate::simd::{Float, LANES};
 

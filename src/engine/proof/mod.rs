@@ -16,8 +16,7 @@ use glam::Vec3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
-use crate::math::random::PixelKey;
-use crate::math::{Frame, normalize};
+use crate::math::{Frame, PixelKey, normalize};
 use crate::sampler::{Randoms, Sampler};
 
 /// The probability of a false alarm in a test, over all its comparisons.

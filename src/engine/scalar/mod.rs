@@ -8,7 +8,7 @@ use super::{Taken, Tally, Task, UnitEngine, UnitWorker, View, WaveStats};
 use crate::accel::Kernel;
 use crate::film::{Plane, UnitSums};
 use crate::geometry::Ray;
-use crate::math::random::{PathKey, PixelKey};
+use crate::math::{PathKey, PixelKey};
 use crate::sampler::Randoms;
 use intersect::CountingTree;
 pub(super) use intersect::{Intersect, Tree};

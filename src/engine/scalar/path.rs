@@ -8,8 +8,7 @@ use crate::engine::{
     power_heuristic,
 };
 use crate::geometry::{Hit, Ray, Shape, Surface};
-use crate::math::random::PathKey;
-use crate::math::{Real, dot, max_element, min};
+use crate::math::{PathKey, Real, dot, max_element, min};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::{Sampling, Scene};
 use crate::shading::material::{

@@ -40,8 +40,7 @@ mod tests {
 
     use super::*;
     use crate::film::{Tile, Unit};
-    use crate::math::Vector;
-    use crate::math::random::Stream;
+    use crate::math::{Stream, Vector};
     use crate::simd::{Int, Vec3x};
 
     /// Samples are added to their own pixel. Non-finite samples are counted and left out.

@@ -5,8 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::geometry::Ray;
-use crate::math::random::PathKey;
-use crate::math::{Real, Row};
+use crate::math::{PathKey, Real, Row};
 use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 
 /// The paths of a wave, indexed by the number of their sample in the wave.

@@ -156,8 +156,7 @@ impl CellSort {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vector;
-    use crate::math::random::Stream;
+    use crate::math::{Stream, Vector};
     use crate::simd::Lanes;
 
     fn cells() -> Cells {

@@ -1,10 +1,9 @@
 //! `cloud:N`, spheres in a ball.
 
 use super::scene_of;
+use crate::math::Stream;
 use crate::math::precise::cbrt;
-use crate::math::random::Stream;
-use crate::scene::primitive::SphereFile;
-use crate::scene::{Named, SceneFile};
+use crate::scene::{Named, SceneFile, SphereFile};
 use crate::shading::material::{Dielectric, Fresnel, Lambertian, Material, Metal};
 
 /// Spheres of radius 0.1 to 0.5, distributed uniformly in a ball that grows with their number, so

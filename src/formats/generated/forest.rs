@@ -5,11 +5,9 @@ use glam::{DVec3, Vec2, Vec3};
 use super::icosphere::icosphere;
 use crate::geometry::Vertices;
 use crate::math::precise::sin_cos_degrees;
-use crate::math::random::{Stream, mix32};
-use crate::math::{max, min};
-use crate::scene::SceneFile;
+use crate::math::{Stream, max, min, mix32};
 use crate::scene::mesh::add_normals;
-use crate::scene::primitive::{InstanceFile, TrianglesFile};
+use crate::scene::{InstanceFile, SceneFile, TrianglesFile};
 use crate::shading::material::Lambertian;
 use crate::shading::{Background, CameraFile};
 

@@ -4,9 +4,8 @@ use glam::Vec3;
 
 use super::icosphere::icosphere;
 use super::scene_of;
-use crate::math::random::Stream;
-use crate::scene::primitive::TrianglesFile;
-use crate::scene::{Named, SceneFile};
+use crate::math::Stream;
+use crate::scene::{Named, SceneFile, TrianglesFile};
 use crate::shading::material::Lambertian;
 
 /// Triangulated spheres on a cubic lattice of pitch 2.4, moved and scaled at random.

@@ -14,8 +14,7 @@ mod mesh;
 
 use crate::error::{Error, Result};
 use crate::limits::MAX_GENERATED;
-use crate::scene::primitive::PrimitiveFile;
-use crate::scene::{Named, SceneFile};
+use crate::scene::{Named, PrimitiveFile, SceneFile};
 use crate::shading::{Background, CameraFile, Material};
 
 /// A kind of generated scene and its size.

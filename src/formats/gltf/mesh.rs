@@ -10,7 +10,7 @@ use crate::formats::import::unique;
 use crate::geometry::Bounds;
 use crate::math::affine;
 use crate::math::precise::unit;
-use crate::scene::primitive::{PrimitiveFile, TrianglesFile};
+use crate::scene::{PrimitiveFile, TrianglesFile};
 
 /// The vertices and triangles of a part of a mesh.
 struct MeshPrimitive {

@@ -22,8 +22,7 @@ use super::mesh_scene;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
 use crate::math::affine::rows;
-use crate::scene::SceneFile;
-use crate::scene::primitive::InstanceFile;
+use crate::scene::{InstanceFile, SceneFile};
 use crate::shading::{Background, CameraFile};
 
 /// glTF 2.0.

@@ -9,7 +9,7 @@ use super::tokens::{Token, Tokens};
 use super::{Reader, transform};
 use crate::error::suggestion;
 use crate::math::affine::rows;
-use crate::scene::primitive::InstanceFile;
+use crate::scene::InstanceFile;
 
 /// Largest number of attributes, transforms and objects that may be open.
 const MAX_NESTING: usize = 1000;

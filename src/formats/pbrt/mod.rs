@@ -35,8 +35,7 @@ use super::import::{Format, Import};
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
 use crate::limits::Limit;
-use crate::scene::SceneFile;
-use crate::scene::primitive::PrimitiveFile;
+use crate::scene::{PrimitiveFile, SceneFile};
 use crate::shading::{CameraFile, MediumFile};
 
 /// pbrt-v4.

@@ -11,7 +11,7 @@ use super::transform::{rounded, uniform_scale};
 use super::{Reader, State};
 use crate::math::affine::rows;
 use crate::math::precise::unit;
-use crate::scene::primitive::{MeshFile, PrimitiveFile, QuadFile, SphereFile, TrianglesFile};
+use crate::scene::{MeshFile, PrimitiveFile, QuadFile, SphereFile, TrianglesFile};
 use crate::shading::MediumFile;
 
 impl Reader<'_, '_> {

@@ -15,7 +15,7 @@ use self::row::Row;
 use super::mesh::Format;
 use crate::error::{Error, Result};
 use crate::limits::Budget;
-use crate::scene::mesh::IndexedMesh;
+use crate::scene::IndexedMesh;
 
 /// The Polygon File Format.
 pub(crate) static FORMAT: Format = Format { extension: "ply", parse };

@@ -5,8 +5,11 @@ mod instances;
 use glam::Vec3;
 
 pub use self::instances::Instances;
-use super::primitive::{PrimitiveModel, Shape, match_primitive, primitives};
-use super::{Bounds, Hit, Holes, Instance, PreparedRay, Quad, Ray, Sphere, Triangle, Triangles};
+use super::primitive::{match_primitive, primitives};
+use super::{
+    Bounds, Hit, Holes, Instance, PreparedRay, PrimitiveModel, Quad, Ray, Shape, Sphere, Triangle,
+    Triangles,
+};
 use crate::math::max;
 
 /// A list of the primitives of one kind.

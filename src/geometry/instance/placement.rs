@@ -106,7 +106,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Geometry, Hit, Shape, Surfaces, Triangle};
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::{uniform_hemisphere, uniform_sphere};
 
     /// Random matrices with factors of about `scale`, some of them nearly singular.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Quad;
-use crate::geometry::ray_lanes::RayLanes;
+use crate::geometry::RayLanes;
 use crate::math::Real;
 use crate::simd::{Float, Int, Mask, Vec3x};
 

@@ -145,9 +145,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Geometry, Hit, Surfaces};
-    use crate::math::normalize;
-    use crate::math::random::Stream;
     use crate::math::warp::uniform_hemisphere;
+    use crate::math::{Stream, normalize};
 
     fn hit(quad: &Quad, ray: &Ray) -> Option<f32> {
         quad.intersect(&PreparedRay::new(ray), 0.0, f32::INFINITY)

@@ -1,6 +1,6 @@
 //! Tests of spheres and rays in lanes.
 
-use crate::geometry::ray_lanes::{HitLanes, RayLanes};
+use crate::geometry::{HitLanes, RayLanes};
 use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::simd::{Float, Vec3x};
 

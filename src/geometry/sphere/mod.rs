@@ -6,9 +6,9 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape, Surface};
-use crate::math::trig::{acos, atan2};
 use crate::math::{
-    Mask, Real, Row, UNIT_ROUNDOFF, Vector, clamp, dot, max, max_element, normalize, row,
+    Mask, Real, Row, UNIT_ROUNDOFF, Vector, acos, atan2, clamp, dot, max, max_element, normalize,
+    row,
 };
 
 /// A sphere whose centre moves linearly from `center` at time 0 to `center1` at time 1.
@@ -158,7 +158,7 @@ pub(super) fn partials<R: Real>(normal: R::Vec3, radius: R) -> [R::Vec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::{uniform_hemisphere, uniform_sphere};
 
     fn ray(origin: Vec3, direction: Vec3) -> Ray {

@@ -136,8 +136,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Instance, Quad, Sphere, Triangles, Vertices};
-    use crate::math::random::Stream;
-    use crate::math::{dot, length, max, normalize};
+    use crate::math::{Stream, dot, length, max, normalize};
 
     /// One primitive of each shape, with texture coordinates of its own for each vertex of a mesh.
     fn geometries(random: &mut Stream) -> Vec<Geometry> {

@@ -151,7 +151,7 @@ impl ShearedTriangles {
 mod tests {
     use super::*;
     use crate::geometry::{PreparedRay, PrimitiveModel, Ray, Triangle};
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::simd::first_bits;
     use glam::Vec3;
 

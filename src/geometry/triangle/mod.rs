@@ -133,7 +133,7 @@ impl PrimitiveModel for Triangle {
 mod tests {
     use super::*;
     use crate::geometry::Ray;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
 
     fn hit(triangle: &Triangle, ray: &Ray) -> Option<f32> {

@@ -81,9 +81,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::{PreparedRay, PrimitiveModel, Triangle};
-    use crate::math::normalize;
-    use crate::math::random::Stream;
     use crate::math::warp::{uniform_hemisphere, uniform_sphere};
+    use crate::math::{Stream, normalize};
 
     /// Random triangles: round ones, needles, and flat ones with a vertex near the opposite edge.
     fn triangle(random: &mut Stream, scale: f32) -> [Vec3; 3] {

@@ -1,6 +1,6 @@
 //! Estimates the four statistics that criterion reports, by bootstrap resampling as in criterion.
 
-use crate::math::random::Stream;
+use crate::math::Stream;
 use crate::measure::statistics::{middle, sorted};
 
 /// An estimate with its standard error and 95% confidence interval.

@@ -119,7 +119,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::Ray;
-    use crate::math::random::{Stream, mix32};
+    use crate::math::{Stream, mix32};
 
     /// A path of one to five segments, some with shadow rays, whose rays are all different.
     fn path(x: u32, y: u32, sample: u32) -> Vec<TracedRay> {

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Vertices;
-use crate::math::trig::atan2;
+use crate::math::atan2;
 
 /// Sets the normal of each vertex that has none to the mean of the normals of the triangles at its
 /// position, weighted by their angles there (Thürmer and Wüthrich 1998, "Computing Vertex Normals

@@ -6,7 +6,7 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::Vec3;
 
 use crate::geometry::Vertices;
-use crate::math::trig::acos;
+use crate::math::acos;
 
 /// Whether vertices have all that their tangents depend on, and no tangents yet.
 pub(crate) fn lacks_tangents(vertices: &Vertices) -> bool {
@@ -134,8 +134,7 @@ mod tests {
     use glam::Vec2;
 
     use super::*;
-    use crate::math::random::Stream;
-    use crate::math::{cross, dot, length};
+    use crate::math::{Stream, cross, dot, length};
 
     #[test]
     fn tangents_follow_the_texture_and_split_at_its_mirror() {

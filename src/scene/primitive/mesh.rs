@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::geometry::Instance;
 use crate::input::{length, path_within};
 use crate::math::affine;
-use crate::scene::mesh::{Smooth, Transform, Transformed};
+use crate::scene::{Smooth, Transform, Transformed};
 
 /// The triangles of an OBJ or PLY file.
 ///

@@ -15,7 +15,7 @@ use crate::checks::{Location, MAX_COORDINATE};
 use crate::error::{Result, suggestion};
 use crate::geometry::{Bounds, Instance, Triangles};
 use crate::math::affine;
-use crate::scene::named::Named;
+use crate::scene::Named;
 
 /// Largest number of instances around a mesh.
 const MAX_NESTING: usize = 64;

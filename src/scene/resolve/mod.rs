@@ -8,10 +8,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::assets::Assets;
-use super::description::SceneFile;
-use super::mesh::IndexedMesh;
-use super::{Scene, SceneData};
+use super::{Assets, IndexedMesh, Scene, SceneData, SceneFile};
 use crate::checks::Location;
 use crate::error::{Error, Result};
 use crate::limits::{self, Budget, Limit, MAX_MEDIA};

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 use super::Resolver;
 use crate::error::Result;
 use crate::geometry::Geometry;
-use crate::scene::assets::Assets;
-use crate::scene::mesh::IndexedMesh;
-use crate::scene::primitive::{Builder, Materials};
+use crate::scene::{Assets, Builder, IndexedMesh, Materials};
 use crate::shading::{Material, MaterialMap};
 
 impl Resolver<'_> {

@@ -70,7 +70,7 @@ impl AliasTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     /// Counts the numbers that choose each entry, over all cells.
     fn counted(table: &AliasTable) -> Vec<u64> {

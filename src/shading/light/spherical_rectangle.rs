@@ -10,8 +10,7 @@
 //!    the middle of the rectangle and differences of almost equal terms.
 
 use super::{MIN_SINE, MIN_SOLID_ANGLE};
-use crate::math::trig::{atan2, sin_cos};
-use crate::math::{Mask, Real, clamp, dot, max};
+use crate::math::{Mask, Real, atan2, clamp, dot, max, sin_cos};
 
 /// A rectangle in space.
 pub(super) struct Rectangle<R: Real> {
@@ -106,7 +105,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     fn rectangle() -> Rectangle<f32> {
         Rectangle {

@@ -16,8 +16,7 @@
 
 use super::sample::Plane;
 use super::{MIN_SINE, MIN_SOLID_ANGLE};
-use crate::math::trig::{atan2, sin_cos};
-use crate::math::{Real, cross, dot, length, max, normalize};
+use crate::math::{Real, atan2, cross, dot, length, max, normalize, sin_cos};
 
 /// A triangle as seen from a point, projected onto the unit sphere around that point.
 pub(super) struct SphericalTriangle<R: Real> {
@@ -86,7 +85,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     /// Number of parts along each edge.
     const PARTS: usize = 6;

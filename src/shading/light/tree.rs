@@ -9,8 +9,8 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::Bounds;
-use crate::math::random::{mix32, unit_interval};
-use crate::math::{Mask, Real, Row, Word, clamp, dot, max, min, row};
+use crate::math::random::unit_interval;
+use crate::math::{Mask, Real, Row, Word, clamp, dot, max, min, mix32, row};
 
 /// Least cosine of the angle between the direction of a light and that to the point.
 const LEAST_COSINE: f32 = 0.01;
@@ -236,7 +236,7 @@ fn union<'a>(lights: impl Iterator<Item = &'a LightBounds> + Clone) -> Option<Li
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
 
     fn lights(count: usize, random: &mut Stream) -> Vec<Option<LightBounds>> {

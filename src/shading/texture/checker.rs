@@ -67,7 +67,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     #[derive(Clone, Copy)]
     struct Point(Vec3);

@@ -15,8 +15,7 @@ use crate::error::{Error, Result};
 use crate::formats::import::{Import, ImportOptions, Missing};
 use crate::input::{length, read_bytes};
 use crate::limits::{Budget, Limit};
-use crate::scene::SceneFile;
-use crate::scene::primitive::{MeshFile, NamedMesh, PrimitiveFile};
+use crate::scene::{MeshFile, NamedMesh, PrimitiveFile, SceneFile};
 
 /// Adds the materials that OBJ files name to the scene called `name`, for meshes without a material.
 /// Returns the warnings.

@@ -4,8 +4,7 @@ use std::f32::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::trig::{atan2, sin_cos_turns};
-use crate::math::{Mask, Real, Vector};
+use crate::math::{Mask, Real, Vector, atan2, sin_cos_turns};
 
 /// How an image shows all directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,9 +87,8 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::random::Stream;
     use crate::math::warp::uniform_sphere;
-    use crate::math::{length, max};
+    use crate::math::{Stream, length, max};
 
     #[test]
     fn places_of_the_axes_are_as_documented() {

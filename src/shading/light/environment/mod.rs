@@ -20,8 +20,9 @@ use super::LightModel;
 use super::sample::LightSample;
 use crate::geometry::Ray;
 use crate::image::Texels;
-use crate::math::trig::{atan2, sin_cos_turns};
-use crate::math::{Mask, Real, Row, Vector, Word, clamp, dot, normalize, whole};
+use crate::math::{
+    Mask, Real, Row, Vector, Word, atan2, clamp, dot, normalize, sin_cos_turns, whole,
+};
 
 /// The light of an environment map. Its radiance is interpolated between the centres of texels.
 ///
@@ -147,9 +148,8 @@ mod tests {
     use std::f64;
 
     use super::*;
-    use crate::math::random::Stream;
     use crate::math::warp::uniform_sphere;
-    use crate::math::{length, max};
+    use crate::math::{Stream, length, max};
     use crate::shading::luminance;
 
     /// A map with a dark sky, a sun and a few coloured texels.

@@ -143,7 +143,7 @@ fn ends(weights: &[f64]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::simd::{Float, Int, LANES};
 
     /// Beside a search from the first entry to the last.

@@ -137,7 +137,7 @@ impl<R: Real> Shares<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     #[test]
     fn tables_agree_with_finer_integrals() {
