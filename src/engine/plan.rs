@@ -44,16 +44,7 @@ pub enum Planning {
     Measured,
 }
 
-impl Planning {
-    /// The name in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Given => "given",
-            Self::Usual => "usual",
-            Self::Measured => "measured",
-        }
-    }
-}
+names! { pub Planning: Given = "given", Usual = "usual", Measured = "measured" }
 
 impl Plan {
     /// The plan of segment number `segment`, from 1.

@@ -47,16 +47,7 @@ pub enum Pinned {
     Failed,
 }
 
-impl Pinned {
-    /// The name in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Yes => "yes",
-            Self::No => "no",
-            Self::Failed => "failed",
-        }
-    }
-}
+names! { pub Pinned: Yes = "yes", No = "no", Failed = "failed" }
 
 /// The cores that the process may use, determined before any thread is pinned.
 fn cores() -> &'static [CoreId] {

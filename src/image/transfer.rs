@@ -16,6 +16,8 @@ pub enum Transfer {
     Gamma2,
 }
 
+names! { pub Transfer: Srgb = "srgb", Gamma2 = "2" }
+
 /// Linear values of the codes, and the thresholds between them.
 struct Table {
     /// Linear value of each code.
@@ -64,9 +66,6 @@ fn gamma2_to_linear(v: f64) -> f64 {
 }
 
 impl Transfer {
-    /// All curves.
-    pub const ALL: [Self; 2] = [Self::Srgb, Self::Gamma2];
-
     fn table(self) -> &'static Table {
         match self {
             Self::Srgb => &SRGB,
@@ -105,14 +104,6 @@ impl Transfer {
             Self::Srgb => srgb_to_linear(display),
             Self::Gamma2 => gamma2_to_linear(display),
         }) as f32
-    }
-
-    /// The name on the command line and in file metadata.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Srgb => "srgb",
-            Self::Gamma2 => "2",
-        }
     }
 
     /// The curve called `name`.
