@@ -63,13 +63,9 @@ pub const fn compiled_isa() -> Isa {
 /// The best instruction set that this CPU and operating system offer.
 pub fn detected_isa() -> Isa {
     #[cfg(target_arch = "x86_64")]
-    {
-        x86::Cpu::read().isa()
-    }
+    return x86::Cpu::read().isa();
     #[cfg(not(target_arch = "x86_64"))]
-    {
-        Isa::Portable
-    }
+    Isa::Portable
 }
 
 /// A feature that this build uses and the CPU lacks, if any.
@@ -78,38 +74,26 @@ pub fn detected_isa() -> Isa {
 #[inline(never)]
 pub fn missing_feature() -> Option<&'static str> {
     #[cfg(target_arch = "x86_64")]
-    {
-        x86::Cpu::read().missing_feature()
-    }
+    return x86::Cpu::read().missing_feature();
     #[cfg(not(target_arch = "x86_64"))]
-    {
-        None
-    }
+    None
 }
 
 /// The name that the CPU reports.
 pub(crate) fn cpu_name() -> String {
     #[cfg(target_arch = "x86_64")]
-    {
-        x86::brand()
-    }
+    return x86::brand();
     #[cfg(not(target_arch = "x86_64"))]
-    {
-        std::env::consts::ARCH.to_owned()
-    }
+    std::env::consts::ARCH.to_owned()
 }
 
 /// Family, model and stepping of the CPU, which distinguish CPUs that a hypervisor gives the same
 /// name. Empty unless the CPU is x86-64.
 pub(crate) fn cpu_model() -> String {
     #[cfg(target_arch = "x86_64")]
-    {
-        x86::model()
-    }
+    return x86::model();
     #[cfg(not(target_arch = "x86_64"))]
-    {
-        String::new()
-    }
+    String::new()
 }
 
 #[cfg(target_arch = "x86_64")]
