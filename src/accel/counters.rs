@@ -53,14 +53,12 @@ pub struct Counters {
 impl Count for Counters {
     fn node(&mut self, issued: u32, active: u32) {
         self.node_visits += 1;
-        self.lanes_issued += u64::from(issued);
-        self.lanes_active += u64::from(active);
+        self.boxes(issued, active);
     }
 
     fn leaf(&mut self, issued: u32, active: u32) {
         self.leaf_tests += 1;
-        self.lanes_issued += u64::from(issued);
-        self.lanes_active += u64::from(active);
+        self.boxes(issued, active);
     }
 
     fn boxes(&mut self, issued: u32, active: u32) {

@@ -38,9 +38,7 @@ impl Mask {
     pub(crate) fn bits(self) -> u32 {
         self.0.to_bitmask()
     }
-}
 
-impl Mask {
     /// Returns `yes` in lanes that are true and `no` in the others.
     #[inline(always)]
     pub(crate) fn select<T: math::Select<Self>>(self, yes: T, no: T) -> T {

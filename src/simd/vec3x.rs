@@ -29,9 +29,7 @@ impl Vec3x {
     pub(crate) fn splat_lane(lanes: &[Lanes; 3], lane: usize) -> Self {
         Self(axes(|axis| Float::splat(lanes[axis][lane])))
     }
-}
 
-impl Vec3x {
     /// Returns the dot product, as computed by [`crate::math::dot`].
     #[inline(always)]
     pub(crate) fn dot(self, other: Self) -> Float {

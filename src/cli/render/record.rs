@@ -42,11 +42,7 @@ pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
         "hash": hash,
         "mean": render.image.mean(),
         "seconds": seconds,
-        "rays": {
-            "primary": render.tally.rays.primary,
-            "bounce": render.tally.rays.bounce,
-            "shadow": render.tally.rays.shadow,
-        },
+        "rays": render.tally.rays,
         "mrays_per_s": render.tally.rays.total() as f64 / render.seconds.render * 1e-6,
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
