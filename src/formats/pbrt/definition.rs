@@ -3,8 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use super::params::Params;
-use super::texture::ValueKey;
+use super::{Params, ValueKey};
 
 /// A material as its directive describes it.
 #[derive(Debug)]

@@ -4,9 +4,8 @@ use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::params::Params;
 use super::tokens::{Token, Tokens};
-use super::{Reader, transform};
+use super::{Params, Reader, transform};
 use crate::error::suggestion;
 use crate::math::affine::rows;
 use crate::scene::InstanceFile;

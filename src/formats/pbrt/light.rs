@@ -5,9 +5,7 @@ use std::rc::Rc;
 
 use glam::DVec3;
 
-use super::Reader;
-use super::params::Params;
-use super::transform::rounded;
+use super::{Params, Reader, rounded};
 use crate::math::precise::unit;
 use crate::shading::light::{Distant, EnvironmentMap, Mapping, Point, Spot};
 use crate::shading::material::Light;

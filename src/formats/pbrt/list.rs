@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::params::Params;
+use super::Params;
 use crate::math::precise::sin_cos_degrees;
 
 /// A list of triangles before the transform of the scene.

@@ -2,10 +2,8 @@
 
 use std::rc::Rc;
 
-use super::Reader;
 use super::definition::{Definition, MaterialKey};
-use super::params::Params;
-use super::texture::Value;
+use super::{Params, Reader, Value};
 use crate::shading::material::{
     CoatedDiffuse, Conductor, Dielectric, DiffuseTransmission, Fresnel, Lambertian, Principled,
     RoughDielectric,

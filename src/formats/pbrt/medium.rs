@@ -1,7 +1,6 @@
 //! Media of pbrt files.
 
-use super::Reader;
-use super::params::Params;
+use super::{Params, Reader};
 
 /// A homogeneous medium.
 #[derive(Clone, Copy, Debug)]

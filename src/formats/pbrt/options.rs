@@ -2,9 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::Reader;
-use super::params::Params;
-use super::transform::{rounded, twice_angle_of};
+use super::{Params, Reader, rounded, twice_angle_of};
 use crate::formats::import::ROULETTE;
 use crate::shading::{CameraFile, PixelFilter};
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::transform::rounded;
+use super::rounded;
 
 /// The corner q and the edges u and v of the parallelogram that two triangles form, if they do. Their front
 /// is the side of u × v.

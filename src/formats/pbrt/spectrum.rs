@@ -1,6 +1,6 @@
 //! Spectra as linear RGB.
 
-use super::params::{Param, Values};
+use super::{Param, Values};
 use crate::math::precise::exp;
 
 /// Linear RGB of a spectrum. Blackbodies and measured illuminants have a luminance of 1.

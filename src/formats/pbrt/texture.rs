@@ -2,8 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::params::{Param, Params, Values};
-use super::{Reader, spectrum};
+use super::{Param, Params, Reader, Values, spectrum};
 use crate::image::Encoding;
 use crate::shading::texture::{Channel, Filter, Image, UvChecker, Wrap};
 use crate::shading::{Color, Number, Texture, TextureRef};
