@@ -7,8 +7,7 @@
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use super::tile::Tile;
-use super::{ABSENT, Film};
+use super::{ABSENT, Film, Tile};
 
 impl Film {
     /// Writes the film to `file`.

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::sum::{self, CHUNK};
-use super::{ABSENT, Film};
+use super::{ABSENT, CHUNK, Film, sum};
 use crate::error::Result;
 
 /// A sample: the x and y of its pixel in the image, and its number.

@@ -1,8 +1,6 @@
 //! The order in which the samples of a film are rendered.
 
-use super::Film;
-use super::sum::CHUNK;
-use super::tile::{Grid, Tile};
+use super::{CHUNK, Film, Grid, Tile};
 
 /// Samples of one chunk for neighbouring pixels, which one worker renders together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

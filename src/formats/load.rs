@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use super::assets::Files;
-use super::ron;
-use super::source::Source;
+use super::{Source, ron};
 use crate::error::Result;
 use crate::limits::{Budget, Limits};
 use crate::scene::{Scene, SceneFile, resolve};

@@ -3,12 +3,12 @@
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use super::builtin::BUILTIN_NAMES;
 use super::generated::Generated;
-use super::import::{Format, ImportOptions, Imported};
-use super::parsed::Parsed;
+use super::import::{Format, Imported};
 use super::ron::Form;
-use super::{MESHES, SCENES, builtin, import, mesh_scene, obj, ron};
+use super::{
+    BUILTIN_NAMES, ImportOptions, MESHES, Parsed, SCENES, builtin, import, mesh_scene, obj, ron,
+};
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
 use crate::limits::{Budget, Limit, Limits};

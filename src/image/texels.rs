@@ -1,6 +1,6 @@
 //! Images as textures keep them in memory: with alpha, and with bytes where the file has bytes.
 
-use super::size::Size;
+use super::Size;
 use crate::huge_pages::settle;
 use crate::math::{Mask, Real, Word, max};
 

@@ -1,7 +1,6 @@
 //! Compares the exact counts of two records.
 
-use super::record::Record;
-use super::run::{Run, Workload};
+use super::{Record, Run, Workload};
 use crate::accel::Counters;
 
 /// Result of comparing the counts of two records.

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::run::{Ratio, Run};
-use super::verdict::Gate;
+use super::{Gate, Ratio, Run};
 use crate::measure::machine::Machine;
 
 /// The only supported version of the format.

@@ -1,9 +1,9 @@
 //! Summarizes measurements as records.
 
 use super::block::Series;
-use super::record::{Against, Record, SCHEMA};
-use super::run::{Block, Ratio, Run};
-use super::{Bench, Contest, Measurement, Side};
+use super::record::{Against, SCHEMA};
+use super::run::Block;
+use super::{Bench, Contest, Measurement, Ratio, Record, Run, Side};
 use crate::engine::{Engine, Stage};
 use crate::measure::statistics::Estimate;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::filter::PixelFilter;
+use super::PixelFilter;
 
 /// A thin-lens camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -56,7 +56,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::formats::import::ImportOptions;
+    use crate::formats::ImportOptions;
     use crate::limits::{Budget, Limits};
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::measure::bench::record::Record;
+use crate::measure::bench::Record;
 use crate::output::write_atomically;
 
 /// Writes the throughput of each run in rays per second.

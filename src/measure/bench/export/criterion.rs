@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
 use crate::measure::bench::bootstrap::{Spread, bootstrap};
-use crate::measure::bench::record::Record;
-use crate::measure::bench::run::{Run, Workload};
+use crate::measure::bench::{Record, Run, Workload};
 use crate::output::write_atomically;
 
 /// Writes a baseline named after the commit, next to those of other commits. `critcmp --target-dir

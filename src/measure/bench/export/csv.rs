@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::measure::bench::record::Record;
+use crate::measure::bench::Record;
 use crate::output::write_atomically;
 
 /// Appends a line with the Mrays/s of each run to the lines of earlier records.

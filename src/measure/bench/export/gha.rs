@@ -6,8 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::measure::bench::record::Record;
-use crate::measure::bench::run::{Run, Workload};
+use crate::measure::bench::{Record, Run, Workload};
 use crate::measure::settings;
 use crate::output::write_atomically;
 

@@ -8,8 +8,7 @@ mod gha;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::record::Record;
-use super::run::Workload;
+use super::{Record, Workload};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::{check_folder, check_writable};
