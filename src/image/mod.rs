@@ -25,7 +25,6 @@ pub use tone_map::ToneMap;
 pub use transfer::Transfer;
 pub(crate) use write::Format;
 
-use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -120,35 +119,6 @@ impl Image {
     ) -> Result<Self> {
         read::decode(&Source::file(path), encoding, &|size| allow(size.pixels, size.memory))
             .map(|decoded| decoded.into_image(encoding))
-    }
-
-    /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`,
-    /// a [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written
-    /// atomically: it appears complete or not at all.
-    ///
-    /// # Errors
-    /// If no writer supports the extension, if the image has an alpha channel and the format has not,
-    /// or if the file cannot be written.
-    pub fn write(
-        &self,
-        path: &Path,
-        display: impl Into<Display>,
-        metadata: &Metadata,
-    ) -> Result<()> {
-        write::write(self, path, display.into(), metadata)
-    }
-
-    /// Writes the image to `out` as PNG.
-    ///
-    /// # Errors
-    /// If `out` cannot be written.
-    pub(crate) fn write_png(
-        &self,
-        out: impl io::Write,
-        display: Display,
-        metadata: &Metadata,
-    ) -> io::Result<()> {
-        write::write_png(self, out, display, metadata)
     }
 
     /// Width in pixels.

@@ -61,53 +61,66 @@ impl Format {
     }
 }
 
-pub(super) fn write(
-    image: &Image,
-    path: &Path,
-    display: Display,
-    metadata: &Metadata,
-) -> Result<()> {
-    let format = Format::of_path(path)?;
-    if image.alpha().is_some() {
-        format.check_alpha(path)?;
+impl Image {
+    /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`, a
+    /// [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written
+    /// atomically: it appears complete or not at all.
+    ///
+    /// # Errors
+    /// If no writer supports the extension, if the image has an alpha channel and the format has not,
+    /// or if the file cannot be written.
+    pub fn write(
+        &self,
+        path: &Path,
+        display: impl Into<Display>,
+        metadata: &Metadata,
+    ) -> Result<()> {
+        let (format, display) = (Format::of_path(path)?, display.into());
+        if self.alpha().is_some() {
+            format.check_alpha(path)?;
+        }
+        write_atomically(path, |file| match format {
+            Format::Png => self.write_png(file, display, metadata),
+            Format::Exr => write_exr(self, file, metadata),
+            Format::Hdr => write_hdr(self, file),
+            Format::Pfm => write_pfm(self, file),
+        })
     }
-    write_atomically(path, |file| match format {
-        Format::Png => write_png(image, file, display, metadata),
-        Format::Exr => write_exr(image, file, metadata),
-        Format::Hdr => write_hdr(image, file),
-        Format::Pfm => write_pfm(image, file),
-    })
-}
 
-pub(super) fn write_png(
-    image: &Image,
-    file: impl Write,
-    display: Display,
-    metadata: &Metadata,
-) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(file, image.width(), image.height());
-    encoder.set_color(match image.alpha() {
-        Some(_) => png::ColorType::Rgba,
-        None => png::ColorType::Rgb,
-    });
-    encoder.set_depth(png::BitDepth::Eight);
-    // Fast compression takes a quarter of the time of the default, and compresses noisy images
-    // equally well.
-    encoder.set_compression(png::Compression::Fast);
-    match display.transfer {
-        Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
-        Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),
+    /// Writes the image to `out` as PNG.
+    ///
+    /// # Errors
+    /// If `out` cannot be written.
+    pub(crate) fn write_png(
+        &self,
+        out: impl Write,
+        display: Display,
+        metadata: &Metadata,
+    ) -> io::Result<()> {
+        let mut encoder = png::Encoder::new(out, self.width(), self.height());
+        encoder.set_color(match self.alpha() {
+            Some(_) => png::ColorType::Rgba,
+            None => png::ColorType::Rgb,
+        });
+        encoder.set_depth(png::BitDepth::Eight);
+        // Fast compression takes a quarter of the time of the default, and compresses noisy images
+        // equally well.
+        encoder.set_compression(png::Compression::Fast);
+        match display.transfer {
+            Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
+            Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),
+        }
+        for (key, value) in &display.noted(metadata.clone()).0 {
+            encoder.add_itxt_chunk(key.clone(), value.clone())?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&match self.alpha() {
+            Some(alpha) => display.encode_with_alpha(self.pixels(), alpha),
+            None => display.encode(self.pixels()),
+        })?;
+        writer.finish()?;
+        Ok(())
     }
-    for (key, value) in &display.noted(metadata.clone()).0 {
-        encoder.add_itxt_chunk(key.clone(), value.clone())?;
-    }
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&match image.alpha() {
-        Some(alpha) => display.encode_with_alpha(image.pixels(), alpha),
-        None => display.encode(image.pixels()),
-    })?;
-    writer.finish()?;
-    Ok(())
 }
 
 fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io::Result<()> {
