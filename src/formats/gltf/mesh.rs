@@ -104,7 +104,7 @@ impl Reader<'_, '_, '_> {
         let count = positions.len();
         let (indices, mode) = attributes.indices(count)?;
         let Some(faces) = self.faces(indices, mode, count)? else { return Ok(None) };
-        self.gltf.hold_list(count, faces.len())?;
+        self.gltf.budget.hold_list(count, faces.len())?;
         let same = |name: &str, length: usize| match [0, count].contains(&length) {
             true => Ok(()),
             false => Err(format!("{name} has {length} elements, but there are {count} positions")),

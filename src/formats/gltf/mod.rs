@@ -186,7 +186,7 @@ impl Reader<'_, '_, '_> {
                     scales.as_ref().map(Vec::len),
                 ];
                 let count = counts.into_iter().flatten().min().unwrap_or(0);
-                gltf.hold(INSTANCE * count as u64)?;
+                gltf.budget.hold(INSTANCE * count as u64)?;
                 for i in 0..count {
                     let translation = translations.as_ref().map(|list| list[i].map(f64::from));
                     let rotation = rotations.as_ref().map(|list| list[i].map(f64::from));
@@ -233,7 +233,7 @@ impl Reader<'_, '_, '_> {
                 render.height = (f64::from(render.width) / aspect).round() as u32;
             }
         }
-        self.gltf.hold(INSTANCE)?;
+        self.gltf.budget.hold(INSTANCE)?;
         let name = self.unique(name.unwrap_or("camera"), self.scene.cameras.0.len());
         self.scene.add_camera(name, file);
         Ok(())

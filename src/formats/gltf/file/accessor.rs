@@ -170,7 +170,7 @@ impl Gltf<'_> {
         let accessor = self.accessor(index)?;
         let component = Component::of(accessor.component_type)?;
         let &Accessor { count, normalized, .. } = accessor;
-        self.hold(count.saturating_mul(size_of::<T>() as u64))?;
+        self.budget.hold(count.saturating_mul(size_of::<T>() as u64))?;
         let read = |bytes: &[u8]| read(component, bytes, normalized);
         let mut all = match accessor.buffer_view {
             None => vec![zero; usize::try_from(count).map_err(|_| "too many elements")?],

@@ -34,7 +34,7 @@ impl<'g, 'a> Attributes<'g, 'a> {
         let Some((mesh, attribute)) = compressed else {
             return self.gltf.vectors(accessor).map(Some);
         };
-        self.gltf.hold(8 * N as u64 * mesh.num_points() as u64)?;
+        self.gltf.budget.hold(8 * N as u64 * mesh.num_points() as u64)?;
         let scale = self.gltf.scale(accessor)?;
         let numbers = attribute.read_f32s(mesh.num_points(), N);
         let (vectors, _) = numbers.as_chunks::<N>();
@@ -64,7 +64,7 @@ impl<'g, 'a> Attributes<'g, 'a> {
     /// there are those of all vertices up to `count`.
     pub(crate) fn indices(&self, count: usize) -> Result<(Vec<u32>, u32), String> {
         if let Some((mesh, _)) = &self.draco {
-            self.gltf.hold(24 * mesh.num_faces() as u64)?;
+            self.gltf.budget.hold(24 * mesh.num_faces() as u64)?;
             let faces = mesh.faces().iter().flat_map(|face| face.iter().map(|corner| corner.0));
             return Ok((faces.collect(), 4));
         }
@@ -82,7 +82,7 @@ impl<'g, 'a> Attributes<'g, 'a> {
 fn decoded(gltf: &Gltf<'_>, draco: &DracoMesh) -> Result<Mesh, String> {
     let (bytes, _) = gltf.view(draco.buffer_view)?;
     // A decoder holds up to about four copies.
-    let most = gltf.room() / 4;
+    let most = gltf.budget.room() / 4;
     let limits = DecodeLimits::default()
         .with_max_points(most / 12)
         .with_max_faces(most / 12)
@@ -91,6 +91,6 @@ fn decoded(gltf: &Gltf<'_>, draco: &DracoMesh) -> Result<Mesh, String> {
     let mut mesh = Mesh::new();
     let decoded = MeshDecoder::new().decode(&mut buffer, &mut mesh);
     decoded.map_err(|error| format!("cannot decompress: {error}"))?;
-    gltf.hold(100 * mesh.num_points() as u64 + 12 * mesh.num_faces() as u64)?;
+    gltf.budget.hold(100 * mesh.num_points() as u64 + 12 * mesh.num_faces() as u64)?;
     Ok(mesh)
 }

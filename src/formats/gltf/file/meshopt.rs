@@ -20,7 +20,7 @@ pub(crate) fn decoded(gltf: &Gltf<'_>, view: &MeshoptView) -> Result<Vec<u8>, St
     }
     let layout = BufferView::new(mode, filter, count, stride).map_err(bad)?;
     let length = layout.byte_length() as u64;
-    gltf.hold(length)?;
+    gltf.budget.hold(length)?;
     let max_bytes = 2 * layout.byte_length() + (1 << 16);
     let mut workspace = Workspace::new(Limits { max_bytes, ..Limits::default() });
     layout.decode(bytes, &mut workspace).map_err(bad)

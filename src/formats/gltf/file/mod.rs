@@ -53,7 +53,7 @@ pub(crate) struct Gltf<'a> {
     buffers: Vec<Vec<u8>>,
     /// The buffer views that were compressed.
     decoded: HashMap<usize, Vec<u8>>,
-    budget: &'a Budget,
+    pub(crate) budget: &'a Budget,
 }
 
 impl<'a> Gltf<'a> {
@@ -141,21 +141,6 @@ impl<'a> Gltf<'a> {
                 }
             },
         }
-    }
-
-    /// Bytes of memory that are left.
-    fn room(&self) -> u64 {
-        self.budget.room()
-    }
-
-    /// Holds memory, unless it exceeds the limit.
-    pub(crate) fn hold(&self, bytes: u64) -> Result<(), String> {
-        self.budget.hold(bytes)
-    }
-
-    /// Holds memory for a list of triangles in the description of a scene.
-    pub(crate) fn hold_list(&self, vertices: usize, triangles: usize) -> Result<(), String> {
-        self.budget.hold_list(vertices, triangles)
     }
 
     /// The file of the image with this number; `None` if it is within this file.
