@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::{Float, Int, LANES, Lanes, Vec3x, first_bits, gather_rows, rows_of, splat_row};
-use crate::math::Row;
+use crate::math::{Row, Word};
 
 /// Indices into a table of at least `end` entries, one in each lane, all below `end`.
 #[derive(Clone, Copy, Debug)]

@@ -22,12 +22,6 @@ impl Int {
         Self(UintRegister::new(lanes))
     };
 
-    /// Returns a vector with `value` in every lane.
-    #[inline(always)]
-    pub(crate) fn splat(value: u32) -> Self {
-        Self(UintRegister::splat(value))
-    }
-
     #[inline(always)]
     pub(crate) const fn new(lanes: Lanes<u32>) -> Self {
         Self(UintRegister::new(lanes))
@@ -57,19 +51,6 @@ impl Int {
         Self(self.0.shuffle(lanes.0))
     }
 
-    /// Returns a mask of the lanes that are equal.
-    #[inline(always)]
-    pub(crate) fn eq(self, other: Self) -> Mask {
-        Mask(Register::from_bits(self.0.simd_eq(other.0)))
-    }
-
-    /// Returns a mask of the lanes where `self` is at most `other`.
-    #[inline(always)]
-    pub(crate) fn le(self, other: Self) -> Mask {
-        // The comparison that `wide` offers for 8 lanes takes five operations.
-        self.eq(Self(self.0.min(other.0)))
-    }
-
     /// Returns the larger number in each lane.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
@@ -97,7 +78,7 @@ impl Word for Int {
 
     #[inline(always)]
     fn splat(value: u32) -> Self {
-        Self::splat(value)
+        Self(UintRegister::splat(value))
     }
 
     #[inline(always)]
@@ -123,12 +104,13 @@ impl Word for Int {
 
     #[inline(always)]
     fn eq(self, other: Self) -> Mask {
-        self.eq(other)
+        Mask(Register::from_bits(self.0.simd_eq(other.0)))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> Mask {
-        self.le(other)
+        // The comparison that `wide` offers for 8 lanes takes five operations.
+        self.eq(Self(self.0.min(other.0)))
     }
 }
 

@@ -22,7 +22,7 @@ use super::visits::{Child, Visits};
 use crate::accel::ray::{Packet, Rays, VECTORS};
 use crate::accel::tree::wide::WideTree;
 use crate::accel::{Count, HitBatch, LeafBlocks, LeafRef, Meshes, NoMeshes};
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// The intervals that bound the rays of a packet. Each value is the same in every lane.

@@ -40,7 +40,20 @@ impl TraceJob<'_> {
                 let wild_bits = vector.load(&rays, first_bits(end - first), self.extent);
                 wild.extend(Bits(wild_bits).map(|lane| first + lane));
             }
-            self.search_all::<ANY, V, C>(&mut packet, count, &mut search);
+            if packet.vectors.iter().any(|rays| rays.setup.active != 0) {
+                for &block in self.spanning {
+                    // Spanning primitives are mostly huge, so that only shadow rays often all miss
+                    // one.
+                    self.blocks.test_packet::<V, ANY, ANY, true>(
+                        block,
+                        block.valid(),
+                        &mut packet,
+                        &mut NoMeshes,
+                        count,
+                    );
+                }
+                search(&mut packet, count);
+            }
             packet.store::<ANY>(first, end, hits);
             if INSTANCES && !ANY && hits.has_instances() {
                 let end = end.min(first + V * LANES);
@@ -48,29 +61,5 @@ impl TraceJob<'_> {
             }
         }
         wild
-    }
-
-    /// Tests a packet against the spanning blocks, then calls `search`.
-    #[inline(always)]
-    pub(crate) fn search_all<const ANY: bool, const V: usize, C: Count>(
-        &self,
-        packet: &mut Packet<V>,
-        count: &mut C,
-        search: &mut impl FnMut(&mut Packet<V>, &mut C),
-    ) {
-        if packet.vectors.iter().all(|rays| rays.setup.active == 0) {
-            return;
-        }
-        for &block in self.spanning {
-            // Spanning primitives are mostly huge, so that only shadow rays often all miss one.
-            self.blocks.test_packet::<V, ANY, ANY, true>(
-                block,
-                block.valid(),
-                packet,
-                &mut NoMeshes,
-                count,
-            );
-        }
-        search(packet, count);
     }
 }

@@ -4,7 +4,7 @@ use super::visits::{Child, Visits};
 use crate::accel::ray::{Members, OneRay, RayGroup};
 use crate::accel::tree::wide::{WideNode, WideTree};
 use crate::accel::{Count, Meshes};
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Int, LANES, Mask, axes};
 
 /// Makes all `visits`, and searches there for hits of those rays of `group` that are in the set `rays`.

@@ -2,6 +2,7 @@
 
 use crate::accel::LeafRef;
 use crate::accel::tree::wide::{WideNode, WideTree};
+use crate::math::Word;
 use crate::math::min;
 use crate::simd::{Bits, Float, Int, LANES};
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::accel::{Setup, Shear};
 use crate::geometry::shear_axes;
 use crate::geometry::{Ray, RayLanes};
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 
 /// A vector of prepared rays in memory, read lane by lane.

@@ -2,7 +2,7 @@
 
 use super::Rays;
 use crate::accel::HitBatch;
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Bits, Float, Int, LANES, first_bits};
 
 /// Number of vectors in a packet of most kernels. The 32 rays of such a packet share the loads of a

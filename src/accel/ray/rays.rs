@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::BestLanes;
 use crate::accel::{Extent, HitBatch, RayVector, Setup};
 use crate::geometry::{HitLanes, Ray, RayLanes, shear_axes};
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Bits, Float, Int, Mask, Vec3x, axes};
 
 /// A vector of rays and their closest hits so far.

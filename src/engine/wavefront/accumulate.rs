@@ -40,6 +40,7 @@ mod tests {
 
     use super::*;
     use crate::film::{Tile, Unit};
+    use crate::math::Word;
     use crate::math::{Stream, Vector};
     use crate::simd::{Int, Vec3x};
 

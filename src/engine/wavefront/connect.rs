@@ -4,7 +4,7 @@ use super::extend::trace;
 use super::{CellSort, Cells, Columns, Paths};
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
 use crate::geometry::Ray;
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Indices, Int, LANES, Vec3x};
 
 /// Shadow rays, and the light that each one adds if it is not occluded.

@@ -4,7 +4,7 @@ use super::{History, Paths, Segment, WaveRays};
 use crate::accel::RayVector;
 use crate::engine::ImageSettings;
 use crate::film::Unit;
-use crate::math::{PixelKey, Real};
+use crate::math::{PixelKey, Real, Word};
 use crate::sampler::Randoms;
 use crate::shading::CameraFrame;
 use crate::shading::material::SPECULAR;

@@ -2,7 +2,7 @@
 
 use super::{Columns, WaveRays};
 use crate::accel::HitBatch;
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::shading::Looks;
 use crate::simd::{Float, Int, LANES, first_bits};
 

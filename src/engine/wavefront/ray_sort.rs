@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::Bounds;
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Int, Vec3x, axes};
 
 /// A grid over a scene, which numbers the cells of rays.

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Quad;
 use crate::geometry::RayLanes;
-use crate::math::Real;
+use crate::math::{Real, Word};
 use crate::simd::{Float, Int, Mask, Vec3x};
 
 /// The quad data that the general test needs.

@@ -3,8 +3,8 @@
 //! The list in `materials!` generates the enum of scene files, the kinds by which paths are sorted,
 //! and the tables.
 
-/// The methods of [`MaterialParameters`] for textures: those of the named parameters, and those of the
-/// fields `normal` and `opacity`.
+/// The methods of [`MaterialParameters`] for textures: those of the named parameters, and those of
+/// the fields `normal` and `opacity`.
 macro_rules! texture_methods {
     ($($parameter:ident),*) => {
         fn textures(&mut self) -> Vec<&mut TextureRef> {
