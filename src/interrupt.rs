@@ -2,9 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
-use signal_hook::flag;
+use signal_hook::iterator::Signals as Received;
+use signal_hook::{flag, low_level};
 
 use crate::error::{Error, Result};
 
@@ -15,8 +18,6 @@ struct Signals {
     last: Arc<AtomicUsize>,
     /// Whether such a signal ends the process at once, because there is no work to save.
     leaves: Arc<AtomicBool>,
-    /// Whether the next SIGINT ends the process at once, because one was received before.
-    insists: Arc<AtomicBool>,
     /// Whether SIGUSR1 was received.
     asked: Arc<AtomicBool>,
 }
@@ -26,22 +27,24 @@ fn signals() -> &'static Signals {
     SIGNALS.get_or_init(Signals::default)
 }
 
+/// Within this time, a second SIGINT is the same request as the first: some terminals, and `timeout`, send a signal
+/// to a process and to its group.
+const ONE_REQUEST: Duration = Duration::from_millis(500);
+
 /// From now on, SIGINT, SIGTERM, SIGHUP and SIGUSR1 are recorded and do not end the process. A
-/// second SIGINT still ends it. After `leave_at_once(true)`, every one of these signals except
+/// second SIGINT, later than [`ONE_REQUEST`] after the first, still ends it. After `leave_at_once(true)`, every one of these signals except
 /// SIGUSR1 ends it.
 ///
 /// # Errors
 /// [`Error::Resource`] if the operating system refuses.
 pub(crate) fn watch() -> Result<()> {
-    let Signals { last, leaves, insists, asked } = signals();
+    let Signals { last, leaves, asked } = signals();
     // Under nohup, SIGHUP stays ignored. Shells make background processes ignore SIGINT, but a
     // SIGINT that somebody sends to a background process is intended, so SIGINT is recorded.
     let hangups = (!is_ignored(SIGHUP)).then_some(SIGHUP);
     let register = || {
-        // This handler is registered before the one that sets `insists`, so that only a second
-        // SIGINT ends the process.
-        flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(insists))?;
-        flag::register(SIGINT, Arc::clone(insists))?;
+        let interrupts = Received::new([SIGINT])?;
+        thread::Builder::new().name("interrupts".to_owned()).spawn(|| end_at_second(interrupts))?;
         for signal in [SIGINT, SIGTERM].into_iter().chain(hangups) {
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(leaves))?;
             flag::register_usize(signal, Arc::clone(last), signal as usize)?;
@@ -49,6 +52,16 @@ pub(crate) fn watch() -> Result<()> {
         flag::register(SIGUSR1, Arc::clone(asked))
     };
     register().map(|_| ()).map_err(refused)
+}
+
+/// Ends the process at the second request to interrupt it.
+fn end_at_second(mut interrupts: Received) {
+    let mut first = None;
+    for signal in interrupts.forever() {
+        if first.get_or_insert_with(Instant::now).elapsed() > ONE_REQUEST {
+            low_level::exit(128 + signal);
+        }
+    }
 }
 
 /// Whether the process ignores `signal`.
@@ -91,6 +104,11 @@ pub(crate) fn take_request() -> bool {
 /// Whether SIGUSR1 was received.
 pub(crate) fn is_requested() -> bool {
     signals().asked.load(Ordering::Relaxed)
+}
+
+/// Whether SIGINT was the last signal that ends the run.
+pub(crate) fn is_interrupted() -> bool {
+    signal() == Some(SIGINT as u8)
 }
 
 /// Fails if a signal that ends the run was received.

@@ -121,6 +121,20 @@ impl ProgressReport {
         self.event("done", progress, None);
     }
 
+    /// Says to the person who interrupts the render what happens now, and what another Ctrl-C would do.
+    pub(crate) fn say_that_it_stops(&self) {
+        let say = || {
+            notice(format_args!(
+                "stopping, and saving what is done; another Ctrl-C ends at once, without saving"
+            ));
+        };
+        match &self.display {
+            Display::Json { .. } => {}
+            Display::Bar(bar) => bar.suspend(say),
+            _ => say(),
+        }
+    }
+
     /// Reports that the render was saved in `file`; `event` is the reason.
     pub(crate) fn saved(&self, event: &str, progress: Progress, file: &Path) {
         self.event(event, progress, Some(("file", file.display().to_string())));

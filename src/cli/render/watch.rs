@@ -48,7 +48,14 @@ impl<'a> Watch<'a> {
         let ends = interrupt::signal().is_some()
             || self.schedule.time_limit.is_some_and(is_over)
                 && self.advanced.load(Ordering::Relaxed);
-        ends.then(|| *self.noticed.get_or_init(Instant::now))
+        ends.then(|| {
+            *self.noticed.get_or_init(|| {
+                if interrupt::is_interrupted() {
+                    self.progress.say_that_it_stops();
+                }
+                Instant::now()
+            })
+        })
     }
 
     fn checkpoint_is_due(&self) -> bool {

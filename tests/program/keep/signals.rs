@@ -111,13 +111,30 @@ fn a_second_interrupt_exits_at_once() {
     let mut render = Started::new(here, &words.split(' ').collect::<Vec<_>>());
     render.wait_for("start");
     let id = render.child.id();
-    // Two signals at the same moment would count as one.
-    let twice = format!("kill -INT {id}; sleep 0.01; kill -INT {id}");
+    let twice = format!("kill -INT {id}; sleep 0.55; kill -INT {id}");
     assert!(Command::new("sh").args(["-c", &twice]).status().unwrap().success());
     let (ended, said) = render.end();
     assert_eq!(ended, Some(130), "{said}");
     assert!(!said.contains("interrupted by"), "{said}");
     assert_eq!(fs::read_dir(here).unwrap().count(), 0, "no file may be left");
+}
+
+/// Some terminals, and `timeout -s INT`, send SIGINT to a process and to its group: once more within milliseconds.
+#[test]
+fn an_interrupt_that_is_repeated_at_once_saves() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for pause in ["0", "0.002", "0.2"] {
+        let mut render = Started::new(here, &LONG);
+        render.wait_for("start");
+        let id = render.child.id();
+        let twice = format!("kill -INT {id}; sleep {pause}; kill -INT {id} || true");
+        assert!(Command::new("sh").args(["-c", &twice]).status().unwrap().success());
+        let (ended, said) = render.end();
+        assert_eq!(ended, Some(130), "{pause} s: {said}");
+        assert!(said.contains("continue from a.partial.film"), "{pause} s: {said}");
+    }
+    hash(here, &LONG);
 }
 
 /// If two renders have the same output, the second must not overwrite the checkpoint of the first.
