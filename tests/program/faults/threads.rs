@@ -49,13 +49,13 @@ fn threads_that_cannot_be_pinned() {
     assert!(run("--pin auto -o b.png").status.success() && replaced.has("b.png"));
 }
 
-/// The operating system starts only two threads.
+/// The operating system starts only three threads, of which one waits for SIGINT.
 #[test]
 fn threads_that_cannot_be_started() {
     let replaced = Replaced::by(
         "#define _GNU_SOURCE\n#include <dlfcn.h>\n#include <errno.h>\n#include <pthread.h>\n\
          int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x)\n\
-         { static int started; if (started++ == 2) return EAGAIN;\n\
+         { static int started; if (started++ == 3) return EAGAIN;\n\
          int (*next)() = (int (*)())dlsym(RTLD_NEXT, \"pthread_create\"); return next(t, a, f, x); }\n",
     );
     let refused = replaced.render("--threads 3 -o a.png");
