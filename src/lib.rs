@@ -132,14 +132,14 @@ mod simd;
 
 pub use accel::Kernel;
 pub use engine::{
-    ComputeSettings, Endings, Engine, ImageSettings, NonFinite, Observer, Pin, Pinned, Plan,
-    Planning, PreparedScene, Progress, RayCounts, Render, RenderState, Renderer, Roulette, Seconds,
-    SegmentPlan, Stop, Tally,
+    ComputeSettings, Endings, Engine, FirstHits, ImageSettings, Layer, Layers, NonFinite, Observer,
+    Pin, Pinned, Plan, Planning, PreparedScene, Progress, RayCounts, Render, RenderState, Renderer,
+    Roulette, Seconds, SegmentPlan, Stop, Tally,
 };
 pub use error::{Error, Result};
 pub use formats::BUILTIN_NAMES;
 pub use glam;
-pub use image::{Display, Image, Metadata, ToneMap, Transfer};
+pub use image::{Display, Image, ImageLayer, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
@@ -171,15 +171,6 @@ pub mod internals {
     pub use crate::math::{Stream, cross, dot, length, min, normalize};
     #[cfg(feature = "cli")]
     pub use crate::measure::rayset::{Query, RaySet, record};
-
-    /// The alpha channel of a render.
-    ///
-    /// # Errors
-    /// If memory runs out.
-    pub fn alpha(renderer: &crate::Renderer) -> crate::Result<Vec<f32>> {
-        let film = Film::new(renderer.image_settings().image(), 0..renderer.image_settings().spp)?;
-        Ok(renderer.alpha(film, &())?.expect("nobody stops the render"))
-    }
 
     /// Checks that a file is the record of a bench.
     ///

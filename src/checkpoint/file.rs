@@ -101,14 +101,15 @@ impl Checkpoint {
         };
         let Header { scene, identity, shard, samples: [first, end], tally, seconds, .. } = header;
         let area = identity.area();
-        limits.check_image(area.pixels(), Film::memory(area, first..end)).map_err(bad)?;
+        let channels = identity.settings.stored_layers().channels();
+        limits.check_image(area.pixels(), Film::memory(area, first..end, channels)).map_err(bad)?;
         let before = MAGIC.len() + line.len();
         let of_film = length.saturating_sub((before + blake3::OUT_LEN) as u64);
         // The film has at least 4 bytes per pixel, which store the end of its samples.
         if of_film < 4 * area.pixels() {
             return Err(bad("damaged: the film is too short".to_owned()));
         }
-        if of_film > Film::most_bytes(area, first..end) {
+        if of_film > Film::most_bytes(area, first..end, channels) {
             return Err(bad("damaged: the film is too long".to_owned()));
         }
         if !is_whole(&mut file)? {
@@ -116,11 +117,14 @@ impl Checkpoint {
         }
         file.seek(SeekFrom::Start(before as u64)).map_err(failed)?;
         let mut sums = file.take(of_film);
-        let film = Film::read(area, first..end, &mut sums).map_err(|error| match error.kind() {
-            ErrorKind::InvalidData => bad(format!("damaged: {error}")),
-            ErrorKind::UnexpectedEof => bad("damaged: the film is too short".to_owned()),
-            _ => failed(error),
-        })?;
+        let film =
+            Film::read(area, first..end, channels, &mut sums).map_err(|error| {
+                match error.kind() {
+                    ErrorKind::InvalidData => bad(format!("damaged: {error}")),
+                    ErrorKind::UnexpectedEof => bad("damaged: the film is too short".to_owned()),
+                    _ => failed(error),
+                }
+            })?;
         if sums.limit() > 0 {
             return Err(bad("damaged: the film is too long".to_owned()));
         }
@@ -128,7 +132,7 @@ impl Checkpoint {
         if !film.is_of(has) {
             return Err(bad("damaged: the pixels are not those of its shard".to_owned()));
         }
-        let mut rendering = RenderState::new(film);
+        let mut rendering = RenderState::new(film, &identity.settings);
         (rendering.tally, rendering.seconds) = (tally, seconds);
         Ok(Self { scene, identity, shard, rendering })
     }

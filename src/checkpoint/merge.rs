@@ -4,10 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::{Checkpoint, Identity, Shard};
-use crate::engine::RenderState;
+use crate::engine::{RenderState, Totals};
 use crate::error::{Error, Result};
-use crate::film::{Conflict, Film, SampleIndex};
-use crate::image::Image;
+use crate::film::{Conflict, Film, Plane, SampleIndex};
 use crate::limits::{Limit, Limits};
 
 /// Merges `files`, the parts of one render: shards, ranges of samples, or both. `limits` apply to
@@ -27,13 +26,14 @@ pub(crate) fn merge(files: &[PathBuf], limits: &Limits) -> Result<Checkpoint> {
         part.check(first)?;
     }
     // Memory holds the whole and one part at a time.
-    let memory = |samples: &Range<u32>| Film::memory(identity.area(), samples.clone());
+    let (settings, area) = (&identity.settings, identity.area());
+    let channels = settings.stored_layers().channels();
+    let memory = |samples: &Range<u32>| Film::memory(area, samples.clone(), channels);
     let largest = parts.iter().map(|part| memory(&part.samples)).max().unwrap_or(0);
-    limits
-        .check(Limit::Memory, largest + memory(&(0..identity.settings.spp)))
-        .map_err(Error::Usage)?;
+    limits.check(Limit::Memory, largest + memory(&(0..settings.spp))).map_err(Error::Usage)?;
     parts.sort_by_key(|part| part.samples.start);
-    let mut whole = RenderState::new(Film::new(identity.area(), 0..identity.settings.spp)?);
+    let film = Film::new(area, 0..settings.spp, channels)?;
+    let mut whole = RenderState::new(film, settings);
     for (number, part) in parts.iter().enumerate() {
         let there = Checkpoint::read(part.file, limits)?.rendering;
         match whole.film.append(&there.film)? {
@@ -142,52 +142,85 @@ fn missing(parts: &[PartFile<'_>], sample: SampleIndex) -> Error {
     Error::input(names.join(", "), "", message)
 }
 
-/// The image of the samples that are finished in parts of a render.
+/// The samples that are finished in parts of a render.
 pub(crate) struct PartialRender {
     /// The name of the scene.
     pub(crate) scene: String,
-    /// The mean of each pixel's finished samples, or black if the pixel has none.
-    pub(crate) image: Image,
-    /// Number of finished samples.
-    pub(crate) samples: u64,
-    /// Samples per pixel of the complete render.
-    pub(crate) spp: u32,
+    pub(crate) identity: Identity,
+    pub(crate) film: PartialFilm,
 }
 
-/// Averages the finished samples in `files`, which are parts of one render. The parts may be
-/// unfinished, and some parts may be missing.
+/// Adds the finished samples in `files`, which are parts of one render. The parts may be unfinished, and some parts
+/// may be missing.
 ///
 /// # Errors
 /// If a file cannot be read, belongs to another render than the first, or exceeds a limit.
 pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<PartialRender> {
-    let mut first: Option<PartFile<'_>> = None;
-    let (mut sums, mut counts) = (Vec::new(), Vec::new());
+    let mut merged: Option<(PartFile<'_>, PartialFilm)> = None;
     for file in files {
         let part = Checkpoint::read(file, limits)?;
         let known = PartFile::of(file, &part);
-        match &first {
-            Some(first) => known.check_identity(first)?,
+        let (first, sums) = match &mut merged {
+            Some(merged) => merged,
             None => {
-                let pixels = known.identity.area().pixels() as usize;
-                (sums, counts) = (vec![[0.0f64; 3]; pixels], vec![0u64; pixels]);
-                first = Some(known);
+                let sums = PartialFilm::new(&part.rendering.film);
+                merged.insert((PartFile::of(file, &part), sums))
             }
-        }
-        let film = &part.rendering.film;
-        let pixels =
-            sums.iter_mut().zip(&mut counts).zip(film.means()?.into_iter().zip(film.counts()));
-        for ((sum, count), (mean, samples)) in pixels.filter(|(_, (_, samples))| *samples > 0) {
-            let add = |axis: usize| sum[axis] + f64::from(mean[axis]) * f64::from(samples);
-            *sum = [add(0), add(1), add(2)];
-            *count += u64::from(samples);
-        }
+        };
+        known.check_identity(first)?;
+        sums.add(&part.rendering.film)?;
     }
-    let Some(PartFile { scene, identity, .. }) = first else {
+    let Some((PartFile { scene, identity, .. }, film)) = merged else {
         return Err(Error::Usage("there are no parts to merge".to_owned()));
     };
-    let mean = |(sum, count): (&[f64; 3], &u64)| sum.map(|c| (c / (*count).max(1) as f64) as f32);
-    let pixels = sums.iter().zip(&counts).map(mean).collect();
-    let (area, spp) = (identity.area(), identity.settings.spp);
-    let image = Image::from_pixels(area.width, area.height, pixels);
-    Ok(PartialRender { scene, image, samples: counts.iter().sum(), spp })
+    Ok(PartialRender { scene, identity, film })
+}
+
+/// Sums of all finished samples of several films.
+pub(crate) struct PartialFilm {
+    channels: usize,
+    /// For each pixel, a sum per channel.
+    sums: Vec<f64>,
+    /// For each pixel, the number of even and of odd samples.
+    counts: Vec<[u32; 2]>,
+}
+
+impl PartialFilm {
+    /// Without samples, for films like `film`.
+    fn new(film: &Film) -> Self {
+        let (pixels, channels) = (film.area().pixels() as usize, film.channels());
+        Self { channels, sums: vec![0.0; pixels * channels], counts: vec![[0; 2]; pixels] }
+    }
+
+    /// Number of finished samples.
+    pub(crate) fn samples(&self) -> u64 {
+        self.counts.iter().flatten().map(|count| u64::from(*count)).sum()
+    }
+
+    fn add(&mut self, film: &Film) -> Result<()> {
+        for first in (0..self.channels).step_by(3) {
+            let pixels = self.sums.chunks_exact_mut(self.channels);
+            for (sums, totals) in pixels.zip(film.totals(first)?) {
+                for (sum, total) in sums[first..].iter_mut().zip(totals) {
+                    *sum += f64::from(total);
+                }
+            }
+        }
+        for (sum, counts) in self.counts.iter_mut().zip(Totals::counts(film)) {
+            *sum = [sum[0] + counts[0], sum[1] + counts[1]];
+        }
+        Ok(())
+    }
+}
+
+impl Totals for PartialFilm {
+    fn sums(&self, first: usize) -> Result<Plane> {
+        let sum = |sums: &[f64], channel| sums.get(channel).map_or(0.0, |sum| *sum as f32);
+        let pixels = self.sums.chunks_exact(self.channels);
+        Ok(pixels.map(|sums| [0, 1, 2].map(|channel| sum(sums, first + channel))).collect())
+    }
+
+    fn counts(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.counts.iter().copied()
+    }
 }

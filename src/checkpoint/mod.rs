@@ -57,16 +57,21 @@ impl Part {
         self.shard.is_none() && self.samples == (0..self.identity.settings.spp)
     }
 
-    /// A film for the part, without any samples.
+    /// Number of channels of a sample.
+    pub(crate) fn channels(&self) -> usize {
+        self.identity.settings.stored_layers().channels()
+    }
+
+    /// A rendering of the part, without any samples.
     ///
     /// # Errors
     /// [`Error::Resource`](crate::Error::Resource) if there is not enough memory.
-    pub(crate) fn empty_film(&self) -> Result<Film> {
-        let mut film = Film::new(self.identity.area(), self.samples.clone())?;
+    pub(crate) fn empty_rendering(&self) -> Result<RenderState> {
+        let mut film = Film::new(self.identity.area(), self.samples.clone(), self.channels())?;
         if let Some(shard) = self.shard {
             film.retain(|x, y| shard.has(self.identity.settings.width, x, y));
         }
-        Ok(film)
+        Ok(RenderState::new(film, &self.identity.settings))
     }
 
     /// Why a checkpoint of this part cannot be continued as `wanted`; `None` if it can. A checkpoint that

@@ -1,5 +1,6 @@
 //! `ptfast compare`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use super::arguments::{LimitArgs, named};
 use super::console::say;
 use super::files;
 use crate::error::Result;
-use crate::image::{Format, Image, Metadata, Transfer, compare};
+use crate::image::{Channels, Format, Image, Metadata, Transfer, compare, other_channels};
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
@@ -32,7 +33,7 @@ pub(crate) struct CompareArgs {
     limits: LimitArgs,
 }
 
-/// Returns exit code 0 if the images are identical, else 1.
+/// Returns exit code 0 if the images and all their layers are identical, else 1.
 pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
     if let Some(path) = &args.heatmap {
         Format::of_path(path)?;
@@ -64,6 +65,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
         Some(Transfer::Gamma2) => "as displayed, gamma 2",
     };
     let (x, y) = c.largest_at;
+    let layers = layers(other_channels(&args.a)?, other_channels(&args.b)?, a.width());
     say(format_args!("identical        {}", if c.identical { "yes" } else { "no" }))?;
     say(format_args!("values           {scale}"))?;
     say(format_args!("mse              {:.6e}", c.mse))?;
@@ -71,5 +73,41 @@ pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
     say(format_args!("psnr             {:.2} dB", c.psnr))?;
     say(format_args!("largest          {:.6e} at pixel ({x}, {y})", c.largest))?;
     say(format_args!("ratio of means   {:.6}", c.ratio_of_means))?;
-    Ok(u8::from(!c.identical))
+    for (name, difference) in &layers {
+        let difference = difference.as_deref().unwrap_or("identical");
+        say(format_args!("{:<16} {difference}", format!("layer {name}")))?;
+    }
+    Ok(u8::from(!c.identical || layers.values().any(Option::is_some)))
+}
+
+/// How each layer differs in two images of width `width`; `None` if it does not. The name of a layer is that of its
+/// channels up to the last dot.
+fn layers(a: Channels, mut b: Channels, width: u32) -> BTreeMap<String, Option<String>> {
+    let mut largest = BTreeMap::<String, (f64, usize)>::new();
+    let mut alone = BTreeMap::new();
+    let layer =
+        |channel: &str| channel.rsplit_once('.').map_or(channel, |(layer, _)| layer).to_owned();
+    for (channel, a) in a {
+        let Some(b) = b.remove(&channel) else {
+            alone.insert(layer(&channel), Some("only in the first image".to_owned()));
+            continue;
+        };
+        let most = largest.entry(layer(&channel)).or_default();
+        for (pixel, (a, b)) in
+            a.into_iter().zip(b).enumerate().filter(|(_, (a, b))| a.to_bits() != b.to_bits())
+        {
+            let difference = (f64::from(a) - f64::from(b)).abs();
+            if most.0 == 0.0 || difference > most.0 {
+                *most = (difference, pixel);
+            }
+        }
+    }
+    alone.extend(
+        b.keys().map(|channel| (layer(channel), Some("only in the second image".to_owned()))),
+    );
+    let shared = largest.into_iter().map(|(name, (most, pixel))| {
+        let (x, y) = (pixel % width as usize, pixel / width as usize);
+        (name, (most != 0.0).then(|| format!("differs, most by {most:.6e} at pixel ({x}, {y})")))
+    });
+    shared.chain(alone).collect()
 }

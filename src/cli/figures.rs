@@ -9,8 +9,9 @@ use clap::Args;
 use super::console::{advise_on_build, say, suppress_notices};
 use super::progress::ProgressMode;
 use super::{folder, progress};
+use crate::engine::Layers;
 use crate::error::{Error, Result};
-use crate::image::Metadata;
+use crate::image::{Metadata, layer_path};
 use crate::isa::Isa;
 use crate::limits::MAX_THREADS;
 use crate::measure::figures::{self, FIGURE, FIGURES};
@@ -25,6 +26,9 @@ pub(crate) struct FiguresArgs {
     /// Use a tenth of the report's samples per pixel
     #[arg(long)]
     quick: bool,
+    /// Also write these layers, as in `ptfast render`, beside each picture
+    #[arg(long, value_name = "LIST", default_value = "color", hide_default_value = true)]
+    layers: Layers,
     /// Worker threads [default: one per available core]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_THREADS)))]
     threads: Option<u32>,
@@ -40,6 +44,10 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<()> {
         suppress_notices();
     }
     let pictures = FIGURES.iter().map(|figure| args.output.join(figure.file()));
+    let pictures = pictures.flat_map(|picture| {
+        let layers = args.layers.iter().map(|layer| layer_path(&picture, layer.name()));
+        layers.chain([picture.clone()]).collect::<Vec<_>>()
+    });
     let files: Vec<PathBuf> = pictures.chain([args.output.join(PAGE)]).collect();
     folder::check_unrelated(&files, is_figure)?;
     fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "create the folder"))?;
@@ -52,9 +60,10 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<()> {
         let scene = Scene::load(figure.scene)?;
         let spp = if args.quick { (figure.spp / 10).max(1) } else { figure.spp };
         let size = (spp, args.threads.unwrap_or(0));
-        let result = figures::render(figure, &scene, size, &args.output, |renderer| {
-            progress::render(renderer, &format!("figure {}", figure.number), mode)
-        })?;
+        let result =
+            figures::render(figure, &scene, size, &args.layers, &args.output, |renderer| {
+                progress::render(renderer, &format!("figure {}", figure.number), mode)
+            })?;
         if args.quiet {
             rendered.push(result);
             continue;

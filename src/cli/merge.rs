@@ -9,9 +9,10 @@ use super::arguments::limits::LimitArgs;
 use super::console::say;
 use super::files;
 use super::render::target::Target;
-use crate::checkpoint::{Checkpoint, PartialRender, merge, merge_partial};
+use crate::checkpoint::{Checkpoint, Identity, PartialRender, merge, merge_partial};
+use crate::engine::{ImageSettings, Layers, Totals, develop};
 use crate::error::{Error, Result};
-use crate::image::Metadata;
+use crate::image::{Image, Metadata};
 use crate::measure::settings;
 
 #[derive(Debug, Args)]
@@ -26,6 +27,9 @@ pub(crate) struct MergeArgs {
     /// missing
     #[arg(long)]
     partial: bool,
+    /// Layers to write to the image besides color [default: all that the parts have]
+    #[arg(long, value_name = "LIST")]
+    layers: Option<Layers>,
     #[command(flatten)]
     display: DisplayArgs,
     #[command(flatten)]
@@ -43,8 +47,32 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
         Target::Film(_) if args.partial => Err(Error::Usage(format!(
             "{output}: --partial writes an image: .png, .exr, .hdr or .pfm"
         ))),
+        Target::Film(_) if args.layers.is_some() => Err(Error::Usage(format!(
+            "{output}: --layers is for images, a film keeps all layers of its parts"
+        ))),
         _ if args.partial => write_partial(args, &output),
         _ => write_whole(args, &output),
+    }
+}
+
+impl MergeArgs {
+    /// The image of `film` with the layers that are asked for.
+    fn image(&self, identity: &Identity, film: &impl Totals) -> Result<Image> {
+        let settings = &identity.settings;
+        let layers = self.layers.as_ref().unwrap_or(&settings.layers);
+        if let Some(lacking) =
+            layers.iter().find(|layer| !settings.stored_layers().contains(*layer))
+        {
+            let message = format!(
+                "--layers {}: the parts lack this layer, they have color{}{}",
+                lacking.name(),
+                if settings.layers.is_empty() { "" } else { "," },
+                settings.layers
+            );
+            return Err(Error::Usage(message));
+        }
+        let settings = ImageSettings { layers: layers.clone(), ..settings.clone() };
+        develop(&settings, identity.area(), film)
     }
 }
 
@@ -54,7 +82,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let image = rendering.image()?;
+    let image = args.image(&identity, &rendering.film)?;
     let hash = image.hash();
     if let Target::Image(path) = output {
         image.write(path, args.display.display(), &identity.metadata(&hash))?;
@@ -67,8 +95,10 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
 }
 
 fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
-    let PartialRender { scene, image, samples, spp } =
+    let PartialRender { scene, identity, film } =
         merge_partial(&args.parts, &args.limits.limits())?;
+    let (image, samples, spp) =
+        (args.image(&identity, &film)?, film.samples(), identity.settings.spp);
     let metadata = Metadata::of_partial(samples);
     image.write(&args.output, args.display.display(), &metadata)?;
     let (width, height) = (image.width(), image.height());

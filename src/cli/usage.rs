@@ -70,20 +70,35 @@ fn message(error: &clap::Error) -> String {
     if error.kind() == ErrorKind::UnknownArgument && !suggests_a_typo(error) {
         text = text.split("\n\n  tip:").next().unwrap_or_default();
     }
-    text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ");
+    let name = invalid_argument(error).filter(|_| error.kind() == ErrorKind::UnknownArgument);
+    match OTHER_NAMES.iter().find(|(other, _)| name == Some(other)) {
+        Some((_, name)) => format!("{text}, use --{name}"),
+        None => text,
+    }
+}
+
+/// What other programs call our arguments.
+const OTHER_NAMES: [(&str, &str); 4] =
+    [("aov", "layers"), ("aovs", "layers"), ("normals", "layers"), ("passes", "layers")];
+
+/// The name of the wrong argument, without dashes and value.
+fn invalid_argument(error: &clap::Error) -> Option<&str> {
+    match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(name)) => name.trim_start_matches('-').split('=').next(),
+        _ => None,
+    }
 }
 
 /// Whether the suggested argument differs from the given one by at most one edit, plus one for
 /// every five letters.
 fn suggests_a_typo(error: &clap::Error) -> bool {
-    let name = |kind| match error.get(kind) {
-        Some(ContextValue::String(name)) => Some(name.trim_start_matches('-')),
-        _ => None,
+    let suggested = error.get(ContextKind::SuggestedArg);
+    let (Some(given), Some(ContextValue::String(suggested))) = (invalid_argument(error), suggested)
+    else {
+        return false;
     };
-    let names = (name(ContextKind::InvalidArg), name(ContextKind::SuggestedArg));
-    let (Some(given), Some(suggested)) = names else { return false };
-    let given = given.split('=').next().unwrap_or_default();
-    strsim::damerau_levenshtein(given, suggested) <= 1 + given.len() / 5
+    strsim::damerau_levenshtein(given, suggested.trim_start_matches('-')) <= 1 + given.len() / 5
 }
 
 fn verbose() -> bool {

@@ -50,12 +50,21 @@ pub(super) fn emission_weight<R: Real>(
 /// finite.
 #[inline]
 pub(super) fn counted(radiance: Vec3, clamp: f32) -> Option<(Vec3, bool)> {
+    scale(radiance, clamp).map(|scale| match scale {
+        1.0 => (radiance, false),
+        scale => (radiance * scale, true),
+    })
+}
+
+/// The factor of a sample in [`counted`].
+#[inline]
+pub(super) fn scale(radiance: Vec3, clamp: f32) -> Option<f32> {
     if !radiance.is_finite() {
         return None;
     }
     // Samples are negative where the pixel filter is.
     let most = max_element(Vector::abs(radiance));
-    Some(if most > clamp { (radiance * (clamp / most), true) } else { (radiance, false) })
+    Some(if most > clamp { clamp / most } else { 1.0 })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::layers::{FirstHits, Layer, Layers};
 use super::roulette::Roulette;
 use crate::error::{Error, Result};
 use crate::film::Tile;
@@ -47,6 +48,12 @@ pub struct ImageSettings {
     /// Whether the camera sees black instead of the background.
     #[serde(default)]
     pub transparent: bool,
+    /// The layers that the film has besides colour.
+    #[serde(default)]
+    pub layers: Layers,
+    /// Which hit layers of the first hit hold.
+    #[serde(default)]
+    pub first_hit: FirstHits,
 }
 
 fn before_sobol() -> Sampler {
@@ -77,6 +84,8 @@ impl ImageSettings {
             roulette: Roulette::From(defaults.roulette),
             clamp: None,
             transparent: false,
+            layers: Layers::default(),
+            first_hit: FirstHits::default(),
         }
     }
 
@@ -156,6 +165,12 @@ impl ImageSettings {
     /// Number of paths of the image.
     pub fn paths(&self) -> u64 {
         self.image().pixels() * u64::from(self.spp)
+    }
+
+    /// The layers that a film has besides colour.
+    pub(crate) fn stored_layers(&self) -> Layers {
+        let alpha = self.transparent.then_some(Layer::Alpha);
+        Layers::new(self.layers.iter().chain(alpha)).stored()
     }
 
     /// Whether paths sample the lights of `scene`.

@@ -1,10 +1,10 @@
 //! Engines render a scene to an image. All engines return bit-identical images.
 
-mod alpha;
-mod backdrop;
 mod compute_settings;
 mod contract;
+mod first_hit;
 mod image_settings;
+mod layers;
 mod memory;
 mod observer;
 mod output;
@@ -27,11 +27,15 @@ mod timeline;
 mod unit;
 mod wavefront;
 
-use backdrop::Backdrop;
 pub use compute_settings::{ComputeSettings, Engine};
 pub use contract::BITS;
-use contract::{ROULETTE_MAX, SHADOW_REACH, counted, emission_weight, power_heuristic};
+use contract::{ROULETTE_MAX, SHADOW_REACH, counted, emission_weight, power_heuristic, scale};
+use first_hit::FirstHit;
 pub use image_settings::ImageSettings;
+use layers::{Combine, LightParts, finite};
+pub use layers::{FirstHits, Layer, Layers};
+pub(crate) use layers::{Totals, develop};
+pub(crate) use memory::FilmOf;
 pub use observer::{Observer, Stop};
 pub use output::{Render, Seconds};
 pub(crate) use path_recorder::{PathRecorder, RayKind, TracedPath, TracedRay};

@@ -65,7 +65,8 @@ impl PathRecorder {
     pub(crate) fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
         let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
         let (ray, weight, key) = self.0.camera_ray(x, y, sample);
-        let radiance = tracer.radiance(ray, key) * weight;
+        let mut values = vec![0.0; self.0.channels()];
+        let (radiance, _) = tracer.radiance(ray, key, weight, &mut values);
         TracedPath { rays: tracer.intersect.rays, radiance }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{Backdrop, ComputeSettings, ImageSettings};
+use super::{ComputeSettings, ImageSettings};
 use crate::accel::Accelerator;
 use crate::scene::Scene;
 use crate::shading::{CameraFrame, SceneTables};
@@ -67,7 +67,6 @@ pub(super) struct View {
     pub(super) settings: ImageSettings,
     pub(super) compute: ComputeSettings,
     pub(super) camera: CameraFrame,
-    pub(super) backdrop: Backdrop,
 }
 
 impl View {
@@ -80,13 +79,7 @@ impl View {
         let camera = settings.camera(prepared.scene()).clone();
         let settings = ImageSettings { camera: Some(camera.clone()), ..settings };
         let camera = camera.frame(settings.width, settings.height);
-        let backdrop = if settings.transparent { Backdrop::Hidden } else { Backdrop::Shown };
-        Self { prepared, settings, compute, camera, backdrop }
-    }
-
-    /// The same view of the coverage of pixels alone, of which the image is 1 - alpha.
-    pub(super) fn alone(self) -> Self {
-        Self { camera: self.camera.unweighted(), backdrop: Backdrop::Alone, ..self }
+        Self { prepared, settings, compute, camera }
     }
 
     pub(super) fn scene(&self) -> &Scene {

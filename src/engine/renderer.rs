@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::memory::FilmOf;
 use super::scalar::ScalarEngine;
 use super::wavefront::WavefrontEngine;
 use super::{
@@ -29,7 +30,7 @@ impl View {
     fn check(&self) -> Result<()> {
         self.settings.check(self.scene().limits())?;
         self.compute.check()?;
-        self.compute.check_memory(self.scene(), 0)
+        self.compute.check_memory(self.scene(), None)
     }
 
     fn engine(&self, paths: u64, pool: &Pool, measured: Option<Plan>) -> Box<dyn UnitEngine> {
@@ -131,18 +132,9 @@ impl Renderer {
 
     /// Another renderer of the same scene, on the same threads.
     fn with(&self, image: ImageSettings, compute: ComputeSettings) -> Result<Self> {
-        self.with_view(|prepared, kept| {
-            let ComputeSettings { threads, pin, .. } = *kept;
-            View::new(prepared, image, ComputeSettings { threads, pin, ..compute })
-        })
-    }
-
-    /// Another renderer of the view that `change` makes of the prepared scene and the compute settings.
-    pub(super) fn with_view(
-        &self,
-        change: impl FnOnce(PreparedScene, &ComputeSettings) -> View,
-    ) -> Result<Self> {
-        let view = change(self.view.prepared.clone(), &self.view.compute);
+        let ComputeSettings { threads, pin, .. } = self.view.compute;
+        let compute = ComputeSettings { threads, pin, ..compute };
+        let view = View::new(self.view.prepared.clone(), image, compute);
         view.check()?;
         let start = Instant::now();
         let measured = self.measured_plan(&view.compute);
@@ -210,9 +202,11 @@ impl Renderer {
     /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
     /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
     pub fn begin(&self) -> Result<RenderState> {
-        let (image, samples) = (self.view.settings.image(), 0..self.view.settings.spp);
-        self.view.compute.check_memory(self.view.scene(), Film::memory(image, samples.clone()))?;
-        Film::new(image, samples).map(RenderState::new)
+        let View { settings, compute, .. } = &self.view;
+        let (image, samples) = (settings.image(), 0..settings.spp);
+        compute.check_memory(self.view.scene(), Some(FilmOf(settings, samples.clone())))?;
+        let channels = settings.stored_layers().channels();
+        Film::new(image, samples, channels).map(|film| RenderState::new(film, settings))
     }
 
     /// Renders all missing samples of `rendering`, unless `observer` stops it.

@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use super::{Event, ImageSettings, Lap, Taken, Tally, Task, WaveStats};
+use super::{Event, ImageSettings, Lap, Layer, Taken, Tally, Task, WaveStats, develop};
 use crate::error::{Error, Result};
-use crate::film::{Film, Schedule, Tile, UnitSums};
-use crate::image::Image;
+use crate::film::{Film, Schedule, UnitSums};
+use crate::image::{Image, ImageLayer};
 use crate::scene::Scene;
 
 /// Maximum number of events of a timeline: about a hundred megabytes.
@@ -33,13 +33,16 @@ pub struct RenderState {
     pub(crate) timeline: Vec<Event>,
     /// The scene and settings that the samples belong to; `None` before the first pass.
     source: Option<(Scene, ImageSettings)>,
+    /// The settings of the film.
+    settings: ImageSettings,
 }
 
 impl RenderState {
-    /// A rendering with the samples of `film`, and with empty counts.
-    pub(crate) fn new(film: Film) -> Self {
+    /// A rendering with the samples of `film`, whose layers are those of `settings`, and with empty counts.
+    pub(crate) fn new(film: Film, settings: &ImageSettings) -> Self {
         Self {
             film,
+            settings: settings.clone(),
             tally: Tally::default(),
             waves: WaveStats::default(),
             seconds: 0.0,
@@ -73,13 +76,21 @@ impl RenderState {
         self.seconds += other.seconds;
     }
 
-    /// Returns the image rendered so far. Pixels without samples are black.
+    /// Returns the image rendered so far, with its layers. Pixels without samples are black. If the background
+    /// is hidden, the image has an alpha channel.
     ///
     /// # Errors
     /// If there is not enough memory for the image, returns [`Error::Resource`].
     pub fn image(&self) -> Result<Image> {
-        let Tile { width, height, .. } = self.film.area();
-        Ok(Image::from_pixels(width, height, self.film.means()?))
+        develop(&self.settings, self.film.area(), &self.film)
+    }
+
+    /// Returns a layer of the image rendered so far; `None` if the film lacks it.
+    ///
+    /// # Errors
+    /// If there is not enough memory for it, returns [`Error::Resource`].
+    pub fn layer(&self, layer: Layer) -> Result<Option<ImageLayer>> {
+        self.settings.stored_layers().develop(&self.film, layer)
     }
 
     /// The progress of the render so far.
@@ -127,7 +138,7 @@ impl<'a> Shared<'a> {
     pub(super) fn next(&mut self) -> Option<Task> {
         let film = &self.rendering.film;
         let unit = self.schedule.next(film)?;
-        Some(Task { unit, open: film.open_sums(unit) })
+        Some(Task { unit, open: film.open_sums(unit), channels: film.channels() })
     }
 
     /// Adds a finished unit of worker number `worker`, and returns the progress of the render.

@@ -1,9 +1,7 @@
 //! Units of work that the renderer hands to an engine's workers, and their results.
 
-use glam::Vec3;
-
 use super::{Lap, Plan, Planning, Tally, WaveStats};
-use crate::film::{Plane, Unit, UnitSums};
+use crate::film::{Sums, Unit, UnitSums};
 
 /// An engine, which creates workers that render units of work.
 pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
@@ -31,14 +29,18 @@ pub(super) trait UnitWorker {
 pub(super) struct Task {
     pub(super) unit: Unit,
     /// The unit's [`Film::open_sums`](crate::film::Film::open_sums).
-    pub(super) open: Plane,
+    pub(super) open: Sums,
+    /// Number of channels of a sample.
+    pub(super) channels: usize,
 }
 
 impl Task {
-    /// The sum to which the samples of the unit's pixel number `pixel` are added.
-    #[inline]
-    pub(super) fn open_sum(&self, pixel: u32) -> Vec3 {
-        self.open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum))
+    /// The sums to which the samples of the unit's pixels are added, one row per pixel.
+    pub(super) fn open_sums(&self) -> Sums {
+        match self.open.is_empty() {
+            true => vec![0.0; self.unit.tile.pixels() as usize * self.channels],
+            false => self.open.clone(),
+        }
     }
 }
 

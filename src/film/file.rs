@@ -17,21 +17,27 @@ impl Film {
     pub(crate) fn write(&self, file: &mut impl Write) -> io::Result<()> {
         self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
         for (number, sums) in self.sums.iter().enumerate() {
-            for (sum, _) in sums.iter().zip(self.kept()).filter(|(_, (_, kept))| *kept > number) {
+            let pixels = sums.chunks_exact(self.channels).zip(self.kept());
+            for (sum, _) in pixels.filter(|(_, (_, kept))| *kept > number) {
                 sum.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))?;
             }
         }
         Ok(())
     }
 
-    /// Reads a film of the samples `samples` of the pixels of `area`.
+    /// Reads a film of the samples `samples` of the pixels of `area`, each of `channels` numbers.
     ///
     /// # Errors
     /// If reading `file` fails; [`io::ErrorKind::InvalidData`] if its content is not such a film,
     /// and [`io::ErrorKind::OutOfMemory`] if the film does not fit in memory.
-    pub(crate) fn read(area: Tile, samples: Range<u32>, file: &mut impl Read) -> io::Result<Self> {
+    pub(crate) fn read(
+        area: Tile,
+        samples: Range<u32>,
+        channels: usize,
+        file: &mut impl Read,
+    ) -> io::Result<Self> {
         let memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
-        let mut film = Self::new(area, samples).map_err(memory)?;
+        let mut film = Self::new(area, samples, channels).map_err(memory)?;
         let Range { start, end } = film.samples;
         for done in &mut film.done {
             let mut bytes = [0; 4];
@@ -47,8 +53,8 @@ impl Film {
         film.make_room(most).map_err(memory)?;
         let mut planes = std::mem::take(&mut film.sums);
         for (number, sums) in planes.iter_mut().enumerate() {
-            let kept = sums.iter_mut().zip(film.kept()).filter(|(_, (_, kept))| *kept > number);
-            for (sum, _) in kept {
+            let pixels = sums.chunks_exact_mut(channels).zip(film.kept());
+            for (sum, _) in pixels.filter(|(_, (_, kept))| *kept > number) {
                 for value in sum {
                     let mut bytes = [0; 4];
                     file.read_exact(&mut bytes)?;
@@ -69,28 +75,30 @@ impl Film {
 mod tests {
     use super::*;
     use crate::film::Schedule;
-    use crate::film::tests::{AREA, rendered, rendered_film};
+    use crate::film::tests::{AREA, CHANNELS, rendered, rendered_film};
 
     #[test]
     fn films_survive_a_round_trip() {
-        let mut partly = Film::new(AREA, 16..333).unwrap();
+        let mut partly = Film::new(AREA, 16..333, CHANNELS).unwrap();
         partly.retain(|x, y| x * y % 3 > 0);
         let mut schedule = Schedule::new(&partly, 333, 100);
         for _ in 0..50 {
             let unit = schedule.next(&partly).unwrap();
             partly.add(&rendered(&partly, unit)).unwrap();
         }
-        let empty = Film::new(AREA, 0..4).unwrap();
+        let empty = Film::new(AREA, 0..4, CHANNELS).unwrap();
         for film in [empty, partly, rendered_film(0..50, |x, _| x > 7)] {
             let mut bytes = Vec::new();
             film.write(&mut bytes).unwrap();
             let mut rest = &*bytes;
-            let back = Film::read(AREA, film.samples(), &mut rest).unwrap();
+            let back = Film::read(AREA, film.samples(), CHANNELS, &mut rest).unwrap();
             assert!(rest.is_empty());
             assert_eq!(back.done, film.done);
             assert_eq!(back.means().unwrap(), film.means().unwrap());
+            assert_eq!(back.totals(3).unwrap(), film.totals(3).unwrap());
             for end in [0, 3, bytes.len() - 1] {
-                let error = Film::read(AREA, film.samples(), &mut &bytes[..end]).unwrap_err();
+                let error =
+                    Film::read(AREA, film.samples(), CHANNELS, &mut &bytes[..end]).unwrap_err();
                 assert_eq!(error.kind(), io::ErrorKind::UnexpectedEof);
             }
         }
@@ -100,8 +108,8 @@ mod tests {
     fn impossible_sample_counts_are_rejected() {
         let area = Tile { width: 1, height: 1, ..AREA };
         let read = |done: u32| {
-            let bytes: Vec<u8> = done.to_le_bytes().into_iter().chain([0; 100]).collect();
-            Film::read(area, 16..50, &mut &*bytes)
+            let bytes: Vec<u8> = done.to_le_bytes().into_iter().chain([0; 200]).collect();
+            Film::read(area, 16..50, CHANNELS, &mut &*bytes)
         };
         for done in [16, 17, 32, 48, 50, ABSENT] {
             assert!(read(done).is_ok(), "{done}");

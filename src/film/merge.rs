@@ -75,7 +75,8 @@ impl Film {
         let mut kept = sum::sums(&(self.samples.start..start));
         let nodes = sum::nodes(start / CHUNK..end / CHUNK).map(Some).chain([None]);
         for (node, sums) in nodes.zip(&film.sums).take(sum::sums(&(start..end))) {
-            kept = self.push(pixels.clone(), kept, node, &sums[pixels.clone()])?;
+            let sums = &sums[film.of_pixels(pixels.clone())];
+            kept = self.push(pixels.clone(), kept, node, sums)?;
         }
         self.done[pixels].fill(end);
         Ok(())
@@ -85,11 +86,11 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::tests::{AREA, rendered_film, want};
+    use crate::film::tests::{AREA, CHANNELS, rendered_film, want};
 
     /// Appends `films` in order, until a conflict.
     fn merged(samples: Range<u32>, films: &[&Film]) -> (Film, Option<Conflict>) {
-        let mut merged = Film::new(AREA, samples).unwrap();
+        let mut merged = Film::new(AREA, samples, CHANNELS).unwrap();
         let conflict = films.iter().find_map(|film| merged.append(film).unwrap());
         (merged, conflict)
     }

@@ -1,4 +1,6 @@
-//! The film: for each pixel of an image, the sum of the samples rendered so far.
+//! The film: for each pixel of an image, the sums of the samples rendered so far.
+//!
+//! A sample is a row of numbers, its *channels*: first the colour, then those of the film's other layers.
 
 mod file;
 mod merge;
@@ -23,17 +25,25 @@ use crate::error::{Error, Result};
 /// One RGB value per pixel, row by row.
 pub(crate) type Plane = Vec<[f32; 3]>;
 
+/// The sums of some pixels, row by row: the channels of the first pixel, then those of the second.
+pub(crate) type Sums = Vec<f32>;
+
+/// Number of channels of colour.
+pub(crate) const COLOR: usize = 3;
+
 /// Sums of the samples of some pixels of an image.
 #[derive(Clone, Debug)]
 pub struct Film {
     area: Tile,
     samples: Range<u32>,
+    /// Number of channels of a sample.
+    channels: usize,
     /// For each pixel of `area`, one past the last finished sample; [`ABSENT`] for pixels that
     /// belong to other films.
     done: Vec<u32>,
     /// Plane 0 holds the first kept sum of each pixel, plane 1 the second, and so on: the nodes of
     /// `sum.rs`, then the running sum of an incomplete chunk.
-    sums: Vec<Plane>,
+    sums: Vec<Sums>,
 }
 
 /// Marks a pixel that the film does not have.
@@ -46,38 +56,43 @@ pub(crate) struct UnitSums {
     pub unit: Unit,
     /// For each pixel, the sum of its chunk up to `unit.end`: the samples of the unit, added in
     /// order to [`Film::open_sums`].
-    pub sums: Plane,
+    pub sums: Sums,
 }
 
 impl Film {
     /// Creates a film without any finished samples, for the samples `samples` of the pixels of
-    /// `area`. The first sample must be the first of a chunk.
+    /// `area`, each of `channels` numbers. The first sample must be the first of a chunk.
     ///
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
-    pub(crate) fn new(area: Tile, samples: Range<u32>) -> Result<Self> {
-        let done = plane(area, samples.start)?;
-        Ok(Self { area, samples, done, sums: Vec::new() })
+    pub(crate) fn new(area: Tile, samples: Range<u32>, channels: usize) -> Result<Self> {
+        let done = plane(area, samples.start, 1)?;
+        Ok(Self { area, samples, channels, done, sums: Vec::new() })
     }
 
     /// Memory in bytes for a complete film and its means.
-    pub(crate) fn memory(area: Tile, samples: Range<u32>) -> u64 {
-        Self::most_bytes(area, samples) + 12 * area.pixels()
+    pub(crate) fn memory(area: Tile, samples: Range<u32>, channels: usize) -> u64 {
+        Self::most_bytes(area, samples, channels) + 4 * channels as u64 * area.pixels()
     }
 
     /// Largest size of a film in bytes, in memory and in a file.
-    pub(crate) fn most_bytes(area: Tile, samples: Range<u32>) -> u64 {
+    pub(crate) fn most_bytes(area: Tile, samples: Range<u32>, channels: usize) -> u64 {
         let chunks = (samples.end - samples.start).div_ceil(CHUNK);
         // Each pixel has at most one incomplete chunk, and at most two nodes per level, or one node
         // per level if the samples start with sample 0.
         let levels = u64::from(u32::BITS - chunks.leading_zeros());
         let sums = 1 + levels * if samples.start == 0 { 1 } else { 2 };
-        area.pixels() * (4 + 12 * sums)
+        area.pixels() * (4 + 4 * channels as u64 * sums)
     }
 
     /// The rectangle that contains the pixels of the film.
     pub fn area(&self) -> Tile {
         self.area
+    }
+
+    /// Number of channels of a sample.
+    pub(crate) fn channels(&self) -> usize {
+        self.channels
     }
 
     /// The samples that each pixel of the complete film has.
@@ -106,13 +121,18 @@ impl Film {
 
     /// For each pixel of `unit`, the sum of the earlier samples of the same chunk. Empty if the
     /// unit starts a chunk.
-    pub(crate) fn open_sums(&self, unit: Unit) -> Plane {
+    pub(crate) fn open_sums(&self, unit: Unit) -> Sums {
         if unit.first.is_multiple_of(CHUNK) {
-            return Plane::new();
+            return Sums::new();
         }
-        let index = sum::sums(&(self.samples.start..unit.first)) - 1;
-        let rows = (0..unit.tile.height).map(|row| &self.sums[index][self.row(unit.tile, row)]);
-        rows.flatten().copied().collect()
+        let sums = &self.sums[sum::sums(&(self.samples.start..unit.first)) - 1];
+        let row = |row| &sums[self.of_pixels(self.row(unit.tile, row))];
+        (0..unit.tile.height).flat_map(row).copied().collect()
+    }
+
+    /// The range of the channels of `pixels` in sums.
+    fn of_pixels(&self, pixels: Range<usize>) -> Range<usize> {
+        pixels.start * self.channels..pixels.end * self.channels
     }
 
     /// Whether each pixel of `unit` has exactly the samples before `unit.first`.
@@ -134,7 +154,8 @@ impl Film {
         // The new sum of an open chunk includes the old one, and overwrites it.
         let kept = sum::sums(&(self.samples.start..first / CHUNK * CHUNK));
         let node = end.is_multiple_of(CHUNK).then_some((0, first / CHUNK));
-        for (row, sums) in (0..).zip(part.sums.chunks_exact(tile.width as usize)) {
+        let width = tile.width as usize * self.channels;
+        for (row, sums) in (0..).zip(part.sums.chunks_exact(width)) {
             let row = self.row(tile, row);
             self.push(row.clone(), kept, node, sums)?;
             self.done[row].fill(end);
@@ -149,33 +170,45 @@ impl Film {
         pixels: Range<usize>,
         kept: usize,
         node: Option<(u32, u32)>,
-        sums: &[[f32; 3]],
+        sums: &[f32],
     ) -> Result<usize> {
         let begin = self.samples.start / CHUNK;
         let index = kept - node.map_or(0, |node| sum::left_siblings(begin, node));
         self.make_room(index + 1)?;
-        let mut sums = sums.to_vec();
+        let (mut sums, place) = (sums.to_vec(), self.of_pixels(pixels));
         for left in self.sums[index..kept].iter().rev() {
-            for (sum, left) in sums.iter_mut().zip(&left[pixels.clone()]) {
-                *sum = (Vec3::from(*left) + Vec3::from(*sum)).to_array();
+            for (sum, left) in sums.iter_mut().zip(&left[place.clone()]) {
+                *sum += left;
             }
         }
-        self.sums[index][pixels].copy_from_slice(&sums);
+        self.sums[index][place].copy_from_slice(&sums);
         Ok(index + 1)
     }
 
-    /// The means of the finished samples; black for pixels without any.
+    /// The mean colours of the finished samples; black for pixels without any.
     ///
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
     pub fn means(&self) -> Result<Plane> {
-        let begin = self.samples.start;
-        let mut means = plane(self.area, [0.0; 3])?;
-        for (pixel, (mean, (done, kept))) in means.iter_mut().zip(self.kept()).enumerate() {
-            let sums = self.sums[..kept].iter().map(|sums| Vec3::from(sums[pixel]));
-            *mean = sum::mean(sums, done - begin).to_array();
+        let sums = self.totals(0)?.into_iter().zip(self.counts());
+        Ok(sums.map(|(sum, count)| mean(sum, count as f32)).collect())
+    }
+
+    /// The sums of all finished samples of each pixel, for three channels from number `first` on. Channels
+    /// beyond the last count as 0.
+    ///
+    /// # Errors
+    /// [`Error::Resource`] if memory runs out.
+    pub(crate) fn totals(&self, first: usize) -> Result<Plane> {
+        let mut totals = plane(self.area, [0.0; 3], 1)?;
+        let channels = first..self.channels.min(first + 3);
+        for (pixel, (total, (_, kept))) in totals.iter_mut().zip(self.kept()).enumerate() {
+            let place = self.of_pixels(pixel..pixel + 1).start;
+            for (total, channel) in total.iter_mut().zip(channels.clone()) {
+                *total = sum::total(self.sums[..kept].iter().map(|sums| sums[place + channel]));
+            }
         }
-        Ok(means)
+        Ok(totals)
     }
 
     /// For each pixel, one past its last finished sample, and the number of sums kept for it.
@@ -232,7 +265,7 @@ impl Film {
     /// Makes room for `sums` sums per pixel.
     fn make_room(&mut self, sums: usize) -> Result<()> {
         while self.sums.len() < sums {
-            self.sums.push(plane(self.area, [0.0; 3])?);
+            self.sums.push(plane(self.area, 0.0, self.channels)?);
         }
         Ok(())
     }
@@ -245,13 +278,18 @@ impl Film {
     }
 }
 
-/// Allocates a plane with `value` for each pixel of `area`.
-fn plane<T: Clone>(area: Tile, value: T) -> Result<Vec<T>> {
-    let mut plane = Vec::new();
-    plane.try_reserve_exact(area.pixels() as usize).map_err(|_| {
+/// `sum / count`, or black if `count` is 0.
+pub(crate) fn mean(sum: [f32; 3], count: f32) -> [f32; 3] {
+    if count == 0.0 { [0.0; 3] } else { (Vec3::from(sum) / count).to_array() }
+}
+
+/// Allocates `numbers` times `value` for each pixel of `area`.
+fn plane<T: Clone>(area: Tile, value: T, numbers: usize) -> Result<Vec<T>> {
+    let (mut plane, length) = (Vec::new(), area.pixels() as usize * numbers);
+    plane.try_reserve_exact(length).map_err(|_| {
         let Tile { width, height, .. } = area;
         Error::Resource(format!("not enough memory for an image of {width} × {height} pixels"))
     })?;
-    plane.resize(area.pixels() as usize, value);
+    plane.resize(length, value);
     Ok(plane)
 }

@@ -116,7 +116,7 @@ mod tests {
         for (paths, samples) in
             [(1, 0..20), (100, 16..80), (1000, 0..4), (5000, 32..50), (1 << 20, 0..1)]
         {
-            let film = Film::new(area, samples.clone()).unwrap();
+            let film = Film::new(area, samples.clone(), 3).unwrap();
             let mut schedule = Schedule::new(&film, samples.end, paths);
             let most = schedule.most_paths();
             assert!(most <= u64::from(paths.max(CHUNK)));

@@ -8,8 +8,6 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 /// Number of samples that are added one after the other. Renders can be split by samples only
 /// between chunks.
 pub(crate) const CHUNK: u32 = 16;
@@ -50,10 +48,9 @@ pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> u
     siblings
 }
 
-/// Mean of `samples` samples, computed from the sums kept for them; black if there are no sums.
-pub(super) fn mean(sums: impl DoubleEndedIterator<Item = Vec3>, samples: u32) -> Vec3 {
-    let sum = sums.rev().reduce(|right, left| left + right);
-    sum.map_or(Vec3::ZERO, |sum| sum / samples as f32)
+/// Sum of all samples, computed from the sums kept for them.
+pub(super) fn total(sums: impl DoubleEndedIterator<Item = f32>) -> f32 {
+    sums.rev().reduce(|right, left| left + right).unwrap_or(0.0)
 }
 
 #[cfg(test)]

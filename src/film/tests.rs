@@ -5,41 +5,57 @@ use crate::math::Stream;
 
 pub(super) const AREA: Tile = Tile { x: 3, y: 2, width: 23, height: 9 };
 
-/// SampleIndex number `sample` of pixel `(x, y)`.
-fn sample((x, y): (u32, u32), sample: u32) -> Vec3 {
+/// More than a colour has.
+pub(super) const CHANNELS: usize = 5;
+
+type Sample = [f32; CHANNELS];
+
+/// Sample number `sample` of pixel `(x, y)`.
+fn sample((x, y): (u32, u32), sample: u32) -> Sample {
     let mut random = Stream::new(u64::from(x) << 40 | u64::from(y) << 20 | u64::from(sample));
-    Vec3::new(random.uniform(), random.between(0.0, 1e4), random.uniform())
+    [1.0, 1e4, 1.0, 100.0, 1.0].map(|most| random.between(0.0, most))
+}
+
+fn add(one: Sample, two: Sample) -> Sample {
+    std::array::from_fn(|channel| one[channel] + two[channel])
 }
 
 /// The result of rendering `unit`, which must be the next unit of `film`.
 pub(super) fn rendered(film: &Film, unit: Unit) -> UnitSums {
     let open = film.open_sums(unit);
     let sum = |pixel: u32| {
-        let open = open.get(pixel as usize).map_or(Vec3::ZERO, |sum| Vec3::from(*sum));
+        let open = open.chunks_exact(CHANNELS).nth(pixel as usize);
+        let open = open.map_or([0.0; CHANNELS], |sum| sum.try_into().unwrap());
         let samples = (unit.first..unit.end).map(|number| sample(unit.tile.pixel(pixel), number));
-        samples.fold(open, |sum, sample| sum + sample).to_array()
+        samples.fold(open, add)
     };
-    UnitSums { unit, sums: (0..unit.tile.pixels() as u32).map(sum).collect() }
+    UnitSums { unit, sums: (0..unit.tile.pixels() as u32).flat_map(sum).collect() }
 }
 
 /// Node (level, index) of the tree in `sum.rs`, by its definition: the sum of its children, or the
 /// left child if there is no right one.
-fn node(chunks: &[Vec3], level: u32, index: usize) -> Option<Vec3> {
+fn node(chunks: &[Sample], level: u32, index: usize) -> Option<Sample> {
     if level == 0 {
         return chunks.get(index).copied();
     }
     let left = node(chunks, level - 1, 2 * index)?;
-    Some(node(chunks, level - 1, 2 * index + 1).map_or(left, |right| left + right))
+    Some(node(chunks, level - 1, 2 * index + 1).map_or(left, |right| add(left, right)))
 }
 
-/// Mean of the first `samples` samples of the pixel.
-fn mean(pixel: (u32, u32), samples: u32) -> [f32; 3] {
+/// Sum of the first `samples` samples of the pixel.
+fn total(pixel: (u32, u32), samples: u32) -> Sample {
     let numbers: Vec<u32> = (0..samples).collect();
     let chunk = |numbers: &[u32]| {
-        numbers.iter().fold(Vec3::ZERO, |sum, &number| sum + sample(pixel, number))
+        numbers.iter().fold([0.0; CHANNELS], |sum, &number| add(sum, sample(pixel, number)))
     };
-    let chunks: Vec<Vec3> = numbers.chunks(CHUNK as usize).map(chunk).collect();
-    (node(&chunks, 10, 0).unwrap() / samples as f32).to_array()
+    let chunks: Vec<Sample> = numbers.chunks(CHUNK as usize).map(chunk).collect();
+    node(&chunks, 10, 0).unwrap()
+}
+
+/// Mean colour of the first `samples` samples of the pixel.
+fn mean(pixel: (u32, u32), samples: u32) -> [f32; 3] {
+    let [r, g, b, ..] = total(pixel, samples);
+    [r, g, b].map(|sum| sum / samples as f32)
 }
 
 pub(super) fn want(samples: u32) -> Plane {
@@ -48,7 +64,7 @@ pub(super) fn want(samples: u32) -> Plane {
 
 /// A film of the pixels that `keep` selects, with all samples finished.
 pub(super) fn rendered_film(samples: Range<u32>, keep: impl Fn(u32, u32) -> bool) -> Film {
-    let mut film = Film::new(AREA, samples).unwrap();
+    let mut film = Film::new(AREA, samples, CHANNELS).unwrap();
     film.retain(keep);
     let mut schedule = Schedule::new(&film, film.samples().end, 500);
     render(&mut film, &mut schedule);
@@ -69,7 +85,7 @@ fn units_of_all_sizes_give_the_same_means() {
     for samples in [1, 15, 16, 17, 50, 100, 333] {
         let want = want(samples);
         for round in 0..10 {
-            let mut film = Film::new(AREA, 0..samples).unwrap();
+            let mut film = Film::new(AREA, 0..samples, CHANNELS).unwrap();
             while film.samples_done() < film.samples_to_do() {
                 let paths = 1 + (random.bits() % 5000) as u32;
                 let mut schedule = Schedule::new(&film, samples, paths);
@@ -82,6 +98,11 @@ fn units_of_all_sizes_give_the_same_means() {
             assert_eq!(film.samples_to_do(), AREA.pixels() * u64::from(samples));
             assert!(Schedule::new(&film, samples, 100).next(&film).is_none());
             assert_eq!(film.means().unwrap(), want, "{samples} samples, round {round}");
+            let others = (0..AREA.pixels() as u32).map(|pixel| {
+                let [.., one, two] = total(AREA.pixel(pixel), samples);
+                [one, two, 0.0]
+            });
+            assert!(others.eq(film.totals(COLOR).unwrap()), "{samples} samples, round {round}");
         }
     }
 }
@@ -108,7 +129,7 @@ fn chunks_are_continued() {
     let mut random = Stream::new(4);
     let mut passes = 0;
     for round in 0..20 {
-        let mut film = Film::new(AREA, 0..1).unwrap();
+        let mut film = Film::new(AREA, 0..1, CHANNELS).unwrap();
         let mut end = 1;
         while end < 70 {
             let mut schedule = Schedule::new(&film, end, 1 + (random.bits() % 300) as u32);
@@ -133,7 +154,7 @@ fn chunks_are_continued() {
 #[test]
 fn means_are_those_of_finished_samples() {
     let area = Tile { width: 4, height: 1, ..AREA };
-    let mut film = Film::new(area, 0..20).unwrap();
+    let mut film = Film::new(area, 0..20, CHANNELS).unwrap();
     let [one, two] = [1, 2].map(|width| Tile { width, ..area });
     film.add(&rendered(&film, Unit { tile: two, first: 0, end: 16 })).unwrap();
     film.add(&rendered(&film, Unit { tile: one, first: 16, end: 20 })).unwrap();

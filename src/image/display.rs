@@ -12,7 +12,8 @@ pub(super) const GRADE_KEYS: [&str; 2] = ["ptfast:exposure", "ptfast:tonemap"];
 /// Largest magnitude of an exposure in stops.
 pub(crate) const MAX_STOPS: f32 = 32.0;
 
-/// The appearance of 8-bit files. Formats with floats store linear values and ignore it.
+/// The appearance of 8-bit files, and the size of the floats of layers. Formats with floats store linear
+/// values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
     /// Linear values are multiplied by 2 to this power, in [-32, 32].
@@ -21,6 +22,9 @@ pub struct Display {
     pub tone_map: ToneMap,
     /// The transfer curve, which follows the tone map.
     pub transfer: Transfer,
+    /// Whether EXR files hold layers as 16-bit floats, apart from colour and from numbers of instances and
+    /// materials.
+    pub half_layers: bool,
 }
 
 impl From<Transfer> for Display {

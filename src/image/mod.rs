@@ -1,9 +1,11 @@
 //! Linear images, their hash, and the image files that ptfast reads and writes.
 
+mod channels;
 mod compare;
 mod display;
 mod header;
 mod jpeg;
+mod layer;
 mod metadata;
 mod pfm;
 mod read;
@@ -14,16 +16,18 @@ mod tone_map;
 mod transfer;
 mod write;
 
+pub(crate) use channels::{Channels, other_channels};
 pub(crate) use compare::compare;
 pub use display::Display;
 pub(crate) use display::MAX_STOPS;
+pub use layer::ImageLayer;
 pub use metadata::Metadata;
 pub(crate) use size::Size;
 pub(crate) use source::Source;
 pub(crate) use texels::Texels;
 pub use tone_map::ToneMap;
 pub use transfer::Transfer;
-pub(crate) use write::Format;
+pub(crate) use write::{Format, layer_path};
 
 use std::path::Path;
 
@@ -51,6 +55,7 @@ pub struct Image {
     pixels: Vec<[f32; 3]>,
     /// One number for each pixel, or none at all.
     alpha: Vec<f32>,
+    layers: Vec<ImageLayer>,
 }
 
 impl Image {
@@ -69,7 +74,7 @@ impl Image {
             width as usize * height as usize,
             "pixels do not match the size {width} × {height}"
         );
-        Self { width, height, pixels, alpha: Vec::new() }
+        Self { width, height, pixels, alpha: Vec::new(), layers: Vec::new() }
     }
 
     /// The image with an alpha channel: the coverage of each pixel, in [0, 1]. Only PNG and EXR

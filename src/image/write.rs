@@ -3,7 +3,7 @@
 //! Files are written atomically: they appear complete or not at all.
 
 use std::io::{self, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Display, Image, Metadata, Transfer, row_bytes};
 use crate::error::{Error, Result};
@@ -81,9 +81,16 @@ impl Image {
         }
         write_atomically(path, |file| match format {
             Format::Png => self.write_png(file, display, metadata),
-            Format::Exr => write_exr(self, file, metadata),
+            Format::Exr => write_exr(self, file, display.half_layers, metadata),
             Format::Hdr => write_hdr(self, file),
             Format::Pfm => write_pfm(self, file),
+        })?;
+        if format == Format::Exr {
+            return Ok(());
+        }
+        self.layers().iter().try_for_each(|layer| {
+            let path = layer_path(path, layer.name());
+            self.layer_image(layer).write(&path, Transfer::default(), &Metadata::of_program())
         })
     }
 
@@ -123,11 +130,21 @@ impl Image {
     }
 }
 
-fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io::Result<()> {
-    use exr::prelude::{Encoding, Image as Exr, SpecificChannels, Text, Vec2, WritableImage};
-    use exr::prelude::{Layer, LayerAttributes};
-    let size = (image.width() as usize, image.height() as usize);
-    let index = |p: Vec2<usize>| p.y() * size.0 + p.x();
+/// The file of a layer, next to the image in `path`, in formats with one layer per file.
+pub(crate) fn layer_path(path: &Path, layer: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{layer}.{extension}"))
+}
+
+/// Writes all channels, which EXR files hold in the order of their names. Those of layers are called `layer.channel`.
+fn write_exr(
+    image: &Image,
+    file: impl Write + Seek,
+    half: bool,
+    metadata: &Metadata,
+) -> io::Result<()> {
+    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as Exr, Text, f16};
+    use exr::prelude::{Layer, LayerAttributes, WritableImage};
     // All entries go into one attribute of several lines: the crate writes custom attributes in an
     // order that changes from run to run.
     let lines: Vec<String> =
@@ -136,20 +153,33 @@ fn write_exr(image: &Image, file: impl Write + Seek, metadata: &Metadata) -> io:
         comments: Text::new_or_none(lines.join("\n")),
         ..LayerAttributes::default()
     };
-    let lossless = Encoding::SMALL_LOSSLESS;
-    let written = if let Some(alpha) = image.alpha() {
-        let channels = SpecificChannels::rgba(|p| {
-            let [r, g, b] = image.pixels()[index(p)];
-            (r, g, b, alpha[index(p)])
-        });
-        let exr = Exr::from_layer(Layer::new(size, attributes, lossless, channels));
-        exr.write().non_parallel().to_buffered(file)
-    } else {
-        let channels = SpecificChannels::rgb(|p| <(f32, f32, f32)>::from(image.pixels()[index(p)]));
-        let exr = Exr::from_layer(Layer::new(size, attributes, lossless, channels));
-        exr.write().non_parallel().to_buffered(file)
-    };
-    written.map_err(|error| match error {
+    fn of(values: &[[f32; 3]], channel: usize) -> impl Iterator<Item = f32> {
+        values.iter().map(move |value| value[channel])
+    }
+    let floats = |name: &str, values| AnyChannel::new(name, FlatSamples::F32(values));
+    let mut channels: Vec<_> = ["R", "G", "B"]
+        .into_iter()
+        .zip(0..)
+        .map(|(name, channel)| floats(name, of(image.pixels(), channel).collect()))
+        .collect();
+    channels.extend(image.alpha().map(|alpha| floats("A", alpha.to_vec())));
+    for layer in image.layers() {
+        for (channel, name) in layer.channels().iter().enumerate() {
+            let name = format!("{}.{name}", layer.name());
+            let values = of(layer.values(), channel);
+            channels.push(match half && !layer.numbers {
+                true => {
+                    let halves = values.map(f16::from_f32).collect();
+                    AnyChannel::new(&*name, FlatSamples::F16(halves))
+                }
+                false => floats(&name, values.collect()),
+            });
+        }
+    }
+    let size = (image.width() as usize, image.height() as usize);
+    let channels = AnyChannels::sort(channels.into());
+    let exr = Exr::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    exr.write().non_parallel().to_buffered(file).map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other.to_string()),
     })

@@ -33,7 +33,7 @@ names! {
 
 impl Limit {
     /// `value` as text, bytes with a unit. `round` rounds numbers of tenths of a unit.
-    fn amount(self, value: u64, round: fn(f64) -> f64) -> String {
+    pub(crate) fn amount(self, value: u64, round: fn(f64) -> f64) -> String {
         let units = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
         match self {
             Self::Primitives | Self::Pixels => value.to_string(),

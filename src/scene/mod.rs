@@ -133,6 +133,11 @@ impl Scene {
         self.0.world.material(primitive)
     }
 
+    /// The index of the material of a primitive.
+    pub(crate) fn material_number(&self, primitive: u32) -> u32 {
+        self.0.world.material_map.get(primitive)
+    }
+
     /// Whether there are lights that only light samples find.
     pub(crate) fn has_unseen_lights(&self) -> bool {
         self.0.world.lights.iter().any(LightFile::emits)

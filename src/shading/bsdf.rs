@@ -18,6 +18,9 @@ pub(crate) trait Bsdf<R: Real> {
     /// Samples a direction, with a density roughly proportional to the light that it carries.
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R>;
 
+    /// The colour in the layer `albedo`: about the share of light that is scattered, in [0, 1].
+    fn albedo(&self) -> R::Vec3;
+
     /// f·|cos θ| for the unit vector `direction`, and the density with which [`Bsdf::sample`] draws
     /// it. Neither includes specular directions.
     fn evaluate(&self, direction: R::Vec3) -> (R::Vec3, R);

@@ -172,6 +172,11 @@ pub(crate) struct Isotropic<R: Real> {
 
 impl<R: Real> Bsdf<R> for Isotropic<R> {
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.albedo
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         Scatter {

@@ -96,6 +96,11 @@ impl<B: Bsdf<R>, R: Real> Bsdf<R> for Smoothed<B, R> {
     }
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.bsdf.albedo()
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let scatter = self.bsdf.sample(randoms);
         if !self.smooth.any() {

@@ -2,10 +2,10 @@
 //!
 //! `.ci/run` repeats them for each instruction set, except those in `proof` and `scenes`.
 
-mod alpha;
 mod common;
 mod determinism;
 mod flat;
+mod layers;
 mod proof;
 mod random_scene;
 mod scenes;

@@ -4,8 +4,8 @@ use std::sync::Mutex;
 
 use ptfast::internals::{Stage, Stream};
 use ptfast::{
-    BUILTIN_NAMES, ComputeSettings, Engine, ImageSettings, Kernel, Observer, Plan, Planning,
-    Progress, Render, Renderer, Roulette, Sampler, Scene, SegmentPlan,
+    BUILTIN_NAMES, ComputeSettings, Engine, FirstHits, ImageSettings, Kernel, Layer, Layers,
+    Observer, Plan, Planning, Progress, Render, Renderer, Roulette, Sampler, Scene, SegmentPlan,
 };
 
 use crate::common::SAMPLINGS;
@@ -31,6 +31,7 @@ fn compare_by(scene: &Scene, settings: &ImageSettings, by: ComputeSettings, what
     let want = render(scene, settings, ComputeSettings { engine: Engine::Scalar, ..by.clone() });
     let got = render(scene, settings, by);
     assert_eq!(got.image.hash(), want.image.hash(), "{what}: {settings:?}");
+    assert_eq!(got.image.layers(), want.image.layers(), "{what}: {settings:?}");
     assert_eq!(got.tally, want.tally, "{what}");
     assert_eq!(got.tally.endings.total(), got.tally.rays.primary, "{what}");
     want.tally.rays.total()
@@ -109,7 +110,10 @@ fn random_scenes() {
         let plan = random_plan(&mut random);
         let sampler = Sampler::ALL[seed as usize % 2];
         let base = ImageSettings::of(&scene);
-        let settings = ImageSettings { seed, sampler, roulette, ..base };
+        let layers =
+            Layers::new(Layer::ALL.into_iter().filter(|_| random.bits().is_multiple_of(4)));
+        let first_hit = FirstHits::ALL[seed as usize / 2 % 2];
+        let settings = ImageSettings { seed, sampler, roulette, layers, first_hit, ..base };
         let by = ComputeSettings { plan, ..on_threads(1) };
         rays += compare_by(&scene, &settings, by, &format!("scene {seed}"));
     }

@@ -16,6 +16,9 @@ pub(crate) struct DisplayArgs {
     /// Tone map of 8-bit files, which compresses bright values instead of clamping them to white
     #[arg(long, value_name = "MAP", help_heading = IMAGE, default_value = ToneMap::None.name(), value_parser = named(&ToneMap::ALL, ToneMap::name))]
     tonemap: ToneMap,
+    /// Write layers to EXR files as 16-bit floats, apart from colour and from numbers of instances and materials
+    #[arg(long, help_heading = IMAGE)]
+    half_layers: bool,
 }
 
 fn stops(text: &str) -> Result<f32, String> {
@@ -25,6 +28,11 @@ fn stops(text: &str) -> Result<f32, String> {
 
 impl DisplayArgs {
     pub(crate) fn display(&self) -> Display {
-        Display { exposure: self.exposure, tone_map: self.tonemap, transfer: self.gamma }
+        Display {
+            exposure: self.exposure,
+            tone_map: self.tonemap,
+            transfer: self.gamma,
+            half_layers: self.half_layers,
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::checkpoint_args::CheckpointArgs;
 use super::part_args::PartArgs;
 use crate::cli::arguments::{DisplayArgs, IMAGE, SampleArgs, SceneLimitArgs, named};
 use crate::cli::progress::ProgressMode;
-use crate::engine::{Engine, Pin};
+use crate::engine::{Engine, FirstHits, Layers, Pin};
 use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
 
 const SPEED: &str = "Speed";
@@ -28,6 +28,14 @@ pub(crate) struct RenderArgs {
     /// Hide the background behind the scene, and write an alpha channel. For .png and .exr
     #[arg(long, help_heading = IMAGE)]
     pub(crate) transparent: bool,
+    /// Layers to write besides color, with commas between them: alpha, albedo, normal, depth, position, uv, direct,
+    /// indirect, emission, background, instance, material. An .exr has all of them, other formats get one file per
+    /// layer
+    #[arg(long, value_name = "LIST", help_heading = IMAGE, default_value = "color", hide_default_value = true)]
+    pub(crate) layers: Layers,
+    /// The hit that layers hold: that of the camera ray, or the first behind smooth mirrors and clear glass
+    #[arg(long, value_name = "HIT", help_heading = IMAGE, default_value = FirstHits::Surface.name(), value_parser = named(&FirstHits::ALL, FirstHits::name))]
+    pub(crate) first_hit: FirstHits,
     /// Output file: an image (.png, .exr, .hdr, .pfm), a .film that can be continued and merged, or - for a PNG on
     /// standard output [default: SCENE.png, or .film for a part]
     #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]
@@ -59,8 +67,9 @@ pub(crate) struct RenderArgs {
     /// How to show progress on standard error; json: one object per line
     #[arg(long, value_name = "HOW", help_heading = REPORTS, default_value = ProgressMode::Auto.name(), value_parser = named(&ProgressMode::ALL, ProgressMode::name))]
     pub(crate) progress: ProgressMode,
-    /// Print only this to standard output: the image's BLAKE3 hash [default: a summary]
-    #[arg(long, value_name = "WHAT", help_heading = REPORTS, value_parser = ["hash"])]
+    /// Print only this to standard output: the image's BLAKE3 hash, or a line with name and hash for colour and each
+    /// layer [default: a summary]
+    #[arg(long, value_name = "WHAT", help_heading = REPORTS, value_parser = ["hash", "hashes"])]
     pub(crate) print: Option<String>,
     /// Also print the plan, exact counts, and the time of each stage
     #[arg(long, help_heading = REPORTS)]

@@ -83,7 +83,7 @@ impl CheckpointFile {
     /// If the file cannot be read, is damaged, or belongs to another render.
     pub(crate) fn load(&mut self, part: &Part, limits: &Limits) -> Result<RenderState> {
         if !self.exists() {
-            return part.empty_film().map(RenderState::new);
+            return part.empty_rendering();
         }
         self.continued = true;
         let checkpoint = Checkpoint::read(&self.path, limits).map_err(advise)?;

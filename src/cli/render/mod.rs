@@ -15,7 +15,6 @@ mod timeline;
 mod watch;
 
 use std::io::{self, ErrorKind, Write};
-use std::mem;
 use std::path::Path;
 use std::time::Instant;
 
@@ -23,15 +22,15 @@ use self::args::RenderArgs;
 use self::checkpoint_file::CheckpointFile;
 use self::record::{Run, StepSeconds};
 use self::target::Target;
-use self::watch::{Schedule, UntilSignal};
+use self::watch::Schedule;
 use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, path, progress};
 use crate::checkpoint::{Checkpoint, Part};
-use crate::engine::{ComputeSettings, Engine, ImageSettings, MOST_EVENTS, Render, Renderer};
+use crate::engine::{
+    ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, Render, Renderer,
+};
 use crate::error::{Error, Result};
-use crate::film::Film;
-use crate::image::Image;
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::measure::machine::Interference;
@@ -83,12 +82,14 @@ impl<'a> RenderJob<'a> {
         settings.check(scene.limits())?;
         compute.check()?;
         let part = args.part.part(&scene, &settings)?;
-        let film = Film::memory(part.identity.area(), part.samples.clone());
-        let films = if args.transparent { 2 * film } else { film };
-        compute.check_memory(&scene, films)?;
+        compute.check_memory(&scene, Some(FilmOf(&settings, part.samples.clone())))?;
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         if args.transparent {
             output.check_alpha()?;
+        }
+        if output == Target::StandardOutput && !settings.layers.is_empty() {
+            let message = "--layers: standard output gets one picture, use -o FILE.exr";
+            return Err(Error::Usage(message.to_owned()));
         }
         if output == Target::StandardOutput && args.print.is_some() {
             let message = "--print and the image both need standard output: use -o FILE";
@@ -114,7 +115,7 @@ impl<'a> RenderJob<'a> {
             say(format_args!("{} is complete", self.output))?;
         }
         if self.args.mode() == ProgressMode::Json {
-            progress::write_complete(self.part.empty_film()?.samples_to_do());
+            progress::write_complete(self.part.empty_rendering()?.film.samples_to_do());
         }
         Ok(())
     }
@@ -164,11 +165,10 @@ impl<'a> RenderJob<'a> {
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
-        let mut render = renderer.finish(&mut checkpoint.rendering)?;
+        let render = renderer.finish(&mut checkpoint.rendering)?;
         // Only whole images have a hash.
         let hash = part.is_whole().then(|| render.image.hash());
-        self.add_alpha(&renderer, &mut render)
-            .and_then(|()| self.write(&checkpoint, &render, hash.as_deref()))
+        self.write(&checkpoint, &render, hash.as_deref())
             .map_err(|error| checkpointing::save_instead(&checkpoint, &file, error))?;
         let finished = file.finish(&checkpoint, left > 0);
         let seconds = StepSeconds {
@@ -201,22 +201,14 @@ impl<'a> RenderJob<'a> {
             ("the record", args.json.as_deref()),
             ("the timeline", args.trace.as_deref()),
         ];
-        let written: Vec<_> =
-            written.into_iter().filter_map(|(name, file)| Some((name, file?))).collect();
+        let layers = self.output.layer_files(&self.settings.layers);
+        let layers = layers.iter().map(|file| ("a layer", Some(file.as_path())));
+        let written: Vec<_> = written
+            .into_iter()
+            .chain(layers)
+            .filter_map(|(name, file)| Some((name, file?)))
+            .collect();
         files::check(&read, &written)
-    }
-
-    /// Adds the alpha channel to the image, if it is wanted.
-    fn add_alpha(&self, renderer: &Renderer, render: &mut Render) -> Result<()> {
-        if !self.args.transparent {
-            return Ok(());
-        }
-        let alpha = renderer.alpha(self.part.empty_film()?, &UntilSignal)?.ok_or_else(|| {
-            Error::Interrupted(interrupt::signal().expect("only a signal stops it"))
-        })?;
-        let image = mem::replace(&mut render.image, Image::new(0, 0));
-        render.image = image.with_alpha(alpha);
-        Ok(())
     }
 
     /// Writes the image or the film.
@@ -272,6 +264,15 @@ impl<'a> RenderJob<'a> {
         if self.output == Target::StandardOutput {
             return Ok(());
         }
+        if args.print.as_deref() == Some("hashes") {
+            let layers = render.image.layers().iter();
+            let layers = layers.map(|l| (l.name(), render.image.layer_image(l).hash()));
+            let color = run.hash.map(|hash| ("color", hash.to_owned()));
+            return color
+                .into_iter()
+                .chain(layers)
+                .try_for_each(|(name, hash)| say(format_args!("{name} {hash}")));
+        }
         if args.print.is_some() {
             return run.hash.map_or(Ok(()), |hash| say(format_args!("{hash}")));
         }
@@ -292,6 +293,8 @@ impl RenderArgs {
             spp: self.spp.unwrap_or(of_samples.spp),
             clamp: self.clamp,
             transparent: self.transparent,
+            layers: self.layers.clone(),
+            first_hit: self.first_hit,
             ..of_samples
         })
     }

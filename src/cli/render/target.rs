@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::part_args::suffix;
 use crate::checkpoint::{Checkpoint, Identity, Part};
+use crate::engine::Layers;
 use crate::error::{Error, Result};
-use crate::image::{Display, Encoding, Format, Image, Metadata};
+use crate::image::{Display, Encoding, Format, Image, Metadata, layer_path};
 use crate::limits::Limits;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,11 +74,19 @@ impl Target {
     pub(crate) fn check_alpha(&self) -> Result<()> {
         match self {
             Self::Image(path) => Format::of_path(path)?.check_alpha(path),
-            Self::StandardOutput => Ok(()),
-            Self::Film(path) => Err(Error::Usage(format!(
-                "{}: films have no alpha channel: with --transparent, render the whole image to .png or .exr",
-                path.display()
-            ))),
+            Self::StandardOutput | Self::Film(_) => Ok(()),
+        }
+    }
+
+    /// The files of `layers` besides the image.
+    pub(crate) fn layer_files(&self, layers: &Layers) -> Vec<PathBuf> {
+        match self {
+            Self::Image(path)
+                if Format::of_path(path).is_ok_and(|format| format != Format::Exr) =>
+            {
+                layers.iter().map(|layer| layer_path(path, layer.name())).collect()
+            }
+            _ => Vec::new(),
         }
     }
 

@@ -79,14 +79,3 @@ impl Observer for Watch<'_> {
         }
     }
 }
-
-/// Stops a render at the first signal.
-pub(crate) struct UntilSignal;
-
-impl Observer for UntilSignal {
-    fn progressed(&self, _: Progress) {}
-
-    fn stop(&self) -> Stop {
-        interrupt::signal().map_or(Stop::No, |_| Stop::Now)
-    }
-}

@@ -4,9 +4,11 @@
 mod intersect;
 mod path;
 
-use super::{Taken, Tally, Task, UnitEngine, UnitWorker, View, WaveStats};
+use glam::Vec3;
+
+use super::{Taken, Tally, Task, UnitEngine, UnitWorker, View, WaveStats, scale};
 use crate::accel::Kernel;
-use crate::film::{Plane, UnitSums};
+use crate::film::UnitSums;
 use crate::geometry::Ray;
 use crate::math::{PathKey, PixelKey};
 use crate::sampler::Randoms;
@@ -24,6 +26,11 @@ impl ScalarEngine {
         view.prepared.accelerator().prepare(Kernel::Scalar, threads);
         view.prepared.tables();
         Self(view)
+    }
+
+    /// Number of channels of a sample.
+    pub(super) fn channels(&self) -> usize {
+        self.0.settings.stored_layers().channels()
     }
 
     pub(super) fn tree(&self) -> Tree<'_> {
@@ -79,18 +86,25 @@ impl ScalarEngine {
     ) -> Option<(Taken, I)> {
         let unit = task.unit;
         let mut tally = Tally::default();
-        let mut sums = Plane::with_capacity(unit.tile.pixels() as usize);
+        let mut sums = task.open_sums();
+        let mut values = vec![0.0; task.channels];
         let mut tracer = self.tracer(intersect);
         let clamp = self.0.settings.clamp.unwrap_or(f32::INFINITY);
-        for pixel in 0..unit.tile.pixels() as u32 {
+        let layers = self.0.settings.stored_layers();
+        for (pixel, sums) in (0..).zip(sums.chunks_exact_mut(task.channels)) {
             let (x, y) = unit.tile.pixel(pixel);
-            let mut sum = task.open_sum(pixel);
+            let mut sum = Vec3::from_slice(sums);
             for sample in unit.first..unit.end {
                 let (ray, weight, key) = self.camera_ray(x, y, sample);
-                let radiance = tracer.radiance(ray, key) * weight;
+                let (radiance, light) = tracer.radiance(ray, key, weight, &mut values);
                 sum += tally.counted(radiance, clamp, (x, y, sample));
+                layers.add_first_hit(sums, &values, sample);
+                // Samples that are not finite are black in all layers.
+                if let Some(scale) = scale(radiance, clamp) {
+                    layers.add_light(sums, &light, sample, scale);
+                }
             }
-            sums.push(sum.to_array());
+            sum.write_to_slice(sums);
             if abandon() {
                 return None;
             }

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::intersect::Intersect;
 use crate::engine::{
-    Backdrop, Endings, ImageSettings, ROULETTE_MAX, RayCounts, SHADOW_REACH, View, emission_weight,
-    power_heuristic,
+    Endings, FirstHit, FirstHits, ImageSettings, Layers, LightParts, ROULETTE_MAX, RayCounts,
+    SHADOW_REACH, View, emission_weight, finite, power_heuristic,
 };
 use crate::geometry::{Hit, Ray, Shape, Surface};
 use crate::math::{PathKey, Real, dot, max_element, min};
@@ -14,7 +14,7 @@ use crate::scene::{Sampling, Scene};
 use crate::shading::material::{
     Bsdf, MaterialModel, MaterialTable, MaterialVisitor, SPECULAR, Scatter,
 };
-use crate::shading::{Key, SceneTables};
+use crate::shading::{CameraFrame, Key, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts rays and path endings.
 pub(in crate::engine) struct PathTracer<'a, I> {
@@ -22,7 +22,8 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     tables: &'a SceneTables,
     pub(in crate::engine) intersect: I,
     settings: &'a ImageSettings,
-    backdrop: Backdrop,
+    camera: &'a CameraFrame,
+    layers: Layers,
     pub(in crate::engine) rays: RayCounts,
     pub(in crate::engine) endings: Endings,
 }
@@ -40,6 +41,12 @@ struct Path {
     key: PathKey,
     /// Number of the current segment, from 1.
     segment: u32,
+    /// Whether the first hit is still to come.
+    pending: bool,
+    /// Whether the camera ray meets the background.
+    background: bool,
+    /// Radiance after shading the first segment, and after shading the second.
+    after: [Option<Vec3>; 2],
 }
 
 /// A point at which a path is scattered.
@@ -50,28 +57,50 @@ struct Vertex<'a> {
     randoms: &'a Randoms,
 }
 
+impl Path {
+    /// Stores the radiance, after light that arrives by scattering was added.
+    fn shaded(&mut self) {
+        if let Some(after) = self.after.get_mut(self.segment as usize - 1) {
+            *after = Some(self.radiance);
+        }
+    }
+}
+
 impl<'a, I: Intersect> PathTracer<'a, I> {
     pub(in crate::engine) fn new(view: &'a View, intersect: I) -> Self {
-        let View { settings, backdrop, .. } = view;
+        let View { settings, camera, .. } = view;
         let (rays, endings) = Default::default();
         let (scene, tables) = (view.scene(), view.prepared.tables());
-        Self { scene, tables, intersect, settings, backdrop: *backdrop, rays, endings }
+        let layers = settings.stored_layers();
+        Self { scene, tables, intersect, settings, camera, layers, rays, endings }
     }
 
-    /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop).
-    pub(in crate::engine) fn radiance(&mut self, ray: Ray, key: PathKey) -> Vec3 {
+    /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop), and its parts,
+    /// all with the weight `weight`. Writes the values of the first hit to `values`, one per channel of the
+    /// layers.
+    pub(in crate::engine) fn radiance(
+        &mut self,
+        ray: Ray,
+        key: PathKey,
+        weight: f32,
+        values: &mut [f32],
+    ) -> (Vec3, LightParts) {
         let (beta, radiance) = (Vec3::ONE, Vec3::ZERO);
-        let mut path = Path { ray, pdf: SPECULAR, beta, radiance, key, segment: 1 };
+        let (pending, background) = (!self.layers.is_empty(), false);
+        let (pdf, segment, after) = (SPECULAR, 1, [None; 2]);
+        let mut path = Path { ray, pdf, beta, radiance, key, segment, pending, background, after };
         self.rays.primary += 1;
-        while self.advance(&mut path) {
+        while self.advance(&mut path, values) {
             self.rays.bounce += 1;
             path.segment += 1;
         }
-        path.radiance
+        let all = path.radiance * weight;
+        let after = path.after.map(|light| light.map(|light| light * weight));
+        (all, LightParts::new(path.background, after, all))
     }
 
     /// Traces a segment of `path`. Returns whether another segment follows.
-    fn advance(&mut self, path: &mut Path) -> bool {
+    fn advance(&mut self, path: &mut Path, values: &mut [f32]) -> bool {
         let ray = path.ray;
         let randoms = Randoms::new(self.settings.sampler, path.key, path.segment);
 
@@ -83,28 +112,49 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
+                self.store(path, values, &FirstHit::none(), false);
                 path.radiance += path.beta * self.background(path);
                 self.endings.background += 1;
                 false
             }
             Key::Medium => {
                 self.intersect.collided(hit.t);
+                let phase = self.tables.media.phase(hit.primitive);
+                let point = ray.origin + ray.direction * hit.t;
+                let first = FirstHit::in_medium(self.camera, point, phase.albedo());
+                self.store(path, values, &first, false);
+                path.shaded();
                 if self.ends_by_depth(path) {
                     return false;
                 }
                 // A medium has no surface that rays could hit again, so they start at offset 0.
-                let point = ray.origin + ray.direction * hit.t;
                 let surface = Surface::flat(point, ray.direction, 0.0);
                 let (surface, normal) = (&surface, -ray.direction);
                 let vertex = Vertex { surface, normal, randoms: &randoms };
-                self.scatter(&self.tables.media.phase(hit.primitive), &vertex, path)
+                self.scatter(&phase, &vertex, path)
             }
             Key::Surface { shape, kind, emits } => {
                 let tracer = self;
-                let shade = Shade { tracer, path, shape, hit, emits, randoms: &randoms };
+                let shade = Shade { tracer, path, values, shape, hit, emits, randoms: &randoms };
                 shade.tracer.tables.materials.visit(kind, shade)
             }
         }
+    }
+
+    /// Stores the first hit of `path`, if it is still to come. It stays so if the first hit may follow this one.
+    fn store(&self, path: &mut Path, values: &mut [f32], hit: &FirstHit<'_, f32>, follows: bool) {
+        if !path.pending {
+            return;
+        }
+        let first = path.segment == 1;
+        for (layer, place) in self.layers.places().filter(|(l, _)| first || !l.is_of_camera_ray()) {
+            let values = &mut values[place..place + layer.channels()];
+            for (value, here) in values.iter_mut().zip(layer.of_hit(hit)) {
+                *value = finite(here);
+            }
+        }
+        path.background |= first && !hit.exists;
+        path.pending = follows && self.settings.first_hit == FirstHits::Through;
     }
 
     /// Returns whether the depth limit ends the path here, and counts it if so. Rays beyond the
@@ -187,8 +237,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     /// Returns the radiance that arrives along `path` from outside the scene, times its weight.
     fn background(&self, path: &Path) -> Vec3 {
         let direction = path.ray.direction;
-        if let (1, Some(radiance)) = (path.segment, self.backdrop.radiance()) {
-            return Vec3::splat(radiance);
+        if path.segment == 1 && self.settings.transparent {
+            return Vec3::ZERO;
         }
         let Some((map, light)) = self.tables.lights.environment::<f32>() else {
             return self.scene.background().radiance(|| direction);
@@ -221,6 +271,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 struct Shade<'s, 'a, I> {
     tracer: &'s mut PathTracer<'a, I>,
     path: &'s mut Path,
+    values: &'s mut [f32],
     shape: Shape,
     hit: Hit,
     emits: bool,
@@ -232,8 +283,16 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     type Output = bool;
 
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
-        let Self { tracer, path, shape, hit, emits, randoms } = self;
+        let Self { tracer, path, values, shape, hit, emits, randoms } = self;
         let tables = tracer.tables;
+        if path.pending {
+            let scene = (tracer.scene, tables, tracer.camera);
+            let (first, specular) = match tracer.layers.need_surfaces() {
+                true => FirstHit::on_surface::<M>(scene, (shape, path.ray, hit), table),
+                false => (FirstHit::anything(), false),
+            };
+            tracer.store(path, values, &first, specular);
+        }
         let mut at = tables.interaction::<f32>(
             shape,
             path.ray,
@@ -243,7 +302,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             shape == Shape::Instance,
         );
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
-        if emits && tracer.backdrop != Backdrop::Alone {
+        if emits {
             if !table.emission_rows.is_empty() {
                 let radiance = at.color(f32::gather(&table.emission_rows, entry, |row| row));
                 path.radiance += path.beta * radiance;
@@ -251,6 +310,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;
         }
+        path.shaded();
         if !M::SCATTERS {
             tracer.endings.light += 1;
             return false;

@@ -1,44 +1,82 @@
 //! Accumulate: adds the samples of each pixel, in the order that all engines use.
 
+use std::ops::Range;
+
+use glam::Vec3;
+
 use super::Paths;
-use crate::engine::{ImageSettings, Tally, Task};
-use crate::film::UnitSums;
+use super::first_hits::LayerSamples;
+use crate::engine::{Combine, ImageSettings, Tally, Task, scale};
+use crate::film::{COLOR, UnitSums};
 
 /// Adds the samples of `paths`, which belong to `task`, pixel by pixel.
 #[inline(never)]
 pub(super) fn accumulate(
     paths: &Paths,
+    layers: &LayerSamples,
     task: &Task,
     settings: &ImageSettings,
     tally: &mut Tally,
 ) -> UnitSums {
     let unit = task.unit;
     let samples = unit.samples() as usize;
-    let pixels = unit.tile.pixels() as u32;
-    let mut sums = Vec::with_capacity(pixels as usize);
-    for pixel in 0..pixels {
-        let open = task.open_sum(pixel);
+    let clamp = settings.clamp.unwrap_or(f32::INFINITY);
+    let mut sums = task.open_sums();
+    for (pixel, sums) in (0..).zip(sums.chunks_exact_mut(task.channels)) {
+        let open = Vec3::from_slice(sums);
         let first = pixel as usize * samples;
         let radiances = paths.radiances(first..first + samples);
         let mut sum = radiances.clone().fold(open, |sum, radiance| sum + radiance);
         // Any non-finite sample makes the sum non-finite, so only such sums need a second look.
         if settings.clamp.is_some() || !sum.is_finite() {
-            let clamp = settings.clamp.unwrap_or(f32::INFINITY);
             let (x, y) = unit.tile.pixel(pixel);
-            sum = (unit.first..).zip(radiances).fold(open, |sum, (sample, radiance)| {
+            sum = (unit.first..).zip(radiances.clone()).fold(open, |sum, (sample, radiance)| {
                 sum + tally.counted(radiance, clamp, (x, y, sample))
             });
         }
-        sums.push(sum.to_array());
+        sum.write_to_slice(sums);
+        if task.channels > COLOR {
+            add_layers(sums, layers, first..first + samples, unit.first);
+            if layers.layers.have_light() {
+                for (number, radiance) in (0..).zip(radiances) {
+                    let path = first + number as usize;
+                    let light = layers.light(path, radiance, paths.weight(path));
+                    // Samples that are not finite are black in all layers.
+                    if let Some(scale) = scale(radiance, clamp) {
+                        layers.layers.add_light(sums, &light, unit.first + number, scale);
+                    }
+                }
+            }
+        }
     }
     UnitSums { unit, sums }
 }
 
+/// Adds the values of the first hits of `paths` to the sums of their pixel. The first path is sample number
+/// `sample`.
+fn add_layers(sums: &mut [f32], layers: &LayerSamples, paths: Range<usize>, sample: u32) {
+    for (layer, place) in layers.layers.places() {
+        let paths = match layer.facts().1 {
+            Combine::Light | Combine::Count => continue,
+            Combine::First if sample > 0 => continue,
+            Combine::First => paths.start..paths.start + 1,
+            Combine::Mean | Combine::MeanOfHits => paths.clone(),
+        };
+        let (skipped, step) = match layer.parity() {
+            None => (0, 1),
+            Some(parity) => ((parity + sample) as usize % 2, 2),
+        };
+        for (channel, sum) in (place..).zip(&mut sums[place..place + layer.channels()]) {
+            let values = layers.column(channel)[paths.clone()].iter().skip(skipped).step_by(step);
+            *sum = values.fold(*sum, |sum, value| sum + value);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
+    use crate::engine::layers::Layers;
     use crate::film::{Tile, Unit};
     use crate::math::Word;
     use crate::math::{Stream, Vector};
@@ -65,11 +103,13 @@ mod tests {
             paths.add_radiance(&indices, <Vec3x as Vector>::splat(*sample), u32::MAX);
         }
         let mut tally = Tally::default();
-        let part = accumulate(&paths, &Task { unit, open: Vec::new() }, &settings, &mut tally);
+        let task = Task { unit, open: Vec::new(), channels: COLOR };
+        let layers = LayerSamples::new(Layers::default(), samples.len());
+        let part = accumulate(&paths, &layers, &task, &settings, &mut tally);
         assert_eq!(part.unit, unit);
-        for (got, samples) in part.sums.iter().zip(samples.chunks(15)) {
+        for (got, samples) in part.sums.chunks_exact(COLOR).zip(samples.chunks(15)) {
             let finite = samples.iter().filter(|sample| sample.is_finite());
-            assert_eq!(*got, finite.fold(Vec3::ZERO, |sum, sample| sum + sample).to_array());
+            assert_eq!(got, finite.fold(Vec3::ZERO, |sum, sample| sum + sample).to_array());
         }
         let wrong = samples.iter().filter(|sample| !sample.is_finite()).count();
         assert_eq!(tally.non_finite.count, wrong as u64);

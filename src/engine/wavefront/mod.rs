@@ -5,6 +5,7 @@ mod collide;
 mod columns;
 mod connect;
 mod extend;
+mod first_hits;
 mod generate;
 mod material_sort;
 mod order;

@@ -74,6 +74,11 @@ impl Paths {
         }
     }
 
+    /// The weight of path number `path`.
+    pub(super) fn weight(&self, path: usize) -> f32 {
+        self.weights.get(path).copied().unwrap_or(1.0)
+    }
+
     /// Reads row `row` of the paths `indices`: a vector and a number.
     #[inline(always)]
     fn gather(&self, row: usize, indices: &Indices) -> (Vec3x, Float) {

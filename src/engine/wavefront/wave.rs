@@ -4,6 +4,7 @@ use super::accumulate::accumulate;
 use super::collide::collide;
 use super::connect::connect;
 use super::extend::extend;
+use super::first_hits::LayerSamples;
 use super::generate::generate;
 use super::material_sort::sort;
 use super::order::{Next, order};
@@ -28,6 +29,7 @@ struct Wave {
     /// The paths that continue.
     next: Next,
     cells: Cells,
+    layers: LayerSamples,
 }
 
 impl Wave {
@@ -43,6 +45,7 @@ impl Wave {
             shadows: Shadows::with_capacity(shadows),
             next: Next::with_capacity(capacity),
             cells: Cells::new(&view.prepared.accelerator().bounds()),
+            layers: LayerSamples::new(view.settings.stored_layers(), capacity),
         }
     }
 }
@@ -70,16 +73,17 @@ impl<'a> Worker<'a> {
     /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { view, plan, wave, watch } = self;
-        let View { prepared, settings, compute, camera, backdrop } = view;
+        let View { prepared, settings, compute, camera } = view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
         let tables = prepared.tables();
-        let Wave { paths, rays, hits, queues, shadows, next, cells } = wave;
+        let Wave { paths, rays, hits, queues, shadows, next, cells, layers } = wave;
         let unit = task.unit;
         let mut tally = Tally::default();
         watch.start();
 
         generate(camera, settings, unit, paths, rays);
         tally.rays.primary += rays.len() as u64;
+        layers.begin(rays.len());
         watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
 
         for segment in 1..=settings.depth {
@@ -95,12 +99,15 @@ impl<'a> Worker<'a> {
             sort(rays, hits, &tables.looks, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading =
-                ShadeInputs { scene, settings, backdrop: *backdrop, tables, cells, segment };
+            let shading = ShadeInputs { scene, settings, camera, tables, cells, segment };
+            if layers.is_pending() {
+                shading.first_hits(queues, paths, layers);
+            }
             let mut endings = Endings::default();
             let shaded = &mut ShadeOutputs { paths, next, shadows, endings: &mut endings };
             let work = shading.shade(queues, shaded);
             watch.ended(segment, &endings);
+            layers.store_radiance(paths, segment);
             watch.lap(Stage::Shade, segment, work);
 
             if shadows.len() > 0 {
@@ -126,7 +133,7 @@ impl<'a> Worker<'a> {
         }
 
         paths.apply_weights(unit.paths() as usize);
-        let part = accumulate(paths, task, settings, &mut tally);
+        let part = accumulate(paths, layers, task, settings, &mut tally);
         watch.lap(Stage::Accumulate, 1, StageWork::of(unit.paths() as usize));
         let (waves, laps) = watch.take();
         for segment in &waves.segments {

@@ -202,12 +202,6 @@ impl FilterTable {
         Some(Self((0..BINS).map(row).collect()))
     }
 
-    /// The same positions with a weight of 1.
-    pub(crate) fn unweighted(mut self) -> Self {
-        self.0.iter_mut().for_each(|row| row[2] = 1f32.to_bits());
-        self
-    }
-
     /// The position for the uniform random number `u`, measured from the upper left corner of the
     /// pixel, and the weight.
     #[inline(always)]

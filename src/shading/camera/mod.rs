@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::math::precise::tan_degrees;
 use crate::math::warp::uniform_disk;
-use crate::math::{Real, Vector, normalize};
+use crate::math::{Real, Vector, dot, normalize};
 use crate::sampler::{Dimension, Randoms};
 
 /// A checked camera with an orthonormal frame, in f64.
@@ -55,6 +55,8 @@ pub(crate) struct CameraFrame {
     pub(crate) pixel_steps: (Vec3, Vec3),
     /// The lens's semi-axes; `None` for a pinhole.
     pub(crate) lens: Option<(Vec3, Vec3)>,
+    /// Unit vector along the direction of view.
+    forward: Vec3,
     /// Direction of all rays, if they are parallel.
     parallel: Option<Vec3>,
     shutter_open: f32,
@@ -145,6 +147,7 @@ impl Camera {
             ),
             lens: (lens_radius > 0.0)
                 .then(|| ((right * lens_radius).as_vec3(), (up * lens_radius).as_vec3())),
+            forward: -back.as_vec3(),
             parallel: matches!(self.projection, Projection::Parallel(_)).then(|| -back.as_vec3()),
             shutter_open: self.shutter.0,
             shutter_duration: self.shutter.1 - self.shutter.0,
@@ -182,11 +185,10 @@ impl CameraFrame {
         self.filter.is_none() && self.parallel.is_none()
     }
 
-    /// The same camera, whose samples all have the weight 1.
-    #[must_use]
-    pub(crate) fn unweighted(mut self) -> Self {
-        self.filter = self.filter.map(FilterTable::unweighted);
-        self
+    /// Distance of a point from the camera along the direction of view.
+    #[inline(always)]
+    pub(crate) fn depth<R: Real>(&self, point: R::Vec3) -> R {
+        dot(point - R::Vec3::splat(self.origin), R::Vec3::splat(self.forward))
     }
 
     /// A random ray for pixel `(x, y)`, with a direction of unit length, and its weight: the value

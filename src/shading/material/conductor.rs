@@ -127,6 +127,11 @@ impl<R: Real> Bsdf<R> for ConductorBsdf<R> {
     }
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.reflectance(R::ONE)
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let m = self.ggx.sample(self.wo, self.bound, u, v);

@@ -99,6 +99,11 @@ impl<R: Real> Bsdf<R> for DielectricBsdf<R> {
     }
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        R::Vec3::gray(R::ONE)
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let Self { direction, normal, front, ior, exact } = *self;
         let inverse = R::ONE / ior;

@@ -55,6 +55,11 @@ pub(crate) struct DiffuseBsdf<R: Real> {
 
 impl<R: Real> Bsdf<R> for DiffuseBsdf<R> {
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.albedo
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         Scatter {

@@ -128,6 +128,11 @@ impl<R: Real> Bsdf<R> for DiffuseTransmissionBsdf<R> {
     const TRANSMITS: bool = true;
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.reflectance + self.transmittance
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let transmitted = randoms.one(Dimension::LOBE).ge(self.chance);

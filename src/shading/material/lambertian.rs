@@ -68,6 +68,11 @@ pub(crate) struct LambertianBsdf<R: Real> {
 
 impl<R: Real> Bsdf<R> for LambertianBsdf<R> {
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.albedo
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let (direction, cos) = cosine_hemisphere(self.normal, u, v);

@@ -50,6 +50,11 @@ pub(crate) struct Black;
 
 impl<R: Real> Bsdf<R> for Black {
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        R::Vec3::zero()
+    }
+
+    #[inline(always)]
     fn sample(&self, _: &Randoms<R>) -> Scatter<R> {
         Scatter {
             direction: R::Vec3::zero(),

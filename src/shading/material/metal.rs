@@ -107,6 +107,11 @@ impl<R: Real> Bsdf<R> for MetalBsdf<R> {
     }
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.albedo
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let blur = uniform_ball(u, v, randoms.one(Dimension::BALL));

@@ -123,6 +123,11 @@ impl<R: Real> Bsdf<R> for RoughDielectricBsdf<R> {
     const TRANSMITS: bool = true;
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        R::Vec3::gray(R::ONE)
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let (u, v) = randoms.two(Dimension::SCATTER);
         let m = self.ggx.sample(self.wo, R::ONE, u, v);

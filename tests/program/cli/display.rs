@@ -104,11 +104,72 @@ fn transparent_images_have_an_alpha_channel() {
     let opaque = succeeds(here, &[&base[..6], &["-o", "a.png", "--skip-complete"]].concat());
     assert!(!opaque.contains("is complete"), "{opaque}");
 
-    for (name, more) in [("a.pfm", &[][..]), ("a.film", &[]), ("a.film", &["--shard", "0/2"])] {
-        let output = ptfast(here, &[&base[..], &["-o", name], more].concat());
+    let output = ptfast(here, &[&base[..], &["-o", "a.pfm"]].concat());
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("no alpha channel") && error.lines().count() == 1, "{error}");
+    assert!(!here.join("a.pfm").exists());
+}
+
+/// An EXR file has a channel `layer.channel` for each layer, and other formats have a file for each layer.
+#[test]
+fn layers_are_written() {
+    use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let base = [
+        "render",
+        "spheres",
+        "--width",
+        "32",
+        "--spp",
+        "4",
+        "--layers",
+        "depth,normal,material,uv",
+    ];
+    for (name, half) in [("a.exr", false), ("half.exr", true)] {
+        let flag = if half { &["--half-layers"][..] } else { &[] };
+        succeeds(here, &[&base[..], &["-o", name], flag].concat());
+        let file = read_all_flat_layers_from_file(here.join(name)).unwrap();
+        let channels = &file.layer_data[0].channel_data.list;
+        let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
+        let want = [
+            "B",
+            "G",
+            "R",
+            "depth.Z",
+            "material.ID",
+            "normal.X",
+            "normal.Y",
+            "normal.Z",
+            "uv.U",
+            "uv.V",
+        ];
+        assert_eq!(names, want);
+        for channel in channels {
+            let name = channel.name.to_string();
+            let is_half = matches!(channel.sample_data, FlatSamples::F16(_));
+            assert_eq!(is_half, half && name.contains('.') && name != "material.ID", "{name}");
+        }
+    }
+    succeeds(here, &[&base[..], &["-o", "b.pfm"]].concat());
+    for layer in ["depth", "normal", "material", "uv"] {
+        assert!(here.join(format!("b.{layer}.pfm")).exists(), "{layer}");
+    }
+    let hashes = succeeds(here, &[&base[..], &["-o", "c.exr", "--print", "hashes"]].concat());
+    let names: Vec<&str> = hashes.lines().map(|line| line.split(' ').next().unwrap()).collect();
+    assert_eq!(names, ["color", "normal", "depth", "uv", "material"]);
+
+    for (wrong, says) in [
+        (&["--layers", "albdo"][..], "unknown layer `albdo`, did you mean `albedo`?"),
+        (&["--aov", "normals"], "unknown layer `normals`, did you mean `normal`?"),
+        (&["--first-hit", "glass"], "surface, through"),
+        (&["--layers", "depth", "-o", "-"], "standard output"),
+    ] {
+        let output =
+            ptfast(here, &[&["render", "spheres", "--width", "8", "--spp", "1"], wrong].concat());
         let error = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{error}");
-        assert!(error.contains("no alpha channel") && error.lines().count() == 1, "{error}");
-        assert!(!here.join(name).exists());
+        assert!(error.contains(says), "{error}");
     }
 }

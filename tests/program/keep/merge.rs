@@ -48,6 +48,58 @@ fn parts_make_the_whole() {
     }
 }
 
+/// Alpha and layers of merged and of continued renders have the bytes of one run.
+#[test]
+fn parts_have_all_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let base = [
+        "render",
+        "--scene",
+        "spheres",
+        "--width",
+        "60",
+        "--spp",
+        "50",
+        "--quiet",
+        "--transparent",
+        "--layers",
+        "alpha,albedo,normal,depth,position,uv,direct,indirect,emission,background,instance,material,halves",
+        "--first-hit",
+        "through",
+        "-o",
+    ];
+    let run = |words: &[&str]| {
+        let output = super::ptfast(here, words);
+        assert!(output.status.success(), "{words:?}: {output:?}");
+    };
+    run(&with(&base, &["whole.exr"]));
+    let whole = fs::read(here.join("whole.exr")).unwrap();
+    for parts in [
+        [["--shard", "0/3"], ["--shard", "1/3"], ["--shard", "2/3"]],
+        [["--sample-range", "32..50"], ["--sample-range", "0..16"], ["--sample-range", "16..32"]],
+    ] {
+        let names = ["x.film", "y.film", "z.film"];
+        for (name, part) in names.iter().zip(&parts) {
+            run(&with(&with(&base, &[name]), part));
+        }
+        run(&with(&["merge", "-o", "merged.exr"], &names));
+        assert!(fs::read(here.join("merged.exr")).unwrap() == whole, "{parts:?}");
+    }
+    let part = with(&with(&base, &["whole2.exr", "--time-limit", "1ms"]), &[]);
+    assert_eq!(super::ptfast(here, &part).status.code(), Some(75));
+    run(&with(&base, &["whole2.exr"]));
+    assert!(fs::read(here.join("whole2.exr")).unwrap() == whole, "continued");
+    // Films with other layers belong to other renders.
+    run(&[
+        "render", "--scene", "spheres", "--width", "60", "--spp", "50", "--quiet", "--shard",
+        "0/2", "-o", "x.film",
+    ]);
+    run(&with(&base, &["y.film", "--shard", "1/2"]));
+    let says = refusal(here, &["merge", "-o", "a.exr", "x.film", "y.film"], 65);
+    assert!(says.contains("transparent") || says.contains("layers"), "{says}");
+}
+
 /// `merge` rejects duplicate, missing, unfinished and foreign parts.
 #[test]
 fn wrong_sets_of_parts_are_rejected() {

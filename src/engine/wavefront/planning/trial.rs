@@ -40,6 +40,7 @@ pub(super) fn try_all<'a>(
         view.prepared.accelerator().prepare(segment.occluded, pool.threads());
     }
     let workers: Vec<_> = (0..threads).map(|_| Mutex::new(None)).collect();
+    let channels = view.settings.stored_layers().channels();
     // A single pixel may have more paths than a wave.
     let room = paths.max(u64::from(CHUNK));
     // All threads trace waves with the same plan at the same time.
@@ -52,7 +53,9 @@ pub(super) fn try_all<'a>(
             worker.plan = plan;
             let units = units(&view.settings, plan, number, paths);
             units
-                .filter_map(|unit| worker.trace(&Task { unit, open: Vec::new() }, &|| false))
+                .filter_map(|unit| {
+                    worker.trace(&Task { unit, open: Vec::new(), channels }, &|| false)
+                })
                 .map(|taken| taken.waves)
                 .collect()
         })

@@ -1,12 +1,10 @@
 //! Emitted light: the background, and surfaces that emit light towards the paths.
 
-use glam::Vec3;
-
 use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::emission_weight;
 use crate::engine::wavefront::{Queue, Segment};
 use crate::geometry::{Hit, Shape};
-use crate::math::{Real, Row, Vector};
+use crate::math::{Real, Row};
 use crate::simd::{Float, LANES, Mask, Vec3x};
 
 impl ShadeInputs<'_> {
@@ -14,16 +12,16 @@ impl ShadeInputs<'_> {
     #[inline(never)]
     pub(super) fn background(&self, queue: Queue<'_>, shaded: &mut ShadeOutputs<'_>) {
         let environment = self.tables.lights.environment::<Float>();
-        let seen_by_camera = self.backdrop.radiance().filter(|_| self.segment == 1);
+        let hidden = self.segment == 1 && self.settings.transparent;
         for first in (0..queue.len()).step_by(LANES) {
             let path = shaded.paths.indices(queue.rows(first)[0]);
-            let seen = match (seen_by_camera, &environment) {
-                (Some(radiance), _) => Vec3x::splat(Vec3::splat(radiance)),
-                (None, None) => {
+            let seen = match &environment {
+                _ if hidden => Vec3x::ZERO,
+                None => {
                     let direction = || shaded.paths.segments(&path).ray.direction;
                     self.scene.background().radiance(direction)
                 }
-                (None, Some((map, light))) => {
+                Some((map, light)) => {
                     let Segment { ray, pdf } = shaded.paths.segments(&path);
                     let (radiance, density) = map.look::<Float>(ray.direction);
                     let light_pdf = || density * light.chance(ray.origin);

@@ -6,13 +6,14 @@ mod scatter;
 mod vertex;
 
 use self::scatter::{COLORED, GENERAL, PLAIN};
+pub(super) use self::vertex::Vertex;
 use super::order::Next;
 use super::{Cells, Paths, Queue, Queues, Shadows};
-use crate::engine::{Backdrop, Endings, ImageSettings, StageWork};
+use crate::engine::{Endings, ImageSettings, StageWork};
 use crate::geometry::Shape;
 use crate::scene::Scene;
 use crate::shading::material::{MaterialModel, MaterialTable, MaterialVisitor};
-use crate::shading::{Key, SceneTables};
+use crate::shading::{CameraFrame, Key, SceneTables};
 use crate::simd::LANES;
 
 /// The inputs that all paths of a segment share.
@@ -20,7 +21,7 @@ use crate::simd::LANES;
 pub(super) struct ShadeInputs<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a ImageSettings,
-    pub(super) backdrop: Backdrop,
+    pub(super) camera: &'a CameraFrame,
     pub(super) tables: &'a SceneTables,
     pub(super) cells: &'a Cells,
     /// Number of the segment that was traced, from 1.
@@ -97,7 +98,7 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
     #[inline(always)]
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { shading, shape, emits, queue, shaded } = self;
-        if emits && shading.backdrop != Backdrop::Alone {
+        if emits {
             shading.emit(shape, &table.emission_rows, queue, shaded);
         }
         if !M::SCATTERS {

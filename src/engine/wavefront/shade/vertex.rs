@@ -8,23 +8,23 @@ use crate::sampler::Randoms;
 use crate::simd::{Float, Indices, Int, LANES, first_bits};
 
 /// The ends of segments, one per lane.
-pub(super) struct Vertex {
-    pub(super) path: Indices,
+pub(in super::super) struct Vertex {
+    pub(in super::super) path: Indices,
     /// Bits of the lanes that have a path. Other lanes repeat the last path.
-    pub(super) present: u32,
+    pub(in super::super) present: u32,
     /// The segment that ends here.
-    pub(super) segment: Segment,
+    pub(in super::super) segment: Segment,
     /// The hit of the segment. For a collision in a medium, the primitive is the medium's number.
-    pub(super) hit: Hit<Float>,
-    pub(super) history: History,
-    pub(super) randoms: Randoms<Float>,
+    pub(in super::super) hit: Hit<Float>,
+    pub(in super::super) history: History,
+    pub(in super::super) randoms: Randoms<Float>,
 }
 
 impl ShadeInputs<'_> {
     /// Returns the vertices of up to [`LANES`] paths of `queue`, from index `first` on. `instanced`
     /// is set if they are on instances.
     #[inline(always)]
-    pub(super) fn vertex(
+    pub(in super::super) fn vertex(
         &self,
         queue: Queue<'_>,
         first: usize,

@@ -288,6 +288,11 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
     const TRANSMITS: bool = true;
 
     #[inline(always)]
+    fn albedo(&self) -> R::Vec3 {
+        self.diffuse * R::splat(PI) + self.transmission + self.f0
+    }
+
+    #[inline(always)]
     fn sample(&self, randoms: &Randoms<R>) -> Scatter<R> {
         let [coat, facets] = self.chances;
         let lobe = randoms.one(Dimension::LOBE);

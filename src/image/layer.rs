@@ -1,0 +1,49 @@
+//! Layers of an image besides its colour.
+
+use super::Image;
+
+/// Values of each pixel besides its colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageLayer {
+    pub(crate) name: &'static str,
+    pub(crate) channels: &'static [&'static str],
+    /// Whether the values are numbers of things, which files always hold as 32-bit floats.
+    pub(crate) numbers: bool,
+    pub(crate) values: Vec<[f32; 3]>,
+}
+
+impl ImageLayer {
+    /// The name.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// The names of the channels, one to three.
+    pub fn channels(&self) -> &'static [&'static str] {
+        self.channels
+    }
+
+    /// The values of all pixels, row by row from the top. Numbers beyond the channels are 0.
+    pub fn values(&self) -> &[[f32; 3]] {
+        &self.values
+    }
+}
+
+impl Image {
+    /// The image with these layers, which are written to the same EXR file, or in other formats to files of
+    /// their own.
+    #[must_use]
+    pub(crate) fn with_layers(self, layers: Vec<ImageLayer>) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// The layers besides colour.
+    pub fn layers(&self) -> &[ImageLayer] {
+        &self.layers
+    }
+
+    /// The layer as an image of three channels, of the same size.
+    pub fn layer_image(&self, layer: &ImageLayer) -> Self {
+        Self::from_pixels(self.width, self.height, layer.values.clone())
+    }
+}
