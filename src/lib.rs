@@ -134,7 +134,7 @@ pub use accel::Kernel;
 pub use engine::{
     ComputeSettings, Endings, Engine, FirstHits, ImageSettings, Layer, Layers, NonFinite, Observer,
     Pin, Pinned, Plan, Planning, PreparedScene, Progress, RayCounts, Render, RenderState, Renderer,
-    Roulette, Seconds, SegmentPlan, Stop, Tally,
+    Roulette, Seconds, SegmentPlan, Session, Stop, Tally, Until,
 };
 pub use error::{Error, Result};
 pub use formats::BUILTIN_NAMES;
@@ -144,7 +144,7 @@ pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    Named, NamedMesh, PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, primitive,
+    Look, Named, NamedMesh, PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, primitive,
 };
 pub use shading::{
     Background, Camera, CameraFile, MediumFile, PixelFilter, light, material, texture,

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::{Checkpoint, Identity, Shard};
-use crate::engine::{RenderState, Totals};
+use crate::engine::{RenderState, Rows, Totals};
 use crate::error::{Error, Result};
 use crate::film::{Conflict, Film, Plane, SampleIndex};
 use crate::limits::{Limit, Limits};
@@ -200,13 +200,13 @@ impl PartialFilm {
     fn add(&mut self, film: &Film) -> Result<()> {
         for first in (0..self.channels).step_by(3) {
             let pixels = self.sums.chunks_exact_mut(self.channels);
-            for (sums, totals) in pixels.zip(film.totals(first)?) {
+            for (sums, totals) in pixels.zip(film.totals(first, 0..film.area().height)?) {
                 for (sum, total) in sums[first..].iter_mut().zip(totals) {
                     *sum += f64::from(total);
                 }
             }
         }
-        for (sum, counts) in self.counts.iter_mut().zip(Totals::counts(film)) {
+        for (sum, counts) in self.counts.iter_mut().zip(Rows::all(film).counts()) {
             *sum = [sum[0] + counts[0], sum[1] + counts[1]];
         }
         Ok(())

@@ -10,7 +10,7 @@ use super::console::say;
 use super::files;
 use super::render::target::Target;
 use crate::checkpoint::{Checkpoint, Identity, PartialRender, merge, merge_partial};
-use crate::engine::{ImageSettings, Layers, Totals, develop};
+use crate::engine::{ImageSettings, Layers, Rows, Totals, develop};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata};
 use crate::measure::settings;
@@ -82,7 +82,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let image = args.image(&identity, &rendering.film)?;
+    let image = args.image(&identity, &Rows::all(&rendering.film))?;
     let hash = image.hash();
     if let Target::Image(path) = output {
         image.write(path, args.display.display(), &identity.metadata(&hash))?;

@@ -1,5 +1,7 @@
 //! Records the rays of paths as the reference engine traces them.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::scalar::{Intersect, ScalarEngine, Tree};
@@ -58,7 +60,7 @@ impl PathRecorder {
         let prepared = scene.into();
         settings.check(prepared.scene().limits())?;
         let view = View::new(prepared, settings, ComputeSettings::default());
-        Ok(Self(ScalarEngine::new(view, 1)))
+        Ok(Self(ScalarEngine::new(Arc::new(view), 1)))
     }
 
     /// Traces the path of sample `sample` of pixel `(x, y)`.

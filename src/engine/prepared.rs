@@ -17,14 +17,20 @@ pub struct PreparedScene(Arc<Inner>);
 #[derive(Debug)]
 struct Inner {
     scene: Scene,
-    accelerator: Accelerator,
+    accelerator: Arc<Accelerator>,
     tables: OnceLock<SceneTables>,
 }
 
 impl PreparedScene {
     /// Prepares `scene`. Its first renderer builds the trees.
     pub fn new(scene: Scene) -> Self {
-        let accelerator = Accelerator::new(Arc::clone(scene.geometry()));
+        let accelerator = Arc::new(Accelerator::new(Arc::clone(scene.geometry())));
+        Self(Arc::new(Inner { scene, accelerator, tables: OnceLock::new() }))
+    }
+
+    /// Prepares `scene`, which has the same shapes, with the same trees.
+    pub(super) fn with_scene(&self, scene: Scene) -> Self {
+        let accelerator = Arc::clone(&self.0.accelerator);
         Self(Arc::new(Inner { scene, accelerator, tables: OnceLock::new() }))
     }
 

@@ -1,5 +1,6 @@
 //! The renderer distributes a render's units of work to threads, for any engine.
 
+use std::borrow::BorrowMut;
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -11,7 +12,8 @@ use super::scalar::ScalarEngine;
 use super::wavefront::WavefrontEngine;
 use super::{
     Activity, ComputeSettings, Engine, ImageSettings, Lap, Observer, Pinned, Plan, Planning, Pool,
-    PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine, View,
+    PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine, UnitWorker, View,
+    locked,
 };
 use crate::error::Result;
 use crate::film::{Film, Schedule};
@@ -20,9 +22,11 @@ use crate::film::{Film, Schedule};
 /// kept.
 #[derive(Debug)]
 pub struct Renderer {
-    view: View,
+    view: Arc<View>,
     engine: Box<dyn UnitEngine>,
     pool: Arc<Pool>,
+    /// Workers of finished passes, whose memory the next pass uses, with the number of paths that they have room for.
+    idle: Mutex<Vec<(u64, Box<dyn UnitWorker>)>>,
     seconds: Seconds,
 }
 
@@ -33,12 +37,17 @@ impl View {
         self.compute.check_memory(self.scene(), None)
     }
 
-    fn engine(&self, paths: u64, pool: &Pool, measured: Option<Plan>) -> Box<dyn UnitEngine> {
+    fn engine(
+        self: &Arc<Self>,
+        paths: u64,
+        pool: &Pool,
+        measured: Option<Plan>,
+    ) -> Box<dyn UnitEngine> {
         match self.compute.engine {
             Engine::Wavefront => {
-                Box::new(WavefrontEngine::new(self.clone(), paths, pool, measured))
+                Box::new(WavefrontEngine::new(Arc::clone(self), paths, pool, measured))
             }
-            Engine::Scalar => Box::new(ScalarEngine::new(self.clone(), pool.threads())),
+            Engine::Scalar => Box::new(ScalarEngine::new(Arc::clone(self), pool.threads())),
         }
     }
 }
@@ -83,7 +92,7 @@ impl Renderer {
         compute: impl Into<ComputeSettings>,
         paths: u64,
     ) -> Result<Self> {
-        let view = View::new(scene.into(), image, compute.into());
+        let view = Arc::new(View::new(scene.into(), image, compute.into()));
         Self::on(view, paths, |compute| Pool::start(compute.threads, compute.pin))
     }
 
@@ -101,12 +110,13 @@ impl Renderer {
     ) -> Result<Self> {
         let paths = image.paths();
         let threads = rayon::current_num_threads() as u32;
-        let view = View::new(scene.into(), image, ComputeSettings { threads, ..compute.into() });
+        let compute = ComputeSettings { threads, ..compute.into() };
+        let view = Arc::new(View::new(scene.into(), image, compute));
         Self::on(view, paths, |_| Ok(Pool::Caller))
     }
 
     fn on(
-        view: View,
+        view: Arc<View>,
         paths: u64,
         pool: impl FnOnce(&ComputeSettings) -> Result<Pool>,
     ) -> Result<Self> {
@@ -115,7 +125,7 @@ impl Renderer {
         let pool = Arc::new(pool(&view.compute)?);
         let engine = view.engine(paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
-        Ok(Self { view, engine, pool, seconds })
+        Ok(Self { view, engine, pool, idle: Mutex::default(), seconds })
     }
 
     /// Changes the camera and the settings. Trees, tables, threads and their pinning stay as they
@@ -126,21 +136,26 @@ impl Renderer {
     /// If a setting is out of range or the render would exceed the memory limit, returns
     /// [`Error::Usage`](crate::Error::Usage).
     pub fn set(&mut self, image: ImageSettings, compute: impl Into<ComputeSettings>) -> Result<()> {
-        *self = self.with(image, compute.into())?;
+        *self = self.with(self.view.prepared.clone(), image, compute.into())?;
         Ok(())
     }
 
-    /// Another renderer of the same scene, on the same threads.
-    fn with(&self, image: ImageSettings, compute: ComputeSettings) -> Result<Self> {
+    /// Another renderer on the same threads, of `prepared`, which shares the trees of the scene.
+    pub(super) fn with(
+        &self,
+        prepared: PreparedScene,
+        image: ImageSettings,
+        compute: ComputeSettings,
+    ) -> Result<Self> {
         let ComputeSettings { threads, pin, .. } = self.view.compute;
         let compute = ComputeSettings { threads, pin, ..compute };
-        let view = View::new(self.view.prepared.clone(), image, compute);
+        let view = Arc::new(View::new(prepared, image, compute));
         view.check()?;
         let start = Instant::now();
         let measured = self.measured_plan(&view.compute);
         let engine = view.engine(view.settings.paths(), &self.pool, measured);
         let seconds = Seconds::of_build(&*engine, start);
-        Ok(Self { view, engine, pool: Arc::clone(&self.pool), seconds })
+        Ok(Self { view, engine, pool: Arc::clone(&self.pool), idle: Mutex::default(), seconds })
     }
 
     /// Returns the current plan if it was measured and also suits `settings`.
@@ -202,7 +217,7 @@ impl Renderer {
     /// If memory for the image exceeds the limit, returns [`Error::Usage`](crate::Error::Usage). If
     /// its allocation fails, returns [`Error::Resource`](crate::Error::Resource).
     pub fn begin(&self) -> Result<RenderState> {
-        let View { settings, compute, .. } = &self.view;
+        let View { settings, compute, .. } = &*self.view;
         let (image, samples) = (settings.image(), 0..settings.spp);
         compute.check_memory(self.view.scene(), Some(FilmOf(settings, samples.clone())))?;
         let channels = settings.stored_layers().channels();
@@ -231,12 +246,26 @@ impl Renderer {
         end: u32,
         observer: &dyn Observer,
     ) -> Result<()> {
-        rendering.claim(self.view.scene(), &self.view.settings)?;
+        self.advance_shared(&Mutex::new(rendering), end, observer)
+    }
+
+    /// [`advance_to`](Self::advance_to) of a rendering that other threads may look at.
+    pub(super) fn advance_shared(
+        &self,
+        rendering: &Mutex<impl BorrowMut<RenderState> + Send>,
+        end: u32,
+        observer: &dyn Observer,
+    ) -> Result<()> {
         let start = Instant::now();
-        let schedule = Schedule::new(&rendering.film, end, self.engine.unit_paths());
+        let schedule = {
+            let mut rendering = locked(rendering);
+            let rendering = (*rendering).borrow_mut();
+            rendering.claim(self.view.scene(), &self.view.settings)?;
+            Schedule::new(&rendering.film, end, self.engine.unit_paths())
+        };
         let most_paths = schedule.most_paths();
         let shared = Mutex::new(Shared::new(rendering, schedule));
-        let lock = || shared.lock().expect("no thread panics while it holds the film");
+        let lock = || locked(&shared);
         let failed = AtomicBool::new(false);
         let stop = || if failed.load(Ordering::Relaxed) { Stop::Now } else { observer.stop() };
         let next = || {
@@ -258,7 +287,7 @@ impl Renderer {
             // Created with the first task: a thread that finds no work allocates nothing.
             let mut worker = None;
             while let Some(task) = next() {
-                let worker = worker.get_or_insert_with(|| self.engine.worker(most_paths));
+                let (_, worker) = worker.get_or_insert_with(|| self.worker(most_paths));
                 let begin = Instant::now();
                 let Some(mut taken) = worker.take(&task, &abandon) else { break };
                 #[cfg(feature = "slowed")]
@@ -273,12 +302,22 @@ impl Renderer {
                 let progress = lock().add(taken, thread)?;
                 observer.progressed(progress);
             }
+            locked(&self.idle).extend(worker);
             mem::forget(alarm);
             Ok(())
         };
         let worked: Result<Vec<()>> = self.pool.broadcast(work).into_iter().collect();
-        rendering.seconds += start.elapsed().as_secs_f64();
+        (*locked(rendering)).borrow_mut().seconds += start.elapsed().as_secs_f64();
         worked.map(|_| ())
+    }
+
+    /// A worker for units of at most `paths` paths: an idle one, if there is one with enough room.
+    fn worker(&self, paths: u64) -> (u64, Box<dyn UnitWorker>) {
+        let mut idle = locked(&self.idle);
+        match idle.iter().position(|(room, _)| *room >= paths) {
+            Some(index) => idle.swap_remove(index),
+            None => (paths, self.engine.worker(paths)),
+        }
     }
 
     /// Returns the image rendered so far. Moves the timeline out of `rendering`, as it may be

@@ -1,8 +1,10 @@
 //! A render in progress: the samples, counts and times so far.
 
+use std::borrow::BorrowMut;
+use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
-use super::{Event, ImageSettings, Lap, Layer, Taken, Tally, Task, WaveStats, develop};
+use super::{Event, ImageSettings, Lap, Layer, Rows, Taken, Tally, Task, WaveStats, develop};
 use crate::error::{Error, Result};
 use crate::film::{Film, Schedule, UnitSums};
 use crate::image::{Image, ImageLayer};
@@ -70,6 +72,18 @@ impl RenderState {
         }
     }
 
+    /// Makes room for more samples, if the scene and all other settings stay the same. Returns whether they do.
+    pub(super) fn extend(&mut self, scene: &Scene, settings: &ImageSettings) -> bool {
+        let same =
+            |(other, with): &(Scene, ImageSettings)| other == scene && with.same_image(settings);
+        let extended = self.source.as_ref().is_some_and(same) && settings.spp >= self.settings.spp;
+        if extended {
+            self.film.grow(settings.spp);
+            self.settings = settings.clone();
+        }
+        extended
+    }
+
     /// Adds the counts and seconds of another part of the same render.
     pub(crate) fn add(&mut self, other: &Self) {
         self.tally.add(&other.tally);
@@ -82,7 +96,7 @@ impl RenderState {
     /// # Errors
     /// If there is not enough memory for the image, returns [`Error::Resource`].
     pub fn image(&self) -> Result<Image> {
-        develop(&self.settings, self.film.area(), &self.film)
+        develop(&self.settings, self.film.area(), &Rows::all(&self.film))
     }
 
     /// Returns a layer of the image rendered so far; `None` if the film lacks it.
@@ -90,7 +104,7 @@ impl RenderState {
     /// # Errors
     /// If there is not enough memory for it, returns [`Error::Resource`].
     pub fn layer(&self, layer: Layer) -> Result<Option<ImageLayer>> {
-        self.settings.stored_layers().develop(&self.film, layer)
+        self.settings.stored_layers().develop(&Rows::all(&self.film), layer)
     }
 
     /// The progress of the render so far.
@@ -110,8 +124,9 @@ pub struct Progress {
 
 /// The state that the workers of a pass share.
 #[derive(Debug)]
-pub(super) struct Shared<'a> {
-    rendering: &'a mut RenderState,
+pub(super) struct Shared<'a, S> {
+    /// Locked for a moment only, so that other threads may look at it.
+    rendering: &'a Mutex<S>,
     schedule: Schedule,
     progress: Progress,
     start: Instant,
@@ -121,11 +136,21 @@ pub(super) struct Shared<'a> {
     early: Vec<(UnitSums, Tally)>,
 }
 
-impl<'a> Shared<'a> {
-    pub(super) fn new(rendering: &'a mut RenderState, schedule: Schedule) -> Self {
-        let ends = rendering.timeline.iter().map(|event| event.start + event.seconds);
+/// Locks `mutex`.
+///
+/// # Panics
+/// If a thread panicked while it held the lock.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().expect("no thread panics while it holds the lock")
+}
+
+impl<'a, S: BorrowMut<RenderState>> Shared<'a, S> {
+    pub(super) fn new(rendering: &'a Mutex<S>, schedule: Schedule) -> Self {
+        let state = locked(rendering);
+        let state = (*state).borrow();
+        let ends = state.timeline.iter().map(|event| event.start + event.seconds);
         let before = ends.fold(0.0, f64::max);
-        let (progress, start) = (rendering.progress(), Instant::now());
+        let (progress, start) = (state.progress(), Instant::now());
         Self { rendering, schedule, progress, start, before, early: Vec::new() }
     }
 
@@ -136,7 +161,8 @@ impl<'a> Shared<'a> {
 
     /// Returns the next unit of work; `None` if no unit is left.
     pub(super) fn next(&mut self) -> Option<Task> {
-        let film = &self.rendering.film;
+        let state = locked(self.rendering);
+        let film = &(*state).borrow().film;
         let unit = self.schedule.next(film)?;
         Some(Task { unit, open: film.open_sums(unit), channels: film.channels() })
     }
@@ -147,7 +173,9 @@ impl<'a> Shared<'a> {
     /// If there is not enough memory for its samples, returns [`Error::Resource`].
     pub(super) fn add(&mut self, taken: Taken, worker: usize) -> Result<Progress> {
         let Taken { part, tally, waves, laps } = taken;
-        let RenderState { film, tally: all, waves: all_waves, timeline, .. } = &mut *self.rendering;
+        let mut state = locked(self.rendering);
+        let RenderState { film, tally: all, waves: all_waves, timeline, .. } =
+            (*state).borrow_mut();
         all_waves.add(&waves);
         let room = MOST_EVENTS - timeline.len();
         let event = |lap: &Lap| {

@@ -6,7 +6,7 @@ use crate::film::{Sums, Unit, UnitSums};
 /// An engine, which creates workers that render units of work.
 pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
     /// Creates the worker of a thread, for units of at most `paths` paths.
-    fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_>;
+    fn worker(&self, paths: u64) -> Box<dyn UnitWorker>;
 
     /// The number of paths of a unit that suits the engine best.
     fn unit_paths(&self) -> u32;
@@ -19,7 +19,7 @@ pub(super) trait UnitEngine: Send + Sync + std::fmt::Debug {
 }
 
 /// Renders units of work on one thread.
-pub(super) trait UnitWorker {
+pub(super) trait UnitWorker: Send + std::fmt::Debug {
     /// Renders `task`. Calls `abandon` now and then, and returns `None` if it returns true.
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken>;
 }

@@ -190,19 +190,22 @@ impl Film {
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
     pub fn means(&self) -> Result<Plane> {
-        let sums = self.totals(0)?.into_iter().zip(self.counts());
+        let sums = self.totals(0, 0..self.area.height)?.into_iter().zip(self.counts());
         Ok(sums.map(|(sum, count)| mean(sum, count as f32)).collect())
     }
 
-    /// The sums of all finished samples of each pixel, for three channels from number `first` on. Channels
-    /// beyond the last count as 0.
+    /// The sums of all finished samples of each pixel of the rows `rows`, for three channels from number `first`
+    /// on. Channels beyond the last count as 0.
     ///
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
-    pub(crate) fn totals(&self, first: usize) -> Result<Plane> {
-        let mut totals = plane(self.area, [0.0; 3], 1)?;
+    pub(crate) fn totals(&self, first: usize, rows: Range<u32>) -> Result<Plane> {
+        let skipped = (rows.start * self.area.width) as usize;
+        let area = Tile { height: rows.end - rows.start, ..self.area };
+        let mut totals = plane(area, [0.0; 3], 1)?;
         let channels = first..self.channels.min(first + 3);
-        for (pixel, (total, (_, kept))) in totals.iter_mut().zip(self.kept()).enumerate() {
+        let kept = self.kept().skip(skipped);
+        for (pixel, (total, (_, kept))) in (skipped..).zip(totals.iter_mut().zip(kept)) {
             let place = self.of_pixels(pixel..pixel + 1).start;
             for (total, channel) in total.iter_mut().zip(channels.clone()) {
                 *total = sum::total(self.sums[..kept].iter().map(|sums| sums[place + channel]));

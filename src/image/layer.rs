@@ -37,6 +37,22 @@ impl Image {
         Self { layers, ..self }
     }
 
+    /// `above` with `below` under it, both of the same width and with the same layers.
+    pub(crate) fn above(above: Self, below: Self) -> Self {
+        let mut image = Self { height: above.height + below.height, ..above };
+        image.pixels.extend(below.pixels);
+        image.alpha.extend(below.alpha);
+        for (layer, below) in image.layers.iter_mut().zip(below.layers) {
+            layer.values.extend(below.values);
+        }
+        image
+    }
+
+    /// The layer of this name, if the image has it.
+    pub fn layer(&self, name: &str) -> Option<&ImageLayer> {
+        self.layers.iter().find(|layer| layer.name == name)
+    }
+
     /// The layers besides colour.
     pub fn layers(&self) -> &[ImageLayer] {
         &self.layers

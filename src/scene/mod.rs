@@ -3,6 +3,7 @@
 mod assets;
 mod description;
 mod hash;
+mod look;
 pub(crate) mod mesh;
 mod named;
 pub mod primitive;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 pub(crate) use assets::Assets;
 pub use description::{RenderDefaults, Sampling, SceneFile};
+pub use look::Look;
 pub(crate) use mesh::IndexedMesh;
 use mesh::{Smooth, Transform, Transformed, add_tangents, lacks_tangents};
 pub use named::Named;
@@ -42,7 +44,7 @@ impl PartialEq for Scene {
     }
 }
 
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct SceneData {
     name: String,
     camera: Camera,
@@ -50,6 +52,8 @@ struct SceneData {
     cameras: Named<CameraFile>,
     defaults: RenderDefaults,
     world: World,
+    /// The names of the materials.
+    material_names: Vec<String>,
     lights: u32,
     files: BTreeSet<PathBuf>,
     /// Sentences that name the ignored data in the scene's files.

@@ -7,7 +7,7 @@ use super::{Background, Material, MaterialMap, Medium};
 use crate::geometry::Geometry;
 
 /// The content of a scene: all names are resolved to indices, and every number is in its range.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct World {
     pub(crate) background: Background,
     pub(crate) geometry: Arc<Geometry>,
@@ -24,6 +24,21 @@ impl World {
     /// The material of a primitive.
     pub(crate) fn material(&self, primitive: u32) -> &Material {
         &self.materials[self.material_map.get(primitive) as usize]
+    }
+
+    /// Number of lights: primitives that emit light, other lights, and an environment map.
+    pub(crate) fn light_count(&self) -> u32 {
+        let emits: Vec<bool> = self
+            .materials
+            .iter()
+            .map(|material| material.emission().is_some_and(|emission| emission.emits()))
+            .collect();
+        let emits = |primitive: &u32| emits[self.material_map.get(*primitive) as usize];
+        let map = matches!(self.background, Background::Image(_)) && !self.background.is_black();
+        let lights = (0..self.geometry.len() as u32).filter(emits).count()
+            + self.lights.iter().filter(|light| light.emits()).count()
+            + usize::from(map);
+        lights as u32
     }
 
     /// Bytes of all textures and the environment map. An image that several materials share counts once.

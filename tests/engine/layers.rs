@@ -29,8 +29,7 @@ fn with_all(scene: &Scene) -> ImageSettings {
 }
 
 fn layer(image: &Image, layer: Layer) -> &[[f32; 3]] {
-    let found = image.layers().iter().find(|found| found.name() == layer.name());
-    found.unwrap_or_else(|| panic!("no layer {}", layer.name())).values()
+    image.layer(layer.name()).expect("the settings ask for it").values()
 }
 
 fn pixel(image: &Image, wanted: Layer, x: u32, y: u32) -> [f32; 3] {

@@ -9,5 +9,6 @@ mod layers;
 mod proof;
 mod random_scene;
 mod scenes;
+mod session;
 mod tree;
 mod wavefront;

@@ -1,5 +1,7 @@
 //! Develop: computes an image with its layers from the sums of samples that a film holds.
 
+use std::ops::Range;
+
 use super::{Combine, Layer, Layers};
 use crate::engine::ImageSettings;
 use crate::error::Result;
@@ -18,14 +20,30 @@ pub(crate) trait Totals {
     fn counts(&self) -> impl Iterator<Item = [u32; 2]>;
 }
 
-impl Totals for Film {
+/// Some rows of a film.
+pub(crate) struct Rows<'a> {
+    pub(crate) film: &'a Film,
+    pub(crate) rows: Range<u32>,
+}
+
+impl<'a> Rows<'a> {
+    /// All rows of `film`.
+    pub(crate) fn all(film: &'a Film) -> Self {
+        Self { film, rows: 0..film.area().height }
+    }
+}
+
+impl Totals for Rows<'_> {
     fn sums(&self, first: usize) -> Result<Plane> {
-        self.totals(first)
+        self.film.totals(first, self.rows.clone())
     }
 
     fn counts(&self) -> impl Iterator<Item = [u32; 2]> {
         // Each pixel begins with an even sample.
-        self.counts().map(|count| [count - count / 2, count / 2])
+        let [skipped, taken] = [self.rows.start, self.rows.end - self.rows.start]
+            .map(|rows| (rows * self.film.area().width) as usize);
+        let counts = self.film.counts().skip(skipped).take(taken);
+        counts.map(|count| [count - count / 2, count / 2])
     }
 }
 

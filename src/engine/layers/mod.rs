@@ -6,7 +6,7 @@
 mod develop;
 mod set;
 
-pub(crate) use self::develop::{Totals, develop};
+pub(crate) use self::develop::{Rows, Totals, develop};
 pub use self::set::Layers;
 
 use glam::Vec3;

@@ -4,6 +4,8 @@
 mod intersect;
 mod path;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::{Taken, Tally, Task, UnitEngine, UnitWorker, View, WaveStats, scale};
@@ -17,12 +19,12 @@ pub(super) use intersect::{Intersect, Tree};
 pub(super) use path::PathTracer;
 
 /// Renders a view sample by sample, with a binary tree.
-#[derive(Debug)]
-pub(super) struct ScalarEngine(View);
+#[derive(Clone, Debug)]
+pub(super) struct ScalarEngine(Arc<View>);
 
 impl ScalarEngine {
     /// Creates an engine. `threads` threads build the tree.
-    pub(super) fn new(view: View, threads: usize) -> Self {
+    pub(super) fn new(view: Arc<View>, threads: usize) -> Self {
         view.prepared.accelerator().prepare(Kernel::Scalar, threads);
         view.prepared.tables();
         Self(view)
@@ -40,7 +42,7 @@ impl ScalarEngine {
     /// The camera ray of sample `sample` of pixel `(x, y)`, the sample's weight, and the key of the
     /// path's random numbers.
     pub(super) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> (Ray, f32, PathKey) {
-        let View { settings, camera, .. } = &self.0;
+        let View { settings, camera, .. } = &*self.0;
         let key = settings.sampler.path(PixelKey::new(settings.seed, x, y), sample);
         let randoms = Randoms::new(settings.sampler, key, 0);
         let (ray, weight) = camera.ray::<f32, false>(x as f32, y as f32, &randoms);
@@ -54,9 +56,9 @@ impl ScalarEngine {
 }
 
 impl UnitEngine for ScalarEngine {
-    fn worker(&self, _: u64) -> Box<dyn UnitWorker + '_> {
+    fn worker(&self, _: u64) -> Box<dyn UnitWorker> {
         // A worker keeps no state between units.
-        Box::new(self)
+        Box::new(self.clone())
     }
 
     fn unit_paths(&self) -> u32 {
@@ -64,7 +66,7 @@ impl UnitEngine for ScalarEngine {
     }
 }
 
-impl UnitWorker for &ScalarEngine {
+impl UnitWorker for ScalarEngine {
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         if self.0.compute.count {
             let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };

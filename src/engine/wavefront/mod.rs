@@ -16,6 +16,7 @@ mod rays;
 mod shade;
 mod wave;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Plan, Planning, Pool, UnitEngine, UnitWorker, View};
@@ -31,7 +32,7 @@ use wave::Worker;
 /// Renders a view according to a plan.
 #[derive(Debug)]
 pub(super) struct WavefrontEngine {
-    view: View,
+    view: Arc<View>,
     plan: Plan,
     planning: Planning,
     plan_seconds: f64,
@@ -40,7 +41,7 @@ pub(super) struct WavefrontEngine {
 impl WavefrontEngine {
     /// Creates an engine for a render of `paths` paths. Uses the plan of the settings if they have
     /// one, else the plan `measured` earlier, else finds a plan.
-    pub(super) fn new(view: View, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
+    pub(super) fn new(view: Arc<View>, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
         view.prepared.tables();
         let start = Instant::now();
         let (plan, planning) = match (&view.compute.plan, measured) {
@@ -58,7 +59,7 @@ impl WavefrontEngine {
 }
 
 impl UnitEngine for WavefrontEngine {
-    fn worker(&self, paths: u64) -> Box<dyn UnitWorker + '_> {
+    fn worker(&self, paths: u64) -> Box<dyn UnitWorker> {
         Box::new(Worker::new(&self.view, &self.plan, paths))
     }
 

@@ -1,5 +1,7 @@
 //! The main loop of the wavefront engine: a worker passes a wave of paths through the stages.
 
+use std::sync::Arc;
+
 use super::accumulate::accumulate;
 use super::collide::collide;
 use super::connect::connect;
@@ -52,18 +54,19 @@ impl Wave {
 
 /// The wave of a thread, with the plan for tracing it and a stopwatch for its stages.
 #[derive(Debug)]
-pub(super) struct Worker<'a> {
-    view: &'a View,
-    pub(super) plan: &'a Plan,
+pub(super) struct Worker {
+    view: Arc<View>,
+    pub(super) plan: Plan,
     wave: Wave,
     watch: Stopwatch,
 }
 
-impl<'a> Worker<'a> {
+impl Worker {
     /// Creates a worker for units of at most `paths` paths.
-    pub(super) fn new(view: &'a View, plan: &'a Plan, paths: u64) -> Self {
+    pub(super) fn new(view: &Arc<View>, plan: &Plan, paths: u64) -> Self {
         let watch = Stopwatch::new(view.compute.timeline);
-        Self { view, plan, wave: Wave::new(view, paths as usize), watch }
+        let wave = Wave::new(view, paths as usize);
+        Self { view: Arc::clone(view), plan: plan.clone(), wave, watch }
     }
 
     /// Traces the paths of `task` from the camera to the film. Returns `None` if `abandon` returns
@@ -73,7 +76,7 @@ impl<'a> Worker<'a> {
     /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { view, plan, wave, watch } = self;
-        let View { prepared, settings, compute, camera } = view;
+        let View { prepared, settings, compute, camera } = &**view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
         let tables = prepared.tables();
         let Wave { paths, rays, hits, queues, shadows, next, cells, layers } = wave;
@@ -143,7 +146,7 @@ impl<'a> Worker<'a> {
     }
 }
 
-impl UnitWorker for Worker<'_> {
+impl UnitWorker for Worker {
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         self.trace(task, abandon)
     }

@@ -13,7 +13,7 @@ use crate::checks::Location;
 use crate::error::{Error, Result};
 use crate::limits::{self, Budget, Limit, MAX_MEDIA};
 use crate::shading::light::LightFile;
-use crate::shading::{Background, Camera, Images, Medium, World, mark_holes};
+use crate::shading::{Camera, Images, Medium, World, mark_holes};
 
 /// Returns the scene that `file` describes. Error messages call the file `name`. Paths of textures
 /// and meshes are relative to `folder`.
@@ -47,15 +47,10 @@ pub(crate) fn resolve(
     let mut geometry = geometry;
     mark_holes(&mut geometry, &materials, &material_map);
     let media = resolver.media()?;
-    let emits = |primitive: &u32| {
-        let material = &materials[material_map.get(*primitive) as usize];
-        material.emission().is_some_and(|emission| emission.emits())
-    };
-    let free = resolver.lights()?;
-    let lights = (0..geometry.len() as u32).filter(emits).count()
-        + free.iter().filter(|light| light.emits()).count()
-        + usize::from(matches!(background, Background::Image(_)) && !background.is_black());
-    let room = resolver.budget.hold(LIGHT_BYTES * lights as u64);
+    let (geometry, lights) = (Arc::new(geometry), resolver.lights()?);
+    let world = World { background, geometry, materials, material_map, lights, media };
+    let lights = world.light_count();
+    let room = resolver.budget.hold(LIGHT_BYTES * u64::from(lights));
     room.map_err(|message| Error::input(name, "", message))?;
     Ok(Scene(Arc::new(SceneData {
         name: name.to_owned(),
@@ -63,15 +58,9 @@ pub(crate) fn resolve(
         camera_file: file.camera.clone(),
         cameras: file.cameras.clone(),
         defaults: file.render.clone(),
-        world: World {
-            background,
-            geometry: Arc::new(geometry),
-            materials,
-            material_map,
-            lights: free,
-            media,
-        },
-        lights: lights as u32,
+        world,
+        material_names: file.materials.names().map(str::to_owned).collect(),
+        lights,
         ignored: ignored(&meshes),
         files: images.chain(meshes.into_keys()).collect(),
         limits: resolver.budget.limits,

@@ -5,6 +5,8 @@ mod fastest;
 mod trial;
 mod usual;
 
+use std::sync::Arc;
+
 use fastest::{PLANNED, fastest, fastest_segment};
 use trial::{Effort, try_all};
 use usual::usual_plan;
@@ -27,7 +29,7 @@ const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning) {
     // Counting would slow down the trials.
     let compute = ComputeSettings { count: false, ..view.compute.clone() };
-    let (view, settings) = (&View { compute, ..view.clone() }, &view.settings);
+    let (view, settings) = (&Arc::new(View { compute, ..view.clone() }), &view.settings);
     // Only these kernels trace instances, whatever their number.
     let instanced = view.prepared.accelerator().has_instances();
     let primitives = if instanced { usize::MAX } else { view.scene().geometry().len() };

@@ -1,6 +1,6 @@
 //! Trials: measure which plan is fastest, on all threads at once as in a render.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use super::fastest::{Tried, without_those_behind};
 use crate::engine::wavefront::wave::Worker;
@@ -22,7 +22,7 @@ pub(super) struct Effort {
 /// Traces paths from the same parts of the image with each of `plans`, round after round. Drops
 /// plans that fall behind. Returns an empty list if the render is too small for a trial.
 pub(super) fn try_all<'a>(
-    view: &View,
+    view: &Arc<View>,
     all_paths: u64,
     pool: &Pool,
     plans: &'a [Plan],
@@ -50,7 +50,7 @@ pub(super) fn try_all<'a>(
             let number = round * threads + thread as u64;
             let mut worker = workers[thread].lock().expect("no thread panicked");
             let worker = worker.get_or_insert_with(|| Worker::new(view, largest, room));
-            worker.plan = plan;
+            worker.plan.clone_from(plan);
             let units = units(&view.settings, plan, number, paths);
             units
                 .filter_map(|unit| {

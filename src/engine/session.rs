@@ -1,0 +1,206 @@
+//! Sessions: a render that can be watched, stopped, continued and changed.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::{
+    ComputeSettings, ImageSettings, Layer, Layers, Observer, PreparedScene, Progress, Render,
+    RenderState, Renderer, Rows, Stop, develop, locked,
+};
+use crate::error::Result;
+use crate::film::Tile;
+use crate::image::Image;
+use crate::scene::Look;
+
+/// Rows of a snapshot that are computed while workers wait, about as long as they take for one unit of work.
+const ROWS: u32 = 32;
+
+/// When [`Session::render`] returns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Until {
+    /// When all pixels have all samples of the settings.
+    #[default]
+    Complete,
+    /// When all pixels have this many samples, or all of them.
+    Samples(u32),
+    /// After this time, or when the render is complete. Workers finish their current unit of work, some milliseconds.
+    Time(Duration),
+}
+
+/// A render that can be watched, stopped, continued and changed. Its threads, trees and memory are kept.
+///
+/// [`render`](Self::render) runs in the caller's thread until it has what was asked for. Meanwhile other threads may take
+/// snapshots and [cancel](Self::cancel) it. At a number of samples that all pixels have, an image has the same bits as
+/// any other render with these settings.
+#[derive(Debug)]
+pub struct Session {
+    renderer: Renderer,
+    state: Mutex<RenderState>,
+    cancelled: AtomicBool,
+}
+
+impl Session {
+    /// Prepares a render without samples. The plan is that of `compute`, or else one is measured.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::new`] and [`Renderer::begin`].
+    pub fn new(
+        scene: impl Into<PreparedScene>,
+        image: ImageSettings,
+        compute: impl Into<ComputeSettings>,
+    ) -> Result<Self> {
+        let renderer = Renderer::new(scene, image, compute)?;
+        let state = renderer.begin()?;
+        Ok(Self::of(renderer, state))
+    }
+
+    /// Continues `state`, which has samples of `renderer`.
+    pub(crate) fn of(renderer: Renderer, state: RenderState) -> Self {
+        Self { renderer, state: Mutex::new(state), cancelled: AtomicBool::new(false) }
+    }
+
+    /// The renderer.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// Renders until `until`, unless `observer` or [`cancel`](Self::cancel) stops it earlier. Returns the progress.
+    ///
+    /// # Errors
+    /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
+    pub fn render(&self, until: Until, observer: &dyn Observer) -> Result<Progress> {
+        let (end, time) = match until {
+            Until::Complete => (u32::MAX, None),
+            Until::Samples(samples) => (samples, None),
+            Until::Time(time) => (u32::MAX, Some(time)),
+        };
+        let begin = Instant::now();
+        let watch = Watch { session: self, observer, ends: time.map(|time| (begin, time)) };
+        let advanced = self.renderer.advance_shared(&self.state, end, &watch);
+        self.cancelled.store(false, Ordering::Relaxed);
+        advanced.map(|()| self.progress())
+    }
+
+    /// Stops the call of [`render`](Self::render) that runs, or else the next one. The samples of unfinished units of
+    /// work are lost.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// The progress so far.
+    pub fn progress(&self) -> Progress {
+        locked(&self.state).progress()
+    }
+
+    /// Whether all pixels have all samples.
+    pub fn is_complete(&self) -> bool {
+        let state = locked(&self.state);
+        state.film.samples_done() == state.film.samples_to_do()
+    }
+
+    /// The image so far with its layers, at any time. Workers wait only while some rows are computed, so pixels may
+    /// have different numbers of samples.
+    ///
+    /// # Errors
+    /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
+    pub fn snapshot(&self) -> Result<Image> {
+        self.snapshot_of(&self.renderer.image_settings().layers)
+    }
+
+    /// [`snapshot`](Self::snapshot) with only those of the render's layers that `layers` has.
+    ///
+    /// # Errors
+    /// Those of [`snapshot`](Self::snapshot).
+    pub fn snapshot_of(&self, layers: &Layers) -> Result<Image> {
+        let settings = self.renderer.image_settings();
+        let has = |layer: &Layer| settings.layers.contains(*layer);
+        let layers = Layers::new(layers.iter().filter(has));
+        let settings = ImageSettings { layers, ..settings.clone() };
+        let area = locked(&self.state).film.area();
+        let mut image = None;
+        for y in (0..area.height).step_by(ROWS as usize) {
+            let rows = y..area.height.min(y + ROWS);
+            let below = Tile { y: area.y + y, height: rows.end - rows.start, ..area };
+            let state = locked(&self.state);
+            let below = develop(&settings, below, &Rows { film: &state.film, rows })?;
+            drop(state);
+            image = Some(match image {
+                None => below,
+                Some(above) => Image::above(above, below),
+            });
+        }
+        Ok(image.unwrap_or_else(|| Image::new(area.width, area.height)))
+    }
+
+    /// Returns the image with its layers, and what was counted and measured. Moves the timeline out of the session.
+    ///
+    /// # Errors
+    /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
+    pub fn finish(&self) -> Result<Render> {
+        self.renderer.finish(&mut locked(&self.state))
+    }
+
+    /// Begins anew with other settings: another camera, size, seed, or set of layers, for example. If only the
+    /// number of samples grows, the render continues. Nothing is built again. After an error, nothing has changed.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::set`] and [`Renderer::begin`].
+    pub fn set(&mut self, image: ImageSettings, compute: impl Into<ComputeSettings>) -> Result<()> {
+        let prepared = self.renderer.prepared().clone();
+        self.change(prepared, image, compute.into())
+    }
+
+    /// Begins anew with other materials, lights or background. `change` gets those that the scene has. Trees are kept.
+    /// After an error, nothing has changed.
+    ///
+    /// # Errors
+    /// Those of [`Scene::with_look`](crate::Scene::with_look) and [`set`](Self::set).
+    pub fn change_look(&mut self, change: impl FnOnce(&mut Look)) -> Result<()> {
+        let prepared = self.renderer.prepared();
+        let mut look = prepared.scene().look();
+        change(&mut look);
+        let prepared = prepared.with_scene(prepared.scene().with_look(look)?);
+        let (image, compute) = (self.renderer.image_settings(), self.renderer.compute_settings());
+        self.change(prepared, image.clone(), compute.clone())
+    }
+
+    fn change(
+        &mut self,
+        prepared: PreparedScene,
+        image: ImageSettings,
+        compute: ComputeSettings,
+    ) -> Result<()> {
+        let renderer = self.renderer.with(prepared, image, compute)?;
+        let fresh = renderer.begin()?;
+        let state = self.state.get_mut().expect("no thread panicked while it held the film");
+        if !state.extend(renderer.prepared().scene(), renderer.image_settings()) {
+            *state = fresh;
+        }
+        self.renderer = renderer;
+        *self.cancelled.get_mut() = false;
+        Ok(())
+    }
+}
+
+struct Watch<'a> {
+    session: &'a Session,
+    observer: &'a dyn Observer,
+    /// The begin of the call, and how long it may take.
+    ends: Option<(Instant, Duration)>,
+}
+
+impl Observer for Watch<'_> {
+    fn progressed(&self, progress: Progress) {
+        self.observer.progressed(progress);
+    }
+
+    fn stop(&self) -> Stop {
+        let is_late = |(begin, time): (Instant, Duration)| begin.elapsed() >= time;
+        match self.observer.stop() {
+            _ if self.session.cancelled.load(Ordering::Relaxed) => Stop::Now,
+            Stop::No if self.ends.is_some_and(is_late) => Stop::Soon,
+            stop => stop,
+        }
+    }
+}
