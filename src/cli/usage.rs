@@ -67,15 +67,13 @@ fn message(error: &clap::Error) -> String {
     let text = text.split("\n\nUsage:").next().unwrap_or_default();
     let text = text.split("\n\nFor more information").next().unwrap_or_default();
     let mut text = text.strip_prefix("error: ").unwrap_or(text);
-    if error.kind() == ErrorKind::UnknownArgument && !suggests_a_typo(error) {
+    let unknown = invalid_argument(error).filter(|_| error.kind() == ErrorKind::UnknownArgument);
+    let other = OTHER_NAMES.iter().find(|(other, _)| unknown == Some(other));
+    if unknown.is_some() && (other.is_some() || !suggests_a_typo(error)) {
         text = text.split("\n\n  tip:").next().unwrap_or_default();
     }
     let text = text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ");
-    let name = invalid_argument(error).filter(|_| error.kind() == ErrorKind::UnknownArgument);
-    match OTHER_NAMES.iter().find(|(other, _)| name == Some(other)) {
-        Some((_, name)) => format!("{text}, use --{name}"),
-        None => text,
-    }
+    other.map_or(text.clone(), |(_, name)| format!("{text}, use --{name}"))
 }
 
 /// What other programs call our arguments.

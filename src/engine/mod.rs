@@ -2,6 +2,7 @@
 
 mod compute_settings;
 mod contract;
+mod develop;
 mod first_hit;
 mod image_settings;
 mod layers;
@@ -31,11 +32,11 @@ mod wavefront;
 pub use compute_settings::{ComputeSettings, Engine};
 pub use contract::BITS;
 use contract::{ROULETTE_MAX, SHADOW_REACH, counted, emission_weight, power_heuristic, scale};
+pub(crate) use develop::{Rows, Totals, develop};
 use first_hit::FirstHit;
 pub use image_settings::ImageSettings;
-use layers::{Combine, LightParts, finite};
 pub use layers::{FirstHits, Layer, Layers};
-pub(crate) use layers::{Rows, Totals, develop};
+use layers::{LightParts, finite};
 pub(crate) use memory::FilmOf;
 pub use observer::{Observer, Stop};
 pub use output::{Render, Seconds};

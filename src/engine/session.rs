@@ -1,7 +1,7 @@
 //! Sessions: a render that can be watched, stopped, continued and changed.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::{
@@ -37,6 +37,8 @@ pub enum Until {
 pub struct Session {
     renderer: Renderer,
     state: Mutex<RenderState>,
+    /// Held by the call that renders.
+    renders: Mutex<()>,
     cancelled: AtomicBool,
 }
 
@@ -57,7 +59,8 @@ impl Session {
 
     /// Continues `state`, which has samples of `renderer`.
     pub(crate) fn of(renderer: Renderer, state: RenderState) -> Self {
-        Self { renderer, state: Mutex::new(state), cancelled: AtomicBool::new(false) }
+        let (state, renders) = (Mutex::new(state), Mutex::new(()));
+        Self { renderer, state, renders, cancelled: AtomicBool::new(false) }
     }
 
     /// The renderer.
@@ -65,11 +68,13 @@ impl Session {
         &self.renderer
     }
 
-    /// Renders until `until`, unless `observer` or [`cancel`](Self::cancel) stops it earlier. Returns the progress.
+    /// Renders until `until`, unless `observer` or [`cancel`](Self::cancel) stops it earlier. Returns the progress. A
+    /// second call waits for the first.
     ///
     /// # Errors
     /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub fn render(&self, until: Until, observer: &dyn Observer) -> Result<Progress> {
+        let _renders = self.renders.lock().unwrap_or_else(PoisonError::into_inner);
         let (end, time) = match until {
             Until::Complete => (u32::MAX, None),
             Until::Samples(samples) => (samples, None),

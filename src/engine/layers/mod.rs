@@ -3,17 +3,15 @@
 //! To add a layer, add it to the enum, its name, [`Layer::facts`] and [`Layer::of_hit`] or
 //! [`Layer::of_light`].
 
-mod develop;
 mod set;
 
-pub(crate) use self::develop::{Rows, Totals, develop};
 pub use self::set::Layers;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::first_hit::FirstHit;
-use crate::math::Real;
+use crate::math::{Mask, Real};
 use crate::shading::texture::TexturePoint;
 
 /// Values of an image besides its colour.
@@ -135,8 +133,10 @@ impl LightParts {
 }
 
 /// `value`, or 0 if it is not finite.
-pub(super) fn finite(value: f32) -> f32 {
-    if value.is_finite() { value } else { 0.0 }
+#[inline(always)]
+pub(super) fn finite<R: Real>(value: R) -> R {
+    // False for NaN.
+    value.abs().lt(R::INFINITY).select(value, R::ZERO)
 }
 
 impl Layer {
@@ -183,7 +183,7 @@ impl Layer {
     }
 
     /// Whether sample number `sample` counts.
-    fn takes(self, sample: u32) -> bool {
+    pub(in crate::engine) fn takes(self, sample: u32) -> bool {
         self.parity().is_none_or(|parity| sample % 2 == parity)
     }
 
@@ -199,9 +199,9 @@ impl Layer {
         !known && !matches!(combine, Combine::Light | Combine::Count)
     }
 
-    /// Whether its value is that of the camera ray, even if first hits follow mirrors and glass.
-    pub(crate) fn is_of_camera_ray(self) -> bool {
-        self == Self::Alpha
+    /// Whether its value is one of the material.
+    pub(in crate::engine) fn is_of_bsdf(self) -> bool {
+        self.whole() == Self::Albedo
     }
 
     /// The value of a sample with this first hit, in the first channels.
@@ -210,7 +210,8 @@ impl Layer {
         let one = |number: R| [number, R::ZERO, R::ZERO];
         let all = |v: R::Vec3| [v[0], v[1], v[2]];
         match self.whole() {
-            Self::Alpha | Self::Hits => one(if hit.exists { R::ONE } else { R::ZERO }),
+            Self::Alpha => one(if hit.covers { R::ONE } else { R::ZERO }),
+            Self::Hits => one(if hit.exists { R::ONE } else { R::ZERO }),
             Self::Albedo => all(hit.albedo),
             Self::Normal => all(hit.normal),
             Self::Depth => one(hit.depth),

@@ -112,7 +112,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
-                self.store(path, values, &FirstHit::none(), false);
+                self.store(path, values, &FirstHit::none(path.segment), false);
                 path.radiance += path.beta * self.background(path);
                 self.endings.background += 1;
                 false
@@ -147,7 +147,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             return;
         }
         let first = path.segment == 1;
-        for (layer, place) in self.layers.places().filter(|(l, _)| first || !l.is_of_camera_ray()) {
+        for (layer, place) in self.layers.places() {
             let values = &mut values[place..place + layer.channels()];
             for (value, here) in values.iter_mut().zip(layer.of_hit(hit)) {
                 *value = finite(here);
@@ -288,7 +288,7 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         if path.pending {
             let scene = (tracer.scene, tables, tracer.camera);
             let (first, specular) = match tracer.layers.need_surfaces() {
-                true => FirstHit::on_surface::<M>(scene, (shape, path.ray, hit), table),
+                true => FirstHit::on_surface::<M>(scene, (shape, path.ray, hit), table, true),
                 false => (FirstHit::anything(), false),
             };
             tracer.store(path, values, &first, specular);

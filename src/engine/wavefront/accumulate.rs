@@ -1,12 +1,10 @@
 //! Accumulate: adds the samples of each pixel, in the order that all engines use.
 
-use std::ops::Range;
-
 use glam::Vec3;
 
 use super::Paths;
 use super::first_hits::LayerSamples;
-use crate::engine::{Combine, ImageSettings, Tally, Task, scale};
+use crate::engine::{ImageSettings, Tally, Task, scale};
 use crate::film::{COLOR, UnitSums};
 
 /// Adds the samples of `paths`, which belong to `task`, pixel by pixel.
@@ -36,7 +34,7 @@ pub(super) fn accumulate(
         }
         sum.write_to_slice(sums);
         if task.channels > COLOR {
-            add_layers(sums, layers, first..first + samples, unit.first);
+            layers.add_to(&mut sums[COLOR..], first, unit.first..unit.end);
             if layers.layers.have_light() {
                 for (number, radiance) in (0..).zip(radiances) {
                     let path = first + number as usize;
@@ -50,27 +48,6 @@ pub(super) fn accumulate(
         }
     }
     UnitSums { unit, sums }
-}
-
-/// Adds the values of the first hits of `paths` to the sums of their pixel. The first path is sample number
-/// `sample`.
-fn add_layers(sums: &mut [f32], layers: &LayerSamples, paths: Range<usize>, sample: u32) {
-    for (layer, place) in layers.layers.places() {
-        let paths = match layer.facts().1 {
-            Combine::Light | Combine::Count => continue,
-            Combine::First if sample > 0 => continue,
-            Combine::First => paths.start..paths.start + 1,
-            Combine::Mean | Combine::MeanOfHits => paths.clone(),
-        };
-        let (skipped, step) = match layer.parity() {
-            None => (0, 1),
-            Some(parity) => ((parity + sample) as usize % 2, 2),
-        };
-        for (channel, sum) in (place..).zip(&mut sums[place..place + layer.channels()]) {
-            let values = layers.column(channel)[paths.clone()].iter().skip(skipped).step_by(step);
-            *sum = values.fold(*sum, |sum, value| sum + value);
-        }
-    }
 }
 
 #[cfg(test)]

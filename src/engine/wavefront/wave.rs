@@ -86,7 +86,7 @@ impl Worker {
 
         generate(camera, settings, unit, paths, rays);
         tally.rays.primary += rays.len() as u64;
-        layers.begin(rays.len());
+        layers.begin(rays.len(), settings.first_hit);
         watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
 
         for segment in 1..=settings.depth {
@@ -103,7 +103,7 @@ impl Worker {
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
             let shading = ShadeInputs { scene, settings, camera, tables, cells, segment };
-            if layers.is_pending() {
+            if layers.is_pending(segment) {
                 shading.first_hits(queues, paths, layers);
             }
             let mut endings = Endings::default();

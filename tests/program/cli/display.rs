@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::succeeds;
-use crate::common::{ptfast, stderr};
+use crate::common::{ptfast, stderr, stdout};
 
 #[test]
 fn exposure_and_tone_maps_change_png_files_only() {
@@ -156,13 +156,31 @@ fn layers_are_written() {
     for layer in ["depth", "normal", "material", "uv"] {
         assert!(here.join(format!("b.{layer}.pfm")).exists(), "{layer}");
     }
+
+    // `compare` compares all layers, exactly.
+    let same = succeeds(here, &["compare", "a.exr", "a.exr"]);
+    for layer in ["depth", "normal", "material", "uv"] {
+        assert!(same.contains(&format!("layer {layer:<10} identical")), "{same}");
+    }
+    let differ = ptfast(here, &["compare", "a.exr", "half.exr"]);
+    assert_eq!(differ.status.code(), Some(1));
+    let differ = stdout(&differ);
+    assert!(differ.contains("identical        yes"), "{differ}");
+    assert!(differ.contains("layer depth      differs, most by"), "{differ}");
+    assert!(differ.contains("layer material   identical"), "{differ}");
+    succeeds(here, &["render", "spheres", "--width", "32", "--spp", "4", "-o", "bare.exr"]);
+    let bare = stdout(&ptfast(here, &["compare", "a.exr", "bare.exr"]));
+    assert!(bare.contains("layer uv         only in the first image"), "{bare}");
+
     let hashes = succeeds(here, &[&base[..], &["-o", "c.exr", "--print", "hashes"]].concat());
     let names: Vec<&str> = hashes.lines().map(|line| line.split(' ').next().unwrap()).collect();
     assert_eq!(names, ["color", "normal", "depth", "uv", "material"]);
 
     for (wrong, says) in [
         (&["--layers", "albdo"][..], "unknown layer `albdo`, did you mean `albedo`?"),
-        (&["--aov", "normals"], "unknown layer `normals`, did you mean `normal`?"),
+        (&["--aov", "normal"], "unexpected argument '--aov' found, use --layers"),
+        (&["--normals"], "use --layers"),
+        (&["--layers", "depth", "--memory-limit", "20MiB"], "(layers: "),
         (&["--first-hit", "glass"], "surface, through"),
         (&["--layers", "depth", "-o", "-"], "standard output"),
     ] {

@@ -3,6 +3,7 @@
 use std::fs;
 
 use super::{hash, refusal, with};
+use crate::common::stdout;
 
 const SMALL: [&str; 11] = [
     "render", "--scene", "cornell", "--width", "100", "--spp", "50", "--quiet", "--print", "hash",
@@ -85,7 +86,23 @@ fn parts_have_all_layers() {
         }
         run(&with(&["merge", "-o", "merged.exr"], &names));
         assert!(fs::read(here.join("merged.exr")).unwrap() == whole, "{parts:?}");
+        // All samples are finished, so the partial image has all values, but sums are rounded in another order.
+        run(&with(&["merge", "--partial", "-o", "partial.exr"], &names));
+        let compared = stdout(&super::ptfast(here, &["compare", "partial.exr", "merged.exr"]));
+        let layers = compared.lines().filter(|line| line.starts_with("layer "));
+        let differences = layers.filter_map(|line| line.split_once("most by ")?.1.split_once(' '));
+        for (most, _) in differences {
+            assert!(most.parse::<f64>().unwrap() < 1e-4, "{compared}");
+        }
+        assert!(compared.contains("layer depth") && compared.contains("layer A "), "{compared}");
     }
+    run(&["merge", "-o", "b.exr", "x.film", "y.film", "z.film", "--layers", "depth"]);
+    let says = refusal(
+        here,
+        &["merge", "-o", "c.exr", "x.film", "y.film", "z.film", "--layers", "samples"],
+        2,
+    );
+    assert!(says.contains("--layers samples: the parts lack this layer"), "{says}");
     let part = with(&with(&base, &["whole2.exr", "--time-limit", "1ms"]), &[]);
     assert_eq!(super::ptfast(here, &part).status.code(), Some(75));
     run(&with(&base, &["whole2.exr"]));

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::{Combine, Layer, Layers};
-use crate::engine::ImageSettings;
+use super::ImageSettings;
+use super::layers::{Combine, Layer, Layers};
 use crate::error::Result;
 use crate::film::{Film, Plane, Tile, mean};
 use crate::image::{Image, ImageLayer};
