@@ -33,8 +33,8 @@ fn main() -> ptfast::Result<()> {
     })?;
 
     // It continues as if it had never been stopped.
-    session.render(Until::Samples(128), &())?;
-    println!("128 samples per pixel have the hash {}", session.snapshot()?.hash());
+    session.render(Until::Complete, &())?;
+    println!("{} samples per pixel have the hash {}", settings.spp, session.snapshot()?.hash());
 
     // Another colour and another camera: no tree is built again.
     session.change_look(|look| {

@@ -163,7 +163,7 @@ pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<Partia
         let (first, sums) = match &mut merged {
             Some(merged) => merged,
             None => {
-                let sums = PartialFilm::new(&part.rendering.film);
+                let sums = PartialFilm::new(&part.rendering.film, limits)?;
                 merged.insert((PartFile::of(file, &part), sums))
             }
         };
@@ -187,9 +187,12 @@ pub(crate) struct PartialFilm {
 
 impl PartialFilm {
     /// Without samples, for films like `film`.
-    fn new(film: &Film) -> Self {
+    fn new(film: &Film, limits: &Limits) -> Result<Self> {
         let (pixels, channels) = (film.area().pixels() as usize, film.channels());
-        Self { channels, sums: vec![0.0; pixels * channels], counts: vec![[0; 2]; pixels] }
+        let bytes = Film::memory(film.area(), film.samples(), channels)
+            + 8 * (1 + channels as u64) * pixels as u64;
+        limits.check(Limit::Memory, bytes).map_err(Error::Usage)?;
+        Ok(Self { channels, sums: vec![0.0; pixels * channels], counts: vec![[0; 2]; pixels] })
     }
 
     /// Number of finished samples.

@@ -83,7 +83,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
 /// How each layer differs in two images of width `width`; `None` if it does not. The name of a layer is that of its
 /// channels up to the last dot.
 fn layers(a: Channels, mut b: Channels, width: u32) -> BTreeMap<String, Option<String>> {
-    let mut largest = BTreeMap::<String, (f64, usize)>::new();
+    let mut largest = BTreeMap::<String, Option<(f64, usize)>>::new();
     let mut alone = BTreeMap::new();
     let layer =
         |channel: &str| channel.rsplit_once('.').map_or(channel, |(layer, _)| layer).to_owned();
@@ -97,17 +97,19 @@ fn layers(a: Channels, mut b: Channels, width: u32) -> BTreeMap<String, Option<S
             a.into_iter().zip(b).enumerate().filter(|(_, (a, b))| a.to_bits() != b.to_bits())
         {
             let difference = (f64::from(a) - f64::from(b)).abs();
-            if most.0 == 0.0 || difference > most.0 {
-                *most = (difference, pixel);
+            if most.is_none_or(|(most, _)| difference > most) {
+                *most = Some((difference, pixel));
             }
         }
     }
     alone.extend(
         b.keys().map(|channel| (layer(channel), Some("only in the second image".to_owned()))),
     );
-    let shared = largest.into_iter().map(|(name, (most, pixel))| {
-        let (x, y) = (pixel % width as usize, pixel / width as usize);
-        (name, (most != 0.0).then(|| format!("differs, most by {most:.6e} at pixel ({x}, {y})")))
+    let shared = largest.into_iter().map(|(name, most)| {
+        let place = |pixel: usize| (pixel % width as usize, pixel / width as usize);
+        let differs =
+            |(most, pixel)| format!("differs, most by {most:.6e} at pixel {:?}", place(pixel));
+        (name, most.map(differs))
     });
     shared.chain(alone).collect()
 }

@@ -45,7 +45,9 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<()> {
     }
     let pictures = FIGURES.iter().map(|figure| args.output.join(figure.file()));
     let pictures = pictures.flat_map(|picture| {
-        let layers = args.layers.iter().map(|layer| layer_path(&picture, layer.name()));
+        // The layers beside an earlier picture are ours as well.
+        let layers = args.layers.iter().filter(|_| !picture.exists());
+        let layers = layers.map(|layer| layer_path(&picture, layer.name()));
         layers.chain([picture.clone()]).collect::<Vec<_>>()
     });
     let files: Vec<PathBuf> = pictures.chain([args.output.join(PAGE)]).collect();

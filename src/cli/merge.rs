@@ -10,7 +10,7 @@ use super::console::say;
 use super::files;
 use super::render::target::Target;
 use crate::checkpoint::{Checkpoint, Identity, PartialRender, merge, merge_partial};
-use crate::engine::{ImageSettings, Layers, Rows, Totals, develop};
+use crate::engine::{Layers, Rows, Totals, develop};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata};
 use crate::measure::settings;
@@ -64,15 +64,13 @@ impl MergeArgs {
             layers.iter().find(|layer| !settings.stored_layers().contains(*layer))
         {
             let message = format!(
-                "--layers {}: the parts lack this layer, they have color{}{}",
+                "--layers {}: the parts lack this layer, render them with --layers {}",
                 lacking.name(),
-                if settings.layers.is_empty() { "" } else { "," },
-                settings.layers
+                lacking.name()
             );
             return Err(Error::Usage(message));
         }
-        let settings = ImageSettings { layers: layers.clone(), ..settings.clone() };
-        develop(&settings, identity.area(), film)
+        develop(settings, layers, identity.area(), film)
     }
 }
 

@@ -47,16 +47,21 @@ impl Totals for Rows<'_> {
     }
 }
 
-/// The image of a film whose pixels lie in `area`, with the layers that `settings` ask for. Pixels without samples are
-/// black.
+/// The image of a film with these settings, whose pixels lie in `area`, with those of its layers that are `wanted`.
+/// Pixels without samples are black.
 ///
 /// # Errors
 /// [`Error::Resource`](crate::Error::Resource) if memory runs out.
-pub(crate) fn develop(settings: &ImageSettings, area: Tile, film: &impl Totals) -> Result<Image> {
+pub(crate) fn develop(
+    settings: &ImageSettings,
+    wanted: &Layers,
+    area: Tile,
+    film: &impl Totals,
+) -> Result<Image> {
     let stored = settings.stored_layers();
     let color = film.sums(0)?.into_iter().zip(film.counts());
     let color = color.map(|(sum, [even, odd])| mean(sum, (even + odd) as f32)).collect();
-    let layers = settings.layers.iter().filter_map(|layer| stored.develop(film, layer).transpose());
+    let layers = wanted.iter().filter_map(|layer| stored.develop(film, layer).transpose());
     let image = Image::from_pixels(area.width, area.height, color)
         .with_layers(layers.collect::<Result<_>>()?);
     match stored.develop(film, Layer::Alpha)?.filter(|_| settings.transparent) {
@@ -101,7 +106,7 @@ impl Layers {
                 value[0] = (even + odd) as f32;
             }
         }
-        let numbers = combine == Combine::First;
+        let numbers = matches!(combine, Combine::First | Combine::Count);
         Ok(Some(ImageLayer { name: layer.name(), channels, numbers, values }))
     }
 }

@@ -35,7 +35,9 @@ impl FilmOf<'_> {
         let film = |channels| Film::memory(settings.image(), samples.clone(), channels);
         let channels = settings.stored_layers().channels();
         let waves = if channels > COLOR { paths * (LAYERS + 4 * channels as u64) } else { 0 };
-        let all = film(channels) + waves;
+        // The layers of the image.
+        let image = 12 * settings.layers.iter().count() as u64 * settings.image().pixels();
+        let all = film(channels) + waves + image;
         (all, all - film(COLOR))
     }
 }

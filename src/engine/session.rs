@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::{
-    ComputeSettings, ImageSettings, Layer, Layers, Observer, PreparedScene, Progress, Render,
-    RenderState, Renderer, Rows, Stop, develop, locked,
+    ComputeSettings, ImageSettings, Layers, Observer, PreparedScene, Progress, Render, RenderState,
+    Renderer, Rows, Stop, develop, locked,
 };
 use crate::error::Result;
 use crate::film::Tile;
@@ -119,16 +119,13 @@ impl Session {
     /// Those of [`snapshot`](Self::snapshot).
     pub fn snapshot_of(&self, layers: &Layers) -> Result<Image> {
         let settings = self.renderer.image_settings();
-        let has = |layer: &Layer| settings.layers.contains(*layer);
-        let layers = Layers::new(layers.iter().filter(has));
-        let settings = ImageSettings { layers, ..settings.clone() };
         let area = locked(&self.state).film.area();
         let mut image = None;
         for y in (0..area.height).step_by(ROWS as usize) {
             let rows = y..area.height.min(y + ROWS);
             let below = Tile { y: area.y + y, height: rows.end - rows.start, ..area };
             let state = locked(&self.state);
-            let below = develop(&settings, below, &Rows { film: &state.film, rows })?;
+            let below = develop(settings, layers, below, &Rows { film: &state.film, rows })?;
             drop(state);
             image = Some(match image {
                 None => below,

@@ -4,7 +4,9 @@ use std::borrow::BorrowMut;
 use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
-use super::{Event, ImageSettings, Lap, Layer, Rows, Taken, Tally, Task, WaveStats, develop};
+use super::{
+    Event, ImageSettings, Lap, Layer, Layers, Rows, Taken, Tally, Task, WaveStats, develop,
+};
 use crate::error::{Error, Result};
 use crate::film::{Film, Schedule, UnitSums};
 use crate::image::{Image, ImageLayer};
@@ -96,7 +98,12 @@ impl RenderState {
     /// # Errors
     /// If there is not enough memory for the image, returns [`Error::Resource`].
     pub fn image(&self) -> Result<Image> {
-        develop(&self.settings, self.film.area(), &Rows::all(&self.film))
+        self.image_with(&self.settings.layers)
+    }
+
+    /// [`image`](Self::image) with only those of the film's layers that are `wanted`.
+    pub(crate) fn image_with(&self, wanted: &Layers) -> Result<Image> {
+        develop(&self.settings, wanted, self.film.area(), &Rows::all(&self.film))
     }
 
     /// Returns a layer of the image rendered so far; `None` if the film lacks it.

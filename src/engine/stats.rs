@@ -137,8 +137,10 @@ impl Stopwatch {
         Self { stats: WaveStats::default(), laps, last: Instant::now() }
     }
 
-    /// Starts the first stage.
+    /// Starts the first stage, and forgets those of a unit that was abandoned.
     pub(super) fn start(&mut self) {
+        self.stats = WaveStats::default();
+        self.laps.iter_mut().for_each(Vec::clear);
         self.last = Instant::now();
     }
 

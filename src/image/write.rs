@@ -64,7 +64,8 @@ impl Format {
 impl Image {
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`, a
     /// [`Display`] or just a [`Transfer`], is the appearance of 8-bit files. The file is written
-    /// atomically: it appears complete or not at all.
+    /// atomically: it appears complete or not at all. EXR files contain the layers; beside files of other formats, each
+    /// layer is a PFM file, such as `a.depth.pfm` beside `a.png`.
     ///
     /// # Errors
     /// If no writer supports the extension, if the image has an alpha channel and the format has not,
@@ -79,18 +80,18 @@ impl Image {
         if self.alpha().is_some() {
             format.check_alpha(path)?;
         }
+        if format != Format::Exr {
+            // Before the image, which says that all is written.
+            self.layers().iter().try_for_each(|layer| {
+                let image = self.layer_image(layer);
+                write_atomically(&layer_path(path, layer.name()), |file| write_pfm(&image, file))
+            })?;
+        }
         write_atomically(path, |file| match format {
             Format::Png => self.write_png(file, display, metadata),
             Format::Exr => write_exr(self, file, display.half_layers, metadata),
             Format::Hdr => write_hdr(self, file),
             Format::Pfm => write_pfm(self, file),
-        })?;
-        if format == Format::Exr {
-            return Ok(());
-        }
-        self.layers().iter().try_for_each(|layer| {
-            let path = layer_path(path, layer.name());
-            self.layer_image(layer).write(&path, Transfer::default(), &Metadata::of_program())
         })
     }
 
@@ -130,10 +131,9 @@ impl Image {
     }
 }
 
-/// The file of a layer, next to the image in `path`, in formats with one layer per file.
+/// The file of a layer, beside the image in `path`, whose format has one layer. PFM alone holds any number.
 pub(crate) fn layer_path(path: &Path, layer: &str) -> PathBuf {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_extension(format!("{layer}.{extension}"))
+    path.with_extension(format!("{layer}.pfm"))
 }
 
 /// Writes all channels, which EXR files hold in the order of their names. Those of layers are called `layer.channel`.

@@ -52,7 +52,7 @@ impl Scene {
     ///
     /// # Errors
     /// If a value is out of its range, returns [`Error::Input`]. Also if something else would change: the names of the
-    /// materials, whether a material has opacity or a normal map and which, the number of lights, or an image.
+    /// materials, the opacity or normal map of a material or whether it emits light, the number of lights, or an image.
     pub fn with_look(&self, look: Look) -> Result<Self> {
         let data = &*self.0;
         let world = self.world();
@@ -69,6 +69,7 @@ impl Scene {
             .flat_map(Material::textures)
             .map(|texture| Arc::clone(texture.get()))
             .collect();
+        let has_colors = world.materials.iter().any(Material::uses_vertex_colors);
         let mut materials = Vec::new();
         for ((name, mut material), old) in look.materials.0.into_iter().zip(&world.materials) {
             let e = element(format!("materials.{name}"), "material");
@@ -90,12 +91,19 @@ impl Scene {
                 *reference = TextureRef::Texture(Arc::new(texture));
             }
             material.check(&e)?;
-            let (new, old) = (material.model(), old.model());
-            if new.opacity() != old.opacity() {
-                return Err(e.error("its opacity cannot change without loading the scene again"));
-            }
-            if new.normal() != old.normal() {
-                return Err(e.error("its normal map cannot change without loading the scene again"));
+            let emits =
+                |material: &Material| material.emission().is_some_and(|light| light.emits());
+            // Trees and meshes depend on these.
+            let kept = [
+                ("opacity", material.model().opacity() == old.model().opacity()),
+                ("normal map", material.model().normal() == old.model().normal()),
+                ("role as a light", emits(&material) == emits(old)),
+                ("use of vertex colours", has_colors || !material.uses_vertex_colors()),
+            ];
+            if let Some((what, _)) = kept.iter().find(|(_, kept)| !kept) {
+                return Err(
+                    e.error(format!("its {what} cannot change without loading the scene again"))
+                );
             }
             materials.push(material);
         }

@@ -38,7 +38,12 @@ fn stops_do_not_change_the_image() {
         assert_eq!(session.snapshot().unwrap(), seven);
         session.render(Until::Complete, &()).unwrap();
         assert!(session.is_complete());
-        assert_eq!(session.snapshot().unwrap(), at_once(&scene, &settings));
+        let whole = at_once(&scene, &settings);
+        assert_eq!(session.snapshot().unwrap(), whole);
+        let depth = session.snapshot_of(&Layers::new([Layer::Depth])).unwrap();
+        assert_eq!(depth.layers(), [whole.layer("depth").unwrap().clone()]);
+        let tally = session.finish().unwrap().tally;
+        assert_eq!(tally.endings.total(), tally.rays.primary, "no path ends twice");
     }
 }
 
@@ -157,7 +162,7 @@ fn other_looks_are_refused() {
         assert_eq!(session.progress().samples, 32 * 32 * 3, "an error changes nothing");
     };
     refused("opacity", |look| set(look, "leaf", Lambertian::new([0.5; 3])));
-    refused("1 lights instead of 2", |look| set(look, "lamp", Lambertian::new([0.5; 3])));
+    refused("role as a light", |look| set(look, "lamp", Lambertian::new([0.5; 3])));
     refused("1 lights instead of 2", |look| look.lights.clear());
     refused("added, removed or renamed", |look| look.materials.0[1].0 = "other".to_owned());
     refused("albedo", |look| set(look, "ball", Lambertian::new([7.0; 3])));

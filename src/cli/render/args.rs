@@ -29,8 +29,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, help_heading = IMAGE)]
     pub(crate) transparent: bool,
     /// Layers to write besides color, with commas between them: alpha, albedo, normal, depth, position, uv, direct,
-    /// indirect, emission, background, instance, material. An .exr has all of them, other formats get one file per
-    /// layer
+    /// indirect, emission, background, instance, material, samples, halves. An .exr has all of them, beside other
+    /// formats each layer is a .pfm
     #[arg(long, value_name = "LIST", help_heading = IMAGE, default_value = "color", hide_default_value = true)]
     pub(crate) layers: Layers,
     /// The hit that layers hold: that of the camera ray, or the first behind smooth mirrors and clear glass

@@ -8,7 +8,7 @@ use super::checkpoint_file::CheckpointFile;
 use super::watch::{Schedule, Watch};
 use crate::checkpoint::Checkpoint;
 use crate::cli::progress::ProgressReport;
-use crate::engine::Renderer;
+use crate::engine::{Layers, Renderer};
 use crate::error::{Error, Result};
 use crate::image::{Display, Metadata};
 use crate::interrupt;
@@ -121,9 +121,9 @@ fn with_earlier(error: Error, checkpoint: &Checkpoint, file: &CheckpointFile) ->
     Error::Saved { error: Box::new(error), outcome }
 }
 
-/// Writes the image of the samples that are done.
+/// Writes the image of the samples that are done, without layers.
 pub(crate) fn write_picture(checkpoint: &Checkpoint, path: &Path, display: Display) -> Result<()> {
     let samples = checkpoint.rendering.progress().samples;
     let metadata = Metadata::of_partial(samples);
-    checkpoint.rendering.image()?.write(path, display, &metadata)
+    checkpoint.rendering.image_with(&Layers::default())?.write(path, display, &metadata)
 }

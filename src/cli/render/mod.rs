@@ -101,7 +101,8 @@ impl<'a> RenderJob<'a> {
     /// Whether all output files exist, and the image or film belongs to this render.
     fn is_complete(&self) -> Result<bool> {
         let reports = [&self.args.json, &self.args.trace];
-        let exist = reports.into_iter().flatten().all(|file| file.exists());
+        let layers = self.output.layer_files(&self.settings.layers);
+        let exist = reports.into_iter().flatten().chain(&layers).all(|file| file.exists());
         Ok(exist
             && self.output.is_complete(
                 &self.part,
@@ -267,9 +268,8 @@ impl<'a> RenderJob<'a> {
         if args.print.as_deref() == Some("hashes") {
             let layers = render.image.layers().iter();
             let layers = layers.map(|l| (l.name(), render.image.layer_image(l).hash()));
-            let color = run.hash.map(|hash| ("color", hash.to_owned()));
-            return color
-                .into_iter()
+            let Some(hash) = run.hash else { return Ok(()) };
+            return std::iter::once(("color", hash.to_owned()))
                 .chain(layers)
                 .try_for_each(|(name, hash)| say(format_args!("{name} {hash}")));
         }

@@ -97,6 +97,9 @@ fn parts_have_all_layers() {
         assert!(compared.contains("layer depth") && compared.contains("layer A "), "{compared}");
     }
     run(&["merge", "-o", "b.exr", "x.film", "y.film", "z.film", "--layers", "depth"]);
+    let compared = stdout(&super::ptfast(here, &["compare", "b.exr", "merged.exr"]));
+    assert!(compared.contains("layer depth      identical"), "{compared}");
+    assert!(compared.contains("layer albedo     only in the second image"), "{compared}");
     let says = refusal(
         here,
         &["merge", "-o", "c.exr", "x.film", "y.film", "z.film", "--layers", "samples"],
