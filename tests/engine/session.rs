@@ -68,7 +68,8 @@ fn snapshots_are_taken_meanwhile() {
     let seen = Seen::default();
     thread::scope(|scope| {
         let render = scope.spawn(|| session.render(Until::Complete, &seen));
-        while session.progress().samples < 61 * 47 {
+        // A unit has 16 samples of its pixels.
+        while session.progress().samples < 16 * 61 * 47 {
             assert!(!render.is_finished());
             thread::yield_now();
         }
