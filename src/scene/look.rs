@@ -91,13 +91,11 @@ impl Scene {
                 *reference = TextureRef::Texture(Arc::new(texture));
             }
             material.check(&e)?;
-            let emits =
-                |material: &Material| material.emission().is_some_and(|light| light.emits());
             // Trees and meshes depend on these.
             let kept = [
                 ("opacity", material.model().opacity() == old.model().opacity()),
                 ("normal map", material.model().normal() == old.model().normal()),
-                ("role as a light", emits(&material) == emits(old)),
+                ("role as a light", material.emits() == old.emits()),
                 ("use of vertex colours", has_colors || !material.uses_vertex_colors()),
             ];
             if let Some((what, _)) = kept.iter().find(|(_, kept)| !kept) {

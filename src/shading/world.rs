@@ -28,11 +28,7 @@ impl World {
 
     /// Number of lights: primitives that emit light, other lights, and an environment map.
     pub(crate) fn light_count(&self) -> u32 {
-        let emits: Vec<bool> = self
-            .materials
-            .iter()
-            .map(|material| material.emission().is_some_and(|emission| emission.emits()))
-            .collect();
+        let emits: Vec<bool> = self.materials.iter().map(Material::emits).collect();
         let emits = |primitive: &u32| emits[self.material_map.get(*primitive) as usize];
         let map = matches!(self.background, Background::Image(_)) && !self.background.is_black();
         let lights = (0..self.geometry.len() as u32).filter(emits).count()

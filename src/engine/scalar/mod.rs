@@ -100,6 +100,9 @@ impl ScalarEngine {
                 let (ray, weight, key) = self.camera_ray(x, y, sample);
                 let (radiance, light) = tracer.radiance(ray, key, weight, &mut values);
                 sum += tally.counted(radiance, clamp, (x, y, sample));
+                if layers.is_empty() {
+                    continue;
+                }
                 layers.add_first_hit(sums, &values, sample);
                 // Samples that are not finite are black in all layers.
                 if let Some(scale) = scale(radiance, clamp) {

@@ -21,10 +21,9 @@ pub(crate) struct Materials<'a> {
 impl<'a> Materials<'a> {
     /// `names` are the names of `materials`.
     pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
-        let emits = |material: &Material| material.emission().is_some_and(|e| e.emits());
         Self {
             names: names.zip(0..).collect(),
-            emits: materials.iter().map(emits).collect(),
+            emits: materials.iter().map(Material::emits).collect(),
             normal_maps: materials.iter().any(|material| material.model().normal().is_some()),
             vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }

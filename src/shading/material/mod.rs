@@ -167,6 +167,11 @@ impl Material {
         self.model().emission()
     }
 
+    /// Whether the material emits light.
+    pub(crate) fn emits(&self) -> bool {
+        self.emission().is_some_and(|emission| emission.emits())
+    }
+
     /// Whether a texture of the material depends on the colours of vertices.
     pub(crate) fn uses_vertex_colors(&self) -> bool {
         let uses = |texture: &mut TextureRef| {
