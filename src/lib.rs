@@ -133,8 +133,8 @@ mod simd;
 pub use accel::Kernel;
 pub use engine::{
     ComputeSettings, Endings, Engine, FirstHits, ImageSettings, Layer, Layers, NonFinite, Observer,
-    Pin, Pinned, Plan, Planning, PreparedScene, Progress, RayCounts, Render, RenderState, Renderer,
-    Roulette, Seconds, SegmentPlan, Session, Stop, Tally, Until,
+    Pin, Pinned, Plan, PlanChoice, Planning, PreparedScene, Progress, RayCounts, Render,
+    RenderState, Renderer, Roulette, Seconds, SegmentPlan, Session, Stop, Tally, Until,
 };
 pub use error::{Error, Result};
 pub use formats::BUILTIN_NAMES;

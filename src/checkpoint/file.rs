@@ -1,5 +1,6 @@
 //! Reads and writes checkpoint files.
 
+use std::borrow::Borrow;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -41,7 +42,7 @@ struct Header {
     seconds: f64,
 }
 
-impl Checkpoint {
+impl<R: Borrow<RenderState>> Checkpoint<R> {
     /// Writes the checkpoint to `path`, completely or not at all.
     ///
     /// # Errors
@@ -55,7 +56,7 @@ impl Checkpoint {
     /// # Errors
     /// The errors of [`write`](Self::write) and of `check`. If `check` fails, `path` is unchanged.
     pub(crate) fn write_if(&self, path: &Path, check: impl FnOnce() -> Result<()>) -> Result<()> {
-        let RenderState { film, tally, seconds, .. } = &self.rendering;
+        let RenderState { film, tally, seconds, .. } = self.rendering.borrow();
         let Range { start, end } = film.samples();
         let header = Header {
             schema: SCHEMA,
@@ -78,7 +79,9 @@ impl Checkpoint {
             inner.write_all(hasher.finalize().as_bytes())
         })
     }
+}
 
+impl Checkpoint {
     /// Reads a checkpoint from `path`, within `limits`.
     ///
     /// # Errors

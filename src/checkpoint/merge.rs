@@ -72,7 +72,7 @@ impl<'a> PartFile<'a> {
             identity: part.identity.clone(),
             shard: part.shard,
             samples: part.rendering.film.samples(),
-            percent: (!part.is_complete()).then(|| part.percent()),
+            percent: (!part.rendering.is_complete()).then(|| part.rendering.percent()),
         }
     }
 

@@ -21,6 +21,7 @@ pub use identity::Identity;
 pub(crate) use merge::{PartialRender, merge, merge_partial};
 pub(crate) use shard::Shard;
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use crate::engine::RenderState;
@@ -29,7 +30,7 @@ use crate::film::Film;
 
 /// The state of a render, or of a part of one.
 #[derive(Clone, Debug)]
-pub struct Checkpoint {
+pub struct Checkpoint<R = RenderState> {
     /// Name of the scene.
     pub scene: String,
     /// Scene and settings that decide the image.
@@ -37,7 +38,7 @@ pub struct Checkpoint {
     /// The shard to render; `None` for all pixels of the crop.
     pub shard: Option<Shard>,
     /// The samples rendered so far, with their statistics.
-    pub rendering: RenderState,
+    pub rendering: R,
 }
 
 /// Which part of which render a checkpoint holds. Equal parts have equal bits once they are complete.
@@ -74,6 +75,16 @@ impl Part {
         Ok(RenderState::new(film, &self.identity.settings))
     }
 
+    /// The checkpoint of `rendering`, which has samples of this part, of the scene named `scene`.
+    pub(crate) fn checkpoint<'a>(
+        &self,
+        scene: &str,
+        rendering: &'a RenderState,
+    ) -> Checkpoint<&'a RenderState> {
+        let (scene, identity) = (scene.to_owned(), self.identity.clone());
+        Checkpoint { scene, identity, shard: self.shard, rendering }
+    }
+
     /// Why a checkpoint of this part cannot be continued as `wanted`; `None` if it can. A checkpoint that
     /// includes its render's last sample can be continued with more samples.
     pub fn mismatch(&self, wanted: &Self) -> Option<String> {
@@ -100,25 +111,15 @@ impl Part {
     }
 }
 
-impl Checkpoint {
+impl<R: Borrow<RenderState>> Checkpoint<R> {
     /// The part of a render that the checkpoint holds.
     pub fn part(&self) -> Part {
-        let samples = self.rendering.film.samples();
+        let samples = self.rendering.borrow().film.samples();
         Part { identity: self.identity.clone(), shard: self.shard, samples }
     }
+}
 
-    /// Whether all samples are done.
-    pub fn is_complete(&self) -> bool {
-        let film = &self.rendering.film;
-        film.samples_done() == film.samples_to_do()
-    }
-
-    /// The percentage of the samples that are done, rounded down.
-    pub fn percent(&self) -> u64 {
-        let film = &self.rendering.film;
-        film.samples_done() * 100 / film.samples_to_do().max(1)
-    }
-
+impl Checkpoint {
     /// Returns the rendering, ready to be continued as `wanted`, which may have more samples.
     ///
     /// # Errors

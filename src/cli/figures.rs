@@ -63,8 +63,8 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<()> {
         let spp = if args.quick { (figure.spp / 10).max(1) } else { figure.spp };
         let size = (spp, args.threads.unwrap_or(0));
         let result =
-            figures::render(figure, &scene, size, &args.layers, &args.output, |renderer| {
-                progress::render(renderer, &format!("figure {}", figure.number), mode)
+            figures::render(figure, &scene, size, &args.layers, &args.output, |session| {
+                progress::render(session, &format!("figure {}", figure.number), mode)
             })?;
         if args.quiet {
             rendered.push(result);

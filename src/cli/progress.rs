@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::console::{notice, one_line};
-use crate::engine::{Observer, Pinned, Progress, Render, RenderState, Renderer};
+use crate::engine::{Observer, Pinned, Progress, Render, Session, Until};
 use crate::error::Error;
 use crate::error::Result;
 
@@ -45,12 +45,11 @@ pub(crate) fn waiting<T>(what: &str, mode: ProgressMode, work: impl FnOnce() -> 
 }
 
 /// Renders the image and shows the progress.
-pub(crate) fn render(renderer: &Renderer, title: &str, mode: ProgressMode) -> Result<Render> {
-    let mut rendering = renderer.begin()?;
-    let progress = ProgressReport::new(renderer, title, &rendering, mode);
-    let advanced = renderer.advance(&mut rendering, &progress);
+pub(crate) fn render(session: &Session, title: &str, mode: ProgressMode) -> Result<Render> {
+    let progress = ProgressReport::new(session, title, mode);
+    let rendered = session.render(Until::Complete, &progress);
     progress.finish();
-    advanced.and_then(|()| renderer.finish(&mut rendering))
+    rendered.and_then(|_| session.finish())
 }
 
 /// Shows the progress of one render.
@@ -76,19 +75,14 @@ struct Shown {
 }
 
 impl ProgressReport {
-    pub(crate) fn new(
-        renderer: &Renderer,
-        title: &str,
-        rendering: &RenderState,
-        mode: ProgressMode,
-    ) -> Self {
+    pub(crate) fn new(session: &Session, title: &str, mode: ProgressMode) -> Self {
         static REPORTED: Once = Once::new();
-        if renderer.pinned() == Pinned::Failed && mode == ProgressMode::Auto {
+        if session.renderer().pinned() == Pinned::Failed && mode == ProgressMode::Auto {
             REPORTED.call_once(|| {
                 notice(format_args!("cannot pin threads to cores: speeds may vary more"));
             });
         }
-        let (begun, samples) = (rendering.progress(), rendering.film.samples_to_do());
+        let (begun, samples) = (session.progress(), session.state().film.samples_to_do());
         let start = Instant::now();
         let last = Mutex::new(Shown { samples: begun.samples, when: start });
         let title = one_line(title);

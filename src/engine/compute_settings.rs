@@ -1,6 +1,6 @@
 //! Settings that decide how an image is computed, and never its bits.
 
-use super::{Pin, Plan};
+use super::{Pin, Plan, PlanChoice};
 use crate::error::{Error, Result};
 use crate::limits;
 
@@ -28,8 +28,8 @@ pub struct ComputeSettings {
     /// Maximum number of paths of a wave, which a worker of the wavefront engine traces at once; 0
     /// lets the engine choose. A wave is larger only if a single pixel has more paths.
     pub wave_size: u32,
-    /// The plan of the wavefront engine, including the wave size; `None` lets the engine choose.
-    pub plan: Option<Plan>,
+    /// The plan of the wavefront engine.
+    pub plan: PlanChoice,
     /// Whether kernels count their work, which takes some time.
     #[doc(hidden)]
     pub count: bool,
@@ -52,7 +52,7 @@ impl ComputeSettings {
     /// If a setting is out of range, returns [`Error::Usage`], which names the first such setting.
     pub fn check(&self) -> Result<()> {
         limits::check("wave_size", self.wave_size.max(1), limits::MAX_WAVE)
-            .and_then(|()| self.plan.as_ref().map_or(Ok(()), Plan::check))
+            .and_then(|()| self.plan.given().map_or(Ok(()), Plan::check))
             .and_then(|()| limits::check("threads", self.threads.max(1), limits::MAX_THREADS))
             .map_err(Error::Usage)
     }

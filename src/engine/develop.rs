@@ -40,9 +40,7 @@ impl Totals for Rows<'_> {
 
     fn counts(&self) -> impl Iterator<Item = [u32; 2]> {
         // Each pixel begins with an even sample.
-        let [skipped, taken] = [self.rows.start, self.rows.end - self.rows.start]
-            .map(|rows| (rows * self.film.area().width) as usize);
-        let counts = self.film.counts().skip(skipped).take(taken);
+        let counts = self.film.counts(self.rows.clone());
         counts.map(|count| [count - count / 2, count / 2])
     }
 }

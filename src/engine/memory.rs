@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::film::{COLOR, Film};
 use crate::limits::Limit;
 use crate::scene::{LIGHT_BYTES, Scene};
+use crate::simd::LANES;
 
 /// Bytes of the program itself.
 const PROGRAM: u64 = 16 << 20;
@@ -22,8 +23,8 @@ const PATHS: u64 = 1 << 14;
 /// Bytes per path of a wave, in scenes with many kinds of materials.
 const PATH: u64 = 380;
 
-/// Bytes per path of a wave with layers, besides 4 for each channel.
-const LAYERS: u64 = 40;
+/// Bytes per path of a wave with layers, besides 4 per channel: parts of light, and padding to whole vectors.
+const LAYERS: u64 = 26 + 4 * LANES as u64;
 
 /// A film, whose memory is estimated.
 pub(crate) struct FilmOf<'a>(pub(crate) &'a ImageSettings, pub(crate) Range<u32>);
@@ -48,7 +49,7 @@ impl ComputeSettings {
     /// # Errors
     /// If the estimate exceeds the limit, returns [`Error::Usage`], which names the limit.
     pub(crate) fn check_memory(&self, scene: &Scene, film: Option<FilmOf<'_>>) -> Result<()> {
-        let given = self.plan.as_ref().map_or(self.wave_size, |plan| plan.wave_size);
+        let given = self.plan.given().map_or(self.wave_size, |plan| plan.wave_size);
         let threads = pool::threads(self.threads) as u64;
         let paths = PATHS.max(given.into()) * threads;
         let geometry = scene.geometry();

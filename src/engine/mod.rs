@@ -41,7 +41,7 @@ pub(crate) use memory::FilmOf;
 pub use observer::{Observer, Stop};
 pub use output::{Render, Seconds};
 pub(crate) use path_recorder::{PathRecorder, RayKind, TracedPath, TracedRay};
-pub use plan::{Plan, Planning, SegmentPlan};
+pub use plan::{Plan, PlanChoice, Planning, SegmentPlan};
 use pool::Pool;
 pub use pool::{Pin, Pinned};
 pub use prepared::PreparedScene;

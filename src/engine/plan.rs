@@ -33,12 +33,41 @@ pub struct SegmentPlan {
     pub shadows_ordered: bool,
 }
 
+/// Who chooses the plan of the wavefront engine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum PlanChoice {
+    /// In large renders, a measurement, which takes a few percent of the time; else as `Usual`.
+    #[default]
+    Measured,
+    /// The plan that is best for most scenes.
+    Usual,
+    /// This plan, including its wave size.
+    Given(Plan),
+}
+
+impl From<Option<Plan>> for PlanChoice {
+    /// This plan, or else a measurement.
+    fn from(plan: Option<Plan>) -> Self {
+        plan.map_or(Self::Measured, Self::Given)
+    }
+}
+
+impl PlanChoice {
+    /// The given plan, if there is one.
+    pub(crate) fn given(&self) -> Option<&Plan> {
+        match self {
+            Self::Given(plan) => Some(plan),
+            Self::Measured | Self::Usual => None,
+        }
+    }
+}
+
 /// The origin of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planning {
     /// The settings contain the plan.
     Given,
-    /// The plan that is best for most scenes, in renders too small for measurements.
+    /// The plan that is best for most scenes, on request or in renders too small for measurements.
     Usual,
     /// The fastest plan of several in a measurement, whose outcome may vary from run to run.
     Measured,

@@ -11,9 +11,9 @@ use super::memory::FilmOf;
 use super::scalar::ScalarEngine;
 use super::wavefront::WavefrontEngine;
 use super::{
-    Activity, ComputeSettings, Engine, ImageSettings, Lap, Observer, Pinned, Plan, Planning, Pool,
-    PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine, UnitWorker, View,
-    locked,
+    Activity, ComputeSettings, Engine, ImageSettings, Lap, Observer, Pinned, Plan, PlanChoice,
+    Planning, Pool, PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine,
+    UnitWorker, View, locked,
 };
 use crate::error::Result;
 use crate::film::{Film, Schedule};
@@ -160,7 +160,8 @@ impl Renderer {
 
     /// Returns the current plan if it was measured and also suits `settings`.
     fn measured_plan(&self, settings: &ComputeSettings) -> Option<Plan> {
-        let serves = settings.wave_size == self.view.compute.wave_size && settings.plan.is_none();
+        let serves = settings.wave_size == self.view.compute.wave_size
+            && settings.plan == PlanChoice::Measured;
         let (plan, planning, _) = self.engine.plan()?;
         (serves && planning == Planning::Measured).then(|| plan.clone())
     }

@@ -1,12 +1,12 @@
 //! Sessions: a render that can be watched, stopped, continued and changed.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::{
     ComputeSettings, ImageSettings, Layers, Observer, PreparedScene, Progress, Render, RenderState,
-    Renderer, Rows, Stop, develop, locked,
+    Renderer, Rows, Stop, develop,
 };
 use crate::error::Result;
 use crate::film::Tile;
@@ -43,7 +43,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Prepares a render without samples. The plan is that of `compute`, or else one is measured.
+    /// Prepares a render without samples.
     ///
     /// # Errors
     /// Those of [`Renderer::new`] and [`Renderer::begin`].
@@ -57,10 +57,15 @@ impl Session {
         Ok(Self::of(renderer, state))
     }
 
-    /// Continues `state`, which has samples of `renderer`.
+    /// Continues `state`, which has samples of `renderer`, or none.
     pub(crate) fn of(renderer: Renderer, state: RenderState) -> Self {
         let (state, renders) = (Mutex::new(state), Mutex::new(()));
         Self { renderer, state, renders, cancelled: AtomicBool::new(false) }
+    }
+
+    /// The render so far, also after a worker panicked. Workers wait while it is held.
+    pub(crate) fn state(&self) -> MutexGuard<'_, RenderState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The renderer.
@@ -95,13 +100,12 @@ impl Session {
 
     /// The progress so far.
     pub fn progress(&self) -> Progress {
-        locked(&self.state).progress()
+        self.state().progress()
     }
 
     /// Whether all pixels have all samples.
     pub fn is_complete(&self) -> bool {
-        let state = locked(&self.state);
-        state.film.samples_done() == state.film.samples_to_do()
+        self.state().is_complete()
     }
 
     /// The image so far with its layers, at any time. Workers wait only while some rows are computed, so pixels may
@@ -119,16 +123,20 @@ impl Session {
     /// Those of [`snapshot`](Self::snapshot).
     pub fn snapshot_of(&self, layers: &Layers) -> Result<Image> {
         let settings = self.renderer.image_settings();
-        let area = locked(&self.state).film.area();
+        let area = self.state().film.area();
         let mut image = None;
         for y in (0..area.height).step_by(ROWS as usize) {
             let rows = y..area.height.min(y + ROWS);
             let below = Tile { y: area.y + y, height: rows.end - rows.start, ..area };
-            let state = locked(&self.state);
+            let state = self.state();
             let below = develop(settings, layers, below, &Rows { film: &state.film, rows })?;
             drop(state);
             image = Some(match image {
-                None => below,
+                None => {
+                    let mut first = below;
+                    first.reserve(area.pixels() as usize)?;
+                    first
+                }
                 Some(above) => Image::above(above, below),
             });
         }
@@ -140,7 +148,7 @@ impl Session {
     /// # Errors
     /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
     pub fn finish(&self) -> Result<Render> {
-        self.renderer.finish(&mut locked(&self.state))
+        self.renderer.finish(&mut self.state())
     }
 
     /// Begins anew with other settings: another camera, size, seed, or set of layers, for example. If only the

@@ -114,6 +114,16 @@ impl RenderState {
         self.settings.stored_layers().develop(&Rows::all(&self.film), layer)
     }
 
+    /// Whether all pixels have all samples.
+    pub fn is_complete(&self) -> bool {
+        self.film.samples_done() == self.film.samples_to_do()
+    }
+
+    /// The percentage of the samples that are done, rounded down.
+    pub fn percent(&self) -> u64 {
+        self.film.samples_done() * 100 / self.film.samples_to_do().max(1)
+    }
+
     /// The progress of the render so far.
     pub fn progress(&self) -> Progress {
         Progress { samples: self.film.samples_done(), rays: self.tally.rays.total() }

@@ -17,7 +17,7 @@ impl Film {
     pub(crate) fn write(&self, file: &mut impl Write) -> io::Result<()> {
         self.done.iter().try_for_each(|done| file.write_all(&done.to_le_bytes()))?;
         for (number, sums) in self.sums.iter().enumerate() {
-            let pixels = sums.chunks_exact(self.channels).zip(self.kept());
+            let pixels = sums.chunks_exact(self.channels).zip(self.kept(0..self.done.len()));
             for (sum, _) in pixels.filter(|(_, (_, kept))| *kept > number) {
                 sum.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))?;
             }
@@ -49,11 +49,11 @@ impl Film {
                 return Err(io::Error::new(io::ErrorKind::InvalidData, message));
             }
         }
-        let most = film.kept().map(|(_, kept)| kept).max().unwrap_or(0);
+        let most = film.kept(0..film.done.len()).map(|(_, kept)| kept).max().unwrap_or(0);
         film.make_room(most).map_err(memory)?;
         let mut planes = std::mem::take(&mut film.sums);
         for (number, sums) in planes.iter_mut().enumerate() {
-            let pixels = sums.chunks_exact_mut(channels).zip(film.kept());
+            let pixels = sums.chunks_exact_mut(channels).zip(film.kept(0..film.done.len()));
             for (sum, _) in pixels.filter(|(_, (_, kept))| *kept > number) {
                 for value in sum {
                     let mut bytes = [0; 4];

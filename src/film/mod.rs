@@ -100,10 +100,16 @@ impl Film {
         self.samples.clone()
     }
 
-    /// For each pixel of the area, the number of its finished samples.
-    pub(crate) fn counts(&self) -> impl Iterator<Item = u32> {
+    /// For each pixel of the rows `rows` of the area, the number of its finished samples.
+    pub(crate) fn counts(&self, rows: Range<u32>) -> impl Iterator<Item = u32> {
         let count = |&done: &u32| if done == ABSENT { 0 } else { done - self.samples.start };
-        self.done.iter().map(count)
+        self.done[self.of_rows(rows)].iter().map(count)
+    }
+
+    /// The range of the pixels of the rows `rows` of the area.
+    fn of_rows(&self, rows: Range<u32>) -> Range<usize> {
+        let width = self.area.width as usize;
+        rows.start as usize * width..rows.end as usize * width
     }
 
     /// One past the last sample that all pixels have finished.
@@ -190,7 +196,8 @@ impl Film {
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
     pub fn means(&self) -> Result<Plane> {
-        let sums = self.totals(0, 0..self.area.height)?.into_iter().zip(self.counts());
+        let rows = 0..self.area.height;
+        let sums = self.totals(0, rows.clone())?.into_iter().zip(self.counts(rows));
         Ok(sums.map(|(sum, count)| mean(sum, count as f32)).collect())
     }
 
@@ -200,12 +207,12 @@ impl Film {
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
     pub(crate) fn totals(&self, first: usize, rows: Range<u32>) -> Result<Plane> {
-        let skipped = (rows.start * self.area.width) as usize;
+        let pixels = self.of_rows(rows.clone());
         let area = Tile { height: rows.end - rows.start, ..self.area };
         let mut totals = plane(area, [0.0; 3], 1)?;
         let channels = first..self.channels.min(first + 3);
-        let kept = self.kept().skip(skipped);
-        for (pixel, (total, (_, kept))) in (skipped..).zip(totals.iter_mut().zip(kept)) {
+        let kept = self.kept(pixels.clone());
+        for (pixel, (total, (_, kept))) in pixels.zip(totals.iter_mut().zip(kept)) {
             let place = self.of_pixels(pixel..pixel + 1).start;
             for (total, channel) in total.iter_mut().zip(channels.clone()) {
                 *total = sum::total(self.sums[..kept].iter().map(|sums| sums[place + channel]));
@@ -214,12 +221,12 @@ impl Film {
         Ok(totals)
     }
 
-    /// For each pixel, one past its last finished sample, and the number of sums kept for it.
-    fn kept(&self) -> impl Iterator<Item = (u32, usize)> {
+    /// For each of `pixels`, one past its last finished sample, and the number of sums kept for it.
+    fn kept(&self, pixels: Range<usize>) -> impl Iterator<Item = (u32, usize)> {
         let begin = self.samples.start;
         // Most pixels have as many samples as the pixel before them.
         let mut last = (begin, 0);
-        self.done.iter().map(move |&done| {
+        self.done[pixels].iter().map(move |&done| {
             let done = if done == ABSENT { begin } else { done };
             if done != last.0 {
                 last = (done, sum::sums(&(begin..done)));

@@ -1,6 +1,6 @@
 //! How linear values become the codes of 8-bit files: exposure, tone map and transfer curve.
 
-use super::{Metadata, ToneMap, Transfer};
+use super::{Format, Metadata, ToneMap, Transfer};
 use crate::math::precise::exp2;
 use crate::math::{clamp, max, min};
 
@@ -8,6 +8,9 @@ use crate::math::{clamp, max, min};
 pub(super) const TRANSFER_KEY: &str = "ptfast:transfer";
 /// PNG text keys of the exposure and the tone map, if they are not the default.
 pub(super) const GRADE_KEYS: [&str; 2] = ["ptfast:exposure", "ptfast:tonemap"];
+
+/// EXR text key of layers that are 16-bit floats.
+const HALF_KEY: &str = "ptfast:half_layers";
 
 /// Largest magnitude of an exposure in stops.
 pub(crate) const MAX_STOPS: f32 = 32.0;
@@ -58,8 +61,12 @@ impl Display {
         codes.flat_map(|(color, alpha)| [color[0], color[1], color[2], alpha]).collect()
     }
 
-    /// Adds entries about this appearance to the metadata of an 8-bit file.
-    pub(crate) fn noted(&self, mut metadata: Metadata) -> Metadata {
+    /// Adds entries about this appearance to the metadata of a file of this format.
+    pub(crate) fn noted(&self, format: Format, mut metadata: Metadata) -> Metadata {
+        if format != Format::Png {
+            let is_noted = format == Format::Exr && self.half_layers;
+            return if is_noted { metadata.with(HALF_KEY, true) } else { metadata };
+        }
         let [exposure, tone_map] = GRADE_KEYS;
         if self.exposure != 0.0 {
             metadata = metadata.with(exposure, self.exposure);
@@ -70,10 +77,10 @@ impl Display {
         metadata.with(TRANSFER_KEY, self.transfer.name())
     }
 
-    /// Whether `there`, the metadata of an 8-bit file, has the entries of this appearance.
-    pub(crate) fn is_noted_in(&self, there: &Metadata) -> bool {
-        let wanted = self.noted(Metadata::default());
-        let mut keys = GRADE_KEYS.into_iter().chain([TRANSFER_KEY]);
+    /// Whether `there`, the metadata of a file of this format, has the entries of this appearance.
+    pub(crate) fn is_noted_in(&self, format: Format, there: &Metadata) -> bool {
+        let wanted = self.noted(format, Metadata::default());
+        let mut keys = GRADE_KEYS.into_iter().chain([TRANSFER_KEY, HALF_KEY]);
         keys.all(|key| there.get(key) == wanted.get(key))
     }
 }

@@ -1,6 +1,7 @@
 //! Layers of an image besides its colour.
 
 use super::Image;
+use crate::error::{Error, Result};
 
 /// Values of each pixel besides its colour.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,20 @@ impl Image {
     #[must_use]
     pub(crate) fn with_layers(self, layers: Vec<ImageLayer>) -> Self {
         Self { layers, ..self }
+    }
+
+    /// Makes room for `pixels` pixels in all.
+    ///
+    /// # Errors
+    /// [`Error::Resource`] if there is not enough memory.
+    pub(crate) fn reserve(&mut self, pixels: usize) -> Result<()> {
+        let lists = self.layers.iter_mut().map(|layer| &mut layer.values);
+        for list in lists.chain([&mut self.pixels]) {
+            list.try_reserve_exact(pixels - list.len()).map_err(|_| {
+                Error::Resource(format!("not enough memory for an image of {pixels} pixels"))
+            })?;
+        }
+        Ok(())
     }
 
     /// `above` with `below` under it, both of the same width and with the same layers.

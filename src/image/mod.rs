@@ -3,6 +3,7 @@
 mod channels;
 mod compare;
 mod display;
+mod format;
 mod header;
 mod jpeg;
 mod layer;
@@ -20,6 +21,7 @@ pub(crate) use channels::{Channels, other_channels};
 pub(crate) use compare::compare;
 pub use display::Display;
 pub(crate) use display::MAX_STOPS;
+pub(crate) use format::Format;
 pub use layer::ImageLayer;
 pub use metadata::Metadata;
 pub(crate) use size::Size;
@@ -27,7 +29,7 @@ pub(crate) use source::Source;
 pub(crate) use texels::Texels;
 pub use tone_map::ToneMap;
 pub use transfer::Transfer;
-pub(crate) use write::{Format, layer_path};
+pub(crate) use write::layer_path;
 
 use std::path::Path;
 

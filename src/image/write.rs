@@ -5,61 +5,9 @@
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use super::{Display, Image, Metadata, Transfer, row_bytes};
-use crate::error::{Error, Result};
+use super::{Display, Format, Image, Metadata, Transfer, row_bytes};
+use crate::error::Result;
 use crate::output::write_atomically;
-
-/// The image formats that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
-    /// 8-bit PNG.
-    Png,
-    /// 32-bit float OpenEXR, ZIP compressed.
-    Exr,
-    /// Radiance RGBE.
-    Hdr,
-    /// Portable float map: the linear values as they are.
-    Pfm,
-}
-
-impl Format {
-    const ALL: [(&'static str, Self); 4] =
-        [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
-
-    /// Whether files of this format contain [`Metadata`].
-    pub(crate) fn has_metadata(self) -> bool {
-        matches!(self, Self::Png | Self::Exr)
-    }
-
-    /// Checks that files of this format, such as `path`, can have an alpha channel.
-    ///
-    /// # Errors
-    /// If they cannot.
-    pub(crate) fn check_alpha(self, path: &Path) -> Result<()> {
-        match self {
-            Self::Png | Self::Exr => Ok(()),
-            Self::Hdr | Self::Pfm => Err(Error::Usage(format!(
-                "{}: the format has no alpha channel, use .png or .exr",
-                path.display()
-            ))),
-        }
-    }
-
-    /// The format for the extension of `path`.
-    ///
-    /// # Errors
-    /// If no writer supports the extension.
-    pub(crate) fn of_path(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let format = Self::ALL.iter().find(|(name, _)| *name == extension);
-        format.map(|(_, format)| *format).ok_or_else(|| {
-            Error::Usage(format!(
-                "{}: no writer for the extension `{extension}`, use .png, .exr, .hdr or .pfm",
-                path.display()
-            ))
-        })
-    }
-}
 
 impl Image {
     /// Writes the image to `path` in the format of its extension (PNG, EXR, HDR, PFM). `display`, a
@@ -89,7 +37,10 @@ impl Image {
         }
         write_atomically(path, |file| match format {
             Format::Png => self.write_png(file, display, metadata),
-            Format::Exr => write_exr(self, file, display.half_layers, metadata),
+            Format::Exr => {
+                let metadata = display.noted(format, metadata.clone());
+                write_exr(self, file, display.half_layers, &metadata)
+            }
             Format::Hdr => write_hdr(self, file),
             Format::Pfm => write_pfm(self, file),
         })
@@ -118,7 +69,7 @@ impl Image {
             Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
             Transfer::Gamma2 => encoder.set_source_gamma(png::ScaledFloat::new(0.5)),
         }
-        for (key, value) in &display.noted(metadata.clone()).0 {
+        for (key, value) in &display.noted(Format::Png, metadata.clone()).0 {
             encoder.add_itxt_chunk(key.clone(), value.clone())?;
         }
         let mut writer = encoder.write_header()?;
@@ -143,8 +94,8 @@ fn write_exr(
     half: bool,
     metadata: &Metadata,
 ) -> io::Result<()> {
-    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as Exr, Text, f16};
-    use exr::prelude::{Layer, LayerAttributes, WritableImage};
+    use exr::prelude::{AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Text, f16};
+    use exr::prelude::{Image as Exr, Layer, LayerAttributes, WritableImage};
     // All entries go into one attribute of several lines: the crate writes custom attributes in an
     // order that changes from run to run.
     let lines: Vec<String> =
@@ -178,7 +129,9 @@ fn write_exr(
     }
     let size = (image.width() as usize, image.height() as usize);
     let channels = AnyChannels::sort(channels.into());
-    let exr = Exr::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    // Noise hardly compresses: ZIP takes 7 to 20 times as long, and the files have 0.6 to 0.9 of the size.
+    let encoding = Encoding { compression: Compression::RLE, ..Encoding::SMALL_LOSSLESS };
+    let exr = Exr::from_layer(Layer::new(size, attributes, encoding, channels));
     exr.write().non_parallel().to_buffered(file).map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other.to_string()),

@@ -5,7 +5,8 @@ use std::sync::Mutex;
 use ptfast::internals::{Stage, Stream};
 use ptfast::{
     BUILTIN_NAMES, ComputeSettings, Engine, FirstHits, ImageSettings, Kernel, Layer, Layers,
-    Observer, Plan, Planning, Progress, Render, Renderer, Roulette, Sampler, Scene, SegmentPlan,
+    Observer, Plan, PlanChoice, Planning, Progress, Render, Renderer, Roulette, Sampler, Scene,
+    SegmentPlan,
 };
 
 use crate::common::SAMPLINGS;
@@ -38,15 +39,17 @@ fn compare_by(scene: &Scene, settings: &ImageSettings, by: ComputeSettings, what
 }
 
 #[test]
-fn only_large_renders_try_plans() {
+fn only_large_renders_try_plans_and_only_if_they_may() {
     let scene = Scene::load("cornell").unwrap();
-    for (spp, planning) in [(4, Planning::Usual), (400, Planning::Measured)] {
+    for (spp, plan, planning) in [
+        (4, PlanChoice::Measured, Planning::Usual),
+        (400, PlanChoice::Measured, Planning::Measured),
+        (400, PlanChoice::Usual, Planning::Usual),
+    ] {
         let settings = ImageSettings { spp, depth: 2, ..ImageSettings::of(&scene) };
-        assert_eq!(
-            Renderer::new(&scene, settings, on_threads(1)).unwrap().planning(),
-            Some(planning),
-            "{spp}"
-        );
+        let compute = ComputeSettings { plan, ..on_threads(1) };
+        let renderer = Renderer::new(&scene, settings, compute).unwrap();
+        assert_eq!(renderer.planning(), Some(planning), "{spp}");
     }
 }
 
@@ -114,7 +117,7 @@ fn random_scenes() {
             Layers::new(Layer::ALL.into_iter().filter(|_| random.bits().is_multiple_of(4)));
         let first_hit = FirstHits::ALL[seed as usize / 2 % 2];
         let settings = ImageSettings { seed, sampler, roulette, layers, first_hit, ..base };
-        let by = ComputeSettings { plan, ..on_threads(1) };
+        let by = ComputeSettings { plan: plan.into(), ..on_threads(1) };
         rays += compare_by(&scene, &settings, by, &format!("scene {seed}"));
     }
     assert!(rays > 800_000, "{rays}");
@@ -155,7 +158,7 @@ fn waves_and_plans_do_not_matter() {
             let (closest, occluded) = (kernel, kernel);
             let segment = SegmentPlan { ordered, closest, occluded, shadows_ordered: !ordered };
             let plan = Plan { wave_size: 700, segments: vec![segment; 2] };
-            same(ComputeSettings { plan: Some(plan), ..on_threads(2) });
+            same(ComputeSettings { plan: PlanChoice::Given(plan), ..on_threads(2) });
         }
     }
 }
@@ -176,7 +179,8 @@ fn counts_add_up_and_repeat() {
     let renderer = Renderer::new(&scene, settings.clone(), counting.clone()).unwrap();
     let plan = renderer.plan().cloned();
     let first = renderer.render().unwrap();
-    let second = render(&scene, &settings, ComputeSettings { plan, threads: 3, ..counting });
+    let second =
+        render(&scene, &settings, ComputeSettings { plan: plan.into(), threads: 3, ..counting });
     // This scene has no media.
     for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Collide) {
         let (a, b) = (first.waves.stage(stage), second.waves.stage(stage));
@@ -219,7 +223,7 @@ fn plans_are_measured() {
         let first = &plan.segments[0];
         assert!(!first.ordered && first.closest != Kernel::Scalar, "{plan:?}");
         let small = ImageSettings { spp: 3, ..large.clone() };
-        let by = ComputeSettings { plan: Some(plan.clone()), ..on_threads(2) };
+        let by = ComputeSettings { plan: PlanChoice::Given(plan.clone()), ..on_threads(2) };
         compare_by(&scene, &small, by, "measured");
         let text = serde_json::to_string(plan).unwrap();
         assert_eq!(serde_json::from_str::<Plan>(&text).unwrap(), *plan);
@@ -238,7 +242,7 @@ fn plans_out_of_range_are_refused() {
     let segment = SegmentPlan { ordered: false, closest, occluded, shadows_ordered: false };
     let plan = Plan { wave_size: 1, segments: vec![segment] };
     let refused = |plan| {
-        let by = ComputeSettings { plan: Some(plan), ..ComputeSettings::default() };
+        let by = ComputeSettings { plan: PlanChoice::Given(plan), ..ComputeSettings::default() };
         Renderer::new(&scene, ImageSettings::of(&scene), by).is_err()
     };
     assert!(!refused(plan.clone()));

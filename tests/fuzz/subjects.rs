@@ -173,7 +173,9 @@ pub fn checkpoint(bytes: &[u8]) {
     in_file("a.film", &whole, |path| {
         let Ok(checkpoint) = Checkpoint::read(path, &limits()) else { return };
         let film = &checkpoint.rendering.film;
-        assert!(film.samples_done() <= film.samples_to_do() && checkpoint.percent() <= 100);
+        assert!(
+            film.samples_done() <= film.samples_to_do() && checkpoint.rendering.percent() <= 100
+        );
         assert_eq!(
             film.means().expect("the limits allow this film").len() as u64,
             film.area().pixels()

@@ -1,5 +1,6 @@
 //! The checkpoint file of a render: continued if it belongs to the render, and never overwritten otherwise.
 
+use std::borrow::Borrow;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -95,7 +96,7 @@ impl CheckpointFile {
     ///
     /// # Errors
     /// If the file cannot be written, or no longer belongs to this render.
-    pub(crate) fn write(&self, checkpoint: &Checkpoint) -> Result<()> {
+    pub(crate) fn write(&self, checkpoint: &Checkpoint<impl Borrow<RenderState>>) -> Result<()> {
         let part = checkpoint.part();
         self.check(&part)?;
         // Writing takes time, and another render may meanwhile have written its checkpoint to this
@@ -109,7 +110,11 @@ impl CheckpointFile {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub(crate) fn finish(&self, checkpoint: &Checkpoint, has_advanced: bool) -> Result<()> {
+    pub(crate) fn finish(
+        &self,
+        checkpoint: &Checkpoint<impl Borrow<RenderState>>,
+        has_advanced: bool,
+    ) -> Result<()> {
         if let Some(picture) = self.own_picture().filter(|_| self.continued) {
             // A file that cannot be deleted does no harm.
             let _ = fs::remove_file(picture);

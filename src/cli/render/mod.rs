@@ -20,17 +20,19 @@ use std::time::Instant;
 
 use self::args::RenderArgs;
 use self::checkpoint_file::CheckpointFile;
+use self::checkpointing::Saved;
 use self::record::{Run, StepSeconds};
 use self::target::Target;
 use self::watch::Schedule;
 use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, path, progress};
-use crate::checkpoint::{Checkpoint, Part};
+use crate::checkpoint::Part;
 use crate::engine::{
-    ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, Render, Renderer,
+    ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, Render, Renderer, Session,
 };
 use crate::error::{Error, Result};
+use crate::image::Display;
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::measure::machine::Interference;
@@ -98,17 +100,19 @@ impl<'a> RenderJob<'a> {
         Ok(Self { args, start, scene, load, settings, compute, part, output })
     }
 
+    /// The appearance of the image.
+    fn display(&self) -> Display {
+        let display = self.args.display.display();
+        let half_layers = display.half_layers && !self.settings.layers.is_empty();
+        Display { half_layers, ..display }
+    }
+
     /// Whether all output files exist, and the image or film belongs to this render.
     fn is_complete(&self) -> Result<bool> {
         let reports = [&self.args.json, &self.args.trace];
         let layers = self.output.layer_files(&self.settings.layers);
         let exist = reports.into_iter().flatten().chain(&layers).all(|file| file.exists());
-        Ok(exist
-            && self.output.is_complete(
-                &self.part,
-                self.args.display.display(),
-                self.scene.limits(),
-            )?)
+        Ok(exist && self.output.is_complete(&self.part, self.display(), self.scene.limits())?)
     }
 
     fn report_complete(&self) -> Result<()> {
@@ -134,44 +138,39 @@ impl<'a> RenderJob<'a> {
         let renderer = progress::waiting("preparing the render", args.mode(), || {
             Renderer::for_paths(scene, self.settings.clone(), self.compute.clone(), left)
         })?;
-        let mut checkpoint = Checkpoint {
-            scene: scene.name().to_owned(),
-            identity: part.identity.clone(),
-            shard: part.shard,
-            rendering,
-        };
+        let percent = rendering.percent();
+        let session = Session::of(renderer, rendering);
         advise_on_build(Isa::Avx2);
         if file.exists() {
-            let (file, percent) = (file.path().display(), checkpoint.percent());
+            let file = file.path().display();
             notice(format_args!("continuing {file}, which has {percent}% of the samples"));
         }
         let before = Interference::so_far();
         // From here on, a signal saves the samples that are finished.
         interrupt::leave_at_once(false);
-        let progress =
-            ProgressReport::new(&renderer, scene.name(), &checkpoint.rendering, args.mode());
+        let progress = ProgressReport::new(&session, scene.name(), args.mode());
         let schedule = Schedule {
             every: args.checkpoint.checkpoint_every,
             time_limit: args.checkpoint.time_limit,
             start: self.start,
         };
-        checkpointing::render(
-            &renderer,
-            &mut checkpoint,
-            &file,
-            &schedule,
-            args.display.display(),
-            &progress,
-        )?;
+        let saved = Saved {
+            session: &session,
+            scene: scene.name(),
+            part,
+            file: &file,
+            display: self.display(),
+        };
+        saved.render(&schedule, &progress)?;
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
-        let render = renderer.finish(&mut checkpoint.rendering)?;
+        let render = session.finish()?;
         // Only whole images have a hash.
         let hash = part.is_whole().then(|| render.image.hash());
-        self.write(&checkpoint, &render, hash.as_deref())
-            .map_err(|error| checkpointing::save_instead(&checkpoint, &file, error))?;
-        let finished = file.finish(&checkpoint, left > 0);
+        self.write(&session, &render, hash.as_deref())
+            .map_err(|error| saved.save_instead(error))?;
+        let finished = file.finish(&part.checkpoint(scene.name(), &session.state()), left > 0);
         let seconds = StepSeconds {
             load: self.load,
             build: render.seconds.build,
@@ -180,10 +179,10 @@ impl<'a> RenderJob<'a> {
             write: writing.elapsed().as_secs_f64(),
         };
         let hash = hash.as_deref();
-        let run = Run { scene, renderer: &renderer, render: &render, hash, seconds };
+        let run = Run { scene, renderer: session.renderer(), render: &render, hash, seconds };
         self.report(&run, interference)?;
         finished?;
-        progress.done(checkpoint.rendering.progress());
+        progress.done(session.progress());
         Ok(())
     }
 
@@ -213,11 +212,13 @@ impl<'a> RenderJob<'a> {
     }
 
     /// Writes the image or the film.
-    fn write(&self, checkpoint: &Checkpoint, render: &Render, hash: Option<&str>) -> Result<()> {
-        let metadata = || checkpoint.identity.metadata(hash.unwrap_or_default());
-        let display = self.args.display.display();
+    fn write(&self, session: &Session, render: &Render, hash: Option<&str>) -> Result<()> {
+        let metadata = || self.part.identity.metadata(hash.unwrap_or_default());
+        let display = self.display();
         match &self.output {
-            Target::Film(path) => checkpoint.write(path),
+            Target::Film(path) => {
+                self.part.checkpoint(self.scene.name(), &session.state()).write(path)
+            }
             Target::Image(path) => render.image.write(path, display, &metadata()),
             Target::StandardOutput => {
                 let write = || {
@@ -309,7 +310,7 @@ impl RenderArgs {
             threads: self.threads.unwrap_or(0),
             pin: self.pin,
             wave_size: self.wave_size.unwrap_or(0),
-            plan: self.plan.as_deref().map(plan).transpose()?,
+            plan: self.plan.as_deref().map(plan).transpose()?.into(),
             count: self.stats,
             timeline: self.trace.is_some(),
         })

@@ -110,7 +110,7 @@ impl Target {
     ) -> Result<bool> {
         Ok(match self {
             Self::Film(path) => Checkpoint::read(path, limits)
-                .is_ok_and(|there| there.part() == *part && there.is_complete()),
+                .is_ok_and(|there| there.part() == *part && there.rendering.is_complete()),
             Self::Image(path) if Format::of_path(path)?.has_metadata() => {
                 is_image_of(path, &part.identity, display, limits)
             }
@@ -124,21 +124,24 @@ impl Target {
 }
 
 fn is_image_of(path: &Path, identity: &Identity, display: Display, limits: &Limits) -> bool {
-    let Ok(there) = Metadata::read(path) else { return false };
+    let (Ok(format), Ok(there)) = (Format::of_path(path), Metadata::read(path)) else {
+        return false;
+    };
     // The hash is unknown before the render.
     let wanted = identity.metadata("");
     let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
-    let is_png = Format::of_path(path).is_ok_and(|format| format == Format::Png);
     if !["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
-        || is_png && !display.is_noted_in(&there)
+        || !display.is_noted_in(format, &there)
     {
         return false;
     }
     // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
+    let is_same =
+        |image: Image| format == Format::Png || there.get("ptfast:hash") == Some(&image.hash());
     Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
         limits.check_image(pixels, memory)
     })
-    .is_ok_and(|image| is_png || there.get("ptfast:hash") == Some(&image.hash()))
+    .is_ok_and(is_same)
 }
 
 /// The name of output files for a scene: `spheres` for `spheres` and `folder/spheres.ron`.

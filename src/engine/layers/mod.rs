@@ -187,6 +187,16 @@ impl Layer {
         self.parity().is_none_or(|parity| sample % 2 == parity)
     }
 
+    /// Whether the first hit of sample number `sample` counts.
+    pub(in crate::engine) fn takes_hit(self, sample: u32) -> bool {
+        let is_of_hit = match self.facts().1 {
+            Combine::Light | Combine::Count => false,
+            Combine::First => sample == 0,
+            Combine::Mean | Combine::MeanOfHits => true,
+        };
+        is_of_hit && self.takes(sample)
+    }
+
     /// Number of channels of a film.
     pub(in crate::engine) fn channels(self) -> usize {
         if self == Self::Samples { 0 } else { self.facts().0.len() }
@@ -195,13 +205,7 @@ impl Layer {
     /// Whether its values depend on the surface that is hit.
     fn needs_surfaces(self) -> bool {
         let (_, combine) = self.facts();
-        let known = matches!(self.whole(), Self::Alpha | Self::Hits);
-        !known && !matches!(combine, Combine::Light | Combine::Count)
-    }
-
-    /// Whether its value is one of the material.
-    pub(in crate::engine) fn is_of_bsdf(self) -> bool {
-        self.whole() == Self::Albedo
+        self != Self::Alpha && !matches!(combine, Combine::Light | Combine::Count)
     }
 
     /// The value of a sample with this first hit, in the first channels.

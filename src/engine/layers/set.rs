@@ -68,12 +68,7 @@ impl Layers {
 
     /// Adds the values of the first hit of sample number `sample`, one per channel, to the sums of its pixel.
     pub(in crate::engine) fn add_first_hit(&self, sums: &mut [f32], values: &[f32], sample: u32) {
-        for (layer, place) in self.places().filter(|(layer, _)| layer.takes(sample)) {
-            match layer.facts().1 {
-                Combine::Light | Combine::Count => continue,
-                Combine::First if sample > 0 => continue,
-                Combine::First | Combine::Mean | Combine::MeanOfHits => (),
-            }
+        for (layer, place) in self.places().filter(|(layer, _)| layer.takes_hit(sample)) {
             for channel in place..place + layer.channels() {
                 sums[channel] += values[channel];
             }

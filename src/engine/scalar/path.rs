@@ -95,6 +95,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             path.segment += 1;
         }
         let all = path.radiance * weight;
+        if self.layers.is_empty() {
+            return (all, LightParts::default());
+        }
         let after = path.after.map(|light| light.map(|light| light * weight));
         (all, LightParts::new(path.background, after, all))
     }
@@ -112,7 +115,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
-                self.store(path, values, &FirstHit::none(path.segment), false);
+                if path.pending {
+                    self.store(path, values, &FirstHit::none(path.segment), false);
+                }
                 path.radiance += path.beta * self.background(path);
                 self.endings.background += 1;
                 false
@@ -121,8 +126,10 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 self.intersect.collided(hit.t);
                 let phase = self.tables.media.phase(hit.primitive);
                 let point = ray.origin + ray.direction * hit.t;
-                let first = FirstHit::in_medium(self.camera, point, phase.albedo());
-                self.store(path, values, &first, false);
+                if path.pending {
+                    let first = FirstHit::in_medium(self.camera, point, phase.albedo());
+                    self.store(path, values, &first, false);
+                }
                 path.shaded();
                 if self.ends_by_depth(path) {
                     return false;
@@ -141,11 +148,10 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         }
     }
 
-    /// Stores the first hit of `path`, if it is still to come. It stays so if the first hit may follow this one.
+    /// Stores the first hit of `path`, which is still to come. It stays so if the first hit may follow this one.
+    // Out of the way of renders without layers.
+    #[inline(never)]
     fn store(&self, path: &mut Path, values: &mut [f32], hit: &FirstHit<'_, f32>, follows: bool) {
-        if !path.pending {
-            return;
-        }
         let first = path.segment == 1;
         for (layer, place) in self.layers.places() {
             let values = &mut values[place..place + layer.channels()];
@@ -285,14 +291,6 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
         let Self { tracer, path, values, shape, hit, emits, randoms } = self;
         let tables = tracer.tables;
-        if path.pending {
-            let scene = (tracer.scene, tables, tracer.camera);
-            let (first, specular) = match tracer.layers.need_surfaces() {
-                true => FirstHit::on_surface::<M>(scene, (shape, path.ray, hit), table, true),
-                false => (FirstHit::anything(), false),
-            };
-            tracer.store(path, values, &first, specular);
-        }
         let mut at = tables.interaction::<f32>(
             shape,
             path.ray,
@@ -311,17 +309,27 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             path.radiance += path.beta * light * weight;
         }
         path.shaded();
-        if !M::SCATTERS {
+        let ends = if M::SCATTERS {
+            tracer.ends_by_depth(path)
+        } else {
             tracer.endings.light += 1;
-            return false;
-        }
-        if tracer.ends_by_depth(path) {
+            true
+        };
+        if ends && !path.pending {
             return false;
         }
         if M::TEXTURED && table.textured {
             at.map_normals(table, entry, M::GLOSSY);
         }
-        let bsdf = at.smoothed(M::bsdf::<f32>(&table.entries, entry, &at));
+        let bsdf = M::bsdf::<f32>(&table.entries, entry, &at);
+        if path.pending {
+            let first = FirstHit::on_surface(tracer.scene, tracer.camera, &at, &bsdf);
+            tracer.store(path, values, &first, bsdf.specular());
+            if ends {
+                return false;
+            }
+        }
+        let bsdf = at.smoothed(bsdf);
         let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
         tracer.scatter(&bsdf, &vertex, path)
     }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Paths;
-use super::first_hits::LayerSamples;
+use super::layer_samples::LayerSamples;
 use crate::engine::{ImageSettings, Tally, Task, scale};
 use crate::film::{COLOR, UnitSums};
 
@@ -35,7 +35,7 @@ pub(super) fn accumulate(
         sum.write_to_slice(sums);
         if task.channels > COLOR {
             layers.add_to(&mut sums[COLOR..], first, unit.first..unit.end);
-            if layers.layers.have_light() {
+            if layers.have_light {
                 for (number, radiance) in (0..).zip(radiances) {
                     let path = first + number as usize;
                     let light = layers.light(path, radiance, paths.weight(path));

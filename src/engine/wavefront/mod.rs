@@ -5,8 +5,8 @@ mod collide;
 mod columns;
 mod connect;
 mod extend;
-mod first_hits;
 mod generate;
+mod layer_samples;
 mod material_sort;
 mod order;
 mod paths;
@@ -44,7 +44,7 @@ impl WavefrontEngine {
     pub(super) fn new(view: Arc<View>, paths: u64, pool: &Pool, measured: Option<Plan>) -> Self {
         view.prepared.tables();
         let start = Instant::now();
-        let (plan, planning) = match (&view.compute.plan, measured) {
+        let (plan, planning) = match (view.compute.plan.given(), measured) {
             (Some(plan), _) => (plan.clone(), Planning::Given),
             (None, Some(plan)) => (plan, Planning::Measured),
             (None, None) => planning::find_plan(&view, paths, pool),

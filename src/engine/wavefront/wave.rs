@@ -6,8 +6,8 @@ use super::accumulate::accumulate;
 use super::collide::collide;
 use super::connect::connect;
 use super::extend::extend;
-use super::first_hits::LayerSamples;
 use super::generate::generate;
+use super::layer_samples::LayerSamples;
 use super::material_sort::sort;
 use super::order::{Next, order};
 use super::{Cells, Paths, Queues, ShadeInputs, ShadeOutputs, Shadows, WaveRays};
@@ -103,11 +103,8 @@ impl Worker {
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
             let shading = ShadeInputs { scene, settings, camera, tables, cells, segment };
-            if layers.is_pending(segment) {
-                shading.first_hits(queues, paths, layers);
-            }
             let mut endings = Endings::default();
-            let shaded = &mut ShadeOutputs { paths, next, shadows, endings: &mut endings };
+            let shaded = &mut ShadeOutputs { paths, next, shadows, layers, endings: &mut endings };
             let work = shading.shade(queues, shaded);
             watch.ended(segment, &endings);
             layers.store_radiance(paths, segment);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::machine::Machine;
 use crate::checkpoint::Identity;
-use crate::engine::{ComputeSettings, ImageSettings, Layers, Pin, Render, Renderer};
+use crate::engine::{ComputeSettings, ImageSettings, Layers, Pin, Render, Session};
 use crate::error::Result;
 use crate::image::Transfer;
 use crate::scene::{Sampling, Scene};
@@ -94,7 +94,7 @@ impl Figure {
 }
 
 /// Renders `figure` of `scene` with `spp` samples per pixel, and writes its picture and its layers to `folder`. `render`
-/// runs the renderer.
+/// runs the session.
 ///
 /// # Errors
 /// If the render fails, or the picture cannot be written.
@@ -104,12 +104,12 @@ pub(crate) fn render<'a>(
     (spp, threads): (u32, u32),
     layers: &Layers,
     folder: &Path,
-    render: impl FnOnce(&Renderer) -> Result<Render>,
+    render: impl FnOnce(&Session) -> Result<Render>,
 ) -> Result<Rendered<'a>> {
     let (sampling, layers) = (figure.sampling, layers.clone());
     let settings = ImageSettings { spp, sampling, layers, ..ImageSettings::of(scene) };
     let compute = ComputeSettings { threads, pin: Pin::Auto, ..ComputeSettings::default() };
-    let render = render(&Renderer::new(scene, settings.clone(), compute)?)?;
+    let render = render(&Session::new(scene, settings.clone(), compute)?)?;
     let hash = render.image.hash();
     let whole = settings.image();
     let file = figure.file();

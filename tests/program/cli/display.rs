@@ -103,6 +103,13 @@ fn transparent_images_have_an_alpha_channel() {
     assert!(again.contains("is complete"), "{again}");
     let opaque = succeeds(here, &[&base[..6], &["-o", "a.png", "--skip-complete"]].concat());
     assert!(!opaque.contains("is complete"), "{opaque}");
+    let layers = ["-o", "b.exr", "--skip-complete", "--layers", "depth"];
+    for half in [&["--half-layers"][..], &[]] {
+        for is_complete in [false, true] {
+            let text = succeeds(here, &[&base[..], &layers, half].concat());
+            assert_eq!(text.contains("is complete"), is_complete, "{half:?}: {text}");
+        }
+    }
 
     let output = ptfast(here, &[&base[..], &["-o", "a.pfm"]].concat());
     let error = stderr(&output);

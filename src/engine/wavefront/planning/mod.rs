@@ -12,7 +12,7 @@ use trial::{Effort, try_all};
 use usual::usual_plan;
 
 use crate::accel::Kernel;
-use crate::engine::{ComputeSettings, Plan, Planning, Pool, SegmentPlan, View};
+use crate::engine::{ComputeSettings, Plan, PlanChoice, Planning, Pool, SegmentPlan, View};
 
 /// Wave sizes to try.
 const SIZES: [u32; 3] = [1 << 12, 1 << 13, 1 << 14];
@@ -24,8 +24,8 @@ const WAYS_EFFORT: Effort = Effort { share: 32, rounds: [3, 12], first: 4 };
 /// differences between parts of an image.
 const SIZES_EFFORT: Effort = Effort { share: 48, rounds: [6, 12], first: 1 };
 
-/// Returns the fastest plan for waves from all over the image, or the usual plan if the render has
-/// too few `paths` for trials. Also returns whether the plan was measured.
+/// Returns the fastest plan for waves from all over the image, or the usual plan on request or if the render
+/// has too few `paths` for trials. Also returns whether the plan was measured.
 pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning) {
     // Counting would slow down the trials.
     let compute = ComputeSettings { count: false, ..view.compute.clone() };
@@ -39,6 +39,9 @@ pub(super) fn find_plan(view: &View, paths: u64, pool: &Pool) -> (Plan, Planning
     let lights = if sampled { view.prepared.tables().lights.len() } else { 0 };
     let usual =
         usual_plan(primitives, inside, lights, paths, pool.threads(), view.compute.wave_size);
+    if view.compute.plan == PlanChoice::Usual {
+        return (usual, Planning::Usual);
+    }
 
     let ways = each_way(view, &usual);
     let tried = try_all(view, paths, pool, &ways, WAYS_EFFORT);

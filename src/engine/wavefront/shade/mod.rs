@@ -2,11 +2,12 @@
 
 mod direct;
 mod emit;
+mod first_hits;
 mod scatter;
 mod vertex;
 
-use self::scatter::{COLORED, GENERAL, PLAIN};
-pub(super) use self::vertex::Vertex;
+use self::scatter::{COLORED, GENERAL, LAYERED, PLAIN};
+use super::layer_samples::LayerSamples;
 use super::order::Next;
 use super::{Cells, Paths, Queue, Queues, Shadows};
 use crate::engine::{Endings, ImageSettings, StageWork};
@@ -35,6 +36,7 @@ pub(super) struct ShadeOutputs<'a> {
     pub(super) next: &'a mut Next,
     /// Shadow rays, with the light that they may add.
     pub(super) shadows: &'a mut Shadows,
+    pub(super) layers: &'a mut LayerSamples,
     /// Counts of the paths that ended.
     pub(super) endings: &'a mut Endings,
 }
@@ -47,7 +49,12 @@ impl ShadeInputs<'_> {
         shaded.next.clear();
         shaded.shadows.clear();
         let (mut paths, mut lanes) = (0, 0);
+        let layered = shaded.layers.is_pending(self.segment);
         for (&key, queue) in self.tables.looks.keys().iter().zip(queues.iter()) {
+            let in_scatter = matches!(key, Key::Surface { .. }) && shaded.layers.need_surfaces;
+            if layered && !in_scatter {
+                self.first_hits(key, queue, shaded.paths, shaded.layers);
+            }
             let done = match key {
                 Key::Background => {
                     self.background(queue, shaded);
@@ -58,10 +65,12 @@ impl ShadeInputs<'_> {
                     self.scatter_in_media(queue, shaded);
                     true
                 }
-                Key::Surface { shape, kind, emits } => self
-                    .tables
-                    .materials
-                    .visit(kind, ShadeSurfaces { shading: self, shape, emits, queue, shaded }),
+                Key::Surface { shape, kind, emits } => {
+                    let layered = layered && in_scatter;
+                    let visitor =
+                        ShadeSurfaces { shading: self, shape, emits, queue, layered, shaded };
+                    self.tables.materials.visit(kind, visitor)
+                }
             };
             if done {
                 paths += queue.len();
@@ -88,6 +97,8 @@ struct ShadeSurfaces<'s, 'a> {
     shape: Shape,
     emits: bool,
     queue: Queue<'s>,
+    /// Whether layers need first hits.
+    layered: bool,
     shaded: &'s mut ShadeOutputs<'a>,
 }
 
@@ -97,20 +108,26 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
 
     #[inline(always)]
     fn visit<M: MaterialModel>(self, table: &MaterialTable<M::Entry>) -> bool {
-        let Self { shading, shape, emits, queue, shaded } = self;
+        let Self { shading, shape, emits, queue, layered, shaded } = self;
         if emits {
             shading.emit(shape, &table.emission_rows, queue, shaded);
         }
-        if !M::SCATTERS {
-            shaded.endings.light += queue.len() as u64;
-        } else if shading.ends_by_depth(queue, shaded) {
-            return emits;
-        } else if M::LARGE || shape == Shape::Instance || !table.normals.is_empty() {
-            shading.scatter::<M, GENERAL>(table, shape, queue, shaded);
-        } else if M::TEXTURED && table.textured {
-            shading.scatter::<M, COLORED>(table, shape, queue, shaded);
+        let ends = if M::SCATTERS {
+            shading.ends_by_depth(queue, shaded)
         } else {
-            shading.scatter::<M, PLAIN>(table, shape, queue, shaded);
+            shaded.endings.light += queue.len() as u64;
+            true
+        };
+        if layered {
+            shading.scatter::<M, LAYERED>(table, shape, queue, ends, shaded);
+        } else if ends {
+            return emits || !M::SCATTERS;
+        } else if M::LARGE || shape == Shape::Instance || !table.normals.is_empty() {
+            shading.scatter::<M, GENERAL>(table, shape, queue, false, shaded);
+        } else if M::TEXTURED && table.textured {
+            shading.scatter::<M, COLORED>(table, shape, queue, false, shaded);
+        } else {
+            shading.scatter::<M, PLAIN>(table, shape, queue, false, shaded);
         }
         true
     }

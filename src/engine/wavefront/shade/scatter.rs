@@ -3,6 +3,7 @@
 use super::vertex::Vertex;
 use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::ROULETTE_MAX;
+use crate::engine::first_hit::FirstHit;
 use crate::engine::wavefront::{History, Queue, Segment};
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Real, max_element};
@@ -10,15 +11,17 @@ use crate::sampler::Dimension;
 use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
-/// The three loops over surfaces, from the fastest to the slowest: without textures, with textures, and
-/// also with normal maps and instances. Code that is never used slows a loop down by 6 to 10%. Kinds
-/// with much code of their own have only the last.
+/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal maps
+/// and instances, and also with first hits for layers. Code that is never used slows a loop down by 6 to 10%. Kinds
+/// with much code of their own have only the last two.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;
+pub(super) const LAYERED: u8 = 3;
 
 impl ShadeInputs<'_> {
-    /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
+    /// Scatters the paths of `queue` at surfaces of one shape and kind of material. With `ends`, which needs the loop
+    /// with first hits, they end there.
     ///
     /// It is not inlined, so that each kind of material has all registers to itself.
     #[inline(never)]
@@ -27,9 +30,10 @@ impl ShadeInputs<'_> {
         table: &MaterialTable<M::Entry>,
         shape: Shape,
         queue: Queue<'_>,
+        ends: bool,
         shaded: &mut ShadeOutputs<'_>,
     ) {
-        let instanced = LOOP == GENERAL && shape == Shape::Instance;
+        let instanced = LOOP >= GENERAL && shape == Shape::Instance;
         for first in (0..queue.len()).step_by(LANES) {
             let vertex = self.vertex(queue, first, shaded.paths, instanced);
             let (ray, hit) = (vertex.segment.ray, vertex.hit);
@@ -37,10 +41,18 @@ impl ShadeInputs<'_> {
                 self.tables.interaction(shape, ray, hit, LOOP > PLAIN, M::GLOSSY, instanced);
             let rows = &table.entries[..];
             let entries = self.tables.looks.entries::<Float>(shape, hit.primitive, rows.len());
-            if LOOP == GENERAL {
+            if LOOP >= GENERAL {
                 at.map_normals(table, entries, M::GLOSSY);
             }
-            let bsdf = at.smoothed(M::bsdf::<Float>(rows, entries, &at));
+            let bsdf = M::bsdf::<Float>(rows, entries, &at);
+            if LOOP == LAYERED {
+                let first = FirstHit::on_surface(self.scene, self.camera, &at, &bsdf);
+                shaded.layers.store(&vertex.path, &first, bsdf.specular());
+                if ends || !M::SCATTERS {
+                    continue;
+                }
+            }
+            let bsdf = at.smoothed(bsdf);
             self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
         }
     }
