@@ -21,7 +21,7 @@ impl Format {
     const ALL: [(&'static str, Self); 4] =
         [("png", Self::Png), ("exr", Self::Exr), ("hdr", Self::Hdr), ("pfm", Self::Pfm)];
 
-    /// Whether files of this format contain [`Metadata`].
+    /// Whether files of this format contain [`Metadata`](super::Metadata).
     pub(crate) fn has_metadata(self) -> bool {
         matches!(self, Self::Png | Self::Exr)
     }
