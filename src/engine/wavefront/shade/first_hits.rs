@@ -8,6 +8,7 @@ use crate::math::Real;
 use crate::shading::Key;
 use crate::shading::material::Bsdf;
 use crate::simd::{Float, LANES, Mask};
+
 impl ShadeInputs<'_> {
     /// Stores the first hits of the paths of `queue`, which do not depend on surfaces.
     #[inline(never)]

@@ -48,6 +48,7 @@ impl ShadeInputs<'_> {
             if LOOP == LAYERED {
                 let first = FirstHit::on_surface(self.scene, self.camera, &at, &bsdf);
                 shaded.layers.store(&vertex.path, &first, bsdf.specular());
+                // The constant leaves the rest out of the loop of lights.
                 if ends || !M::SCATTERS {
                     continue;
                 }
