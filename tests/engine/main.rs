@@ -1,6 +1,6 @@
 //! Library tests that depend on the instruction set: images, proofs and kernels.
 //!
-//! `.ci/run` repeats them for each instruction set, except those in `proof` and `scenes`.
+//! `profiling/proofs` repeats them for each instruction set.
 
 mod common;
 mod determinism;
