@@ -66,6 +66,9 @@ impl Dimension {
     /// Vertex: Russian roulette, which decides whether the path continues.
     pub(crate) const ROULETTE: Self = Self(7);
 
+    /// Pane: whether the path passes.
+    pub(crate) const PANE: Self = Self(9);
+
     /// Vertex: distance that the path travels in medium number `index`.
     pub(crate) const fn medium(index: u32) -> Self {
         // The dimensions of all media except the first are beyond all blocks of a path.

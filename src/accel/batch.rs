@@ -234,7 +234,7 @@ impl HitBatch {
     }
 
     /// Sets the hit of ray `index`.
-    pub(super) fn set(&mut self, index: usize, hit: Hit) {
+    pub(crate) fn set(&mut self, index: usize, hit: Hit) {
         (self.t[index], self.primitive[index]) = (hit.t, hit.primitive);
         if let Some(instance) = self.instance.get_mut(index) {
             *instance = hit.instance;

@@ -51,8 +51,8 @@ pub(super) fn near_and_far(negative: [bool; 3]) -> ([usize; 3], [usize; 3]) {
 /// height 3; quad: 8, magnified by [`Quad::condition`](crate::geometry::Quad::condition)), and the
 /// slab test 6.
 ///
-/// An instance contributes 15, magnified by its condition number |L⁻¹| |L|: 4 by mapping the origin o
-/// to L (o − c), 3 by mapping the direction, and 8 by the test of its triangles. Since o − c counts,
+/// An instance contributes 23, magnified by its condition number |L⁻¹| |L|: 4 by mapping the origin o
+/// to L (o − c), 3 by mapping the direction, and 16 by the test of its triangles. Since o − c counts,
 /// the box from which distances are measured must contain c.
 pub(super) const SLACK: f32 = 32.0 * UNIT_ROUNDOFF;
 

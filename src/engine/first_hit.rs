@@ -72,7 +72,7 @@ impl<'a, R: Real> FirstHit<'a, R> {
             scene: Some(scene),
             position,
             depth: camera.depth::<R>(position),
-            normal: at.shading,
+            normal: at.normals.shading,
             albedo: R::Vec3::new(least(0), least(1), least(2)),
             instance: match at.shape {
                 Shape::Instance => number(at.hit.instance),

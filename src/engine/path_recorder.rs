@@ -82,7 +82,8 @@ struct Recording<'a> {
 impl Intersect for Recording<'_> {
     fn closest(&mut self, ray: &Ray, segment: u32) -> Option<Hit> {
         let hit = self.tree.closest(ray, segment);
-        let kind = if segment == 1 { RayKind::Primary } else { RayKind::Bounce };
+        let first = self.rays.is_empty();
+        let kind = if first { RayKind::Primary } else { RayKind::Bounce };
         self.rays.push(TracedRay {
             kind,
             segment,
@@ -92,6 +93,15 @@ impl Intersect for Recording<'_> {
             collision: None,
         });
         hit
+    }
+
+    fn closest_before(&mut self, ray: &Ray, t_max: f32, segment: u32) -> Option<Hit> {
+        let found = self.tree.closest_before(ray, t_max, segment);
+        // As `occluded` records hits.
+        let hit = found.map(|_| Hit::of(0, 0.0));
+        let (kind, ray, collision) = (RayKind::Shadow, *ray, None);
+        self.rays.push(TracedRay { kind, segment, ray, t_max, hit, collision });
+        found
     }
 
     fn collided(&mut self, t: f32) {

@@ -41,7 +41,7 @@ impl StageWork {
         active as f64 / issued.max(1) as f64
     }
 
-    fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.active += other.active;
         self.issued += other.issued;
         self.seconds += other.seconds;

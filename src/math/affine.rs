@@ -16,6 +16,15 @@ pub(crate) fn of_columns(numbers: &[f64; 16]) -> DAffine3 {
     DAffine3 { matrix3, translation: column(3) }
 }
 
+/// A point in this direction from `from`, rounded, and so far away that the roundings of both points, which grow with
+/// the distance from the origin, hardly change the direction.
+pub(crate) fn point_along(from: DVec3, direction: DVec3) -> [f32; 3] {
+    let from = from.as_vec3().as_dvec3();
+    let most = from.abs().max_element();
+    let away = (most + 1.0).min(1e9 - most).max(1.0);
+    (from + direction / direction.dot(direction).sqrt() * away).as_vec3().to_array()
+}
+
 /// The rows of a map, rounded.
 pub(crate) fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
     let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;

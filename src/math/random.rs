@@ -49,6 +49,13 @@ impl<W: Word> PathKey<W> {
         x ^ (x >> 15)
     }
 
+    /// The key of the same path beyond pane number `number`, from 1, of a segment.
+    #[inline(always)]
+    pub(crate) fn beyond(self, number: u32) -> Self {
+        let number = W::splat(number.wrapping_mul(GOLDEN));
+        Self { pixel_word: mix32(self.pixel_word.wrapping_add(number)), ..self }
+    }
+
     /// Uniform number in `[0, 1)`, a multiple of 2^-24.
     #[inline(always)]
     pub(crate) fn uniform<R: Real<Word = W>>(self, dimension: u32) -> R {

@@ -91,11 +91,14 @@ impl Scene {
                 *reference = TextureRef::Texture(Arc::new(texture));
             }
             material.check(&e)?;
+            let role = |material: &Material| {
+                (material.emits(), material.model().varied_emission().is_some())
+            };
             // Trees and meshes depend on these.
             let kept = [
                 ("opacity", material.model().opacity() == old.model().opacity()),
                 ("normal map", material.model().normal() == old.model().normal()),
-                ("role as a light", material.emits() == old.emits()),
+                ("role as a light", role(&material) == role(old)),
                 ("use of vertex colours", has_colors || !material.uses_vertex_colors()),
             ];
             if let Some((what, _)) = kept.iter().find(|(_, kept)| !kept) {

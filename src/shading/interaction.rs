@@ -1,6 +1,6 @@
 //! The point where a path meets a surface.
 
-use super::{TexturePoint, TextureTables};
+use super::{ScatterNormals, TexturePoint, TextureTables};
 use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
 use crate::math::Real;
 
@@ -19,10 +19,10 @@ pub(crate) struct Interaction<'a, R: Real> {
     /// The surface's geometric normal, turned to the side that was hit. The origins of new rays are
     /// moved along it.
     pub(crate) normal: R::Vec3,
-    /// The shading normal, which the material uses for scattering. It is on the side that was hit,
-    /// and differs from `normal` only on smooth surfaces.
-    pub(crate) shading: R::Vec3,
-    /// Whether the shading normal may differ from `normal`: the surface is smooth or has a normal map.
+    /// The normals about which the material scatters light. They are on the side that was hit, and differ
+    /// from `normal` only on smooth surfaces.
+    pub(crate) normals: ScatterNormals<R>,
+    /// Whether the shading normals may differ from `normal`: the surface is smooth or has a normal map.
     pub(crate) smooth: R::Mask,
     /// Whether its shadows fade out towards the terminator.
     pub(crate) soft: R::Mask,

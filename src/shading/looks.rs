@@ -1,9 +1,11 @@
 //! The appearance of each primitive: its material, its light, and its sort key for paths.
 
+use glam::Vec3;
+
 use super::material::{MaterialKind, MaterialTables};
-use super::{Emission, MaterialMap, TextureTables, World};
+use super::{Bodies, Color, Emission, MaterialMap, Sides, TextureTables, World};
 use crate::geometry::{Hit, Shape};
-use crate::math::{Mask, Real, Word};
+use crate::math::{Mask, Real, Row, Word};
 
 /// The key by which paths are sorted. Paths with the same key are shaded together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +20,8 @@ pub(crate) enum Key {
         kind: MaterialKind,
         /// Whether the primitive emits light.
         emits: bool,
+        /// Whether rays can pass it as a pane.
+        pane: bool,
     },
 }
 
@@ -41,6 +45,22 @@ pub(crate) struct Looks {
     first_medium: u32,
 }
 
+/// A primitive that is a light.
+#[derive(Clone, Copy)]
+pub(super) struct Emitter {
+    pub(super) shape: Shape,
+    pub(super) primitive: u32,
+    pub(super) glow: Glow,
+}
+
+/// The light of a primitive.
+#[derive(Clone, Copy)]
+pub(super) enum Glow {
+    Constant(Emission),
+    /// The row of its colour, a bound on that, and the sides that emit it.
+    Varied(Row, Vec3, Sides),
+}
+
 /// Consecutive primitives with the same appearance.
 #[derive(Clone, Copy, Debug)]
 struct Range {
@@ -62,16 +82,20 @@ const NO_LIGHT: u32 = u32::MAX;
 const MOST_RUNS: usize = 8;
 
 impl Looks {
-    /// Finds the appearance of all primitives and media of `world`, and adds its materials and
-    /// textures to the tables. Calls `emit` for each light, in the order of primitives.
-    pub(crate) fn new(
+    /// Finds the appearance of all primitives and media of `world`, and adds its materials,
+    /// textures and bodies to the tables. Calls `emit` for each primitive that is a light, in their order.
+    pub(super) fn new(
         world: &World,
         materials: &mut MaterialTables,
         textures: &mut TextureTables,
-        mut emit: impl FnMut(u32, Emission),
+        bodies: &mut Bodies,
+        mut emit: impl FnMut(Emitter, &TextureTables),
     ) -> Self {
-        let entries: Vec<u32> =
-            world.materials.iter().map(|material| materials.push(material, textures)).collect();
+        let entries: Vec<u32> = world
+            .materials
+            .iter()
+            .map(|material| materials.push(material, textures, bodies))
+            .collect();
         let mut keys = vec![Key::Background];
         let mut number = |key| {
             let index = keys.iter().position(|&k| k == key).unwrap_or(keys.len());
@@ -88,12 +112,22 @@ impl Looks {
             let shape = geometry.shape(begin);
             let entry = entries[material as usize];
             let material = &world.materials[material as usize];
-            let emission = material.emission().filter(Emission::emits);
-            let emits = emission.is_some() || material.model().emission_texture().is_some();
-            let key = number(Key::Surface { shape, kind: material.kind(), emits });
+            let emission = material.emission().filter(Emission::emits).map(Glow::Constant);
+            let varied = |(color, sides): (&Color, _)| {
+                Glow::Varied(textures.row(color), color.largest(), sides)
+            };
+            let emission = emission.or_else(|| material.model().varied_emission().map(varied));
+            let emits = emission.is_some();
+            let key = {
+                let (kind, pane) = (material.kind(), material.model().is_pane());
+                number(Key::Surface { shape, kind, emits, pane })
+            };
             let first = light;
-            if let Some(emission) = emission {
-                (begin..=last).for_each(|primitive| emit(primitive, emission));
+            // Paths alone find the light of meshes that instances place.
+            if let Some(glow) = emission.filter(|_| shape != Shape::Instance) {
+                for primitive in begin..=last {
+                    emit(Emitter { shape, primitive, glow }, textures);
+                }
                 light += last - begin + 1;
             }
             let light = if light > first { first } else { NO_LIGHT };
@@ -137,6 +171,11 @@ impl Looks {
             runs: Some(runs).filter(|runs| runs.len() <= MOST_RUNS),
             first_medium,
         }
+    }
+
+    /// Whether rays can pass a primitive as a pane.
+    pub(crate) fn have_panes(&self) -> bool {
+        self.keys.iter().any(|key| matches!(key, Key::Surface { pane: true, .. }))
     }
 
     /// The keys by index. The first is [`Key::Background`].

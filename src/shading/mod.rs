@@ -3,27 +3,35 @@
 //! Each kind of material, texture and light has a file with its parameters in scene files, their checks, its
 //! entries in a table, and its formulas, which are written once for both engines.
 
+mod around;
 mod background;
+mod bodies;
 mod bsdf;
 mod camera;
 mod emission;
+mod glow;
 mod holes;
 mod images;
 mod interaction;
 mod kinds;
 pub mod light;
+mod light_radiance;
 mod looks;
 pub mod material;
 mod material_map;
 mod medium;
 mod normal_map;
 mod opacity;
+mod panes;
+mod scatter_normals;
 mod smooth;
 mod tables;
 pub mod texture;
 mod world;
 
 pub use background::Background;
+use bodies::Bodies;
+pub(crate) use bodies::Nesting;
 use bsdf::{Bsdf, SPECULAR, Scatter};
 pub(crate) use camera::CameraFrame;
 #[cfg(test)]
@@ -45,7 +53,9 @@ use medium::Media;
 pub(crate) use medium::Medium;
 pub use medium::MediumFile;
 pub(crate) use opacity::Opacity;
-use smooth::{LEAST_COSINE, smooth_normal};
+pub(crate) use panes::{Beyond, MOST_PANES};
+use scatter_normals::LEAST_COSINE;
+pub(crate) use scatter_normals::ScatterNormals;
 pub(crate) use tables::SceneTables;
 pub(crate) use texture::{Color, Number, Texture, TextureRef};
 use texture::{TexturePoint, TextureTables};

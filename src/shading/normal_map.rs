@@ -1,8 +1,8 @@
 //! Normal maps: textures that turn the shading normal.
 
 use super::material::MaterialTable;
-use super::{Interaction, LEAST_COSINE, smooth_normal};
-use crate::geometry::{Partials, ShadingNormal};
+use super::{Interaction, LEAST_COSINE, ScatterNormals};
+use crate::geometry::Partials;
 use crate::math::{Mask, Real, Word, cross, dot, normalize};
 
 impl<R: Real> Interaction<'_, R> {
@@ -20,8 +20,7 @@ impl<R: Real> Interaction<'_, R> {
         let code = R::pick(&table.normals, index);
         let mapped = !code.eq(R::Word::splat(0));
         if mapped.any() {
-            let ShadingNormal { normal, smooth, soft } = self.turned(code, mapped, glossy);
-            (self.shading, self.smooth, self.soft) = (normal, smooth, soft);
+            self.turn(code, mapped, glossy);
         }
     }
 
@@ -31,11 +30,9 @@ impl<R: Real> Interaction<'_, R> {
     /// "Simulation of Wrinkled Surfaces Revisited") leaves them as interpolated. On the back, the
     /// normal is reversed. A normal that would face into the surface is bent to its horizon.
     #[inline(never)]
-    fn turned(&self, code: R::Word, mapped: R::Mask, glossy: bool) -> ShadingNormal<R> {
-        let &Self { surfaces, shape, surface, normal, shading, smooth, soft, .. } = self;
-        let Some(textures) = self.textures else {
-            return ShadingNormal { normal: shading, smooth, soft };
-        };
+    fn turn(&mut self, code: R::Word, mapped: R::Mask, glossy: bool) {
+        let &mut Self { surfaces, shape, surface, normal, normals, smooth, .. } = self;
+        let Some(textures) = self.textures else { return };
         let Partials { u, v, tangent } = surfaces.partials(shape, &self.ray, self.hit, &surface);
         let up = surface.shading.normal;
         let tangent = normalize(tangent - up * dot(up, tangent));
@@ -55,11 +52,12 @@ impl<R: Real> Interaction<'_, R> {
         let least = R::splat(LEAST_COSINE);
         let below = cos.lt(least);
         let turned = below.select(normalize(turned + normal * (least - cos)), turned);
-        let bent = smooth_normal::<R>(turned, mapped, normal, self.ray.direction, glossy);
-        ShadingNormal {
-            normal: mapped.select(bent, shading),
-            smooth: smooth | mapped,
-            soft: soft | (mapped & !smooth),
-        }
+        let bent = ScatterNormals::<R>::new(turned, mapped, normal, self.ray.direction, glossy);
+        self.normals = ScatterNormals {
+            shading: mapped.select(bent.shading, normals.shading),
+            mirror: mapped.select(bent.mirror, normals.mirror),
+        };
+        self.soft = self.soft | (mapped & !smooth);
+        self.smooth = smooth | mapped;
     }
 }

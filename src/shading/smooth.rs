@@ -1,57 +1,15 @@
 //! Smooth shading: scattering about an interpolated normal, without light through the surface.
 
-use super::{Bsdf, Interaction, SPECULAR, Scatter};
-use crate::math::{Mask, Real, dot, min, normalize, reflect};
+use super::{Bsdf, Interaction, SPECULAR, Scatter, ScatterNormals};
+use crate::math::{Mask, Real, dot, max, min};
 use crate::sampler::Randoms;
-
-/// Least cosine between a shading normal and the direction to the viewer, and between a geometric
-/// normal and a mirrored direction.
-pub(crate) const LEAST_COSINE: f32 = 1e-3;
-
-/// The shading normals of points that rays of this direction hit, from those of the `smooth`
-/// surfaces. `normal` is the geometric normal on the side that was hit.
-///
-/// The result is on the same side. It is bent where it would face away from the viewer, as near
-/// silhouettes. On glossy materials, it is also bent where the mirrored direction would be inside the
-/// surface, which would leave black fringes (Keller et al. 2017, "The Iray Light Transport Simulation
-/// and Rendering System", section on shading normals).
-#[inline(always)]
-pub(crate) fn smooth_normal<R: Real>(
-    shading: R::Vec3,
-    smooth: R::Mask,
-    normal: R::Vec3,
-    direction: R::Vec3,
-    glossy: bool,
-) -> R::Vec3 {
-    if !smooth.any() {
-        return normal;
-    }
-    let least = R::splat(LEAST_COSINE);
-    let mut shading = dot(shading, normal).lt(R::ZERO).select(-shading, shading);
-    if glossy {
-        let mirrored = reflect(direction, shading);
-        let cos = dot(mirrored, normal);
-        let inside = smooth & cos.lt(least);
-        if inside.any() {
-            let raised = normalize(mirrored + normal * (least - cos));
-            shading = inside.select(normalize(raised - direction), shading);
-        }
-    } else {
-        let cos = -dot(shading, direction);
-        let away = smooth & cos.lt(least);
-        if away.any() {
-            shading = away.select(normalize(shading - direction * (least - cos)), shading);
-        }
-    }
-    smooth.select(shading, normal)
-}
 
 /// The scattering of a material about a shading normal.
 pub(crate) struct Smoothed<B, R: Real> {
     bsdf: B,
     /// The geometric normal on the side that was hit.
     normal: R::Vec3,
-    shading: R::Vec3,
+    normals: ScatterNormals<R>,
     smooth: R::Mask,
     soft: R::Mask,
 }
@@ -60,8 +18,8 @@ impl<R: Real> Interaction<'_, R> {
     /// Adapts the scattering of the material at this point to the surface.
     #[inline(always)]
     pub(crate) fn smoothed<B: Bsdf<R>>(&self, bsdf: B) -> Smoothed<B, R> {
-        let Self { normal, shading, smooth, soft, .. } = *self;
-        Smoothed { bsdf, normal, shading, smooth, soft }
+        let Self { normal, normals, smooth, soft, .. } = *self;
+        Smoothed { bsdf, normal, normals, smooth, soft }
     }
 }
 
@@ -75,12 +33,14 @@ impl<B, R: Real> Smoothed<B, R> {
     /// Burley 2019, "Taming the Shadow Terminator").
     #[inline(always)]
     fn factor(&self, direction: R::Vec3, transmitted: R::Mask, soft: R::Mask) -> R {
+        let ScatterNormals { shading, mirror } = self.normals;
         let cos = dot(direction, self.normal);
-        let shaded = dot(direction, self.shading);
         let above = cos.gt(R::ZERO);
         // Rounding can turn the sign of a grazing direction, so the material's word is not enough.
-        let consistent = transmitted.select(!above, above & shaded.gt(R::ZERO));
-        let g = min(cos / (shaded * dot(self.normal, self.shading)), R::ONE);
+        let consistent = transmitted.select(!above, above & dot(direction, mirror).gt(R::ZERO));
+        // Mirrors also reflect to directions that the shading normal turns away from.
+        let shaded = max(dot(direction, shading), R::splat(f32::MIN_POSITIVE));
+        let g = min(cos / (shaded * dot(self.normal, shading)), R::ONE);
         let fade = ((R::ONE - g) * g + 1.0) * g;
         let factor = (soft & !transmitted).select(fade, R::ONE);
         consistent.select(factor, R::ZERO)
@@ -120,7 +80,7 @@ impl<B: Bsdf<R>, R: Real> Bsdf<R> for Smoothed<B, R> {
         if !self.smooth.any() {
             return (f_cos, pdf);
         }
-        let transmitted = dot(direction, self.shading).lt(R::ZERO);
+        let transmitted = dot(direction, self.normals.mirror).lt(R::ZERO);
         let factor = self.factor(direction, transmitted, self.soft);
         (f_cos * self.smooth.select(factor, R::ONE), pdf)
     }
@@ -131,8 +91,8 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
+    use crate::math::{Stream, normalize};
 
     #[test]
     fn factors_are_in_range_even_for_grazing_directions() {
@@ -146,7 +106,9 @@ mod tests {
             let across = normalize(toward - about * dot(toward, about));
             let rise = [-1e-7, 0.0, 1e-7, 1e-30, 0.3][i % 5];
             let (smooth, soft) = (true, i % 3 > 0);
-            let smoothed: Smoothed<_, f32> = Smoothed { bsdf: (), normal, shading, smooth, soft };
+            let mirror = if i % 7 == 0 { normalize(shading + normal) } else { shading };
+            let normals = ScatterNormals { shading, mirror };
+            let smoothed: Smoothed<_, f32> = Smoothed { bsdf: (), normal, normals, smooth, soft };
             let direction = normalize(across + about * rise);
             for transmitted in [false, true] {
                 let factor = smoothed.factor(direction, transmitted, soft);
@@ -154,9 +116,9 @@ mod tests {
             }
         }
         let flat = Vec3::Z;
-        let (normal, shading) = (flat, flat);
+        let (normal, normals) = (flat, ScatterNormals { shading: flat, mirror: flat });
         let smoothed: Smoothed<_, f32> =
-            Smoothed { bsdf: (), normal, shading, smooth: true, soft: true };
+            Smoothed { bsdf: (), normal, normals, smooth: true, soft: true };
         assert_eq!(smoothed.factor(Vec3::Z, false, true), 1.0);
         assert_eq!(smoothed.factor(-Vec3::Z, false, true), 0.0);
         assert_eq!(smoothed.factor(-Vec3::Z, true, true), 1.0);

@@ -37,6 +37,20 @@ impl World {
         lights as u32
     }
 
+    /// Number of primitives that emit light that varies.
+    pub(crate) fn varied_lights(&self) -> usize {
+        let varies: Vec<bool> = self
+            .materials
+            .iter()
+            .map(|material| material.model().varied_emission().is_some())
+            .collect();
+        if !varies.contains(&true) {
+            return 0;
+        }
+        let varies = |primitive: &u32| varies[self.material_map.get(*primitive) as usize];
+        (0..self.geometry.len() as u32).filter(varies).count()
+    }
+
     /// Bytes of all textures and the environment map. An image that several materials share counts once.
     pub(crate) fn texture_bytes(&self) -> u64 {
         let mut images: Vec<_> = self.materials.iter().flat_map(Material::images).collect();

@@ -127,6 +127,7 @@ fn every_build_gives_the_pinned_hashes() {
         "tests/data/instances.ron",
         "tests/data/mapped.ron",
         "tests/data/lights.ron",
+        "tests/data/glass.ron",
     ]) {
         let scene = Scene::load(name).unwrap();
         // Without lights, all three modes are the same.

@@ -232,7 +232,7 @@ fn layers_do_not_change_the_colour() {
 /// Every build and engine gives the same layers.
 #[test]
 fn every_build_gives_the_pinned_layers() {
-    let scenes = ["spheres", "everything.ron", "instances.ron", "mapped.ron"];
+    let scenes = ["spheres", "everything.ron", "instances.ron", "mapped.ron", "glass.ron"];
     let mut lines = Vec::new();
     for (name, first_hit) in
         scenes.into_iter().flat_map(|name| FirstHits::ALL.map(|hit| (name, hit)))

@@ -333,6 +333,9 @@ impl Maker {
             principled.transmission = self.number(textures);
             principled.ior = self.0.between(1.02, 3.0);
             principled.thin = self.one_in(3);
+            if principled.thin && self.one_in(2) {
+                principled.roughness = 0.0.into();
+            }
             principled.attenuation_color = self.vector(0.1, 1.0);
             principled.attenuation_distance = self.0.between(0.1, 4.0);
         }

@@ -55,7 +55,11 @@ fn only_large_renders_try_plans_and_only_if_they_may() {
 
 #[test]
 fn built_in_scenes() {
-    for name in BUILTIN_NAMES.into_iter().chain(["tests/data/everything.ron", "cloud:2000"]) {
+    for name in BUILTIN_NAMES.into_iter().chain([
+        "tests/data/everything.ron",
+        "tests/data/glass.ron",
+        "cloud:2000",
+    ]) {
         let scene = Scene::load(name).unwrap();
         for sampling in SAMPLINGS {
             for (sampler, roulette) in [

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{Leaf, Meshes, numbers, transpose};
 use crate::accel::Count;
 use crate::accel::ray::{Best, OneRay, Packet, Rays};
-use crate::geometry::triangle::lanes::shear;
+use crate::geometry::triangle::lanes::{Levels, shear};
 use crate::geometry::{Geometry, HitLanes};
 use crate::math::Real;
 use crate::simd::{Bits, Float, LANES, Lanes, Mask, axes};
@@ -57,17 +57,19 @@ impl Leaf for LeafBlock {
             return;
         }
         let holes = meshes.may_have_holes();
+        let direction = |axis: usize| one.splat(&one.table.direction[order[axis]]);
+        let levels = Levels::new(origin, direction, &vertices, verdict.possible);
         if ANY && !holes && verdict.certain != 0 {
             // Only whether there is a hit is read.
             best.primitive = self.primitive[0];
-        } else if few && !ANY && !holes {
+        } else if few && !ANY && !holes && levels.are_none() {
             // No CPU can predict these, unlike what remains of shadow rays.
             sheared.decide::<true>(verdict.possible, |lane, t| {
                 best.offer_by_select(t, t_min, self.primitive[lane]);
             });
         } else {
             sheared.decide::<false>(verdict.possible, |lane, t| {
-                let primitive = self.primitive[lane];
+                let (primitive, t) = (self.primitive[lane], levels.distance(lane, t));
                 let is_hole = || meshes.is_hole(primitive, || one.scalar_ray(), t);
                 if t > t_min && (t > best.t || !is_hole()) {
                     best.offer(t, primitive);
@@ -120,6 +122,14 @@ fn test_rays<const ANY: bool>(
         }
     }
     if decided != 0 {
+        let ray = &rays.setup.ray;
+        let vertex = |i: usize, axis: usize| vertices[i][axis][lane];
+        let level =
+            |axis: usize| vertex(0, axis) == vertex(1, axis) && vertex(1, axis) == vertex(2, axis);
+        if let Some(axis) = (0..3).find(|&axis| level(axis)) {
+            let distance = (Float::splat(vertex(0, axis)) - ray.origin[axis]) / ray.direction[axis];
+            t = t.eq(t).select(distance, t);
+        }
         let hit = Mask::from_bits(decided) & t.gt(rays.setup.ray.t_min);
         let no_hole = |ray, t| !meshes.is_hole(primitive, || ray, t);
         let hit = if meshes.may_have_holes() { rays.filter(t, hit, no_hole) } else { hit };

@@ -11,7 +11,7 @@ use crate::simd::{Float, Int, LANES, Lanes, Vec3x, axes};
 /// A vector of prepared rays in memory, read lane by lane.
 pub(crate) struct Table {
     pub(crate) origin: [Lanes; 3],
-    direction: [Lanes; 3],
+    pub(crate) direction: [Lanes; 3],
     time: Lanes,
     pub(crate) t_min: Lanes,
     length2: Lanes,

@@ -12,7 +12,7 @@ use crate::shading::material::{
     Bsdf, CoatedDiffuse, Conductor, Diffuse, DiffuseTransmission, Lambertian, MaterialModel,
     MaterialTable, MaterialTables, MaterialVisitor, Metal, Principled, RoughDielectric, Scatter,
 };
-use crate::shading::{Color, Interaction, Isotropic, Material, Number};
+use crate::shading::{Color, Interaction, Isotropic, Material, Number, ScatterNormals};
 
 /// Scattering by a surface or a medium, with the type of its BSDF erased.
 struct Scattering {
@@ -63,13 +63,13 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         hit: Hit::of(0, 1.0),
         surface: Surface::flat(direction, normal, 0.0),
         normal,
-        shading: normal,
+        normals: ScatterNormals { shading: normal, mirror: normal },
         smooth: false,
         soft: false,
         front,
     };
     let mut materials = MaterialTables::default();
-    materials.push(material, &mut Default::default());
+    materials.push(material, &mut Default::default(), &mut Default::default());
     materials.visit(material.kind(), Visitor(at))
 }
 

@@ -13,6 +13,9 @@ pub(in crate::engine) trait Intersect {
     /// before distance `t_max`.
     fn occluded(&mut self, ray: &Ray, t_max: f32, segment: u32) -> bool;
 
+    /// Returns the closest hit along the part of a shadow ray beyond panes, before distance `t_max`.
+    fn closest_before(&mut self, ray: &Ray, t_max: f32, segment: u32) -> Option<Hit>;
+
     /// Called when the path collides in a medium at distance `t`, before the hit (if any) that the
     /// last call of `closest` returned.
     fn collided(&mut self, _t: f32) {}
@@ -29,6 +32,11 @@ impl Intersect for Tree<'_> {
     #[inline]
     fn closest(&mut self, ray: &Ray, _segment: u32) -> Option<Hit> {
         self.tree.closest(self.geometry, ray, 0.0, f32::INFINITY)
+    }
+
+    #[inline]
+    fn closest_before(&mut self, ray: &Ray, t_max: f32, _segment: u32) -> Option<Hit> {
+        self.tree.closest(self.geometry, ray, 0.0, t_max)
     }
 
     #[inline]
@@ -59,6 +67,14 @@ impl Intersect for CountingTree<'_> {
         let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
         let hit = tree.count_closest(geometry, ray, 0.0, f32::INFINITY, &mut counters);
         self.note(Stage::Extend, segment, counters);
+        hit
+    }
+
+    #[inline(never)]
+    fn closest_before(&mut self, ray: &Ray, t_max: f32, segment: u32) -> Option<Hit> {
+        let (Tree { tree, geometry }, mut counters) = (self.tree, Counters::default());
+        let hit = tree.count_closest(geometry, ray, 0.0, t_max, &mut counters);
+        self.note(Stage::Connect, segment, counters);
         hit
     }
 

@@ -51,7 +51,9 @@ impl ScalarEngine {
 
     /// Creates a path tracer for the scene, with `intersect` to answer ray queries.
     pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
-        PathTracer::new(&self.0, intersect)
+        let (tables, mut tree) = (self.0.prepared.tables(), self.tree());
+        let nesting = tables.bodies_around(self.0.camera.middle(), |ray| tree.closest(ray, 1));
+        PathTracer::new(&self.0, nesting, intersect)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::scene::{Sampling, Scene};
 use crate::shading::material::{
     Bsdf, MaterialModel, MaterialTable, MaterialVisitor, SPECULAR, Scatter,
 };
-use crate::shading::{CameraFrame, Key, SceneTables};
+use crate::shading::{Beyond, CameraFrame, Key, MOST_PANES, Nesting, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts rays and path endings.
 pub(in crate::engine) struct PathTracer<'a, I> {
@@ -23,6 +23,8 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     pub(in crate::engine) intersect: I,
     settings: &'a ImageSettings,
     camera: &'a CameraFrame,
+    /// The bodies around the camera.
+    nesting: Nesting<f32>,
     layers: Layers,
     pub(in crate::engine) rays: RayCounts,
     pub(in crate::engine) endings: Endings,
@@ -38,6 +40,8 @@ struct Path {
     beta: Vec3,
     /// Radiance that has arrived at the camera so far.
     radiance: Vec3,
+    /// The bodies that the segment is in.
+    nesting: Nesting<f32>,
     key: PathKey,
     /// Number of the current segment, from 1.
     segment: u32,
@@ -54,6 +58,8 @@ struct Vertex<'a> {
     surface: &'a Surface,
     /// Surface normal on the side where the path arrives.
     normal: Vec3,
+    /// The bodies beyond the surface.
+    beyond: Nesting<f32>,
     randoms: &'a Randoms,
 }
 
@@ -67,12 +73,13 @@ impl Path {
 }
 
 impl<'a, I: Intersect> PathTracer<'a, I> {
-    pub(in crate::engine) fn new(view: &'a View, intersect: I) -> Self {
+    /// Creates a tracer of paths that begin in the bodies of `nesting`.
+    pub(in crate::engine) fn new(view: &'a View, nesting: Nesting<f32>, intersect: I) -> Self {
         let View { settings, camera, .. } = view;
         let (rays, endings) = Default::default();
         let (scene, tables) = (view.scene(), view.prepared.tables());
         let layers = settings.stored_layers();
-        Self { scene, tables, intersect, settings, camera, layers, rays, endings }
+        Self { scene, tables, intersect, settings, camera, nesting, layers, rays, endings }
     }
 
     /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop), and its parts,
@@ -88,7 +95,9 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let (beta, radiance) = (Vec3::ONE, Vec3::ZERO);
         let (pending, background) = (!self.layers.is_empty(), false);
         let (pdf, segment, after) = (SPECULAR, 1, [None; 2]);
-        let mut path = Path { ray, pdf, beta, radiance, key, segment, pending, background, after };
+        let nesting = self.nesting;
+        let mut path =
+            Path { ray, pdf, beta, radiance, nesting, key, segment, pending, background, after };
         self.rays.primary += 1;
         while self.advance(&mut path, values) {
             self.rays.bounce += 1;
@@ -112,6 +121,15 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         let mut hit = hit.unwrap_or(Hit::of(Hit::MISS, f32::INFINITY));
         (hit.t, hit.primitive) = self.tables.media.collide(&ray, (hit.t, hit.primitive), &randoms);
 
+        // The distance at which the last ray began.
+        let mut begins = 0.0;
+        if self.tables.looks.have_panes() {
+            (hit, begins) = self.pass(path, hit);
+        }
+        if !self.tables.bodies.are_clear() {
+            path.beta *= self.tables.bodies.transmittance(path.nesting, hit.t);
+        }
+
         // Shade: add emitted light, or sample the next direction.
         match self.tables.looks.keys()[usize::from(self.tables.looks.key(hit.primitive))] {
             Key::Background => {
@@ -123,7 +141,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 false
             }
             Key::Medium => {
-                self.intersect.collided(hit.t);
+                self.intersect.collided(hit.t - begins);
                 let phase = self.tables.media.phase(hit.primitive);
                 let point = ray.origin + ray.direction * hit.t;
                 if path.pending {
@@ -137,15 +155,40 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 // A medium has no surface that rays could hit again, so they start at offset 0.
                 let surface = Surface::flat(point, ray.direction, 0.0);
                 let (surface, normal) = (&surface, -ray.direction);
-                let vertex = Vertex { surface, normal, randoms: &randoms };
+                let vertex = Vertex { surface, normal, beyond: path.nesting, randoms: &randoms };
                 self.scatter(&phase, &vertex, path)
             }
-            Key::Surface { shape, kind, emits } => {
+            Key::Surface { shape, kind, emits, .. } => {
                 let tracer = self;
                 let shade = Shade { tracer, path, values, shape, hit, emits, randoms: &randoms };
                 shade.tracer.tables.materials.visit(kind, shade)
             }
         }
+    }
+
+    /// Returns what `path`, whose ray has this hit, meets beyond the panes that it passes, and the distance at which
+    /// the last part of its ray begins.
+    fn pass(&mut self, path: &mut Path, mut hit: Hit) -> (Hit, f32) {
+        let mut begins = 0.0;
+        for number in 1..=MOST_PANES {
+            let Some(pane) = self.tables.pane(&path.ray, hit) else { break };
+            let (sampler, key) = (self.settings.sampler, path.key.beyond(number));
+            let randoms = Randoms::new(sampler, key, path.segment);
+            let chance = pane.chance();
+            if randoms.one(Dimension::PANE) >= chance {
+                path.beta *= Vec3::splat(1.0 / (1.0 - chance));
+                break;
+            }
+            path.beta *= pane.transmittance / chance;
+            let part = Beyond::new(&path.ray, &pane);
+            self.rays.bounce += 1;
+            let found = self.intersect.closest(&part.ray, path.segment);
+            let mut next = found.unwrap_or(Hit::of(Hit::MISS, f32::INFINITY));
+            (next.t, next.primitive) =
+                self.tables.media.collide(&part.ray, (next.t, next.primitive), &randoms);
+            (hit, begins) = (part.whole(next), part.begins);
+        }
+        (hit, begins)
     }
 
     /// Stores the first hit of `path`, which is still to come. It stays so if the first hit may follow this one.
@@ -177,7 +220,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         // path's next segment.
         if self.settings.samples_lights(self.scene) && !bsdf.specular() {
             let direct = self.direct(bsdf, vertex, path);
-            path.radiance += direct.map_or(Vec3::ZERO, |light| path.beta * light);
+            path.radiance += direct.unwrap_or(Vec3::ZERO);
         }
         let Scatter { direction, transmitted, weight, pdf, scattered } =
             bsdf.sample(vertex.randoms);
@@ -188,6 +231,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         path.beta *= weight;
         path.pdf = pdf;
         let side = if transmitted { -vertex.normal } else { vertex.normal };
+        path.nesting = if transmitted { vertex.beyond } else { path.nesting };
         path.ray = Ray { origin: vertex.surface.spawn(side), direction, time: path.ray.time };
 
         // Terminate paths of zero throughput, and most paths of low throughput.
@@ -208,15 +252,20 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
     }
 
     /// Estimates the radiance that one light sends directly to `vertex` and from there along the
-    /// path, with one shadow ray. Returns `None` if no light arrives.
+    /// path to the camera, with one shadow ray. Returns `None` if no light arrives.
     fn direct<B: Bsdf<f32>>(&mut self, bsdf: &B, vertex: &Vertex<'_>, path: &Path) -> Option<Vec3> {
-        let Vertex { surface, normal, randoms } = *vertex;
+        let Vertex { surface, normal, beyond, randoms } = *vertex;
         let time = path.ray.time;
         let from = surface.spawn(normal);
         let light = self.tables.lights.choose(randoms, from);
         let sample = light.sample(from, time, randoms.two(Dimension::LIGHT));
-        let emitted = light.radiance(sample.front) * sample.tint;
-        if !sample.visible || emitted == Vec3::ZERO {
+        let mut emitted = light.radiance(sample.front) * sample.tint;
+        if self.tables.lights.has_varied() {
+            let ray = Ray { origin: from, direction: sample.direction, time };
+            let constant = (emitted, sample.front);
+            emitted = self.tables.radiance_of_sample(&light, constant, &ray, sample.distance);
+        }
+        if !(sample.visible && max_element(emitted) > 0.0) {
             return None;
         }
         let (f_cos, bsdf_pdf) = bsdf.evaluate(sample.direction);
@@ -226,9 +275,12 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         self.rays.shadow += 1;
         // A light behind the surface is sampled from the front but needs a shadow ray from the
         // back. Both origins have the same distance to it, up to rounding errors.
-        let side = if dot(sample.direction, normal) > 0.0 { normal } else { -normal };
+        let above = dot(sample.direction, normal) > 0.0;
+        let (side, nesting) = if above { (normal, path.nesting) } else { (-normal, beyond) };
         let shadow = Ray { origin: surface.spawn(side), direction: sample.direction, time };
-        if self.intersect.occluded(&shadow, sample.distance * SHADOW_REACH, path.segment) {
+        let t_max = sample.distance * SHADOW_REACH;
+        let occluded = self.intersect.occluded(&shadow, t_max, path.segment);
+        if occluded && !self.tables.looks.have_panes() {
             return None;
         }
         let pdf = sample.pdf * light.chance(from);
@@ -237,7 +289,33 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
             _ => 1.0,
         };
         let crossing = self.tables.media.transmittance(&shadow, sample.distance);
-        Some(f_cos * emitted * (weight / pdf * crossing))
+        let mut light = f_cos * emitted * (weight / pdf * crossing);
+        if !self.tables.bodies.are_clear() {
+            light *= self.tables.bodies.transmittance(nesting, sample.distance);
+        }
+        let light = path.beta * light;
+        if occluded { self.pass_shadow(shadow, t_max, path.segment, light) } else { Some(light) }
+    }
+
+    /// Returns the part of the `light` of a blocked shadow ray that passes panes, if they alone block it.
+    fn pass_shadow(
+        &mut self,
+        mut ray: Ray,
+        mut t_max: f32,
+        segment: u32,
+        mut light: Vec3,
+    ) -> Option<Vec3> {
+        for number in 0..=MOST_PANES {
+            self.rays.shadow += 1;
+            let Some(hit) = self.intersect.closest_before(&ray, t_max, segment) else {
+                return Some(light);
+            };
+            let pane = self.tables.pane(&ray, hit).filter(|_| number < MOST_PANES)?;
+            light *= pane.transmittance;
+            ray.origin = pane.beyond;
+            t_max -= hit.t;
+        }
+        None
     }
 
     /// Returns the radiance that arrives along `path` from outside the scene, times its weight.
@@ -259,17 +337,17 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         radiance * light.radiance(true) * weight
     }
 
-    /// Returns the radiance that the surface at the end of the segment emits towards `path`, and
-    /// its weight. [`Self::direct`] contributes the rest.
-    fn emitted(&self, path: &Path, shape: Shape, hit: Hit, front: bool) -> (Vec3, f32) {
+    /// Returns the radiance that the surface at the end of the segment emits towards `path`,
+    /// its weight, and whether the row of the material replaces the radiance. [`Self::direct`] contributes the rest.
+    fn emitted(&self, path: &Path, shape: Shape, hit: Hit, front: bool) -> (Vec3, f32, bool) {
         let (light, is_light) = self.tables.looks.lights::<f32>(shape, hit.primitive);
         if !is_light {
-            return (Vec3::ZERO, 1.0);
+            return (Vec3::ZERO, 1.0, true);
         }
         let light = self.tables.lights.get::<f32>(light);
         let light_pdf = || light.pdf(&path.ray, hit.t) * light.chance(path.ray.origin);
         let weight = emission_weight(self.settings.sampling, path.pdf, light_pdf);
-        (light.radiance(front), weight)
+        (light.radiance(front), weight, light.varies() && !light.is_dark(front))
     }
 }
 
@@ -301,11 +379,10 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
         );
         let entry = tables.looks.entries::<f32>(shape, hit.primitive, table.entries.len());
         if emits {
-            if !table.emission_rows.is_empty() {
-                let radiance = at.color(f32::gather(&table.emission_rows, entry, |row| row));
-                path.radiance += path.beta * radiance;
+            let (mut light, weight, varies) = tracer.emitted(path, shape, hit, at.front);
+            if varies && !table.emission_rows.is_empty() {
+                light = at.color(f32::gather(&table.emission_rows, entry, |row| row));
             }
-            let (light, weight) = tracer.emitted(path, shape, hit, at.front);
             path.radiance += path.beta * light * weight;
         }
         path.shaded();
@@ -330,7 +407,8 @@ impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
             }
         }
         let bsdf = at.smoothed(bsdf);
-        let vertex = Vertex { surface: &at.surface, normal: at.normal, randoms };
+        let beyond = path.nesting.beyond(table.bodies[entry as usize], at.front);
+        let vertex = Vertex { surface: &at.surface, normal: at.normal, beyond, randoms };
         tracer.scatter(&bsdf, &vertex, path)
     }
 }

@@ -74,7 +74,7 @@ mod tests {
                 _ => Vec3::splat(random.uniform()),
             })
             .collect();
-        let mut paths = Paths::new(samples.len(), false);
+        let mut paths = Paths::new(samples.len(), false, false);
         for (path, sample) in (0..).zip(&samples) {
             let indices = paths.indices(Int::splat(path));
             paths.add_radiance(&indices, <Vec3x as Vector>::splat(*sample), u32::MAX);

@@ -69,6 +69,11 @@ impl<const N: usize> Columns<N> {
         &self.words[column * self.stride..][..self.len]
     }
 
+    /// As [`column`](Self::column), to change words.
+    pub(super) fn column_mut(&mut self, column: usize) -> &mut [u32] {
+        &mut self.words[column * self.stride..][..self.len]
+    }
+
     /// The rows from `first` on, one per lane. Lanes beyond the last row have arbitrary values.
     #[inline(always)]
     pub(super) fn rows(&self, first: usize) -> [Int; N] {

@@ -1,8 +1,10 @@
 //! Connect: traces shadow rays and adds the light of those that are not occluded.
 
 use super::extend::trace;
+use super::pass::Passing;
 use super::{CellSort, Cells, Columns, Paths};
-use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch, RayVector};
+use crate::accel::{Accelerator, HitBatch, Kernel, RayBatch, RayVector};
+use crate::engine::StageWork;
 use crate::geometry::Ray;
 use crate::math::{Real, Word};
 use crate::simd::{Float, Indices, Int, LANES, Vec3x};
@@ -85,18 +87,23 @@ impl Shadows {
 }
 
 /// Traces the shadow rays and adds the light of those that are not occluded. There must be at least
-/// one shadow ray. Returns the work of the kernel if `count` is set.
+/// one shadow ray. `passing` lets them through panes, if the scene has any. Returns the work, with that of the
+/// kernel if `count` is set.
 #[inline(never)]
 pub(super) fn connect(
-    accelerator: &Accelerator,
-    kernel: Kernel,
+    (accelerator, kernel): (&Accelerator, Kernel),
     shadows: &mut Shadows,
     hits: &mut HitBatch,
     paths: &mut Paths,
+    passing: Option<Passing<'_>>,
     count: bool,
-) -> Counters {
+) -> StageWork {
     let List { rays, light } = &mut shadows.list;
     let counters = trace(accelerator, kernel, true, rays, hits, count);
+    let mut work = StageWork { counters, ..StageWork::of(rays.len()) };
+    if let Some(passing) = passing {
+        work.add(&passing.pass_shadows(rays, light, hits));
+    }
     // Pad to whole vectors by repeating the last ray.
     light.pad(0..light.len());
     let last = hits.primitive[rays.len() - 1];
@@ -107,5 +114,5 @@ pub(super) fn connect(
         let light = Vec3x([r, g, b].map(Float::from_bits));
         paths.add_radiance(&paths.indices(path), light, free.bits());
     }
-    counters
+    work
 }

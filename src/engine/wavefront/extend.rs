@@ -2,6 +2,7 @@
 
 use super::WaveRays;
 use crate::accel::{Accelerator, Counters, HitBatch, Kernel, RayBatch};
+use crate::geometry::{Hit, Ray};
 use crate::simd::LANES;
 
 /// Finds the closest hits of `rays`. Returns the work of the kernel if `count` is set.
@@ -34,4 +35,12 @@ pub(super) fn trace(
         (false, true) => accelerator.occluded(kernel, rays, all, hits),
     }
     Counters::default()
+}
+
+/// Finds the closest hit of a single ray.
+pub(super) fn closest(accelerator: &Accelerator, kernel: Kernel, ray: &Ray) -> Option<Hit> {
+    let (mut rays, mut hits) = (RayBatch::default(), HitBatch::default());
+    rays.push(ray, 0.0, f32::INFINITY);
+    trace(accelerator, kernel, false, &rays, &mut hits, false);
+    hits.get(0)
 }

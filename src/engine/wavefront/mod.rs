@@ -9,6 +9,7 @@ mod generate;
 mod layer_samples;
 mod material_sort;
 mod order;
+mod pass;
 mod paths;
 mod planning;
 mod ray_sort;

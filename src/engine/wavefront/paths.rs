@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::geometry::Ray;
 use crate::math::{PathKey, Real, Row};
+use crate::shading::Nesting;
 use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 
 /// The paths of a wave, indexed by the number of their sample in the wave.
@@ -16,11 +17,13 @@ use crate::simd::{Float, Indices, Int, LANES, Mask, Vec3x};
 ///
 /// The weights of the pixel filter have a list of their own, which only *generate* and *accumulate*
 /// touch, and which is empty with the box. They multiply finished samples: the throughput stays
-/// positive, as Russian roulette needs it, and the line has no room for them.
+/// positive, as Russian roulette needs it, and the line has no room for them. The bodies that paths are in
+/// also have a list of their own, which is empty if no body absorbs light.
 #[derive(Debug)]
 pub(super) struct Paths {
     lines: Vec<Line>,
     weights: Vec<f32>,
+    nestings: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -51,12 +54,32 @@ pub(super) struct History {
 }
 
 impl Paths {
-    /// Creates storage for `capacity` paths, which may have weights.
-    pub(super) fn new(capacity: usize, weighted: bool) -> Self {
+    /// Creates storage for `capacity` paths, which may have weights, and may be in bodies that absorb light.
+    pub(super) fn new(capacity: usize, weighted: bool, in_bodies: bool) -> Self {
         // The capacity is rounded up because whole vectors are written.
         let capacity = capacity.next_multiple_of(LANES);
         let weights = vec![1.0; if weighted { capacity } else { 0 }];
-        Self { lines: vec![Line([[0; 4]; 4]); capacity], weights }
+        let nestings = vec![0; if in_bodies { capacity } else { 0 }];
+        Self { lines: vec![Line([[0; 4]; 4]); capacity], weights, nestings }
+    }
+
+    /// Lets all paths begin in the bodies of `nesting`.
+    pub(super) fn begin_in(&mut self, nesting: Nesting<f32>) {
+        self.nestings.fill(nesting.0);
+    }
+
+    /// The bodies that the paths `indices` are in.
+    #[inline(always)]
+    pub(super) fn nestings(&self, indices: &Indices) -> Nesting<Float> {
+        Nesting(Int::new(indices.pick(&self.nestings)))
+    }
+
+    /// Sets the bodies that the paths `indices` are in. Lanes with the same path must have the same bodies.
+    #[inline(always)]
+    pub(super) fn set_nestings(&mut self, indices: &Indices, nestings: Nesting<Float>) {
+        for (&path, nesting) in indices.lanes().iter().zip(nestings.0.to_array()) {
+            self.nestings[path as usize] = nesting;
+        }
     }
 
     /// Sets the weights of the paths from `first` on, if paths have weights.
@@ -89,6 +112,23 @@ impl Paths {
     #[inline(always)]
     fn scatter(&mut self, row: usize, indices: &Indices, columns: (Vec3x, Float)) {
         indices.scatter(&mut self.lines, |line| &mut line.0[row], columns);
+    }
+
+    /// The ray of path number `path`, and the key of its random numbers.
+    pub(super) fn ray(&self, path: usize) -> (Ray, PathKey) {
+        let Line(rows) = &self.lines[path];
+        let vector = |row: usize| Vec3::from_slice(&rows[row].map(f32::from_bits));
+        let time = f32::from_bits(rows[0][3]);
+        let ray = Ray { origin: vector(0), direction: vector(1), time };
+        (ray, PathKey { pixel_word: rows[2][3], sample_word: rows[3][3] })
+    }
+
+    /// Multiplies the throughput of path number `path`.
+    pub(super) fn weaken(&mut self, path: usize, by: Vec3) {
+        let row = &mut self.lines[path].0[2];
+        for channel in 0..3 {
+            row[channel] = (f32::from_bits(row[channel]) * by[channel]).to_bits();
+        }
     }
 
     /// Creates indices of the paths in `lanes`, which must all exist.

@@ -5,16 +5,18 @@ use std::sync::Arc;
 use super::accumulate::accumulate;
 use super::collide::collide;
 use super::connect::connect;
-use super::extend::extend;
+use super::extend::{closest, extend};
 use super::generate::generate;
 use super::layer_samples::LayerSamples;
 use super::material_sort::sort;
 use super::order::{Next, order};
+use super::pass::Passing;
 use super::{Cells, Paths, Queues, ShadeInputs, ShadeOutputs, Shadows, WaveRays};
 use crate::accel::HitBatch;
 use crate::engine::{
     Endings, Plan, Stage, StageWork, Stopwatch, Taken, Tally, Task, UnitWorker, View,
 };
+use crate::shading::Nesting;
 
 /// The paths of a wave, and the data that the stages hand to each other. The size of a wave depends
 /// on the plan and on the kinds of materials, not on the image or its samples.
@@ -40,7 +42,11 @@ impl Wave {
         let shadows = if view.settings.samples_lights(view.scene()) { capacity } else { 0 };
         let keys = view.prepared.tables().looks.keys().len();
         Self {
-            paths: Paths::new(capacity, view.camera.is_weighted()),
+            paths: Paths::new(
+                capacity,
+                view.camera.is_weighted(),
+                !view.prepared.tables().bodies.are_clear(),
+            ),
             rays: WaveRays::with_capacity(capacity),
             hits: HitBatch::default(),
             queues: Queues::new(keys, capacity, view.prepared.accelerator().has_instances()),
@@ -58,6 +64,8 @@ pub(super) struct Worker {
     view: Arc<View>,
     pub(super) plan: Plan,
     wave: Wave,
+    /// The bodies around the camera.
+    nesting: Nesting<f32>,
     watch: Stopwatch,
 }
 
@@ -66,7 +74,12 @@ impl Worker {
     pub(super) fn new(view: &Arc<View>, plan: &Plan, paths: u64) -> Self {
         let watch = Stopwatch::new(view.compute.timeline);
         let wave = Wave::new(view, paths as usize);
-        Self { view: Arc::clone(view), plan: plan.clone(), wave, watch }
+        let (accelerator, kernel) = (view.prepared.accelerator(), plan.segment(1).closest);
+        let nesting = view
+            .prepared
+            .tables()
+            .bodies_around(view.camera.middle(), |ray| closest(accelerator, kernel, ray));
+        Self { view: Arc::clone(view), plan: plan.clone(), wave, nesting, watch }
     }
 
     /// Traces the paths of `task` from the camera to the film. Returns `None` if `abandon` returns
@@ -75,7 +88,7 @@ impl Worker {
     /// Stages are not inlined: each then has all registers to itself, and profiles list it
     /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
-        let Self { view, plan, wave, watch } = self;
+        let Self { view, plan, wave, nesting, watch } = self;
         let View { prepared, settings, compute, camera } = &**view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
         let tables = prepared.tables();
@@ -85,6 +98,7 @@ impl Worker {
         watch.start();
 
         generate(camera, settings, unit, paths, rays);
+        paths.begin_in(*nesting);
         tally.rays.primary += rays.len() as u64;
         layers.begin(rays.len(), settings.first_hit);
         watch.lap(Stage::Generate, 1, StageWork::of(rays.len()));
@@ -97,6 +111,15 @@ impl Worker {
             if !tables.media.is_empty() {
                 collide(tables, (settings.sampler, segment), paths, rays, hits);
                 watch.lap(Stage::Collide, segment, StageWork::of(rays.len()));
+            }
+
+            let (kernel, count) = (how.closest, compute.count);
+            let passing =
+                tables.looks.have_panes().then_some(Passing { tables, accelerator, kernel, count });
+            if let Some(passing) = passing {
+                let work = passing.pass(settings, segment, paths, rays, hits);
+                tally.rays.bounce += work.active;
+                watch.lap(Stage::Extend, segment, work);
             }
 
             sort(rays, hits, &tables.looks, queues);
@@ -114,11 +137,10 @@ impl Worker {
                 if how.shadows_ordered {
                     shadows.sort(cells);
                 }
-                let counters =
-                    connect(accelerator, how.occluded, shadows, hits, paths, compute.count);
-                let work = StageWork::of(shadows.len());
+                let trace = (accelerator, how.occluded);
+                let work = connect(trace, shadows, hits, paths, passing, compute.count);
                 tally.rays.shadow += work.active;
-                watch.lap(Stage::Connect, segment, StageWork { counters, ..work });
+                watch.lap(Stage::Connect, segment, work);
             }
 
             if next.len() == 0 {

@@ -5,6 +5,7 @@ use glam::{DAffine3, DVec3};
 
 use super::Reader;
 use super::file::Light;
+use crate::math::affine;
 use crate::shading::light::{Distant, Point, Spot};
 
 impl Reader<'_, '_, '_> {
@@ -23,7 +24,7 @@ impl Reader<'_, '_, '_> {
                 let outer =
                     light.spot.outer_cone_angle.map_or(45.0, f64::to_degrees).clamp(0.1, 180.0);
                 let inner = light.spot.inner_cone_angle.to_degrees().clamp(0.0, 0.999 * outer);
-                let look_at = rounded(map.translation + forward);
+                let look_at = affine::point_along(map.translation, forward);
                 let (outer, inner) = (outer as f32, inner as f32);
                 self.scene
                     .lights

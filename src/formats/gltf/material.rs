@@ -7,6 +7,16 @@ use crate::shading::material::Principled;
 use crate::shading::texture::{Channel, Filter, Image, VertexColor, Wrap};
 use crate::shading::{Color, Number, Opacity, TextureRef};
 
+/// What a texture is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Usage {
+    Colors,
+    /// Colours that are multiplied by those of vertices.
+    TimesVertices,
+    Numbers,
+    Normals,
+}
+
 /// A number of a file, limited to [0, 1].
 fn share(number: f64) -> f32 {
     number.clamp(0.0, 1.0) as f32
@@ -48,12 +58,7 @@ impl Reader<'_, '_, '_> {
         let base = &file.pbr_metallic_roughness;
         let [r, g, b, alpha] = base.base_color_factor.unwrap_or([1.0; 4]);
         let base_color = match &base.base_color_texture {
-            Some(texture) => {
-                if colored {
-                    self.import.warn("products of textures and colours of vertices are not supported, so the textures are used");
-                }
-                self.color(texture, [r, g, b].map(share))?
-            }
+            Some(texture) => self.color(texture, [r, g, b].map(share), colored)?,
             None if colored => {
                 let factor = [r, g, b].map(share);
                 Color::Texture { texture: TextureRef::from(VertexColor {}), factor }
@@ -72,7 +77,7 @@ impl Reader<'_, '_, '_> {
         let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0);
         let emitted = file.emissive_factor.map(|c| (c * strength).clamp(0.0, 1e30) as f32);
         let emission = match &file.emissive_texture {
-            Some(texture) if emitted != [0.0; 3] => self.color(texture, emitted)?,
+            Some(texture) if emitted != [0.0; 3] => self.color(texture, emitted, false)?,
             _ => Color::Rgb(emitted),
         };
         let mut material = Principled {
@@ -117,7 +122,7 @@ impl Reader<'_, '_, '_> {
             material.emission = std::mem::replace(&mut material.base_color, Color::Rgb([0.0; 3]));
             (material.metalness, material.specular) = (0.0.into(), 0.0.into());
         }
-        material.opacity = self.opacity(file, alpha, &material.emission)?;
+        material.opacity = self.opacity(file, alpha)?;
         Ok(material)
     }
 
@@ -150,26 +155,16 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The opacity of a material.
-    fn opacity(
-        &mut self,
-        file: &Material,
-        alpha: f64,
-        emission: &Color,
-    ) -> Result<Option<Opacity>, String> {
+    fn opacity(&mut self, file: &Material, alpha: f64) -> Result<Option<Opacity>, String> {
         let texture = file.pbr_metallic_roughness.base_color_texture.as_ref();
         let mode = file.alpha_mode();
         if mode == "OPAQUE" || texture.is_none() && alpha >= 1.0 {
             return Ok(None);
         }
-        if matches!(emission, Color::Rgb(radiance) if *radiance != [0.0; 3]) {
-            self.import
-                .warn("alpha of surfaces that emit light is not supported, so they are opaque");
-            return Ok(None);
-        }
         let alpha = match texture {
             None => Number::Value(share(alpha)),
-            // As for the colour, so that the image is read once.
-            Some(texture) => match self.texture(texture, Encoding::Auto)? {
+            // As a colour, so that the image is read once.
+            Some(texture) => match self.texture(texture, Usage::Colors)? {
                 None => return Ok(None),
                 Some(texture) => {
                     Number::Texture { texture, channel: Channel::A, factor: share(alpha) }
@@ -182,8 +177,15 @@ impl Reader<'_, '_, '_> {
         }))
     }
 
-    fn color(&mut self, info: &TextureInfo, factor: [f32; 3]) -> Result<Color, String> {
-        Ok(match self.texture(info, Encoding::Auto)? {
+    /// A texture times `factor` and, where it is `colored`, times the colours of vertices.
+    fn color(
+        &mut self,
+        info: &TextureInfo,
+        factor: [f32; 3],
+        colored: bool,
+    ) -> Result<Color, String> {
+        let usage = if colored { Usage::TimesVertices } else { Usage::Colors };
+        Ok(match self.texture(info, usage)? {
             Some(texture) => Color::Texture { texture, factor },
             None => Color::Rgb(factor.map(|c| 0.5 * c)),
         })
@@ -197,7 +199,7 @@ impl Reader<'_, '_, '_> {
     ) -> Result<Number, String> {
         let factor = share(factor);
         let Some(info) = info.filter(|_| factor > 0.0) else { return Ok(Number::Value(factor)) };
-        Ok(match self.texture(info, Encoding::Linear)? {
+        Ok(match self.texture(info, Usage::Numbers)? {
             Some(texture) => Number::Texture { texture, channel, factor },
             None => Number::Value(factor),
         })
@@ -205,22 +207,15 @@ impl Reader<'_, '_, '_> {
 
     fn normal_map(&mut self, info: Option<&TextureInfo>) -> Result<Option<TextureRef>, String> {
         let Some(info) = info else { return Ok(None) };
-        if info.scale.is_some_and(|scale| scale != 1.0) {
-            self.import.warn("scales of normal maps are not supported, so they are 1");
-        }
         if set_of(info) != 0 {
             self.import.warn("normal maps on other texture coordinates than the first are not supported, so surfaces are flat there");
             return Ok(None);
         }
-        self.texture(info, Encoding::Linear)
+        self.texture(info, Usage::Normals)
     }
 
     /// A texture of the scene; `None` if its image is missing and need not be there.
-    fn texture(
-        &mut self,
-        info: &TextureInfo,
-        encoding: Encoding,
-    ) -> Result<Option<TextureRef>, String> {
+    fn texture(&mut self, info: &TextureInfo, usage: Usage) -> Result<Option<TextureRef>, String> {
         let gltf = self.gltf;
         let texture = gltf.document.textures.get(info.index);
         let texture = texture.ok_or_else(|| format!("unknown texture {}", info.index))?;
@@ -236,7 +231,15 @@ impl Reader<'_, '_, '_> {
         }
         let mut image = Image::from_file(file.as_deref().unwrap_or(&self.file));
         image.index = file.is_none().then_some(source as u32);
-        image.encoding = encoding;
+        image.encoding = if usage == Usage::Numbers || usage == Usage::Normals {
+            Encoding::Linear
+        } else {
+            Encoding::Auto
+        };
+        image.vertex_colors = usage == Usage::TimesVertices;
+        if usage == Usage::Normals {
+            image.normal_scale = info.scale.map_or(1.0, |scale| scale.clamp(-1e3, 1e3) as f32);
+        }
         if let Some(sampler) = texture.sampler {
             let sampler = gltf.document.samplers.get(sampler);
             let sampler = sampler.ok_or("a texture has an unknown sampler")?;

@@ -21,7 +21,7 @@ use super::import::{Format, Import, ROULETTE};
 use super::mesh_scene;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
-use crate::math::affine::rows;
+use crate::math::affine::{self, rows};
 use crate::scene::{InstanceFile, SceneFile};
 use crate::shading::{Background, CameraFile};
 
@@ -207,9 +207,9 @@ impl Reader<'_, '_, '_> {
         map: &DAffine3,
     ) -> Result<(), String> {
         let from = map.translation;
-        let at = from - map.matrix3 * DVec3::Z;
+        let at = affine::point_along(from, -(map.matrix3 * DVec3::Z));
         let rounded = |v: DVec3| v.as_vec3().to_array();
-        let mut file = CameraFile::new(rounded(from), rounded(at), 40.0);
+        let mut file = CameraFile::new(rounded(from), at, 40.0);
         file.up = rounded(map.matrix3 * DVec3::Y);
         let aspect = match (&camera.perspective, &camera.orthographic) {
             (Some(perspective), _) => {

@@ -5,10 +5,12 @@ use std::rc::Rc;
 
 use glam::DVec3;
 
+use super::texture::ValueKey;
 use super::{Params, Reader, rounded};
+use crate::math::affine;
 use crate::math::precise::unit;
 use crate::shading::light::{Distant, EnvironmentMap, Mapping, Point, Spot};
-use crate::shading::material::Light;
+use crate::shading::material::{Light, Principled};
 use crate::shading::{Background, Sides};
 
 /// The directive `AreaLightSource`.
@@ -18,6 +20,16 @@ pub(crate) struct AreaLight {
     two_sided: bool,
     /// The power of each shape, if it decides the radiance.
     pub(crate) power: Option<f64>,
+}
+
+/// Everything that determines the material of an area light: radiance, whether both sides emit it, and the number of
+/// the material that scatters light, with its alpha.
+pub(crate) type LightKey = ([u32; 3], bool, Option<(usize, Option<ValueKey>)>);
+
+/// A surface that scatters light beside emitting it.
+pub(crate) struct LitSurface {
+    pub(crate) material: Principled,
+    pub(crate) key: (usize, Option<ValueKey>),
 }
 
 /// Luminance of linear RGB.
@@ -61,19 +73,32 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// The name of a material for `light` on a shape of this area.
-    pub(crate) fn light_material(&mut self, light: &AreaLight, area: f64) -> String {
+    /// The name of a material for `light` on a shape of this area, which may also scatter light.
+    pub(crate) fn light_material(
+        &mut self,
+        light: &AreaLight,
+        area: f64,
+        surface: Option<LitSurface>,
+    ) -> String {
         let AreaLight { radiance, two_sided, power } = light;
         let sides = if *two_sided { 2.0 } else { 1.0 };
         let factor = power.map_or(1.0, |power| power / (PI * sides * area));
         let radiance = scaled(*radiance, factor);
-        let key = (radiance.map(f32::to_bits), *two_sided);
+        let (material, key) = surface.map(|surface| (surface.material, surface.key)).unzip();
+        let key = (radiance.map(f32::to_bits), *two_sided, key);
         if let Some(known) = self.lights.get(&key) {
             return known.clone();
         }
         let name = self.materials.unique("light");
         let sides = if *two_sided { Sides::Both } else { Sides::Front };
-        self.scene.add_material(name.clone(), Light { radiance, sides });
+        match material {
+            None => self.scene.add_material(name.clone(), Light { radiance, sides }),
+            Some(material) => {
+                let emission = radiance.into();
+                let material = Principled { emission, emission_sides: sides, ..material };
+                self.scene.add_material(name.clone(), material);
+            }
+        }
         self.lights.insert(key, name.clone());
         name
     }
@@ -99,13 +124,15 @@ impl Reader<'_, '_> {
                 let intensity = self.light_color(params, "I")?;
                 let power = params.number("power")?.filter(|power| *power > 0.0);
                 let from = point("from", DVec3::ZERO)?;
-                let position = rounded(to_scene.transform_point3(from));
+                let from_there = to_scene.transform_point3(from);
+                let position = rounded(from_there);
                 if class == "point" {
                     let factor = scale * power.map_or(1.0, |power| power / (4.0 * PI));
                     let intensity = scaled(intensity, factor);
                     self.scene.lights.push(Point { position, intensity }.into());
                 } else {
-                    let look_at = rounded(to_scene.transform_point3(point("to", DVec3::Z)?));
+                    let axis = to_scene.transform_vector3(point("to", DVec3::Z)? - from);
+                    let look_at = affine::point_along(from_there, axis);
                     let outer = params.number("coneangle")?.unwrap_or(30.0);
                     let inner = outer - params.number("conedeltaangle")?.unwrap_or(5.0);
                     let factor = scale * power.map_or(1.0, |power| power / cone(inner, outer));

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::definition::{Definition, MaterialKey};
+use super::light::LitSurface;
 use super::{Params, Reader, Value};
 use crate::shading::material::{
     CoatedDiffuse, Conductor, Dielectric, DiffuseTransmission, Fresnel, Lambertian, Principled,
@@ -19,6 +20,15 @@ const NO_ROOT: &str =
 
 /// The α from which glass counts as rough.
 const ROUGH: f64 = 0.001;
+
+/// The index of refraction whose surface reflects as much as both faces of a sheet of index `ior`, with all reflections
+/// between them: 2 F/(1 + F), at normal incidence (pbrt-v4, `ThinDielectricBxDF`).
+fn of_both_faces(ior: f32) -> f32 {
+    let root = (ior - 1.0) / (ior + 1.0);
+    let reflected = root * root;
+    let root = (2.0 * reflected / (1.0 + reflected)).sqrt();
+    ((1.0 + root) / (1.0 - root)).clamp(1.01, 10.0)
+}
 
 impl Reader<'_, '_> {
     /// The name of the scene's material for the current one, with alpha and with the absorption of the
@@ -65,6 +75,46 @@ impl Reader<'_, '_> {
         self.scene.add_material(name.clone(), material);
         self.materials.known.insert(key, name.clone());
         Ok(Some(name))
+    }
+
+    /// The current material as one that can also emit light; `None` if it only needs to do that.
+    pub(crate) fn lit_surface(
+        &mut self,
+        alpha: Option<&Value>,
+    ) -> Result<Option<LitSurface>, String> {
+        let definition = Rc::clone(&self.state.material);
+        let black = || Principled {
+            base_color: [0.0; 3].into(),
+            specular: 0.0.into(),
+            ..Principled::default()
+        };
+        let mut material = if definition.is_black() {
+            if alpha.is_none() {
+                return Ok(None);
+            }
+            black()
+        } else {
+            let class = format!("the material {}", definition.class);
+            let material = self
+                .material(&definition)
+                .map_err(|message| format!("{class} of line {}: {message}", definition.line))?;
+            self.warn_unused(&definition.params, &class);
+            match material {
+                Material::Principled(material) => material,
+                Material::Lambertian(material) => {
+                    Principled { base_color: material.albedo, normal: material.normal, ..black() }
+                }
+                _ => {
+                    self.import.warn(format!(
+                        "area lights on {class} are not supported, so they only emit light"
+                    ));
+                    black()
+                }
+            }
+        };
+        material.opacity = alpha.map(|alpha| Opacity::Blend { alpha: alpha.mapped(|alpha| alpha) });
+        let key = (definition.index, alpha.map(Value::key));
+        Ok(Some(LitSurface { material, key }))
     }
 
     fn material(&mut self, definition: &Definition) -> Result<Material, String> {
@@ -129,7 +179,7 @@ impl Reader<'_, '_> {
             "thindielectric" => Principled {
                 base_color: [1.0; 3].into(),
                 roughness: 0.0.into(),
-                ior: self.ior(params, "eta", 1.5)?.clamp(1.01, 10.0),
+                ior: of_both_faces(self.ior(params, "eta", 1.5)?),
                 transmission: 1.0.into(),
                 thin: true,
                 normal,

@@ -25,7 +25,7 @@ use glam::DAffine3;
 
 use self::definition::{Definition, Materials};
 use self::directives::quoted;
-use self::light::AreaLight;
+use self::light::{AreaLight, LightKey};
 use self::medium::Medium;
 use self::options::RenderOptions;
 use self::params::{Param, Params, Values};
@@ -82,7 +82,7 @@ struct Reader<'i, 'a> {
     textures: Textures,
     materials: Materials,
     /// The materials of lights, by the bits of their radiance, and whether they have two sides.
-    lights: HashMap<([u32; 3], bool), String>,
+    lights: HashMap<LightKey, String>,
     media: HashMap<String, Medium>,
     /// The object that is being defined, and its parts.
     object: Option<(String, Vec<PrimitiveFile>)>,

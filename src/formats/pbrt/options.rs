@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::{Params, Reader, rounded, twice_angle_of};
 use crate::formats::import::ROULETTE;
+use crate::math::affine;
 use crate::shading::{CameraFile, PixelFilter};
 
 /// What the directives before `WorldBegin` say about the picture.
@@ -216,12 +217,12 @@ impl Reader<'_, '_> {
         let Camera { to_scene, fov, half, lens_radius, focal_distance } =
             self.view.camera.take().unwrap_or_default();
         let from = to_scene.translation;
-        let at = from + to_scene.matrix3 * DVec3::Z;
+        let at = affine::point_along(from, to_scene.matrix3 * DVec3::Z);
         // From the shorter side to the height.
         let longer = if width < height { f64::from(height) / f64::from(width) } else { 1.0 };
         let tangent = |fov: f64| crate::math::precise::tan_degrees(0.5 * fov.clamp(0.01, 179.0));
         let vfov = fov.map_or(0.0, |fov| twice_angle_of(tangent(fov) * longer));
-        let camera = CameraFile::new(rounded(from), rounded(at), vfov as f32);
+        let camera = CameraFile::new(rounded(from), at, vfov as f32);
         let focus = focal_distance.clamp(1e-6, 1e9);
         self.scene.camera = CameraFile {
             up: rounded(to_scene.matrix3 * DVec3::Y),

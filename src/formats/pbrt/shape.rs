@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::light::AreaLight;
+use super::light::{AreaLight, LitSurface};
 use super::list::{List, corners, disk, globe, vertices};
 use super::parallelogram::parallelogram;
 use super::{Params, Reader, State, Value, rounded, uniform_scale};
@@ -21,18 +21,11 @@ impl Reader<'_, '_> {
         if class == "sphere" && self.state.material.is_invisible() && light.is_none() {
             return self.filled_ball(params);
         }
-        if light.is_some() && alpha.is_some() {
-            self.import.warn("alpha of area lights is not supported, so they are opaque");
-        }
         let material = match &light {
             None => self.current_material(alpha.as_ref())?,
             Some(light) => {
-                if !self.state.material.is_black() {
-                    self.import.warn(
-                        "area lights that scatter light are not supported, so they only emit it",
-                    );
-                }
-                Some(self.area_light(light, class, params)?)
+                let surface = self.lit_surface(alpha.as_ref())?;
+                Some(self.area_light(light, class, params, surface)?)
             }
         };
         let Some(material) = material else {
@@ -43,7 +36,7 @@ impl Reader<'_, '_> {
         };
         match class {
             "plymesh" => self.ply_mesh(params, material)?,
-            "sphere" => self.sphere(params, material, alpha.is_some() && light.is_none())?,
+            "sphere" => self.sphere(params, material, alpha.is_some())?,
             _ => match self.list(class, params)? {
                 Some(list) => self.add_list(list, material)?,
                 None => {
@@ -216,12 +209,13 @@ impl Reader<'_, '_> {
         light: &AreaLight,
         class: &str,
         params: &Params,
+        surface: Option<LitSurface>,
     ) -> Result<String, String> {
         let area = match light.power {
             None => 1.0,
             Some(_) => self.mean_area(class, params)?,
         };
-        Ok(self.light_material(light, area))
+        Ok(self.light_material(light, area, surface))
     }
 
     /// The area of a shape, or the mean area of its triangles or patches, each of which is a light in pbrt.

@@ -72,6 +72,12 @@ impl<R: Real> Placement<R> {
         apply(&self.to_world, vector)
     }
 
+    /// Maps a point from object to world space.
+    #[inline(always)]
+    pub(in crate::geometry) fn point(&self, point: R::Vec3) -> R::Vec3 {
+        self.vector(point) + self.to_object.center
+    }
+
     /// Maps a point of a surface from object to world space.
     ///
     /// Let q be the point in object space, n its normal and u the unit roundoff. A distance along n
@@ -82,7 +88,7 @@ impl<R: Real> Placement<R> {
     /// 10 u |c|, where κ is the largest sum in a row of |A| |L|.
     #[inline(always)]
     pub(in crate::geometry) fn surface(&self, surface: Surface<R>) -> Surface<R> {
-        let point = apply(&self.to_world, surface.point) + self.to_object.center;
+        let point = self.point(surface.point);
         let normal = self.to_object.normal(surface.normal);
         let scale = length(normal);
         let magnitudes = axes(|row| self.to_world[row].abs());

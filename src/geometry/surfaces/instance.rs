@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{Partials, SurfaceTable, triangle};
+use crate::geometry::triangle::inset;
 use crate::geometry::{Geometry, Hit, Ray, Surface};
 use crate::math::Real;
 
@@ -56,6 +57,11 @@ impl Table {
     #[inline(never)]
     fn find_apart<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
         let placement = self.geometry.instances.placement::<R>(hit.instance);
-        placement.surface(self.triangles.find(&placement.ray(ray), hit))
+        let (surface, face) = self.triangles.find_exactly(&placement.ray(ray), hit);
+        let placed = placement.surface(surface);
+        // Distances from the edges matter where the triangle is placed.
+        let edges = face.edges.map(|edge| placement.vector(edge));
+        let point = placement.point(face.point(inset(edges, face.shares, placed.offset)));
+        Surface { point, ..placed }
     }
 }

@@ -91,6 +91,11 @@ impl Surfaces {
         match_shape!(shape, self, |table| table.find(ray, hit))
     }
 
+    /// Whether `ray` meets a hole of a primitive, which is not on an instance, at distance `t`.
+    pub(crate) fn is_hole(&self, primitive: u32, ray: &Ray, t: f32) -> bool {
+        self.triangle.is_hole(primitive, ray, t)
+    }
+
     /// [`SurfaceTable::second_uv`].
     pub(crate) fn second_uv<R: Real>(
         &self,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Partials, SurfaceTable};
-use crate::geometry::triangle::surface;
+use crate::geometry::triangle::{inset, surface};
 use crate::geometry::triangles::{COLORED, MAPPED, MAPPED_TWICE, Rows, SMOOTH, SOFT, TANGENT};
 use crate::geometry::{Geometry, Hit, Ray, ShadingNormal, Surface, Triangles};
 use crate::math::{Mask, Real, Vector, Word, dot, normalize};
@@ -17,6 +17,25 @@ pub(super) struct Table {
     /// The number of the first triangle among all primitives.
     first: u32,
     geometry: Arc<Geometry>,
+}
+
+/// A point of a triangle.
+pub(super) struct Face<R: Real> {
+    /// The first vertex.
+    first: R::Vec3,
+    /// The edges from there to the others.
+    pub(super) edges: [R::Vec3; 2],
+    /// The barycentric coordinates of the point for the second and the third vertex.
+    pub(super) shares: [R; 2],
+}
+
+impl<R: Real> Face<R> {
+    /// The point with these barycentric coordinates.
+    #[inline(always)]
+    pub(super) fn point(&self, [second, third]: [R; 2]) -> R::Vec3 {
+        let [u, v] = self.edges;
+        self.first + (u * second + v * third)
+    }
 }
 
 /// A list of triangles.
@@ -62,6 +81,22 @@ impl Table {
     /// The table of the triangles of `geometry`, of which the first has the number `first`.
     pub(super) fn with_first(first: u32, geometry: Arc<Geometry>) -> Self {
         Self { first, geometry }
+    }
+
+    /// Whether `ray` meets a hole of a primitive at distance `t`.
+    pub(super) fn is_hole(&self, primitive: u32, ray: &Ray, t: f32) -> bool {
+        self.geometry.is_hole(primitive, 0, ray, t)
+    }
+
+    /// The exact point where `ray` has this hit.
+    #[inline(always)]
+    pub(super) fn find_exactly<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> (Surface<R>, Face<R>) {
+        let corners = self.view().corners::<R>(hit.primitive);
+        let [a, b, c] = corners.gather(self.view().rows().positions).map(|(position, _)| position);
+        let (surface, shares) = surface([a, b, c], ray, hit.t);
+        let shading = self.view().shading(&corners, surface.normal, shares);
+        let face = Face { first: a, edges: [b - a, c - a], shares };
+        (Surface { shading, ..surface }, face)
     }
 
     #[inline(always)]
@@ -183,10 +218,9 @@ impl SurfaceTable for Table {
 
     #[inline(always)]
     fn find<R: Real>(&self, ray: &Ray<R>, hit: Hit<R>) -> Surface<R> {
-        let corners = self.view().corners::<R>(hit.primitive);
-        let positions = corners.gather(self.view().rows().positions).map(|(position, _)| position);
-        let (surface, at) = surface(positions, ray, hit.t);
-        Surface { shading: self.view().shading(&corners, surface.normal, at), ..surface }
+        let (surface, face) = self.find_exactly(ray, hit);
+        let point = face.point(inset(face.edges, face.shares, surface.offset));
+        Surface { point, ..surface }
     }
 
     #[inline(always)]

@@ -57,11 +57,56 @@ pub(crate) fn shear(
     ShearedTriangles { vertices, edges: [u, v, w], most, error, candidates: !mixed }
 }
 
+/// The triangles with the same coordinate on an axis at all vertices ([`Triangle::level_axis`]), and the
+/// distances of their planes. The three axes may be in any order.
+///
+/// [`Triangle::level_axis`]: super::Triangle::level_axis
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Levels {
+    lanes: u32,
+    distances: Lanes,
+}
+
+impl Levels {
+    /// Those of the triangles in the lanes of `valid`.
+    #[inline(always)]
+    pub(crate) fn new(
+        origin: [Float; 3],
+        direction: impl Fn(usize) -> Float,
+        vertices: &[[Float; 3]; 3],
+        valid: u32,
+    ) -> Self {
+        let [a, b, c] = vertices;
+        let level = axes(|axis| a[axis].eq(b[axis]) & b[axis].eq(c[axis]));
+        let lanes = (level[0] | level[1] | level[2]).bits() & valid;
+        let mut distances = Float::ZERO;
+        if lanes != 0 {
+            for axis in 0..3 {
+                let distance = (a[axis] - origin[axis]) / direction(axis);
+                distances = level[axis].select(distance, distances);
+            }
+        }
+        Self { lanes, distances: distances.to_array() }
+    }
+
+    /// Whether there are none.
+    #[inline(always)]
+    pub(crate) fn are_none(&self) -> bool {
+        self.lanes == 0
+    }
+
+    /// The distance of a triangle that has the distance `t` by its edge functions.
+    #[inline(always)]
+    pub(crate) fn distance(&self, lane: usize, t: f32) -> f32 {
+        if self.lanes >> lane & 1 == 1 && !t.is_nan() { self.distances[lane] } else { t }
+    }
+}
+
 /// Bound on the error of an edge function, relative to the largest product in it.
 const EDGE_ERROR: f32 = 5.0 * UNIT_ROUNDOFF;
 /// Bound on the error of a distance t times the sum of the edge functions, relative to `most * (farthest + t)`.
 /// See [`ShearedTriangles::verdict`].
-const DISTANCE_ERROR: f32 = 64.0 * UNIT_ROUNDOFF;
+const DISTANCE_ERROR: f32 = 96.0 * UNIT_ROUNDOFF;
 
 /// Up to this many candidates are decided one by one. If there are more, all lanes are decided at
 /// once. Twice this limit is 1% slower on x86-64-v3.
@@ -97,7 +142,9 @@ impl ShearedTriangles {
         // With the exact total S and distance T, this estimates |S| (t − T). In unit roundoffs of
         // `most * (farthest + t)`, it is in error by at most 37 (edge functions 15, sums and products
         // 22), and the rounding of T to f32 adds 6. If f32 has the sign of S wrong, |S| is at most 25 of
-        // `most`, and the estimate at most 25 + 37.
+        // `most`, and the estimate at most 25 + 37. The distance of a plane (`Levels`) differs from T by at
+        // most 8 roundings of the farthest vertex, since shearing rounds the coordinate on the plane's axis
+        // three times. As |S| is at most 6 of `most`, that adds 48.
         let beyond = |t: Float| total.abs().free_mul_sub(t, along);
         // No intermediate result above exceeds 16 times `most * (farthest + t)`. So if one of them is
         // infinite, this is, too, and nothing is certain.

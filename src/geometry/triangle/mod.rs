@@ -1,13 +1,15 @@
 //! Triangles with a test that is watertight at shared edges and vertices.
 
+mod inset;
 pub(crate) mod lanes;
 mod surface;
 
 use glam::{DVec3, Vec3};
 
 use super::primitive::{components, vectors};
-use super::{Bounds, PreparedRay, PrimitiveModel, Shape};
+use super::{Bounds, PreparedRay, PrimitiveModel, Ray, Shape};
 use crate::simd::axes;
+pub(super) use inset::inset;
 pub(super) use surface::surface;
 
 /// A two-sided triangle. Its vertices run counter-clockwise as seen from the front.
@@ -83,6 +85,17 @@ impl Triangle {
         })
     }
 
+    /// The axis on which all vertices have the same coordinate, if there is one.
+    ///
+    /// Such triangles have the distance of their plane along this axis, with the roundings of a quad there. So
+    /// rays that leave a quad never hit a triangle in its plane, and where they lie on each other, all rays
+    /// hit the quad, since it has the smaller number.
+    #[inline]
+    fn level_axis(&self) -> Option<usize> {
+        let [a, b, c] = self.vertices;
+        (0..3).find(|&axis| a[axis] == b[axis] && b[axis] == c[axis])
+    }
+
     /// Twice the area times the unit normal. It is in f64 because the cross product of slivers
     /// cancels.
     #[inline]
@@ -104,7 +117,13 @@ impl PrimitiveModel for Triangle {
 
     #[inline]
     fn intersect(&self, prepared: &PreparedRay, t_min: f32, t_max: f32) -> Option<f32> {
-        let t = distance(self.sheared(prepared));
+        let mut t = distance(self.sheared(prepared));
+        if !t.is_nan()
+            && let Some(axis) = self.level_axis()
+        {
+            let Ray { origin, direction, .. } = &prepared.ray;
+            t = (self.vertices[0][axis] - origin[axis]) / direction[axis];
+        }
         (t > t_min && t < t_max).then_some(t)
     }
 
@@ -132,7 +151,6 @@ impl PrimitiveModel for Triangle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Ray;
     use crate::math::Stream;
     use crate::math::warp::uniform_sphere;
 

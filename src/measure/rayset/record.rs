@@ -106,7 +106,8 @@ fn for_each_of_wave(wave: &[Vec<TracedRay>], kind: RayKind, mut visit: impl FnMu
             return;
         }
         for path in &mut open {
-            if let Some(ray) = path.next_if(|ray| ray.segment == segment) {
+            // A segment or a shadow ray that passes panes has several rays.
+            while let Some(ray) = path.next_if(|ray| ray.segment == segment) {
                 visit(ray);
             }
         }

@@ -9,7 +9,8 @@ use crate::shading::Material;
 /// The materials of a scene, by name.
 pub(crate) struct Materials<'a> {
     names: HashMap<&'a str, u32>,
-    /// Whether each of them is a light.
+    /// Whether each of them emits a constant light, so that its triangles become lights wherever instances place
+    /// them. Light that varies is found by paths alone there, since each light takes much memory.
     pub(super) emits: Vec<bool>,
     /// Whether any of them has a normal map, so that smooth meshes need tangents.
     pub(super) normal_maps: bool,
@@ -23,7 +24,10 @@ impl<'a> Materials<'a> {
     pub(crate) fn new(names: impl Iterator<Item = &'a str>, materials: &[Material]) -> Self {
         Self {
             names: names.zip(0..).collect(),
-            emits: materials.iter().map(Material::emits).collect(),
+            emits: materials
+                .iter()
+                .map(|material| material.emission().is_some_and(|emission| emission.emits()))
+                .collect(),
             normal_maps: materials.iter().any(|material| material.model().normal().is_some()),
             vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }

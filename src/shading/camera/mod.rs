@@ -185,6 +185,11 @@ impl CameraFrame {
         self.filter.is_none() && self.parallel.is_none()
     }
 
+    /// The ray through the middle of the image from the middle of the lens, when the shutter opens.
+    pub(crate) fn middle(&self) -> Ray {
+        Ray { origin: self.origin, direction: self.forward, time: self.shutter_open }
+    }
+
     /// Distance of a point from the camera along the direction of view.
     #[inline(always)]
     pub(crate) fn depth<R: Real>(&self, point: R::Vec3) -> R {

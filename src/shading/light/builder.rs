@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::alias::AliasTable;
 use super::environment::{Environment, EnvironmentMap};
-use super::lights::{Choice, FRONT_ONLY, Lights, UNSEEN};
+use super::lights::{Choice, FRONT_ONLY, Lights, UNSEEN, VARIES};
 use super::tree::{LightBounds, LightTree};
 use super::{Entry, LightFile};
 use crate::geometry::Primitive;
@@ -23,11 +23,18 @@ pub(crate) struct LightsBuilder {
 }
 
 impl LightsBuilder {
-    /// Adds a primitive that emits light.
-    pub(crate) fn push(&mut self, primitive: Primitive, emission: Emission) {
+    /// Adds primitive number `number`, which emits light: at all of its points the same, or with this mean.
+    pub(crate) fn push(
+        &mut self,
+        number: u32,
+        primitive: Primitive,
+        emission: Emission,
+        varies: bool,
+    ) {
         let Emission { radiance, sides } = emission;
         let (entry, area, normal) = self.lights.tables.push_primitive(primitive);
         let one_sided = if sides == Sides::Front { FRONT_ONLY } else { 0 };
+        let varies = if varies { VARIES } else { 0 };
         let faces = if sides == Sides::Both { 2.0 } else { 1.0 };
         let bounds = LightBounds {
             bounds: primitive.bounds(),
@@ -36,7 +43,9 @@ impl LightsBuilder {
             two_sided: sides == Sides::Both,
             power: luminance(radiance) * area * faces,
         };
-        self.add(entry, radiance, one_sided, Some(bounds));
+        self.add(entry, radiance, one_sided | varies, Some(bounds));
+        let row = self.lights.rows.last_mut().expect("a row was added");
+        row[1][2] = number;
     }
 
     /// Adds a light that is not a primitive, unless it is black.
@@ -66,11 +75,12 @@ impl LightsBuilder {
         &mut self,
         (kind, index): Entry,
         radiance: Vec3,
-        one_sided: u32,
+        flags: u32,
         inside: Option<LightBounds>,
     ) {
+        self.lights.has_varied |= flags & VARIES != 0;
         self.lights.has_unseen |= kind & UNSEEN != 0;
-        self.lights.rows.push([row(radiance, f32::from_bits(kind | one_sided)), [0, index, 0, 0]]);
+        self.lights.rows.push([row(radiance, f32::from_bits(kind | flags)), [0, index, 0, 0]]);
         // Above 0 even for the dimmest light.
         let power = |power: f64| if power > 1e-300 { power } else { 1e-300 };
         self.inside.push(inside.map(|light| LightBounds { power: power(light.power), ..light }));

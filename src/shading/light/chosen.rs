@@ -1,6 +1,6 @@
 //! Chooses lights and samples them.
 
-use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights, UNSEEN};
+use super::lights::{Choice, FRONT_ONLY, KIND_SHIFT, Lights, UNSEEN, VARIES};
 use super::tree::LightTree;
 use super::{Environment, LightKind, LightSample, Listed, TableFold};
 use crate::geometry::Ray;
@@ -106,6 +106,18 @@ impl<R: Real> Chosen<'_, R> {
         self.has(UNSEEN)
     }
 
+    /// Returns which of the lights have a radiance that varies.
+    #[inline(always)]
+    pub(crate) fn varies(&self) -> R::Mask {
+        self.has(VARIES)
+    }
+
+    /// The primitives that are the lights.
+    #[inline(always)]
+    pub(crate) fn primitive(&self) -> R::Word {
+        self.chance_and_place()[2].to_bits()
+    }
+
     #[inline(always)]
     fn is(&self, kind: LightKind) -> R::Mask {
         (self.flags >> KIND_SHIFT).eq(R::Word::splat(kind as u32))
@@ -139,7 +151,13 @@ impl<R: Real> Chosen<'_, R> {
     /// Returns the radiance towards a viewer. `front` marks viewers on the front side of the light.
     #[inline(always)]
     pub(crate) fn radiance(&self, front: R::Mask) -> R::Vec3 {
-        (self.has(FRONT_ONLY) & !front).select(R::Vec3::zero(), self.emission)
+        self.is_dark(front).select(R::Vec3::zero(), self.emission)
+    }
+
+    /// Returns which of the lights emit nothing to viewers on this side.
+    #[inline(always)]
+    pub(crate) fn is_dark(&self, front: R::Mask) -> R::Mask {
+        self.has(FRONT_ONLY) & !front
     }
 
     #[inline(always)]

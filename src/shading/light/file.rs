@@ -6,6 +6,7 @@ use super::tree::LightBounds;
 use super::{Entry, LightFile, LightTables};
 use crate::checks::Location;
 use crate::error::Result;
+use crate::geometry::Bounds;
 
 /// The description of a light that is not a primitive.
 pub(super) trait FreeLightModel {
@@ -27,6 +28,11 @@ pub(super) trait FreeLightModel {
 impl LightFile {
     pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
         self.model().check(e)
+    }
+
+    /// The place of the light, if it is inside the scene.
+    pub(crate) fn place(&self) -> Option<Bounds> {
+        self.model().inside().map(|light| light.bounds)
     }
 
     /// Whether the light is not black.

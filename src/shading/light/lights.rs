@@ -6,15 +6,17 @@ use super::tree::LightTree;
 use crate::math::Row;
 
 /// Data of every light: (radiance, flags) and (chance of being chosen, index in the table of its
-/// kind, 0, 0).
+/// kind, primitive, 0). The radiance of lights that vary is the mean.
 pub(super) type LightRows = [Row; 2];
 
 /// Flag of lights that emit on their front side only.
 pub(super) const FRONT_ONLY: u32 = 1;
 /// Flag of lights that only light samples find.
 pub(super) const UNSEEN: u32 = 2;
+/// Flag of lights whose radiance varies, by a texture or by holes.
+pub(super) const VARIES: u32 = 4;
 /// The kind is in the bits above the flags.
-pub(super) const KIND_SHIFT: u32 = 2;
+pub(super) const KIND_SHIFT: u32 = 3;
 
 /// The lights of a scene: those of primitives in their order, then those of the list of lights, then
 /// the environment map.
@@ -26,6 +28,7 @@ pub(crate) struct Lights {
     /// Index of the environment map.
     pub(super) environment: Option<u32>,
     pub(super) has_unseen: bool,
+    pub(super) has_varied: bool,
 }
 
 /// How a light is chosen.
@@ -50,6 +53,12 @@ impl Lights {
     /// Number of lights.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
+    }
+
+    /// Whether there are lights whose radiance varies.
+    #[inline(always)]
+    pub(crate) fn has_varied(&self) -> bool {
+        self.has_varied
     }
 
     /// Whether there are lights that only light samples find.

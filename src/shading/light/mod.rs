@@ -25,6 +25,7 @@ use std::fmt::Debug;
 use glam::DVec3;
 
 pub(crate) use self::builder::LightsBuilder;
+pub(crate) use self::chosen::Chosen;
 pub(crate) use self::environment::Environment;
 pub use self::environment::{EnvironmentMap, Mapping};
 use self::file::FreeLightModel;

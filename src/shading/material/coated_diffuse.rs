@@ -99,11 +99,11 @@ impl MaterialModel for CoatedDiffuse {
             specular: R::ONE,
             transmission: R::ZERO,
             thin: R::Mask::NONE,
+            pane: R::Mask::NONE,
             ior,
             coat: R::ZERO,
             coat_roughness: R::ZERO,
             coat_color: R::Vec3::gray(R::ONE),
-            absorption: R::Vec3::zero(),
         };
         LayeredBsdf::new(&parameters, at)
     }

@@ -56,6 +56,10 @@ impl MaterialParameters for Dielectric {
         true
     }
 
+    fn absorption(&self) -> Option<Vec3> {
+        Some(Vec3::ZERO)
+    }
+
     fn check(&self, e: &Location<'_>) -> Result<()> {
         e.check((0.01..=100.0).contains(&self.ior), "ior", "in [0.01, 100]", self.ior)
     }
@@ -78,7 +82,7 @@ impl MaterialModel for Dielectric {
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> DielectricBsdf<R> {
         let (flags, ior) = R::gather(table, index, |row| row);
         let (exact, front) = (flags[0].gt(R::ZERO), at.front);
-        DielectricBsdf { direction: at.ray.direction, normal: at.shading, front, ior, exact }
+        DielectricBsdf { direction: at.ray.direction, normal: at.normals.mirror, front, ior, exact }
     }
 }
 

@@ -43,7 +43,10 @@ impl MaterialModel for Diffuse {
 
     #[inline(always)]
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> DiffuseBsdf<R> {
-        DiffuseBsdf { normal: at.shading, albedo: at.color(R::gather(table, index, |row| row)) }
+        DiffuseBsdf {
+            normal: at.normals.shading,
+            albedo: at.color(R::gather(table, index, |row| row)),
+        }
     }
 }
 

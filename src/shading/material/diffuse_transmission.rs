@@ -101,7 +101,7 @@ impl MaterialModel for DiffuseTransmission {
         let weight = |color: R::Vec3| color[0] + color[1] + color[2];
         let (reflected, transmitted) = (weight(reflectance), weight(transmittance));
         let chance = reflected / max(reflected + transmitted, R::splat(1e-12));
-        DiffuseTransmissionBsdf { normal: at.shading, reflectance, transmittance, chance }
+        DiffuseTransmissionBsdf { normal: at.normals.shading, reflectance, transmittance, chance }
     }
 }
 

@@ -56,7 +56,7 @@ impl MaterialModel for Lambertian {
     #[inline(always)]
     fn bsdf<R: Real>(table: &[Row], index: R::Index, at: &Interaction<'_, R>) -> LambertianBsdf<R> {
         let albedo = at.color(R::gather(table, index, |row| row));
-        LambertianBsdf { normal: at.shading, albedo }
+        LambertianBsdf { normal: at.normals.shading, albedo }
     }
 }
 

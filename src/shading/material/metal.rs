@@ -65,8 +65,8 @@ impl MaterialModel for Metal {
         let albedo = at.color(R::gather(table, index, |entry| &entry[0]));
         let (fuzz, _) = R::gather(table, index, |entry| &entry[1]);
         let fuzz = at.number([fuzz[0], fuzz[1]]);
-        let mirror = reflect(at.ray.direction, at.shading);
-        MetalBsdf { normal: at.shading, mirror, albedo, fuzz }
+        let mirror = reflect(at.ray.direction, at.normals.mirror);
+        MetalBsdf { normal: at.normals.mirror, mirror, albedo, fuzz }
     }
 }
 

@@ -51,7 +51,7 @@ pub(crate) use super::bsdf::{Bsdf, SPECULAR, Scatter};
 pub use super::emission::{Emission, Sides};
 use super::kinds::kinds;
 pub use super::opacity::Opacity;
-use super::{TextureRef, TextureTables};
+use super::{Bodies, TextureRef, TextureTables};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::image::Texels;
@@ -95,9 +95,14 @@ macro_rules! materials {
 
         impl MaterialTables {
             /// Adds a material and returns its index in the table of its kind.
-            pub(crate) fn push(&mut self, material: &Material, textures: &mut TextureTables) -> u32 {
+            pub(crate) fn push(
+                &mut self,
+                material: &Material,
+                textures: &mut TextureTables,
+                bodies: &mut Bodies,
+            ) -> u32 {
                 match material {
-                    $(Material::$name(material) => self.$module.push(material, textures),)*
+                    $(Material::$name(material) => self.$module.push(material, textures, bodies),)*
                 }
             }
 
@@ -162,7 +167,7 @@ impl Material {
         self.model_mut().textures()
     }
 
-    /// Returns the light that the material emits, if any.
+    /// Returns the light that the material emits, if any, and if it is the same everywhere.
     pub fn emission(&self) -> Option<Emission> {
         self.model().emission()
     }
@@ -170,6 +175,7 @@ impl Material {
     /// Whether the material emits light.
     pub(crate) fn emits(&self) -> bool {
         self.emission().is_some_and(|emission| emission.emits())
+            || self.model().varied_emission().is_some()
     }
 
     /// Whether a texture of the material depends on the colours of vertices.

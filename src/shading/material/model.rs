@@ -2,7 +2,9 @@
 
 use std::fmt::Debug;
 
-use super::{Bsdf, Emission, Opacity};
+use glam::Vec3;
+
+use super::{Bsdf, Emission, Opacity, Sides};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::math::Real;
@@ -20,14 +22,14 @@ pub(crate) trait MaterialParameters {
         None
     }
 
-    /// Returns the light that the material emits, if any.
+    /// Returns the light that the material emits, if it is the same everywhere.
     fn emission(&self) -> Option<Emission> {
         None
     }
 
-    /// Returns the texture of the light that the material emits, if it has one. Such light is not
-    /// sampled: only paths that hit the surface find it.
-    fn emission_texture(&self) -> Option<&Color> {
+    /// Returns the light that the material emits and the sides that emit it, if it varies: by a texture, or
+    /// by holes.
+    fn varied_emission(&self) -> Option<(&Color, Sides)> {
         None
     }
 
@@ -43,6 +45,17 @@ pub(crate) trait MaterialParameters {
 
     /// Whether light passes through the surface.
     fn transmits(&self) -> bool {
+        false
+    }
+
+    /// Returns the absorption per unit of length in the bodies that the surface encloses, if light enters
+    /// them by refraction.
+    fn absorption(&self) -> Option<Vec3> {
+        None
+    }
+
+    /// Whether the surface is a pane: thin, smooth glass, through which rays pass without being deflected.
+    fn is_pane(&self) -> bool {
         false
     }
 
@@ -70,6 +83,11 @@ pub(crate) trait MaterialModel: MaterialParameters {
 
     /// Returns the parameters for the table, and adds their textures to `textures`.
     fn entry(&self, textures: &mut TextureTables) -> Self::Entry;
+
+    /// Returns the share of light that passes the pane of the entry at `index`, which the BSDF leaves out.
+    fn passes(_table: &[Self::Entry], _index: u32, _at: &Interaction<'_, f32>) -> Vec3 {
+        Vec3::ZERO
+    }
 
     /// Returns the BSDFs of the entries at `index` for the point `at`.
     fn bsdf<R: Real>(

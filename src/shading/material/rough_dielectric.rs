@@ -1,5 +1,6 @@
 //! Frosted glass, whose GGX microfacets reflect and refract (Walter et al. 2007).
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Bsdf, MaterialModel, MaterialParameters, Opacity, Scatter};
@@ -47,6 +48,10 @@ impl MaterialParameters for RoughDielectric {
         true
     }
 
+    fn absorption(&self) -> Option<Vec3> {
+        Some(Vec3::ZERO)
+    }
+
     fn check(&self, e: &Location<'_>) -> Result<()> {
         let Self { ior, alpha, .. } = self;
         // As the index approaches 1, all microfacets transmit light without deflecting it.
@@ -77,7 +82,7 @@ impl MaterialModel for RoughDielectric {
     ) -> RoughDielectricBsdf<R> {
         let (row, _) = R::gather(table, index, |row| row);
         let alpha = max(at.number([row[0], row[1]]), R::splat(LEAST_ALPHA));
-        let frame = Frame::new(at.shading);
+        let frame = Frame::new(at.normals.mirror);
         let wo = frame.local(-at.ray.direction);
         let eta = at.front.select(row[2], R::ONE / row[2]);
         RoughDielectricBsdf { frame, wo, eta, ggx: Ggx { alpha } }

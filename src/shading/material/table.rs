@@ -2,7 +2,7 @@
 
 use super::MaterialModel;
 use crate::math::Row;
-use crate::shading::TextureTables;
+use crate::shading::{Bodies, TextureTables};
 
 /// The materials of one kind.
 #[derive(Debug)]
@@ -12,8 +12,10 @@ pub(crate) struct MaterialTable<E> {
     pub(crate) textured: bool,
     /// For each of them, the code of its normal map; empty if none has one.
     pub(crate) normals: Vec<u32>,
-    /// For each of them, the row of the texture of its light; empty if none has one.
+    /// For each of them, the row of its light, if that varies; empty if no light does.
     pub(crate) emission_rows: Vec<Row>,
+    /// For each of them, the code of the body that it encloses, or 0.
+    pub(crate) bodies: Vec<u32>,
 }
 
 impl<E> Default for MaterialTable<E> {
@@ -23,6 +25,7 @@ impl<E> Default for MaterialTable<E> {
             textured: false,
             normals: Vec::new(),
             emission_rows: Vec::new(),
+            bodies: Vec::new(),
         }
     }
 }
@@ -33,6 +36,7 @@ impl<E> MaterialTable<E> {
         &mut self,
         material: &M,
         textures: &mut TextureTables,
+        bodies: &mut Bodies,
     ) -> u32 {
         let before = textures.uses();
         let index = self.entries.len();
@@ -42,11 +46,12 @@ impl<E> MaterialTable<E> {
             self.normals.resize(index, 0);
             self.normals.push(normal);
         }
-        let emission = material.emission_texture();
+        let emission = material.varied_emission().map(|(color, _)| color);
         if emission.is_some() || !self.emission_rows.is_empty() {
             self.emission_rows.resize(index, [0; 4]);
-            self.emission_rows.push(emission.map_or([0; 4], |texture| textures.row(texture)));
+            self.emission_rows.push(emission.map_or([0; 4], |color| textures.row(color)));
         }
+        self.bodies.push(bodies.code(material.absorption()));
         self.textured |= textures.uses() > before;
         assert!(
             M::TEXTURED || !self.textured,

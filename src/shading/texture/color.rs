@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use glam::Vec3;
+
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -41,6 +43,7 @@ impl Color {
             Self::Rgb(rgb) => e.color(name, *rgb, most).map(|_| ()),
             Self::Texture { texture, factor } => {
                 e.color(&format!("the factor of {name}"), *factor, most)?;
+                texture.get().model().check_as_color(e, name)?;
                 let largest = texture.get().model().largest();
                 let product = factor.map(|factor| factor * largest);
                 let ok = product.iter().all(|&value| value <= most);
@@ -59,6 +62,16 @@ impl Color {
                 texture.model().constant().map(|color| [0, 1, 2].map(|i| color[i] * factor[i]))
             }
             Self::Texture { .. } => None,
+        }
+    }
+
+    /// A bound on the colour. A texture must be loaded.
+    pub(crate) fn largest(&self) -> Vec3 {
+        match self {
+            Self::Rgb(rgb) => (*rgb).into(),
+            Self::Texture { texture, factor } => {
+                Vec3::from(*factor) * texture.get().model().largest()
+            }
         }
     }
 

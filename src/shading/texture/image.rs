@@ -47,6 +47,12 @@ pub struct Image {
     /// Added to the texture coordinates at last; within ±1e9.
     #[serde(default, skip_serializing_if = "is_default")]
     pub offset: (f32, f32),
+    /// Whether the colours at the vertices of meshes multiply those of the image.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub vertex_colors: bool,
+    /// For normal maps: a factor of the components along the surface, within ±1e3.
+    #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
+    pub normal_scale: f32,
     /// The image, once it is read.
     #[serde(skip)]
     pub(super) texels: Option<Arc<Texels>>,
@@ -88,6 +94,14 @@ fn is_one(scale: &(f32, f32)) -> bool {
     *scale == one()
 }
 
+fn unchanged() -> f32 {
+    1.0
+}
+
+fn is_unchanged(scale: &f32) -> bool {
+    *scale == unchanged()
+}
+
 impl Image {
     /// Creates a texture of the image in `file`, which is read when the scene is resolved.
     pub fn from_file(file: impl Into<String>) -> Self {
@@ -102,6 +116,8 @@ impl Image {
             scale: one(),
             rotation: 0.0,
             offset: (0.0, 0.0),
+            vertex_colors: false,
+            normal_scale: unchanged(),
             texels: None,
         }
     }
@@ -116,6 +132,14 @@ impl Image {
     }
 }
 
+const SECOND_UV: u32 = 1;
+const NEAREST: u32 = 2;
+const VERTEX_COLORS: u32 = 4;
+const NORMALS: u32 = 8;
+/// The bits of the wraps.
+const WRAP_U: u32 = 4;
+const WRAP_V: u32 = 6;
+
 /// An image and its mapping.
 #[derive(Debug)]
 pub(crate) struct ImageEntry {
@@ -124,7 +148,7 @@ pub(crate) struct ImageEntry {
     across: Row,
     /// Position of v in the image: factors of u and v, and a sum; height.
     up: Row,
-    /// Set of texture coordinates, 1 for nearest texels, and the wraps as their numbers.
+    /// The bits below and the wraps as their numbers, the factor of normals, 0, 0.
     flags: Row,
 }
 
@@ -135,6 +159,8 @@ impl TextureParameters for Image {
         let Self { scale, rotation, offset, .. } = *self;
         e.check(within(scale.0) && within(scale.1), "scale", "within ±1e9", scale)?;
         e.check(within(rotation), "rotation", "within ±1e9", rotation)?;
+        let normal_scale = self.normal_scale;
+        e.check(normal_scale.abs() <= 1e3, "normal_scale", "within ±1e3", normal_scale)?;
         e.check(within(offset.0) && within(offset.1), "offset", "within ±1e9", offset)?;
         let image = self.file().expect("every image has a file");
         self.texels = Some(images.texels(e, image, false)?);
@@ -151,6 +177,19 @@ impl TextureParameters for Image {
     fn file(&self) -> Option<ImageFile<'_>> {
         let Self { ref file, index, encoding, .. } = *self;
         Some(ImageFile { file, index, encoding })
+    }
+
+    fn uses_vertex_colors(&self) -> bool {
+        self.vertex_colors
+    }
+
+    fn check_as_color(&self, e: &Location<'_>, name: &str) -> Result<()> {
+        match self.normal_scale {
+            1.0 => Ok(()),
+            _ => Err(
+                e.error(format!("{name} must not have a `normal_scale`, which is for normal maps"))
+            ),
+        }
     }
 
     fn holds_normals(&self) -> bool {
@@ -176,14 +215,20 @@ impl TextureModel for Image {
         let row = |a: f64, b: f64, c: f32, size: u32| {
             [a as f32, b as f32, c, size as f32].map(f32::to_bits)
         };
+        let flag = |flag: u32, is_set: bool| if is_set { flag } else { 0 };
         ImageEntry {
             across: row(cos * su, -sin * sv, self.offset.0, texels.width()),
             up: row(sin * su, cos * sv, self.offset.1, texels.height()),
             flags: [
-                self.uv,
-                u32::from(self.filter == Filter::Nearest),
-                self.wrap_u as u32,
-                self.wrap_v as u32,
+                flag(SECOND_UV, self.uv == 1)
+                    | flag(NEAREST, self.filter == Filter::Nearest)
+                    | flag(VERTEX_COLORS, self.vertex_colors)
+                    | flag(NORMALS, self.normal_scale != 1.0)
+                    | (self.wrap_u as u32) << WRAP_U
+                    | (self.wrap_v as u32) << WRAP_V,
+                self.normal_scale.to_bits(),
+                0,
+                0,
             ],
             texels,
         }
@@ -192,10 +237,11 @@ impl TextureModel for Image {
     #[inline(never)]
     fn value<R: Real>(table: &[ImageEntry], index: R::Word, at: &impl TexturePoint<R>) -> Rgba<R> {
         let place = R::index_of_few(index, table.len());
-        let (flags, wrap_v) = R::gather(table, place, |image| &image.flags);
-        let is = |flag: R, value: u32| flag.to_bits().eq(R::Word::splat(value));
+        let (words, _) = R::gather(table, place, |image| &image.flags);
+        let flags = words[0].to_bits();
+        let has = |flag: u32| !(flags & R::Word::splat(flag)).eq(R::Word::splat(0));
         let (mut u, mut v) = at.uv();
-        let second = is(flags[0], 1);
+        let second = has(SECOND_UV);
         if second.any() {
             let (second_u, second_v) = at.second_uv();
             (u, v) = (second.select(second_u, u), second.select(second_v, v));
@@ -204,17 +250,19 @@ impl TextureModel for Image {
         let (up, height) = R::gather(table, place, |image| &image.up);
         let x = across[0] * u + across[1] * v + across[2];
         let y = up[0] * u + up[1] * v + up[2];
-        let mirrors = |wrap| is(wrap, Wrap::Mirror as u32);
-        let repeats = |wrap| is(wrap, Wrap::Repeat as u32);
-        let x = wrapped(x, repeats(flags[2]), mirrors(flags[2])) * width;
-        let y = (R::ONE - wrapped(y, repeats(wrap_v), mirrors(wrap_v))) * height;
-        let nearest = is(flags[1], 1);
-        let (x0, x1, fx) = taps(x, width, nearest, repeats(flags[2]));
-        let (y0, y1, fy) = taps(y, height, nearest, repeats(wrap_v));
+        let wraps = |shift: u32, wrap: Wrap| {
+            (flags >> shift & R::Word::splat(3)).eq(R::Word::splat(wrap as u32))
+        };
+        let [repeat_u, repeat_v] = [WRAP_U, WRAP_V].map(|shift| wraps(shift, Wrap::Repeat));
+        let x = wrapped(x, repeat_u, wraps(WRAP_U, Wrap::Mirror)) * width;
+        let y = (R::ONE - wrapped(y, repeat_v, wraps(WRAP_V, Wrap::Mirror))) * height;
+        let nearest = has(NEAREST);
+        let (x0, x1, fx) = taps(x, width, nearest, repeat_u);
+        let (y0, y1, fy) = taps(y, height, nearest, repeat_v);
         let [x0, x1, y0, y1] = [whole(x0), whole(x1), whole(y0), whole(y1)];
         let size = [whole(width), whole(height)];
-        let at = |x: R::Word, y: R::Word| R::from_bits(Texels::index::<R>([x, y], size));
-        let indices = [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)];
+        let tap = |x: R::Word, y: R::Word| R::from_bits(Texels::index::<R>([x, y], size));
+        let indices = [tap(x0, y0), tap(x1, y0), tap(x0, y1), tap(x1, y1)];
         let texels = |image: u32| &*table[image as usize].texels;
         // Most texels are in no cache. A loop that does nothing else waits for many at a time.
         let fetched = R::each_lane(index, indices, |image, [a, b, c, d]| {
@@ -232,7 +280,19 @@ impl TextureModel for Image {
             let row = |first: usize| taps[first + c] * (R::ONE - fx) + taps[first + 4 + c] * fx;
             row(0) * (R::ONE - fy) + row(8) * fy
         };
-        (R::Vec3::new(channel(0), channel(1), channel(2)), channel(3))
+        let mut color = R::Vec3::new(channel(0), channel(1), channel(2));
+        let colored = has(VERTEX_COLORS);
+        if colored.any() {
+            color = color * colored.select(at.vertex_color(), R::Vec3::gray(R::ONE));
+        }
+        let normals = has(NORMALS);
+        if normals.any() {
+            // A channel of 0.5 is a component of 0.
+            let scaled = |c: R| (c - R::splat(0.5)) * words[1] + R::splat(0.5);
+            let scaled = R::Vec3::new(scaled(color[0]), scaled(color[1]), color[2]);
+            color = normals.select(scaled, color);
+        }
+        (color, channel(3))
     }
 }
 
@@ -283,7 +343,7 @@ mod tests {
         }
 
         fn vertex_color(&self) -> Vec3 {
-            unreachable!("an image does not depend on the colours of vertices")
+            Vec3::new(0.5, 0.25, 1.0)
         }
     }
 
@@ -321,6 +381,15 @@ mod tests {
             assert!((value(&mirrored, u, 2.0 - v) - here).abs() < 1e-5);
             assert!((value(&mirrored, u + 4.0, v - 2.0) - here).abs() < 1e-4);
         }
+    }
+
+    #[test]
+    fn colors_of_vertices_and_factors_of_normals_change_values() {
+        let colored = Image { vertex_colors: true, ..image() };
+        let color = |image: &Image| Image::value::<f32>(&[image.entry()], 0, &At(0.75, 0.25)).0;
+        assert_eq!(color(&colored), Vec3::new(6.0, 3.0, 12.0));
+        let scaled = Image { normal_scale: -0.5, ..image() };
+        assert_eq!(color(&scaled), Vec3::new(-5.25, -5.25, 12.0));
     }
 
     #[test]

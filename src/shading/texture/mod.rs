@@ -85,6 +85,11 @@ pub(crate) trait TextureParameters {
         false
     }
 
+    /// Checks that the texture can be used for colours or numbers, as the parameter `name`.
+    fn check_as_color(&self, _e: &Location<'_>, _name: &str) -> Result<()> {
+        Ok(())
+    }
+
     /// Whether the texture can be a normal map.
     fn holds_normals(&self) -> bool {
         false

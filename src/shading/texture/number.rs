@@ -51,6 +51,7 @@ impl Number {
             Self::Texture { texture, factor, .. } => {
                 let ok = (0.0..=most).contains(factor);
                 e.check(ok, &format!("the factor of {name}"), &format!("in [0, {most}]"), factor)?;
+                texture.get().model().check_as_color(e, name)?;
                 let product = factor * texture.get().model().largest();
                 let range = format!("a texture and a factor with products in [0, {most}]");
                 e.check(product <= most, name, &range, format!("at most {product}"))

@@ -7,16 +7,19 @@
 //! variable `PTFAST_PROOF_SEED` sets another seed.
 #![allow(clippy::disallowed_methods)] // expected values are computed in f64 with libm
 
+mod absorption;
 mod emission;
 mod exact;
 mod filters;
 mod furnace;
 mod instances;
 mod lamps;
+mod leaks;
 mod media;
 mod mitsuba;
 mod normal_maps;
 mod opacity;
+mod panes;
 mod sky;
 mod smooth;
 mod tiles;

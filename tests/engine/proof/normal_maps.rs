@@ -112,20 +112,34 @@ fn mirrors_turn_as_their_maps_say() {
 }
 
 /// Light from below the surface but above the horizon of the turned normal is lost: a share of
-/// (1 − cos θ)/2.
+/// (1 − cos θ)/2. Seen from near the horizon, the mirrored direction is below the surface, which must not
+/// matter to diffuse scattering.
 #[test]
 fn matte_surfaces_gain_no_light() {
-    let text = format!(
-        r#"(camera: (look_from: (0, 0.6, 0.8), look_at: (0, 0, 0), vfov: 0.02),
-            textures: {{"tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
-            materials: {{"m": lambertian(albedo: (0.8, 0.8, 0.8), normal: "tilted"),
-                         "wall": light(radiance: (3, 3, 3))}},
-            primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"), {}])"#,
-        SQUARE.replace(
-            "material",
-            "normals: [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)], soft_terminator: false, material"
-        )
+    let scene = |name: &str, material: &str, from: &str| {
+        let text = format!(
+            r#"(camera: (look_from: ({from}), look_at: (0, 0, 0), vfov: 0.02),
+                textures: {{"tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
+                materials: {{"m": {material}, "wall": light(radiance: (3, 3, 3))}},
+                primitives: [sphere(center: (0, 0, 0), radius: 10, material: "wall"), {}])"#,
+            SQUARE.replace(
+                "material",
+                "normals: [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)], soft_terminator: false, material"
+            )
+        );
+        let cos = 1.0 / 1.08_f64.sqrt();
+        Known::new(name, &text, 3.0 * 0.8 * (1.0 + cos) / 2.0)
+    };
+    let lambertian = r#"lambertian(albedo: (0.8, 0.8, 0.8), normal: "tilted")"#;
+    let principled =
+        r#"principled(base_color: (0.8, 0.8, 0.8), specular: 0, roughness: 0.1, normal: "tilted")"#;
+    compare(
+        "matte",
+        &[
+            scene("lambertian", lambertian, "0, 0.6, 0.8"),
+            scene("lambertian from the side", lambertian, "0, 0.95, 0.31"),
+            scene("principled", principled, "0, 0.6, 0.8"),
+            scene("principled from the side", principled, "0, 0.95, 0.31"),
+        ],
     );
-    let cos = 1.0 / 1.08_f64.sqrt();
-    compare("matte", &[Known::new("lambertian", &text, 3.0 * 0.8 * (1.0 + cos) / 2.0)]);
 }

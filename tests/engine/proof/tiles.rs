@@ -152,7 +152,11 @@ fn scene(primitives: &str, background: &str, media: &str) -> Scene {
                 "glass": dielectric(ior: 1.5, fresnel: exact),
                 "fence": lambertian(albedo: (0.3, 0.5, 0.2), opacity: blend(alpha: (texture: "bars", channel: r))),
                 "brushed": metal(albedo: (0.8, 0.8, 0.9), fuzz: 0.4),
+                "pane": principled(base_color: (0.9, 0.7, 0.5), specular: 0, transmission: 1, roughness: 0, thin: true),
+                "amber": principled(base_color: (1, 1, 1), transmission: 1, roughness: 0.5,
+                    attenuation_color: (0.9, 0.5, 0.2), attenuation_distance: 0.4),
                 "lamp": light(radiance: (4, 5, 6)),
+                "glow": principled(base_color: (0.2, 0.2, 0.2), emission: (texture: "bars", factor: (9, 7, 5))),
                 "front": light(radiance: (9, 7, 5), sides: front),
             }},
             primitives: [quad(q: (-9, 0, -9), u: (0, 0, 18), v: (18, 0, 0), material: "floor"), {primitives}],
@@ -192,7 +196,22 @@ fn modes_agree_in_every_tile() {
     let fence = r#"triangles(vertices: [(-3, 0, 1), (3, 0, 1), (-3, 2, 0), (3, 2, 0)], indices: [(0, 1, 2), (1, 3, 2)],
         uvs: [(0, 0), (1, 0), (0, 1), (1, 1)], material: "fence")"#;
     let many = lamps.chain([fence.to_owned()]).collect::<Vec<_>>().join(", ");
+    let glass = format!(
+        r#"sphere(center: (0, 1, 0), radius: 1, material: "amber"),
+           sphere(center: (0, 1, 0), radius: 0.4, material: "brushed"),
+           quad(q: (-3, 0, 1.5), u: (2, 0, 0.5), v: (0, 3, 0), material: "pane"),
+           triangles(vertices: [(1.5, 0, -1), (1.5, 0, 2), (1.5, 3, 0)], indices: [(0, 1, 2)], material: "pane"),
+           quad(q: (-4, 3, -3), u: (7, 0, 0), v: (0, 0.2, 6), material: "pane"), {LAMPS}"#
+    );
+    let glow = r#"sphere(center: (-3, 3.5, 1), radius: 0.8, material: "glow"),
+        sphere(center: (0, 0.7, 0), radius: 0.7, material: "frosted"),
+        quad(q: (1, 4, -2), u: (3, 0, 0), v: (0, 0, 2), material: "glow"),
+        quad(q: (-1, 5, 2), u: (2, 1, 0), v: (0, 0.5, 1), material: "lamp"),
+        triangles(vertices: [(-4, 0.2, -3), (-2, 0.2, -3), (-3, 2.5, -2.5)], indices: [(0, 1, 2)], material: "glow")"#;
     let scenes = [
+        ("textured lamps", scene(glow, dark, ""), 120),
+        ("panes and glass that absorbs", scene(&glass, dark, ""), 120),
+        ("the same in fog", scene(&glass, sky, fog), 120),
         ("many lamps and holes", scene(&many, dark, ""), 60),
         ("environment map", Scene::load("tests/data/environment.ron").unwrap(), 60),
         ("materials and lamps", scene(&things, dark, ""), 120),

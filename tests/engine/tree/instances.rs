@@ -170,10 +170,10 @@ fn flattened_meshes_are_not_skipped() {
         let oracle = |ray: &Ray, t_min, t_max| geometry.closest_by_brute_force(ray, t_min, t_max);
         check_kernels(&format!("stretched by {stretch}"), &geometry, RAYS / 4, make, oracle);
     }
-    // A ray of which the sheared vertices are rounded by almost 1.
+    // A ray of which the sheared vertices are rounded by almost 1. The triangle is not quite level.
     let mut geometry = Geometry::default();
-    let x = 1.007_812_5;
-    let vertices = [[x, -1_048_576.0, -1.0], [x, 1_048_576.0, -1.0], [x, 0.0, 2.0]];
+    let x: f32 = 1.007_812_5;
+    let vertices = [[x, -1_048_576.0, -1.0], [x, 1_048_576.0, -1.0], [x.next_up(), 0.0, 2.0]];
     let mesh = [Triangle { vertices: vertices.map(Vec3::from_array) }].into_iter().collect();
     geometry.instances.add_mesh(mesh);
     let small = 1.0 / 1_048_576.0;

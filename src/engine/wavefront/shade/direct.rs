@@ -1,6 +1,7 @@
 //! Direct light: one light sample and one shadow ray per vertex.
 
 use super::ShadeInputs;
+use super::bodies::Sides;
 use super::vertex::Vertex;
 use crate::accel::RayVector;
 use crate::engine::wavefront::Shadows;
@@ -20,6 +21,7 @@ impl ShadeInputs<'_> {
     pub(super) fn direct<B: Bsdf<Float>>(
         &self,
         vertex: &Vertex,
+        sides: Option<Sides>,
         surface: &Surface<Float>,
         normal: Vec3x,
         bsdf: &B,
@@ -33,7 +35,11 @@ impl ShadeInputs<'_> {
         let light = self.tables.lights.choose(&vertex.randoms, from);
         let LightSample { direction, distance, pdf, tint, front, visible } =
             light.sample(from, time, vertex.randoms.two(Dimension::LIGHT));
-        let emitted = light.radiance(front) * tint;
+        let mut emitted = light.radiance(front) * tint;
+        if self.tables.lights.has_varied() {
+            let ray = Ray { origin: from, direction, time };
+            emitted = self.tables.radiance_of_sample(&light, (emitted, front), &ray, distance);
+        }
         let (f_cos, bsdf_pdf) = bsdf.evaluate(direction);
         let some = |light: Vec3x| max_element(light).gt(Float::ZERO);
         let lit = rough & (visible & some(f_cos) & some(emitted)).bits();
@@ -58,7 +64,12 @@ impl ShadeInputs<'_> {
         if !self.tables.media.is_empty() {
             share = share * self.tables.media.transmittance(&ray, distance);
         }
-        let arriving = vertex.history.beta * (f_cos * emitted * share);
+        let mut light = f_cos * emitted * share;
+        if let Some(sides) = sides {
+            let nesting = sides.select(dot(direction, normal).le(Float::ZERO));
+            light = light * self.tables.bodies.transmittance(nesting, distance);
+        }
+        let arriving = vertex.history.beta * light;
         let t_max = distance * SHADOW_REACH;
         let rays = RayVector { t_max, ..RayVector::unbounded(ray) };
         shadows.append(&rays, arriving, &vertex.path, lit);

@@ -39,7 +39,7 @@ impl ShadeInputs<'_> {
     }
 
     /// Adds the light that surfaces of one shape emit towards the paths of `queue`. `emission_rows` are the
-    /// rows of the textures of their light, if they have any.
+    /// rows of their light, if that of any varies.
     #[inline(never)]
     pub(super) fn emit(
         &self,
@@ -56,22 +56,27 @@ impl ShadeInputs<'_> {
             let textured = !emission_rows.is_empty();
             let at = self.tables.interaction(shape, ray, vertex.hit, textured, false, instanced);
             let mut history = vertex.history;
+            let mut texture = Vec3x::ZERO;
             if textured {
                 let entries =
                     self.tables.looks.entries::<Float>(shape, primitive, emission_rows.len());
-                let radiance = at.color(Float::gather(emission_rows, entries, |row| row));
-                history.radiance = history.radiance + history.beta * radiance;
-                shaded.paths.set_radiance(&vertex.path, &history);
-            }
-            if self.tables.lights.is_empty() {
-                continue;
+                texture = at.color(Float::gather(emission_rows, entries, |row| row));
+                if self.tables.lights.is_empty() {
+                    history.radiance = history.radiance + history.beta * texture;
+                    shaded.paths.set_radiance(&vertex.path, &history);
+                    continue;
+                }
             }
             let (light, is_light) = self.tables.looks.lights::<Float>(shape, primitive);
             let light = self.tables.lights.get::<Float>(light);
             let light_pdf = || light.pdf(&ray, t) * light.chance(ray.origin);
             let weight = emission_weight(self.settings.sampling, pdf, light_pdf);
             let weight = is_light.select(weight, Float::ONE);
-            let emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
+            let mut emitted: Vec3x = is_light.select(light.radiance(at.front), Vec3x::ZERO);
+            if textured {
+                let constant = is_light & (!light.varies() | light.is_dark(at.front));
+                emitted = constant.select(emitted, texture);
+            }
             history.radiance = history.radiance + history.beta * emitted * weight;
             shaded.paths.set_radiance(&vertex.path, &history);
         }

@@ -1,5 +1,6 @@
 //! Shade: one kernel per shape and kind of material, which loops over the paths that have hit them.
 
+mod bodies;
 mod direct;
 mod emit;
 mod first_hits;
@@ -51,6 +52,9 @@ impl ShadeInputs<'_> {
         let (mut paths, mut lanes) = (0, 0);
         let layered = shaded.layers.is_pending(self.segment);
         for (&key, queue) in self.tables.looks.keys().iter().zip(queues.iter()) {
+            if !self.tables.bodies.are_clear() {
+                self.absorb(queue, shaded.paths);
+            }
             let in_scatter = matches!(key, Key::Surface { .. }) && shaded.layers.need_surfaces;
             if layered && !in_scatter {
                 self.first_hits(key, queue, shaded.paths, shaded.layers);
@@ -65,7 +69,7 @@ impl ShadeInputs<'_> {
                     self.scatter_in_media(queue, shaded);
                     true
                 }
-                Key::Surface { shape, kind, emits } => {
+                Key::Surface { shape, kind, emits, .. } => {
                     let layered = layered && in_scatter;
                     let visitor =
                         ShadeSurfaces { shading: self, shape, emits, queue, layered, shaded };
@@ -122,7 +126,11 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
             shading.scatter::<M, LAYERED>(table, shape, queue, ends, shaded);
         } else if ends {
             return emits || !M::SCATTERS;
-        } else if M::LARGE || shape == Shape::Instance || !table.normals.is_empty() {
+        } else if M::LARGE
+            || shape == Shape::Instance
+            || !table.normals.is_empty()
+            || !shading.tables.bodies.are_clear()
+        {
             shading.scatter::<M, GENERAL>(table, shape, queue, false, shaded);
         } else if M::TEXTURED && table.textured {
             shading.scatter::<M, COLORED>(table, shape, queue, false, shaded);

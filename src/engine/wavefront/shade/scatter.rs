@@ -1,5 +1,6 @@
 //! Scattering: samples the next direction of each path, or terminates it.
 
+use super::bodies::Sides;
 use super::vertex::Vertex;
 use super::{ShadeInputs, ShadeOutputs};
 use crate::engine::ROULETTE_MAX;
@@ -8,11 +9,12 @@ use crate::engine::wavefront::{History, Queue, Segment};
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Real, max_element};
 use crate::sampler::Dimension;
+use crate::shading::Nesting;
 use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
-/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal maps
-/// and instances, and also with first hits for layers. Code that is never used slows a loop down by 6 to 10%. Kinds
+/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal maps,
+/// instances and bodies that absorb light, and also with first hits for layers. Code that is never used slows a loop down by 6 to 10%. Kinds
 /// with much code of their own have only the last two.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
@@ -53,8 +55,12 @@ impl ShadeInputs<'_> {
                     continue;
                 }
             }
+            let beyond =
+                |here: Nesting<Float>| here.beyond(Float::pick(&table.bodies, entries), at.front);
+            let sides =
+                if LOOP >= GENERAL { self.sides(&vertex, shaded.paths, beyond) } else { None };
             let bsdf = at.smoothed(bsdf);
-            self.go_on(&vertex, &at.surface, at.normal, &bsdf, shaded);
+            self.go_on(&vertex, sides, &at.surface, at.normal, &bsdf, shaded);
         }
     }
 
@@ -68,7 +74,8 @@ impl ShadeInputs<'_> {
             let point = origin + direction * vertex.hit.t;
             let surface = Surface::flat(point, direction, Float::ZERO);
             let phase = self.tables.media.phase(vertex.hit.primitive);
-            self.go_on(&vertex, &surface, -direction, &phase, shaded);
+            let sides = self.sides(&vertex, shaded.paths, |here| here);
+            self.go_on(&vertex, sides, &surface, -direction, &phase, shaded);
         }
     }
 
@@ -78,13 +85,14 @@ impl ShadeInputs<'_> {
     fn go_on<B: Bsdf<Float>>(
         &self,
         vertex: &Vertex,
+        sides: Option<Sides>,
         surface: &Surface<Float>,
         normal: Vec3x,
         bsdf: &B,
         shaded: &mut ShadeOutputs<'_>,
     ) {
         if self.settings.samples_lights(self.scene) {
-            self.direct(vertex, surface, normal, bsdf, shaded.shadows);
+            self.direct(vertex, sides, surface, normal, bsdf, shaded.shadows);
         }
         let Scatter { direction, transmitted, weight, pdf, scattered } =
             bsdf.sample(&vertex.randoms);
@@ -109,6 +117,9 @@ impl ShadeInputs<'_> {
         let ray = Ray { origin: surface.spawn(side), direction, time: vertex.segment.ray.time };
         shaded.paths.set_segments(&vertex.path, &Segment { ray, pdf });
         shaded.paths.set_beta(&vertex.path, &History { beta, ..vertex.history });
+        if let Some(sides) = sides {
+            shaded.paths.set_nestings(&vertex.path, sides.select(transmitted));
+        }
         let cells = self.cells.of(ray.origin, direction);
         shaded.next.append(&[Int::new(*vertex.path.lanes()), cells], goes_on);
     }

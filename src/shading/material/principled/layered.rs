@@ -4,7 +4,6 @@ use std::f32::consts::PI;
 
 use super::albedo::{Shares, schlick_weight};
 use crate::math::microfacet::Ggx;
-use crate::math::powers::exp;
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Frame, Mask, Real, Vector, dot, max, min, normalize};
 use crate::sampler::{Dimension, Randoms};
@@ -23,17 +22,19 @@ pub(in crate::shading::material) struct Parameters<R: Real> {
     pub(in crate::shading::material) specular: R,
     pub(in crate::shading::material) transmission: R,
     pub(in crate::shading::material) thin: R::Mask,
+    /// Whether the light that passes is left to [`MaterialModel::passes`](super::MaterialModel::passes).
+    pub(in crate::shading::material) pane: R::Mask,
     pub(in crate::shading::material) ior: R,
     pub(in crate::shading::material) coat: R,
     pub(in crate::shading::material) coat_roughness: R,
     pub(in crate::shading::material) coat_color: R::Vec3,
-    /// Absorption per unit of length inside the surface.
-    pub(in crate::shading::material) absorption: R::Vec3,
 }
 
-/// The scattering of the material. Directions are in the frame of the surface.
+/// The scattering of the material. Directions are in the frame of the microfacets.
 pub(crate) struct LayeredBsdf<R: Real> {
     frame: Frame<R::Vec3>,
+    /// Normal of the diffuse base.
+    base: R::Vec3,
     /// Direction back along the path.
     wo: R::Vec3,
     /// Microfacets of the base.
@@ -60,8 +61,6 @@ pub(crate) struct LayeredBsdf<R: Real> {
     below: R::Vec3,
     /// Probabilities of sampling the coat and the microfacets. The base has the rest.
     chances: [R; 2],
-    /// Factor for absorption on the way to this point, if the path arrives from inside.
-    arriving: R::Vec3,
 }
 
 impl<R: Real> LayeredBsdf<R> {
@@ -74,8 +73,12 @@ impl<R: Real> LayeredBsdf<R> {
     /// It is not inlined, because all loops over paths share its code.
     #[inline(never)]
     pub(in crate::shading::material) fn new(p: &Parameters<R>, at: &Interaction<'_, R>) -> Self {
-        let frame = Frame::new(at.shading);
+        let frame = Frame::new(at.normals.mirror);
         let wo = frame.local(-at.ray.direction);
+        let mut base = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
+        if at.smooth.any() {
+            base = at.smooth.select(frame.local(at.normals.shading), base);
+        }
         let (ggx, coat_ggx) =
             (Ggx { alpha: Self::alpha(p.roughness) }, Ggx { alpha: Self::alpha(p.coat_roughness) });
         let not_metal = R::ONE - p.metalness;
@@ -99,6 +102,7 @@ impl<R: Real> LayeredBsdf<R> {
         let opaque = not_metal * (R::ONE - p.transmission);
         let diffuse = p.base_color * (opaque * enters / enters_mean * (1.0 / PI));
         let transmission = p.base_color * (not_metal * p.transmission);
+        let transmission = p.pane.select(R::Vec3::zero(), transmission);
 
         let coat_share = coat_reflects(p.coat, coat_ggx, wo[2]);
         let below = p.coat_color * p.coat + R::Vec3::gray(R::ONE - p.coat);
@@ -116,14 +120,9 @@ impl<R: Real> LayeredBsdf<R> {
         let sum = max(weights[0] + weights[1] + weights[2], R::splat(1e-6));
         let chances = [weights[0] / sum, weights[1] / sum];
 
-        let mut arriving = R::Vec3::gray(R::ONE);
-        let absorbs = p.absorption[0] + p.absorption[1] + p.absorption[2];
-        if (inside & absorbs.gt(R::ZERO)).any() {
-            let kept = |i: usize| exp(-(p.absorption[i] * at.hit.t));
-            arriving = inside.select(R::Vec3::new(kept(0), kept(1), kept(2)), arriving);
-        }
         Self {
             frame,
+            base,
             wo,
             ggx,
             f0,
@@ -139,7 +138,6 @@ impl<R: Real> LayeredBsdf<R> {
             coat_ggx,
             below,
             chances,
-            arriving,
         }
     }
 
@@ -153,6 +151,12 @@ impl<R: Real> LayeredBsdf<R> {
         let dielectric = self.dielectric_f0 + (self.specular - self.dielectric_f0) * grazing;
         let passes = enclosed.select(R::ZERO, R::ONE - dielectric);
         (enclosed.select(R::Vec3::gray(R::ONE), reflects), self.transmission * passes)
+    }
+
+    /// The share of light that passes a smooth, thin sheet.
+    pub(in crate::shading::material) fn passes(&self) -> R::Vec3 {
+        let (_, passes) = self.split(min(self.wo[2], R::ONE));
+        passes * self.below
     }
 
     /// Probability that a sample of a microfacet with this [`split`](Self::split) is a reflection.
@@ -209,9 +213,10 @@ impl<R: Real> LayeredBsdf<R> {
             let enters = R::ONE - (self.dielectric_f0 * low + self.specular * high);
             enclosed.select(R::ZERO, enters)
         };
-        light = light + self.diffuse * (enters * upper[2]);
+        let base_cos = max(dot(self.base, wi), R::ZERO);
+        light = light + self.diffuse * (enters * base_cos);
         let base_chance = max(R::ONE - (coat_chance + chance), R::ZERO);
-        density = density + base_chance * upper[2] * (1.0 / PI);
+        density = density + base_chance * base_cos * (1.0 / PI);
 
         // The layers below the coat, and the coat itself.
         let coated = self.coat.gt(R::ZERO);
@@ -245,7 +250,7 @@ impl<R: Real> LayeredBsdf<R> {
             light = below.select(passes * self.below * f_cos, light);
             density = below.select(chance * passing_chance * pdf, density);
         }
-        (light * self.arriving, density)
+        (light, density)
     }
 }
 
@@ -313,7 +318,7 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
             let mirrored = R::Vec3::new(wi[0], wi[1], -wi[2]);
             wi = passes.select(self.thin.select(mirrored, refracted), wi);
         }
-        let (base, _) = cosine_hemisphere(R::Vec3::new(R::ZERO, R::ZERO, R::ONE), u, v);
+        let (base, _) = cosine_hemisphere(self.base, u, v);
         let wi = normalize(in_facets.select(wi, base));
         let (light, pdf) = self.value(wi);
         let transmitted = wi[2].lt(R::ZERO);

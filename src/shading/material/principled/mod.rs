@@ -11,7 +11,7 @@ pub(super) use self::layered::{LayeredBsdf, Parameters, reflectance_at_normal};
 use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
-use crate::math::{Real, Row, row};
+use crate::math::{Real, Row, Word, row};
 use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// A surface between matte, metal and glass, with an optional clear coat.
@@ -51,13 +51,15 @@ pub struct Principled {
     pub coat_roughness: Number,
     /// Colour of the light that passes the clear coat, each channel in [0, 1].
     pub coat_color: [f32; 3],
-    /// Emitted radiance in linear RGB, 0 to 1e30, or a texture. Light samples do not find the light
-    /// of a texture, only paths that hit the surface.
+    /// Emitted radiance in linear RGB, 0 to 1e30, or a texture.
     pub emission: Color,
+    /// The sides that emit light.
+    #[serde(skip_serializing_if = "is_both")]
+    pub emission_sides: Sides,
     /// Name of a normal map: an image texture with linear encoding.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<TextureRef>,
-    /// Holes in the surface, which must then be of triangles and emit no light but that of a texture.
+    /// Holes in the surface, which must then be of triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opacity: Option<Opacity>,
 }
@@ -65,6 +67,10 @@ pub struct Principled {
 /// JSON has no infinite numbers, so the default is left out.
 fn is_infinite(distance: &f32) -> bool {
     *distance == f32::INFINITY
+}
+
+fn is_both(sides: &Sides) -> bool {
+    *sides == Sides::Both
 }
 
 impl Default for Principled {
@@ -84,6 +90,7 @@ impl Default for Principled {
             coat_roughness: 0.0.into(),
             coat_color: [1.0; 3],
             emission: [0.0; 3].into(),
+            emission_sides: Sides::Both,
             normal: None,
             opacity: None,
         }
@@ -103,16 +110,32 @@ impl MaterialParameters for Principled {
     );
 
     fn emission(&self) -> Option<Emission> {
-        let radiance = Vec3::from(self.emission.constant()?);
-        (radiance != Vec3::ZERO).then_some(Emission { radiance, sides: Sides::Both })
+        let (radiance, sides) = (Vec3::from(self.emission.constant()?), self.emission_sides);
+        let varies = self.opacity.is_some();
+        (radiance != Vec3::ZERO && !varies).then_some(Emission { radiance, sides })
     }
 
-    fn emission_texture(&self) -> Option<&Color> {
-        Some(&self.emission).filter(|emission| emission.constant().is_none())
+    fn varied_emission(&self) -> Option<(&Color, Sides)> {
+        let varies = match self.emission.constant() {
+            None => true,
+            Some(radiance) => radiance != [0.0; 3] && self.opacity.is_some(),
+        };
+        varies.then_some((&self.emission, self.emission_sides))
     }
 
     fn transmits(&self) -> bool {
         true
+    }
+
+    fn absorption(&self) -> Option<Vec3> {
+        let refracts = !self.thin && self.transmission != 0.0.into();
+        let absorption = self.attenuation_color.map(|c| -ln(c) / self.attenuation_distance);
+        refracts.then(|| absorption.into())
+    }
+
+    fn is_pane(&self) -> bool {
+        let emits = self.emission.constant() != Some([0.0; 3]);
+        self.thin && self.roughness == 0.0.into() && self.transmission != 0.0.into() && !emits
     }
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
@@ -135,17 +158,14 @@ impl MaterialParameters for Principled {
         let distance = self.attenuation_distance;
         e.check(distance > 0.0, "attenuation_distance", "above 0", distance)?;
         e.color("coat_color", self.coat_color, 1.0)?;
-        self.emission.check_within(e, "emission", MAX_RADIANCE)?;
-        let radiance = self.emission.constant().unwrap_or_default();
-        let allowed = self.opacity.is_none() || radiance == [0.0; 3];
-        e.check(allowed, "emission", "0, or varied by a texture, where there is opacity", radiance)
+        self.emission.check_within(e, "emission", MAX_RADIANCE)
     }
 }
 
 impl MaterialModel for Principled {
     /// The base colour; the words of metalness and roughness, of specular and transmission, of coat
-    /// and coat roughness; (coat colour, index of refraction); (absorption per unit of length, 1 if
-    /// thin).
+    /// and coat roughness; (coat colour, index of refraction); (1 if thin,
+    /// 1 if it is a pane, 0, 0).
     type Entry = [Row; 6];
     type Bsdf<R: Real> = LayeredBsdf<R>;
 
@@ -162,15 +182,18 @@ impl MaterialModel for Principled {
         let (base, specular) =
             (two(&self.metalness, &self.roughness), two(&self.specular, &self.transmission));
         let coat = two(&self.coat, &self.coat_roughness);
-        let absorption = self.attenuation_color.map(|c| -ln(c) / self.attenuation_distance);
         [
             textures.row(&self.base_color),
             base,
             specular,
             coat,
             row(self.coat_color.into(), self.ior),
-            row(absorption.into(), f32::from(u8::from(self.thin))),
+            [self.thin.into(), self.is_pane().into(), 0, 0],
         ]
+    }
+
+    fn passes(table: &[[Row; 6]], index: u32, at: &Interaction<'_, f32>) -> Vec3 {
+        LayeredBsdf::new(&Parameters { pane: false, ..parameters(table, index, at) }, at).passes()
     }
 
     #[inline(always)]
@@ -179,30 +202,40 @@ impl MaterialModel for Principled {
         index: R::Index,
         at: &Interaction<'_, R>,
     ) -> LayeredBsdf<R> {
-        let base_color = at.color(R::gather(table, index, |entry| &entry[0]));
-        let numbers = |i: usize| {
-            let (words, last) = R::gather(table, index, |entry: &[Row; 6]| &entry[i]);
-            at.two_numbers([[words[0], words[1]], [words[2], last]])
-        };
-        let [metalness, roughness] = numbers(1);
-        let [specular, transmission] = numbers(2);
-        let [coat, coat_roughness] = numbers(3);
-        let (coat_color, ior) = R::gather(table, index, |entry| &entry[4]);
-        let (absorption, thin) = R::gather(table, index, |entry| &entry[5]);
-        let parameters = Parameters {
-            base_color,
-            metalness,
-            roughness,
-            specular,
-            transmission,
-            thin: thin.gt(R::ZERO),
-            ior,
-            coat,
-            coat_roughness,
-            coat_color,
-            absorption,
-        };
-        LayeredBsdf::new(&parameters, at)
+        LayeredBsdf::new(&parameters(table, index, at), at)
+    }
+}
+
+/// The parameters of the entries at `index` for the point `at`.
+#[inline(always)]
+fn parameters<R: Real>(
+    table: &[[Row; 6]],
+    index: R::Index,
+    at: &Interaction<'_, R>,
+) -> Parameters<R> {
+    let base_color = at.color(R::gather(table, index, |entry| &entry[0]));
+    let numbers = |i: usize| {
+        let (words, last) = R::gather(table, index, |entry: &[Row; 6]| &entry[i]);
+        at.two_numbers([[words[0], words[1]], [words[2], last]])
+    };
+    let [metalness, roughness] = numbers(1);
+    let [specular, transmission] = numbers(2);
+    let [coat, coat_roughness] = numbers(3);
+    let (coat_color, ior) = R::gather(table, index, |entry| &entry[4]);
+    let (flags, _) = R::gather(table, index, |entry| &entry[5]);
+    let is_set = |flag: R| !flag.to_bits().eq(R::Word::splat(0));
+    Parameters {
+        base_color,
+        metalness,
+        roughness,
+        specular,
+        transmission,
+        thin: is_set(flags[0]),
+        pane: is_set(flags[1]),
+        ior,
+        coat,
+        coat_roughness,
+        coat_color,
     }
 }
 
