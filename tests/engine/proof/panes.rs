@@ -33,7 +33,8 @@ fn quad(y: f64, material: &str) -> String {
 
 fn triangles(y: f64, material: &str) -> String {
     format!(
-        "triangles(vertices: [(-5e4, {y}, -5e4), (5e4, {y}, -5e4), (0, {y}, 9e4)], indices: [(0, 1, 2)], material: \"{material}\"),"
+        "triangles(vertices: [(-5e4, {y}, -5e4), (5e4, {y}, -5e4), (0, {y}, 9e4)], indices: [(0, 1, 2)], \
+         material: \"{material}\"),"
     )
 }
 

@@ -13,9 +13,9 @@ use crate::shading::Nesting;
 use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
-/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal maps,
-/// instances and bodies that absorb light, and also with first hits for layers. Code that is never used slows a loop down by 6 to 10%. Kinds
-/// with much code of their own have only the last two.
+/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal
+/// maps, instances and bodies that absorb light, and also with first hits for layers. Code that is never used slows
+/// a loop down by 6 to 10%. Kinds with much code of their own have only the last two.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;
