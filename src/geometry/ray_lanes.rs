@@ -59,7 +59,7 @@ mod tests {
     use super::*;
     use crate::geometry::quad::lanes::{QuadLanes, QuadTest, SpecialQuad};
     use crate::geometry::sphere::lanes::{hits, misses, padded_radius2};
-    use crate::geometry::triangle::lanes::shear;
+    use crate::geometry::triangle::lanes::{Levels, shear};
     use crate::geometry::{
         Geometry, PreparedRay, Primitive, PrimitiveModel, Quad, Ray, Sphere, Triangle,
     };
@@ -160,12 +160,14 @@ mod tests {
         sheared.decide::<false>(sheared.candidates(all), |lane, t| distances[lane] = t);
         let mut selected = [f32::NAN; LANES];
         sheared.decide::<true>(sheared.candidates(all), |lane, t| selected[lane] = t);
+        let direction = splat(rays[0].direction);
+        let levels = Levels::new(origin, |axis| direction[order[axis]], &vertices, all);
         let at_once = sheared.distances(all).to_array();
         let alone = |lane: usize| sheared.distances(1 << lane).to_array()[lane];
         for (lane, triangle) in triangles.iter().enumerate() {
             let scalar = triangle.intersect(&prepared[0], f32::NEG_INFINITY, f32::INFINITY);
             for vector in [distances[lane], selected[lane], at_once[lane], alone(lane)] {
-                let vector = Some(vector).filter(|t| t.is_finite());
+                let vector = Some(levels.distance(lane, vector)).filter(|t| t.is_finite());
                 assert_eq!(
                     vector.map(f32::to_bits),
                     scalar.map(f32::to_bits),

@@ -196,7 +196,9 @@ mod tests {
             let end = ray.origin + ray.direction * hit.t;
             let size = length(end - ray.origin) + length(end) + 1.0;
             let reach = f64::from(size) * condition;
-            assert!(f64::from(length(surface.point - end)) < 1e-5 * reach, "{matrix:?} {ray:?}");
+            // Points may be moved away from edges by up to 32 offsets.
+            let most_off = 1e-5 * reach + 32.0 * f64::from(surface.offset);
+            assert!(f64::from(length(surface.point - end)) < most_off, "{matrix:?} {ray:?}");
             let coordinates = length(surface.point)
                 + length(geometry.instances.list()[0].world_to_object().center);
             most = most.max(f64::from(surface.offset) / (f64::from(coordinates) * condition));
