@@ -30,3 +30,22 @@ pub(crate) fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
     let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *map;
     [0, 1, 2].map(|i| [x_axis[i], y_axis[i], z_axis[i], translation[i]].map(|x| x as f32))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far from the origin, a point one unit away would be rounded to another direction.
+    #[test]
+    fn points_along_a_direction_keep_it() {
+        let direction = DVec3::new(-0.48, 0.6, 0.64);
+        for from in [0.0, 3.0, 1e4, 1e6, 9e8] {
+            let from = DVec3::new(from, -0.3 * from, from);
+            let point = point_along(from, direction * 7.0);
+            let along = glam::Vec3::from_array(point).as_dvec3() - from.as_vec3().as_dvec3();
+            let off = along.cross(direction).length() / along.length();
+            assert!(off < if from.x > 1e8 { 1e-5 } else { 2e-7 }, "{from}: {off}");
+            assert!(point.iter().all(|c| c.abs() <= 1e9), "{point:?}");
+        }
+    }
+}

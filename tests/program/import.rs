@@ -98,6 +98,58 @@ fn tangents_of_gltf_files_that_cannot_be_used_are_computed() {
     assert_eq!(shown(all), (false, true));
 }
 
+/// pbrt's area lights scatter light as well, and may have alpha. Such lamps stay triangles.
+#[test]
+fn lamps_of_pbrt_files_scatter_light() {
+    let there = tempfile::tempdir().unwrap();
+    let shown = |material: &str, alpha: &str| {
+        let text = format!(
+            r#"Camera "perspective"
+            WorldBegin
+            {material}
+            AreaLightSource "diffuse" "rgb L" [2 2 2]
+            Shape "trianglemesh" "point3 P" [0 0 1 1 0 1 1 1 1 0 1 1] "integer indices" [0 1 2 0 2 3] {alpha}"#
+        );
+        fs::write(there.path().join("a.pbrt"), text).unwrap();
+        succeeds(there.path(), &["scenes", "show", "a.pbrt"])
+    };
+    let black = r#"Material "diffuse" "rgb reflectance" [0 0 0]"#;
+    let grey = r#"Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]"#;
+    let alpha = r#""float alpha" [0.25]"#;
+    let has = |text: &str, parts: &[&str]| {
+        parts.iter().for_each(|part| assert!(text.contains(part), "{part} in {text}"));
+    };
+    has(&shown(black, ""), &["light(radiance: (2.0, 2.0, 2.0), sides: front)", "quad("]);
+    let lit = ["base_color: (0.5, 0.5, 0.5)", "emission: (2.0, 2.0, 2.0)", "emission_sides: front"];
+    has(&shown(grey, ""), &[&lit[..], &["quad("]].concat());
+    has(&shown(grey, alpha), &[&lit[..], &["triangles(", "opacity: blend(alpha: 0.25)"]].concat());
+    has(
+        &shown(black, alpha),
+        &["base_color: (0.0, 0.0, 0.0)", "emission_sides: front", "triangles("],
+    );
+}
+
+/// glTF 2.0, 3.9.2: colours of vertices multiply the texture. 3.9.3: `scale` multiplies the components of normals
+/// along the surface.
+#[test]
+fn gltf_files_have_colors_beside_textures_and_scales_of_normals() {
+    let there = tempfile::tempdir().unwrap();
+    for file in ["gltf parts.bin", "grid.png", "tilted.png"] {
+        fs::copy(folder().join(file), there.path().join(file)).unwrap();
+    }
+    let (mut json, _) = gltf();
+    let shown = |json: &Value| {
+        fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+        let shown = succeeds(there.path(), &["scenes", "show", "a.gltf"]);
+        (shown.contains("vertex_colors: true"), shown.contains("normal_scale: 0.5"))
+    };
+    assert_eq!(shown(&json), (false, false));
+    // Accessor 1 has vectors of three numbers.
+    json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(1);
+    json["materials"][0]["normalTexture"]["scale"] = json!(0.5);
+    assert_eq!(shown(&json), (true, true));
+}
+
 /// Converters write an index of refraction of 1000 beside the colour of the reflection that was meant.
 #[test]
 fn colours_of_gltf_reflections_change_the_index_of_refraction() {

@@ -11,7 +11,7 @@ use crate::math::affine;
 use crate::math::precise::unit;
 use crate::shading::light::{Distant, EnvironmentMap, Mapping, Point, Spot};
 use crate::shading::material::{Light, Principled};
-use crate::shading::{Background, Sides};
+use crate::shading::{Background, Material, Sides};
 
 /// The directive `AreaLightSource`.
 #[derive(Clone, Debug)]
@@ -96,6 +96,11 @@ impl Reader<'_, '_> {
             Some(material) => {
                 let emission = radiance.into();
                 let material = Principled { emission, emission_sides: sides, ..material };
+                let mut material = Material::from(material);
+                // Only triangles may have opacity, too.
+                if !material.textures().is_empty() || material.model().opacity().is_some() {
+                    self.materials.textured.insert(name.clone());
+                }
                 self.scene.add_material(name.clone(), material);
             }
         }

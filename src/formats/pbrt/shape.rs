@@ -186,9 +186,10 @@ impl Reader<'_, '_> {
         let vertices: Vec<_> =
             positions.iter().map(|p| rounded(transform.transform_point3(*p))).collect();
         // Light samples of a quad are better distributed than those of two triangles. Objects may hold
-        // triangles only.
+        // triangles only, and quads have other texture coordinates.
         if self.state.area_light.is_some()
             && self.object.is_none()
+            && !self.materials.textured.contains(&material)
             && let Some([q, u, v]) = parallelogram(&vertices, &indices)
         {
             self.add(QuadFile { q, u, v, material });
