@@ -43,6 +43,7 @@ pub(crate) struct Looks {
     /// most [`MOST_RUNS`] runs.
     runs: Option<Vec<(u32, u8)>>,
     first_medium: u32,
+    have_panes: bool,
 }
 
 /// A primitive that is a light.
@@ -163,6 +164,7 @@ impl Looks {
             key_of.push(SEARCH);
         }
         Self {
+            have_panes: keys.iter().any(|key| matches!(key, Key::Surface { pane: true, .. })),
             keys,
             key_of,
             entries: solids.iter().map(|solid| solid.entry).collect(),
@@ -175,7 +177,7 @@ impl Looks {
 
     /// Whether rays can pass a primitive as a pane.
     pub(crate) fn have_panes(&self) -> bool {
-        self.keys.iter().any(|key| matches!(key, Key::Surface { pane: true, .. }))
+        self.have_panes
     }
 
     /// The keys by index. The first is [`Key::Background`].

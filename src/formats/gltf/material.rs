@@ -231,10 +231,9 @@ impl Reader<'_, '_, '_> {
         }
         let mut image = Image::from_file(file.as_deref().unwrap_or(&self.file));
         image.index = file.is_none().then_some(source as u32);
-        image.encoding = if usage == Usage::Numbers || usage == Usage::Normals {
-            Encoding::Linear
-        } else {
-            Encoding::Auto
+        image.encoding = match usage {
+            Usage::Colors | Usage::TimesVertices => Encoding::Auto,
+            Usage::Numbers | Usage::Normals => Encoding::Linear,
         };
         image.vertex_colors = usage == Usage::TimesVertices;
         if usage == Usage::Normals {

@@ -89,7 +89,7 @@ impl Levels {
         Self { lanes, distances: distances.to_array() }
     }
 
-    /// Whether there are none.
+    /// Whether no triangle is level.
     #[inline(always)]
     pub(crate) fn are_none(&self) -> bool {
         self.lanes == 0

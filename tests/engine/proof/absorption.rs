@@ -1,7 +1,7 @@
 //! Glass that absorbs light, hardly bends it and does not reflect it. Beer's law gives the radiance.
 //!
 //! Mitsuba 3.9.1 (volpath) gives 0.553, 0.318 and 0.183 where the law gives 0.551, 0.317 and 0.182 for a lamp in
-//! a ball of glass with an index of 1.5, the first case of `../shared/cases`.
+//! a ball of glass with an index of 1.5.
 
 use ptfast::Sampling;
 

@@ -1,7 +1,4 @@
 //! Panes: thin, smooth glass, which rays pass without a vertex.
-//!
-//! Behind a pane without reflection, Mitsuba 3.9.1 and Cycles 5.2.3 let a lamp's light through shadow rays or by their
-//! BSDFs; the radiance is that of the closed form either way.
 
 use std::f64::consts::PI;
 
