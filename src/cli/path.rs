@@ -1,6 +1,7 @@
 //! `ptfast path`: prints each ray of one sample.
 
 use clap::Args;
+use glam::{DVec3, Vec3};
 
 use super::arguments::camera::CameraArgs;
 use super::arguments::limits::SceneLimitArgs;
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &PathArgs) -> Result<()> {
 
 fn describe(scene: &Scene, traced: &TracedRay) -> String {
     let TracedRay { kind, segment, ray, t_max, hit, collision } = traced;
-    let (o, d) = (ray.origin, ray.direction);
+    let (o, d) = (in_file(scene, ray.origin), ray.direction);
     let hits = match (kind, collision, hit) {
         (_, Some(t), _) => format!("is scattered by a medium at {t}"),
         (RayKind::Shadow, _, Some(_)) => "occluded".to_owned(),
@@ -97,10 +98,17 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         RayKind::Bounce => "bounce ",
         RayKind::Shadow => "shadow ",
     };
-    format!(
-        "{segment:>3} {kind} from ({}, {}, {}) along ({}, {}, {}): {hits}",
-        o.x, o.y, o.z, d.x, d.y, d.z
-    )
+    format!("{segment:>3} {kind} from ({o}) along ({}, {}, {}): {hits}", d.x, d.y, d.z)
+}
+
+/// A point of the scene in the coordinates of its file.
+fn in_file(scene: &Scene, point: Vec3) -> String {
+    let (Vec3 { x, y, z }, origin) = (point, scene.origin());
+    if origin == DVec3::ZERO {
+        return format!("{x}, {y}, {z}");
+    }
+    let DVec3 { x, y, z } = origin + point.as_dvec3();
+    format!("{x}, {y}, {z}")
 }
 
 #[cfg(test)]

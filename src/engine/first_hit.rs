@@ -1,5 +1,7 @@
 //! The surface or medium that a path meets first, for both engines.
 
+use glam::DVec3;
+
 use crate::geometry::Shape;
 use crate::math::{Real, Vector, Word};
 use crate::scene::Scene;
@@ -50,9 +52,14 @@ impl<'a, R: Real> FirstHit<'a, R> {
     }
 
     /// That of a path that collides at `position` in a medium.
-    pub(super) fn in_medium(camera: &CameraFrame, position: R::Vec3, albedo: R::Vec3) -> Self {
-        let depth = camera.depth::<R>(position);
-        Self { position, depth, albedo, ..Self::anything() }
+    pub(super) fn in_medium(
+        scene: &Scene,
+        camera: &CameraFrame,
+        point: R::Vec3,
+        albedo: R::Vec3,
+    ) -> Self {
+        let depth = camera.depth::<R>(point);
+        Self { position: in_file(scene, point), depth, albedo, ..Self::anything() }
     }
 
     /// That of a path that meets a surface at this point, where it has this BSDF.
@@ -63,15 +70,15 @@ impl<'a, R: Real> FirstHit<'a, R> {
         at: &'a Interaction<'a, R>,
         bsdf: &impl Bsdf<R>,
     ) -> Self {
-        let position = at.surface.point;
+        let point = at.surface.point;
         let albedo = bsdf.albedo();
         let least = |i: usize| albedo[i].least(R::ONE);
         let number = |instance: R::Word| instance.wrapping_add(R::Word::splat(1));
         Self {
             at: Some(at),
             scene: Some(scene),
-            position,
-            depth: camera.depth::<R>(position),
+            position: in_file(scene, point),
+            depth: camera.depth::<R>(point),
             normal: at.normals.shading,
             albedo: R::Vec3::new(least(0), least(1), least(2)),
             instance: match at.shape {
@@ -87,4 +94,15 @@ impl<'a, R: Real> FirstHit<'a, R> {
         let (Some(at), Some(scene)) = (self.at, self.scene) else { return R::Word::splat(0) };
         R::each_word(at.hit.primitive, |primitive| scene.material_number(primitive) + 1)
     }
+}
+
+/// A point of the scene in the coordinates of its file.
+#[inline(always)]
+fn in_file<V: Vector>(scene: &Scene, point: V) -> V {
+    let origin = scene.origin();
+    if origin == DVec3::ZERO {
+        return point;
+    }
+    let [x, y, z] = origin.as_vec3().to_array().map(V::Real::splat);
+    point + V::new(x, y, z)
 }

@@ -3,6 +3,9 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
+use super::origin;
 use crate::error::{Error, Result};
 use crate::input::path_within;
 use crate::limits::Budget;
@@ -57,6 +60,8 @@ pub(crate) struct Import<'a> {
     pub(crate) folder: &'a Path,
     pub(crate) options: &'a ImportOptions,
     pub(crate) budget: &'a Budget,
+    /// The point of the file that becomes the origin of the scene. Readers subtract it before they round.
+    pub(crate) origin: DVec3,
     /// Warnings, and how often each applies.
     warnings: Vec<(String, usize)>,
     /// Number of warnings that were not kept.
@@ -85,7 +90,8 @@ pub(crate) fn unique(names: &mut HashSet<String>, own: &str, mut number: usize) 
 
 impl<'a> Import<'a> {
     pub(crate) fn new(folder: &'a Path, options: &'a ImportOptions, budget: &'a Budget) -> Self {
-        Self { folder, options, budget, warnings: Vec::new(), more: 0, notes: Vec::new() }
+        let origin = DVec3::ZERO;
+        Self { folder, options, budget, origin, warnings: Vec::new(), more: 0, notes: Vec::new() }
     }
 
     /// Notes that ptfast lacks something, and what it does instead.
@@ -161,7 +167,16 @@ pub(crate) fn read(
 ) -> Result<Imported> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = Import::new(folder, options, budget);
-    let file = (format.read)(path, &mut import)?;
+    let mut file = (format.read)(path, &mut import)?;
+    if let Some(origin) = origin::of_scene(&file) {
+        // Reading again takes as much memory as the first time, which is counted already.
+        drop(file);
+        let again = Budget::new(&budget.limits, 0);
+        let mut moved = Import { origin, ..Import::new(folder, options, &again) };
+        file = (format.read)(path, &mut moved)?;
+        file.origin = origin.to_array();
+        import.note(origin::note(origin));
+    }
     let warnings = import.into_warnings(&path.display().to_string())?;
     Ok(Imported { file, warnings })
 }

@@ -9,6 +9,7 @@ mod load;
 mod mesh;
 mod mesh_scene;
 mod obj;
+mod origin;
 mod parsed;
 mod pbrt;
 mod ply;

@@ -19,6 +19,10 @@ pub struct SceneFile {
     /// More cameras by name, which a render can choose instead.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub cameras: Named<CameraFile>,
+    /// The point (0, 0, 0) in the coordinates of the file that the scene comes from. Those of the scene are smaller,
+    /// and so have more bits. Arguments and reports use the coordinates of the file.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub origin: [f64; 3],
     /// Light that arrives along rays that leave the scene.
     #[serde(default)]
     pub background: Background,
@@ -45,12 +49,17 @@ pub struct SceneFile {
     pub media: Vec<MediumFile>,
 }
 
+fn is_zero(origin: &[f64; 3]) -> bool {
+    *origin == [0.0; 3]
+}
+
 impl SceneFile {
     /// Creates a scene without primitives and with a black background.
     pub fn new(camera: CameraFile) -> Self {
         Self {
             camera,
             cameras: Named::default(),
+            origin: [0.0; 3],
             background: Background::default(),
             render: RenderDefaults::default(),
             textures: Named::default(),

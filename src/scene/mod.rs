@@ -14,6 +14,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::DVec3;
+
 pub(crate) use assets::Assets;
 pub use description::{RenderDefaults, Sampling, SceneFile};
 pub use look::Look;
@@ -50,6 +52,7 @@ struct SceneData {
     camera: Camera,
     camera_file: CameraFile,
     cameras: Named<CameraFile>,
+    origin: DVec3,
     defaults: RenderDefaults,
     world: World,
     /// The names of the materials.
@@ -109,6 +112,11 @@ impl Scene {
     /// The named cameras as written in the scene file. All their values are in range.
     pub fn cameras(&self) -> &Named<CameraFile> {
         &self.0.cameras
+    }
+
+    /// The point (0, 0, 0) in the coordinates of the file that the scene comes from.
+    pub fn origin(&self) -> DVec3 {
+        self.0.origin
     }
 
     /// The light that rays see when they leave the scene.

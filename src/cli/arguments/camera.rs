@@ -1,6 +1,10 @@
 //! The arguments that choose the camera, or replace some of its values.
 
+use std::fmt::Display;
+use std::str::FromStr;
+
 use clap::Args;
+use glam::DVec3;
 
 use crate::error::{Error, Result, suggestion};
 use crate::measure::settings::quoted;
@@ -15,21 +19,21 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "NAME", help_heading = CAMERA)]
     camera: Option<String>,
     /// Position of the camera [default: the camera's, as for the options below]
-    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
-    look_from: Option<[f32; 3]>,
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector::<f64>)]
+    look_from: Option<[f64; 3]>,
     /// Point in the middle of the image
-    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
-    look_at: Option<[f32; 3]>,
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector::<f64>)]
+    look_at: Option<[f64; 3]>,
     /// Direction that points up in the image
-    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector)]
+    #[arg(long, value_name = "X,Y,Z", help_heading = CAMERA, allow_hyphen_values = true, value_parser = vector::<f32>)]
     up: Option<[f32; 3]>,
     /// Full vertical angle of view, between 0 and 180
     #[arg(long, value_name = "DEGREES", help_heading = CAMERA, allow_hyphen_values = true)]
     fov: Option<f32>,
 }
 
-fn vector(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Option<Vec<f32>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+fn vector<T: FromStr>(text: &str) -> Result<[T; 3], String> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
         "must be three numbers with commas between them, such as 0,1.5,-4".to_owned()
     })
@@ -49,8 +53,9 @@ impl CameraArgs {
             }
         };
         let mut file: CameraFile = file.clone();
-        file.look_from = self.look_from.unwrap_or(file.look_from);
-        file.look_at = self.look_at.unwrap_or(file.look_at);
+        let in_scene = |point: [f64; 3]| (DVec3::from(point) - scene.origin()).as_vec3().to_array();
+        file.look_from = self.look_from.map_or(file.look_from, in_scene);
+        file.look_at = self.look_at.map_or(file.look_at, in_scene);
         file.up = self.up.unwrap_or(file.up);
         if let Some(fov) = self.fov {
             (file.vfov, file.parallel) = (fov, None);
@@ -63,7 +68,9 @@ impl CameraArgs {
 
     /// These arguments on a command line, each with a space before it.
     pub(crate) fn words(&self) -> String {
-        let vector = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
+        fn vector<T: Display>([x, y, z]: [T; 3]) -> String {
+            format!("{x},{y},{z}")
+        }
         let words = [
             ("camera", self.camera.as_deref().map(quoted)),
             ("look-from", self.look_from.map(vector)),
@@ -97,7 +104,7 @@ mod tests {
         (file.look_from, file.vfov) = ([1.0, -2.5, 300.0], 30.5);
         assert_eq!(some.camera(&scene).unwrap(), Camera::try_from(&file).unwrap());
         for wrong in ["", "1,2", "1,2,3,4", "1,2,x"] {
-            assert!(vector(wrong).is_err(), "{wrong}");
+            assert!(vector::<f32>(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -145,7 +145,7 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
                 let phase = self.tables.media.phase(hit.primitive);
                 let point = ray.origin + ray.direction * hit.t;
                 if path.pending {
-                    let first = FirstHit::in_medium(self.camera, point, phase.albedo());
+                    let first = FirstHit::in_medium(self.scene, self.camera, point, phase.albedo());
                     self.store(path, values, &first, false);
                 }
                 path.shaded();

@@ -142,7 +142,7 @@ impl Reader<'_, '_> {
                     None => return Err(format!("unknown object \"{name}\"")),
                     Some(false) => {}
                     Some(true) => {
-                        let matrix = rows(&self.state.transform);
+                        let matrix = rows(&self.to_scene());
                         self.scene.add(InstanceFile::new(name, matrix));
                     }
                 }

@@ -110,7 +110,7 @@ impl Reader<'_, '_> {
 
     /// The directive `LightSource`.
     pub(crate) fn light_source(&mut self, class: &str, params: &Params) -> Result<(), String> {
-        let (to_scene, scale) = (self.state.transform, scale(params)?);
+        let (to_scene, scale) = (self.to_scene(), scale(params)?);
         let point = |name: &str, usual: DVec3| -> Result<DVec3, String> {
             Ok(params.tuple(name)?.map_or(usual, DVec3::from))
         };

@@ -216,7 +216,7 @@ impl Reader<'_, '_> {
         render.roulette = ROULETTE;
         let Camera { to_scene, fov, half, lens_radius, focal_distance } =
             self.view.camera.take().unwrap_or_default();
-        let from = to_scene.translation;
+        let from = to_scene.translation - self.import.origin;
         let at = affine::point_along(from, to_scene.matrix3 * DVec3::Z);
         // From the shorter side to the height.
         let longer = if width < height { f64::from(height) / f64::from(width) } else { 1.0 };

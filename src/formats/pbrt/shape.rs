@@ -1,11 +1,11 @@
 //! Shapes of pbrt files.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::light::{AreaLight, LitSurface};
 use super::list::{List, corners, disk, globe, vertices};
 use super::parallelogram::parallelogram;
-use super::{Params, Reader, State, Value, rounded, uniform_scale};
+use super::{Params, Reader, Value, rounded, uniform_scale};
 use crate::math::affine::rows;
 use crate::math::precise::unit;
 use crate::scene::{MeshFile, PrimitiveFile, QuadFile, SphereFile, TrianglesFile};
@@ -64,8 +64,8 @@ impl Reader<'_, '_> {
         }
         if self.import.is_usable(&file, "so it is left out") {
             let mut mesh = MeshFile::new(file, material);
-            if self.state.transform != DAffine3::IDENTITY {
-                mesh.matrix = Some(rows(&self.state.transform));
+            if self.to_scene() != DAffine3::IDENTITY {
+                mesh.matrix = Some(rows(&self.to_scene()));
             }
             self.add(mesh);
         }
@@ -97,10 +97,16 @@ impl Reader<'_, '_> {
         }
     }
 
+    /// From the coordinates of shapes to the scene, or to the object that is being defined.
+    pub(crate) fn to_scene(&self) -> DAffine3 {
+        let origin = if self.object.is_some() { DVec3::ZERO } else { self.import.origin };
+        DAffine3::from_translation(-origin) * self.state.transform
+    }
+
     /// Centre and radius of a sphere in the scene; `None` if it is stretched.
     fn ball(&self, radius: f64) -> Option<([f32; 3], f32)> {
         let scale = uniform_scale(&self.state.transform)?;
-        Some((rounded(self.state.transform.translation), (radius * scale) as f32))
+        Some((rounded(self.to_scene().translation), (radius * scale) as f32))
     }
 
     /// A sphere without a material, which is the boundary of a medium.
@@ -166,7 +172,7 @@ impl Reader<'_, '_> {
     /// Adds triangles, placed by the current transform.
     fn add_list(&mut self, list: List, material: String) -> Result<(), String> {
         self.import.budget.hold_list(list.positions.len(), list.indices.len())?;
-        let State { transform, reversed, .. } = &self.state;
+        let (transform, reversed) = (self.to_scene(), &self.state.reversed);
         let inverse = transform.matrix3.inverse().transpose();
         let List { positions, normals, uvs, mut indices } = list;
         let mirrored = transform.matrix3.determinant() < 0.0;

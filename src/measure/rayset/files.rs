@@ -25,6 +25,8 @@ struct Manifest {
     counts: Counts,
     sets: Vec<SetEntry>,
     image: [u32; 2],
+    #[serde(default)]
+    origin: [f64; 3],
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -171,6 +173,7 @@ pub(crate) fn write(sets: &RaySets, folder: &Path) -> Result<()> {
         counts: Counts::of(&sets.geometry),
         sets: sets.sets.iter().map(entry).collect(),
         image: sets.image,
+        origin: sets.origin,
     };
     write_atomically(&manifest, |file| {
         serde_json::to_writer(&mut *file, &content)?;
@@ -202,8 +205,8 @@ pub(crate) fn read(folder: &Path) -> Result<RaySets> {
     let geometry = read_geometry(folder, &manifest.counts)?;
     let sets = manifest.sets.iter().map(|entry| read_set(folder, entry, &geometry));
     let sets = sets.collect::<Result<Vec<RaySet>>>()?;
-    let Manifest { scene, seed, image, .. } = manifest;
-    Ok(RaySets { scene, seed, image, geometry, sets })
+    let Manifest { scene, seed, image, origin, .. } = manifest;
+    Ok(RaySets { scene, seed, image, origin, geometry, sets })
 }
 
 /// Checks the number of primitives. An error consists of the place in the manifest that is wrong, and a

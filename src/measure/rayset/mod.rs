@@ -29,9 +29,10 @@
 //! ```json
 //! {"scene": "spheres", "seed": 1, "image": [1280, 720],
 //!  "counts": {"spheres": 488, "quads": 0, "triangles": 0},
-//!  "sets": [{"name": "primary", "kind": "closest", "rays": 2097152}]}
+//!  "sets": [{"name": "primary", "kind": "closest", "rays": 2097152}], "origin": [0, 0, 0]}
 //! ```
 //!
+//! The sum of a position and `origin` is in the coordinates of the scene's file.
 //! With instances, `counts` also has `meshes`, the number of triangles of each mesh, and `instances`.
 //! `kind` is `occluded` for shadow rays and `closest` for all others.
 
@@ -60,6 +61,8 @@ pub struct RaySets {
     pub seed: u64,
     /// Width and height of the image.
     pub image: [u32; 2],
+    /// The point (0, 0, 0) in the coordinates of the scene's file.
+    pub origin: [f64; 3],
     /// The primitives that the rays are traced against.
     pub geometry: Geometry,
     /// The sets, each with at least one ray.

@@ -62,6 +62,7 @@ pub fn record(scene: &Scene, settings: &ImageSettings, most: u64) -> Result<RayS
         scene: scene.name().to_owned(),
         seed: settings.seed,
         image: [settings.width, settings.height],
+        origin: scene.origin().to_array(),
         geometry: Geometry::clone(scene.geometry()),
         sets: sets.into_iter().map(|(_, set)| set).filter(|set| !set.rays.is_empty()).collect(),
     })

@@ -32,6 +32,9 @@ pub(crate) fn resolve(
         Camera::new(&resolver.element(format!("cameras.{name}"), "camera"), camera)?;
     }
     resolver.render_defaults()?;
+    let [x, y, z] = file.origin;
+    let ok = file.origin.iter().all(|c| c.abs() <= 1e12);
+    e.check(ok, "origin", "three numbers in [-1e12, 1e12]", format!("({x}, {y}, {z})"))?;
     let entries = file.textures.0.len() + file.materials.0.len();
     resolver.check_names("texture", file.textures.names())?;
     resolver.check_names("material", file.materials.names())?;
@@ -57,6 +60,7 @@ pub(crate) fn resolve(
         camera,
         camera_file: file.camera.clone(),
         cameras: file.cameras.clone(),
+        origin: file.origin.into(),
         defaults: file.render.clone(),
         world,
         material_names: file.materials.names().map(str::to_owned).collect(),

@@ -28,7 +28,7 @@ impl ShadeInputs<'_> {
                     let ray = paths.segments(&path).ray;
                     let point = ray.origin + ray.direction * Float::from_bits(t);
                     let albedo = self.tables.media.phase::<Float>(primitive).albedo();
-                    FirstHit::in_medium(self.camera, point, albedo)
+                    FirstHit::in_medium(self.scene, self.camera, point, albedo)
                 }
                 Key::Surface { .. } => FirstHit::anything(),
             };
