@@ -7,7 +7,7 @@ use crate::scene::Sampling;
 use crate::shading::material::SPECULAR;
 
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
-pub const BITS: u32 = 5;
+pub const BITS: u32 = 6;
 
 /// Maximum probability of surviving Russian roulette.
 pub(super) const ROULETTE_MAX: f32 = 0.95;

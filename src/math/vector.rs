@@ -75,6 +75,19 @@ impl<V: Vector> Frame<V> {
         Self([s, t, normal])
     }
 
+    /// The frame about the unit vector `normal` whose x axis is the unit vector `x`, perpendicular to it.
+    #[inline(always)]
+    pub(crate) fn with_x(x: V, normal: V) -> Self {
+        Self([x, cross(normal, x), normal])
+    }
+
+    /// `self` in the lanes of `mask`, otherwise `other`.
+    #[inline(always)]
+    pub(crate) fn select(self, mask: <V::Real as Real>::Mask, other: Self) -> Self {
+        let [s, t, n] = self.0;
+        Self([mask.select(s, other.0[0]), mask.select(t, other.0[1]), mask.select(n, other.0[2])])
+    }
+
     /// Transforms `v` from the frame to the world.
     #[inline(always)]
     pub(crate) fn world(&self, v: V) -> V {

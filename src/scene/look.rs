@@ -98,6 +98,9 @@ impl Scene {
             let kept = [
                 ("opacity", material.model().opacity() == old.model().opacity()),
                 ("normal map", material.model().normal() == old.model().normal()),
+                ("need of tangents", {
+                    material.model().needs_tangents() == old.model().needs_tangents()
+                }),
                 ("role as a light", role(&material) == role(old)),
                 ("use of vertex colours", has_colors || !material.uses_vertex_colors()),
             ];

@@ -343,6 +343,17 @@ impl Maker {
             principled.coat = self.number(textures);
             principled.coat_roughness = self.number(textures);
             principled.coat_color = self.vector(0.0, 1.0);
+            principled.coat_normal = self.one_in(3).then(|| "bumps".into());
+        }
+        if self.one_in(3) {
+            principled.specular_color = self.vector(0.0, 20.0).into();
+            principled.anisotropy = self.0.between(0.0, 1.0);
+            principled.anisotropy_rotation = self.0.between(-360.0, 360.0);
+            principled.anisotropy_map = self.one_in(3).then(|| "bumps".into());
+            principled.sheen_color = self.albedo(textures);
+            principled.sheen_roughness = self.number(textures);
+            principled.diffuse_transmission = self.number(textures);
+            principled.diffuse_transmission_color = self.albedo(textures);
         }
         if self.one_in(6) {
             principled.emission =

@@ -150,38 +150,123 @@ fn gltf_files_have_colors_beside_textures_and_scales_of_normals() {
     assert_eq!(shown(&json), (true, true));
 }
 
-/// Converters write an index of refraction of 1000 beside the colour of the reflection that was meant.
+/// The extensions of Khronos for materials. An index of 0 stands for an infinite one, and converters write 1000 beside
+/// the colour of the reflection that was meant.
 #[test]
-fn colours_of_gltf_reflections_change_the_index_of_refraction() {
+fn extensions_of_gltf_materials_are_read() {
     let there = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(folder().join("gltf.gltf")).unwrap();
     for file in ["gltf parts.bin", "grid.png"] {
         fs::copy(folder().join(file), there.path().join(file)).unwrap();
     }
-    let index = |extensions: Value| {
+    let read = |extensions: Value| {
         let mut json: Value = serde_json::from_str(&text).unwrap();
         let materials = json["materials"].as_array_mut().unwrap();
         let car = materials.iter_mut().find(|material| material["name"] == "car").unwrap();
         car["extensions"] = extensions;
         fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
-        let shown = succeeds(there.path(), &["scenes", "show", "--json", "a.gltf"]);
+        let shown = succeeds(there.path(), &["scenes", "show", "--strict", "--json", "a.gltf"]);
         let shown: Value = serde_json::from_str(&shown).unwrap();
-        let car = &shown["materials"]["car"]["principled"];
-        car["ior"].as_f64().unwrap_or(1.5)
+        shown["materials"]["car"]["principled"].clone()
     };
-    let ior = json!({ "ior": 1000 });
-    let specular = |color: f64| json!({ "specularColorFactor": [color, color, color] });
-    for (extensions, want) in [
-        (json!({ "KHR_materials_ior": ior }), 10.0),
-        (json!({ "KHR_materials_ior": { "ior": 0 } }), 10.0),
-        // Reflectances of 0, 0.25 · 0.996 and 0.04 · 0.5 at normal incidence.
-        (json!({ "KHR_materials_ior": ior, "KHR_materials_specular": specular(0.0) }), 1.01),
-        (json!({ "KHR_materials_ior": ior, "KHR_materials_specular": specular(0.25) }), 2.992),
-        (json!({ "KHR_materials_specular": specular(0.5) }), 1.3294),
+    for (extension, value, field, want) in [
+        ("ior", json!({ "ior": 1000 }), "ior", json!(1000.0)),
+        ("ior", json!({ "ior": 0 }), "ior", json!(1000.0)),
+        ("ior", json!({ "ior": 1 }), "ior", json!(1.01)),
+        (
+            "specular",
+            json!({ "specularColorFactor": [3, 0.5, 0] }),
+            "specular_color",
+            json!([3.0, 0.5, 0.0]),
+        ),
+        (
+            "sheen",
+            json!({ "sheenColorFactor": [1, 0.5, 0] }),
+            "sheen_color",
+            json!([1.0, 0.5, 0.0]),
+        ),
+        ("sheen", json!({ "sheenRoughnessFactor": 0.25 }), "sheen_roughness", json!(0.25)),
+        ("anisotropy", json!({ "anisotropyStrength": 0.5 }), "anisotropy", json!(0.5)),
+        (
+            "anisotropy",
+            json!({ "anisotropyRotation": -PI / 2.0 }),
+            "anisotropy_rotation",
+            json!(-90.0),
+        ),
+        (
+            "diffuse_transmission",
+            json!({ "diffuseTransmissionFactor": 0.5 }),
+            "diffuse_transmission",
+            json!(0.5),
+        ),
+        (
+            "diffuse_transmission",
+            json!({ "diffuseTransmissionColorFactor": [1, 0.5, 0] }),
+            "diffuse_transmission_color",
+            json!([1.0, 0.5, 0.0]),
+        ),
     ] {
-        let found = index(extensions.clone());
-        assert!((found - want).abs() < 1e-3, "{extensions}: {found}");
+        let material = read(json!({ format!("KHR_materials_{extension}"): value }));
+        assert_eq!(material[field], want, "{extension}: {material}");
     }
+    // Maps of directions have linear encoding and no factor.
+    let map = json!({ "index": 0 });
+    for (extension, value, field) in [
+        (
+            "clearcoat",
+            json!({ "clearcoatFactor": 1, "clearcoatNormalTexture": map }),
+            "coat_normal",
+        ),
+        (
+            "anisotropy",
+            json!({ "anisotropyStrength": 1, "anisotropyTexture": map }),
+            "anisotropy_map",
+        ),
+    ] {
+        let material = read(json!({ format!("KHR_materials_{extension}"): value }));
+        assert!(material[field].is_string(), "{extension}: {material}");
+    }
+}
+
+/// A city in map coordinates is the same picture as one at the origin, since only its distance from there is lost.
+#[test]
+fn scenes_far_from_the_origin_lose_no_bits() {
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("a.pbrt");
+    let image = |[x, y]: [f64; 2]| {
+        // The camera is 5 in front of a triangle and a ball, which are moved by a transform.
+        let text = format!(
+            "LookAt {} {} 5  {x} {y} 0  0 1 0 Camera \"perspective\" \"float fov\" 30
+             WorldBegin LightSource \"infinite\" Translate {x} {y} 0
+             Shape \"sphere\" \"float radius\" 0.3
+             Shape \"trianglemesh\" \"point3 P\" [-1 -1 0.1  1 -1 0.1  0 1 0.3] \"integer indices\" [0 1 2]",
+            x + 0.5,
+            y + 0.25,
+        );
+        fs::write(&path, text).unwrap();
+        let scene = Scene::load(path.to_str().unwrap()).unwrap();
+        let settings = ImageSettings { width: 60, height: 40, spp: 2, ..ImageSettings::of(&scene) };
+        let image =
+            Renderer::new(&scene, settings, Engine::Scalar).unwrap().render().unwrap().image;
+        (image.hash(), scene.origin().to_array())
+    };
+    let (near, origin) = image([0.0, 0.0]);
+    assert_eq!(origin, [0.0; 3]);
+    let (moved, origin) = image([65_536.0, -1_048_576.0]);
+    assert_eq!((moved, origin), (near, [65_536.0, -1_048_576.0, 0.0]));
+
+    // Arguments and reports are in the coordinates of the file.
+    let view = ["--look-from", "65536.5,-1048575,4", "--look-at", "65536.5,-1048575,0"];
+    let size = ["--width", "3", "--height", "3", "--pixel", "1,1"];
+    let path = succeeds(there.path(), &[&["path", "a.pbrt"], &view[..], &size].concat());
+    assert!(path.contains("camera  from (65536.5, -1048575, 4) along"), "{path}");
+    let shown = succeeds(there.path(), &["scenes", "show", "a.pbrt"]);
+    assert!(shown.contains("origin: (65536.0, -1048576.0, 0.0)"), "{shown}");
+    let rays = ["rays", "a.pbrt", "--spp", "1", "--max-rays", "2048", "-o", "set"];
+    succeeds(there.path(), &rays);
+    let manifest = fs::read_to_string(there.path().join("set/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(manifest["origin"], json!([65_536.0, -1_048_576.0, 0.0]));
 }
 
 #[test]

@@ -1,26 +1,11 @@
-//! Materials and textures of glTF files.
+//! Materials of glTF files.
 
 use super::Reader;
-use super::file::{Material, MaterialExtensions, Primitive, TextureInfo};
-use crate::image::Encoding;
+use super::file::{Material, Primitive};
+use super::texture::{Usage, share};
 use crate::shading::material::Principled;
-use crate::shading::texture::{Channel, Filter, Image, VertexColor, Wrap};
+use crate::shading::texture::{Channel, VertexColor};
 use crate::shading::{Color, Number, Opacity, TextureRef};
-
-/// What a texture is read for.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Usage {
-    Colors,
-    /// Colours that are multiplied by those of vertices.
-    TimesVertices,
-    Numbers,
-    Normals,
-}
-
-/// A number of a file, limited to [0, 1].
-fn share(number: f64) -> f32 {
-    number.clamp(0.0, 1.0) as f32
-}
 
 impl Reader<'_, '_, '_> {
     /// The name of the scene's material for a part of a mesh, which may have colours at its vertices.
@@ -69,17 +54,19 @@ impl Reader<'_, '_, '_> {
         let metal = if file.extensions.specular_glossiness.is_some() { 0.0 } else { 1.0 };
         let extensions = &file.extensions;
         let (coat, specular) = (&extensions.clearcoat, &extensions.specular);
-        if coat.clearcoat_normal_texture.is_some() {
-            self.import.warn("normal maps of coats are not supported, so coats follow the surface");
-        }
-        let (ior, reflected) = self.reflection(extensions);
         let (transmission, volume) = (&extensions.transmission, &extensions.volume);
+        let (sheen, anisotropy) = (&extensions.sheen, &extensions.anisotropy);
+        let through = &extensions.diffuse_transmission;
+        if through.diffuse_transmission_factor > 0.0 && volume.thickness_factor > 0.0 {
+            self.import.warn(
+                "light is not scattered inside volumes, so it leaves them where it enters them",
+            );
+        }
+        // An index of 0 stands for an infinite one.
+        let ior = extensions.ior.ior.map_or(1.5, |ior| if ior == 0.0 { f64::MAX } else { ior });
         let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0);
         let emitted = file.emissive_factor.map(|c| (c * strength).clamp(0.0, 1e30) as f32);
-        let emission = match &file.emissive_texture {
-            Some(texture) if emitted != [0.0; 3] => self.color(texture, emitted, false)?,
-            _ => Color::Rgb(emitted),
-        };
+        let emission = self.color_or(file.emissive_texture.as_ref(), emitted.map(f64::from))?;
         let mut material = Principled {
             base_color,
             metalness: self.number(rough, Channel::B, base.metallic_factor.unwrap_or(metal))?,
@@ -87,9 +74,40 @@ impl Reader<'_, '_, '_> {
             specular: self.number(
                 specular.specular_texture.as_ref(),
                 Channel::A,
-                specular.specular_factor.unwrap_or(1.0) * reflected,
+                specular.specular_factor.unwrap_or(1.0),
             )?,
-            ior,
+            specular_color: self.color_or(
+                specular.specular_color_texture.as_ref(),
+                specular.specular_color_factor.unwrap_or([1.0; 3]).map(|c| c.clamp(0.0, 1e3)),
+            )?,
+            ior: ior.clamp(1.01, 1e3) as f32,
+            anisotropy: share(anisotropy.anisotropy_strength),
+            anisotropy_rotation: (anisotropy.anisotropy_rotation.to_degrees() % 360.0) as f32,
+            anisotropy_map: match anisotropy.anisotropy_strength > 0.0 {
+                true => self.normal_map(anisotropy.anisotropy_texture.as_ref())?,
+                false => None,
+            },
+            sheen_color: self.color_or(
+                sheen.sheen_color_texture.as_ref(),
+                sheen.sheen_color_factor.map(|c| c.clamp(0.0, 1.0)),
+            )?,
+            sheen_roughness: self.number(
+                sheen.sheen_roughness_texture.as_ref(),
+                Channel::A,
+                sheen.sheen_roughness_factor,
+            )?,
+            diffuse_transmission: self.number(
+                through.diffuse_transmission_texture.as_ref(),
+                Channel::A,
+                through.diffuse_transmission_factor,
+            )?,
+            diffuse_transmission_color: self.color_or(
+                through.diffuse_transmission_color_texture.as_ref(),
+                through
+                    .diffuse_transmission_color_factor
+                    .unwrap_or([1.0; 3])
+                    .map(|c| c.clamp(0.0, 1.0)),
+            )?,
             transmission: self.number(
                 transmission.transmission_texture.as_ref(),
                 Channel::R,
@@ -113,6 +131,10 @@ impl Reader<'_, '_, '_> {
                 Channel::G,
                 coat.clearcoat_roughness_factor,
             )?,
+            coat_normal: match coat.clearcoat_factor > 0.0 {
+                true => self.normal_map(coat.clearcoat_normal_texture.as_ref())?,
+                false => None,
+            },
             emission,
             normal: self.normal_map(file.normal_texture.as_ref())?,
             ..Principled::default()
@@ -124,34 +146,6 @@ impl Reader<'_, '_, '_> {
         }
         material.opacity = self.opacity(file, alpha)?;
         Ok(material)
-    }
-
-    /// The index of refraction, and a factor of specular reflection.
-    ///
-    /// At normal incidence, glTF's surfaces reflect ((ior − 1)/(ior + 1))² times `specularColorFactor`.
-    /// Where no light passes, only this product counts, so another index stands for it: converters
-    /// write `ior` 1000 beside the colour that was meant.
-    fn reflection(&mut self, extensions: &MaterialExtensions) -> (f32, f64) {
-        let specular = &extensions.specular;
-        // An index of 0 stands for an infinite one.
-        let ior = extensions.ior.ior.map_or(1.5, |ior| if ior == 0.0 { f64::MAX } else { ior });
-        let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
-        let is_grey = color == [color[0]; 3];
-        let mean = if is_grey { color[0] } else { (color[0] + color[1] + color[2]) / 3.0 };
-        let has_texture = specular.specular_color_texture.is_some();
-        let limited = |ior: f64| ior.clamp(1.01, 10.0) as f32;
-        if has_texture || !is_grey {
-            self.import.warn("colours of specular reflection are not supported, so it is white");
-        }
-        if extensions.transmission.transmission_factor > 0.0 || mean == 1.0 && !has_texture {
-            return (limited(ior), mean.clamp(0.0, 1.0));
-        }
-        let root = (ior - 1.0) / (ior + 1.0);
-        let reflected = root * root * mean;
-        // If only a texture tells the reflectance, it counts as 0.04, which is usual.
-        let reflected = if has_texture && reflected > 0.5 { 0.04 } else { reflected };
-        let root = reflected.clamp(0.0, 0.99).sqrt();
-        (limited((1.0 + root) / (1.0 - root)), 1.0)
     }
 
     /// The opacity of a material.
@@ -176,114 +170,4 @@ impl Reader<'_, '_, '_> {
             _ => Opacity::Blend { alpha },
         }))
     }
-
-    /// A texture times `factor` and, where it is `colored`, times the colours of vertices.
-    fn color(
-        &mut self,
-        info: &TextureInfo,
-        factor: [f32; 3],
-        colored: bool,
-    ) -> Result<Color, String> {
-        let usage = if colored { Usage::TimesVertices } else { Usage::Colors };
-        Ok(match self.texture(info, usage)? {
-            Some(texture) => Color::Texture { texture, factor },
-            None => Color::Rgb(factor.map(|c| 0.5 * c)),
-        })
-    }
-
-    fn number(
-        &mut self,
-        info: Option<&TextureInfo>,
-        channel: Channel,
-        factor: f64,
-    ) -> Result<Number, String> {
-        let factor = share(factor);
-        let Some(info) = info.filter(|_| factor > 0.0) else { return Ok(Number::Value(factor)) };
-        Ok(match self.texture(info, Usage::Numbers)? {
-            Some(texture) => Number::Texture { texture, channel, factor },
-            None => Number::Value(factor),
-        })
-    }
-
-    fn normal_map(&mut self, info: Option<&TextureInfo>) -> Result<Option<TextureRef>, String> {
-        let Some(info) = info else { return Ok(None) };
-        if set_of(info) != 0 {
-            self.import.warn("normal maps on other texture coordinates than the first are not supported, so surfaces are flat there");
-            return Ok(None);
-        }
-        self.texture(info, Usage::Normals)
-    }
-
-    /// A texture of the scene; `None` if its image is missing and need not be there.
-    fn texture(&mut self, info: &TextureInfo, usage: Usage) -> Result<Option<TextureRef>, String> {
-        let gltf = self.gltf;
-        let texture = gltf.document.textures.get(info.index);
-        let texture = texture.ok_or_else(|| format!("unknown texture {}", info.index))?;
-        let Some(source) = texture.source else {
-            self.import.warn("textures in formats of extensions are grey");
-            return Ok(None);
-        };
-        let file = gltf.image_file(source)?;
-        if let Some(file) = &file
-            && !self.import.is_usable(file, "so it is grey")
-        {
-            return Ok(None);
-        }
-        let mut image = Image::from_file(file.as_deref().unwrap_or(&self.file));
-        image.index = file.is_none().then_some(source as u32);
-        image.encoding = match usage {
-            Usage::Colors | Usage::TimesVertices => Encoding::Auto,
-            Usage::Numbers | Usage::Normals => Encoding::Linear,
-        };
-        image.vertex_colors = usage == Usage::TimesVertices;
-        if usage == Usage::Normals {
-            image.normal_scale = info.scale.map_or(1.0, |scale| scale.clamp(-1e3, 1e3) as f32);
-        }
-        if let Some(sampler) = texture.sampler {
-            let sampler = gltf.document.samplers.get(sampler);
-            let sampler = sampler.ok_or("a texture has an unknown sampler")?;
-            let wrap = |code| match code {
-                Some(33_071) => Wrap::Clamp,
-                Some(33_648) => Wrap::Mirror,
-                _ => Wrap::Repeat,
-            };
-            (image.wrap_u, image.wrap_v) = (wrap(sampler.wrap_s), wrap(sampler.wrap_t));
-            if sampler.mag_filter == Some(9728) {
-                image.filter = Filter::Nearest;
-            }
-        }
-        image.uv = match set_of(info) {
-            set @ (0 | 1) => set,
-            _ => {
-                self.import.warn(
-                    "only two sets of texture coordinates are supported, so textures use the first",
-                );
-                0
-            }
-        };
-        if let Some(transform) = &info.extensions.transform {
-            let [x, y] = transform.scale.unwrap_or([1.0; 2]);
-            let degrees = transform.rotation.to_degrees();
-            let (sin, cos) = crate::math::precise::sin_cos_degrees(degrees);
-            // The file's v runs down: v = 1 - v', before and after the transform.
-            let offset = [transform.offset[0] + sin * y, 1.0 - transform.offset[1] - cos * y];
-            image.scale = (x as f32, y as f32);
-            image.rotation = degrees as f32;
-            image.offset = (offset[0] as f32, offset[1] as f32);
-        }
-        let key = format!("{image:?}");
-        if let Some(known) = self.textures.get(&key) {
-            return Ok(Some(TextureRef::Named(known.clone())));
-        }
-        let name = format!("texture {}", self.textures.len());
-        self.scene.add_texture(name.clone(), image);
-        self.textures.insert(key, name.clone());
-        Ok(Some(TextureRef::Named(name)))
-    }
-}
-
-/// The set of texture coordinates of a texture.
-fn set_of(info: &TextureInfo) -> u32 {
-    let own = info.extensions.transform.as_ref().and_then(|transform| transform.tex_coord);
-    own.unwrap_or(info.tex_coord)
 }

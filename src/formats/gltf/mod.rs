@@ -8,6 +8,7 @@ mod light;
 mod material;
 mod mesh;
 mod pose;
+mod texture;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -128,8 +129,8 @@ impl Reader<'_, '_, '_> {
         if document.scenes.len() > 1 {
             self.import.warn("only one of the scenes in the file is shown, the one that it names");
         }
-        let mut open: Vec<_> =
-            roots.into_iter().rev().map(|node| (node, DAffine3::IDENTITY)).collect();
+        let to_scene = DAffine3::from_translation(-self.import.origin);
+        let mut open: Vec<_> = roots.into_iter().rev().map(|node| (node, to_scene)).collect();
         while let Some((index, parent)) = open.pop() {
             let node = document.nodes.get(index).ok_or_else(|| format!("unknown node {index}"))?;
             let map = parent * self.pose.local(index, node);
@@ -294,14 +295,11 @@ impl Reader<'_, '_, '_> {
     /// Warns of extensions that ptfast lacks.
     fn warn_of_extensions(&mut self) {
         let instead = |name: &str| match name {
-            "KHR_materials_sheen" => "fabrics have no sheen",
             "KHR_materials_iridescence" => "surfaces do not iridesce",
-            "KHR_materials_anisotropy" => "highlights are round",
             "KHR_materials_dispersion" => "glass does not disperse light",
             "KHR_materials_pbrSpecularGlossiness" => {
                 "such materials are white, unless the file also describes them in the usual way"
             }
-            "KHR_materials_diffuse_transmission" => "such surfaces let no light through",
             "KHR_animation_pointer" => "what it animates stands still",
             _ => "it has no effect",
         };

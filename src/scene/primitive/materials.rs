@@ -12,8 +12,8 @@ pub(crate) struct Materials<'a> {
     /// Whether each of them emits a constant light, so that its triangles become lights wherever instances place
     /// them. Light that varies is found by paths alone there, since each light takes much memory.
     pub(super) emits: Vec<bool>,
-    /// Whether any of them has a normal map, so that smooth meshes need tangents.
-    pub(super) normal_maps: bool,
+    /// Whether smooth meshes need tangents for any of them.
+    pub(super) need_tangents: bool,
     /// Whether any of them uses the colours of vertices. Otherwise, they are not stored, and are not
     /// part of the scene's hash.
     pub(super) vertex_colors: bool,
@@ -28,7 +28,7 @@ impl<'a> Materials<'a> {
                 .iter()
                 .map(|material| material.emission().is_some_and(|emission| emission.emits()))
                 .collect(),
-            normal_maps: materials.iter().any(|material| material.model().normal().is_some()),
+            need_tangents: materials.iter().any(|material| material.model().needs_tangents()),
             vertex_colors: materials.iter().any(Material::uses_vertex_colors),
         }
     }

@@ -104,7 +104,7 @@ impl<'a> Builder<'a> {
         if !self.materials.vertex_colors {
             vertices.colors.clear();
         }
-        if self.materials.normal_maps && lacks_tangents(&vertices) {
+        if self.materials.need_tangents && lacks_tangents(&vertices) {
             self.budget.check(TANGENTS * faces.len() as u64).map_err(|message| e.error(message))?;
             let before = vertices.positions.len();
             add_tangents(&mut vertices, &mut faces).map_err(|message| e.error(message))?;

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::principled::{LayeredBsdf, Parameters, Shares, reflectance_at_normal};
+use super::principled::{LayeredBsdf, Parameters, Shares, alpha, reflectance_at_normal};
 use super::{MaterialModel, MaterialParameters, Opacity};
 use crate::checks::Location;
 use crate::error::Result;
-use crate::math::{Mask, Real, Row, Vector, max};
+use crate::math::{Real, Row, Vector, max};
 use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// A matte surface below a clear, colourless coat, such as varnished wood or glazed pottery (pbrt-v4's
@@ -84,27 +84,13 @@ impl MaterialModel for CoatedDiffuse {
         let reflectance = at.color(R::gather(table, index, |entry| &entry[0]));
         let (row, _) = R::gather(table, index, |entry| &entry[1]);
         let (roughness, ior) = (at.number([row[0], row[1]]), row[2]);
-        let alpha = LayeredBsdf::alpha(roughness);
-        let mean = Shares::mean(alpha);
+        let mean = Shares::mean(alpha(roughness));
         let reflected = reflectance_at_normal(ior) * mean.low + mean.high;
         let back = R::ONE - (R::ONE - reflected) / (ior * ior);
         let summed =
             |rho: R| rho * (R::ONE - back) / max(R::ONE - rho * back, R::splat(f32::MIN_POSITIVE));
         let base_color =
             R::Vec3::new(summed(reflectance[0]), summed(reflectance[1]), summed(reflectance[2]));
-        let parameters = Parameters {
-            base_color,
-            metalness: R::ZERO,
-            roughness,
-            specular: R::ONE,
-            transmission: R::ZERO,
-            thin: R::Mask::NONE,
-            pane: R::Mask::NONE,
-            ior,
-            coat: R::ZERO,
-            coat_roughness: R::ZERO,
-            coat_color: R::Vec3::gray(R::ONE),
-        };
-        LayeredBsdf::new(&parameters, at)
+        LayeredBsdf::new(&Parameters::plastic(base_color, roughness, ior), at)
     }
 }

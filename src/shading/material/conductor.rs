@@ -82,7 +82,7 @@ impl MaterialModel for Conductor {
         let (k, code) = R::gather(table, index, |entry| &entry[1]);
         let alpha = at.number([alpha, code]);
         let alpha = alpha.lt(R::splat(LEAST_ALPHA)).select(R::ZERO, alpha);
-        let (frame, ggx) = (Frame::new(at.normals.mirror), Ggx { alpha });
+        let (frame, ggx) = (Frame::new(at.normals.mirror), Ggx::new(alpha));
         let wo = frame.local(-at.ray.direction);
         ConductorBsdf { frame, wo, eta, k, ggx, bound: ggx.bound(wo) }
     }

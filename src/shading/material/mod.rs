@@ -6,10 +6,15 @@
 /// The methods of [`MaterialParameters`] for textures: those of the named parameters, and those of
 /// the fields `normal` and `opacity`.
 macro_rules! texture_methods {
-    ($($parameter:ident),*) => {
+    ($($parameter:ident),* $(; $($map:ident),*)?) => {
         fn textures(&mut self) -> Vec<&mut TextureRef> {
             let opacity = self.opacity.as_mut().and_then(Opacity::reference);
-            let textures = [$(self.$parameter.reference(),)* self.normal.as_mut(), opacity];
+            let textures = [
+                $(self.$parameter.reference(),)*
+                $($(self.$map.as_mut(),)*)?
+                self.normal.as_mut(),
+                opacity,
+            ];
             textures.into_iter().flatten().collect()
         }
 
@@ -144,20 +149,20 @@ materials! {
     Light in light,
 }
 
-/// Checks that a normal map is a texture that contains normals.
-fn check_normals(normal: &TextureRef, e: &Location<'_>) -> Result<()> {
+/// Checks that the map in this field is a texture that contains normals, or other directions.
+fn check_normals(normal: &TextureRef, field: &str, e: &Location<'_>) -> Result<()> {
     match normal.get().model().holds_normals() {
         true => Ok(()),
-        false => Err(e.error(
-            "normal must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
-        )),
+        false => Err(e.error(format!(
+            "{field} must be the name of an `image` texture with `encoding: linear` and `uv: 0`",
+        ))),
     }
 }
 
 impl Material {
     pub(crate) fn check(&self, e: &Location<'_>) -> Result<()> {
         let model = self.model();
-        model.normal().map_or(Ok(()), |normal| check_normals(normal, e))?;
+        model.normal().map_or(Ok(()), |normal| check_normals(normal, "normal", e))?;
         model.opacity().map_or(Ok(()), |opacity| opacity.check(e))?;
         model.check(e)
     }

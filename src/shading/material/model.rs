@@ -22,6 +22,11 @@ pub(crate) trait MaterialParameters {
         None
     }
 
+    /// Whether smooth meshes need tangents for the material's maps or directions.
+    fn needs_tangents(&self) -> bool {
+        self.normal().is_some()
+    }
+
     /// Returns the light that the material emits, if it is the same everywhere.
     fn emission(&self) -> Option<Emission> {
         None

@@ -85,7 +85,7 @@ impl MaterialModel for RoughDielectric {
         let frame = Frame::new(at.normals.mirror);
         let wo = frame.local(-at.ray.direction);
         let eta = at.front.select(row[2], R::ONE / row[2]);
-        RoughDielectricBsdf { frame, wo, eta, ggx: Ggx { alpha } }
+        RoughDielectricBsdf { frame, wo, eta, ggx: Ggx::new(alpha) }
     }
 }
 

@@ -36,6 +36,11 @@ impl Number {
         Self::Value(0.0)
     }
 
+    /// Whether this is the number 0.
+    pub(crate) fn is_zero(&self) -> bool {
+        *self == Self::Value(0.0)
+    }
+
     /// Checks that a constant is in `range`, and that a texture cannot exceed its end. Values of
     /// textures below its start are for the material to raise.
     pub(crate) fn check(

@@ -49,22 +49,27 @@ fn conductor(cos: f64, n: f64, k: f64) -> f64 {
 ///
 /// Integrates over the normals of the microfacets: the visible area of the microfacets with a
 /// normal, times the share of light that they reflect or, with an index of refraction `eta`,
-/// refract.
-fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -> f64 {
-    let smith = |z: f64| (-1.0 + (1.0 + alpha * alpha * (1.0 - z * z) / (z * z)).sqrt()) / 2.0;
+/// refract. `alpha` is the roughness towards the light that is seen, and across.
+fn microfacets([ax, ay]: [f64; 2], reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -> f64 {
+    let smith = |w: [f64; 3]| {
+        let slope2 = ((ax * w[0]).powi(2) + (ay * w[1]).powi(2)) / (w[2] * w[2]);
+        (-1.0 + (1.0 + slope2).sqrt()) / 2.0
+    };
     let wo = [(1.0 - COS * COS).sqrt(), 0.0, COS];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (rows, columns) = (1500, 1500);
     let mut sum = 0.0;
     for i in 0..rows {
-        // With tan²θ = α² (1 − w²)/w², D(m) cos θ is uniform in 1 − w². Equal steps of w, with the
-        // weight 2w, sample grazing normals more finely than equal steps of 1 − w².
+        // With slopes of the length √(1 − w²)/w, times the roughness along each axis, D(m) cos θ is uniform in
+        // 1 − w². Equal steps of w, with the weight 2w, sample grazing normals more finely than equal steps of
+        // 1 − w².
         let w = (f64::from(i) + 0.5) / f64::from(rows);
-        let cos = 1.0 / (1.0 + alpha * alpha * (1.0 - w * w) / (w * w)).sqrt();
-        let sin = (1.0 - cos * cos).sqrt();
+        let slope = (1.0 - w * w).sqrt() / w;
         for j in 0..columns {
             let phi = 2.0 * PI * (f64::from(j) + 0.5) / f64::from(columns);
-            let m = [sin * phi.cos(), sin * phi.sin(), cos];
+            let slopes = [ax * slope * phi.cos(), ay * slope * phi.sin()];
+            let cos = 1.0 / (1.0 + slopes[0] * slopes[0] + slopes[1] * slopes[1]).sqrt();
+            let m = [slopes[0] * cos, slopes[1] * cos, cos];
             let before = dot(wo, m);
             if before <= 0.0 {
                 continue;
@@ -72,21 +77,41 @@ fn microfacets(alpha: f64, reflectance: impl Fn(f64) -> f64, eta: Option<f64>) -
             // The area visible from wo without masking: D (wo·m)/(cos θo) over D cos θ.
             let visible = before / (COS * cos) * 2.0 * w;
             let share = reflectance(before);
-            let up = 2.0 * before * m[2] - COS;
-            if up > 0.0 {
-                sum += visible * share / (1.0 + smith(COS) + smith(up));
+            let mirrored = [0, 1, 2].map(|i| 2.0 * before * m[i] - wo[i]);
+            if mirrored[2] > 0.0 {
+                sum += visible * share / (1.0 + smith(wo) + smith(mirrored));
             }
             if let Some(eta) = eta {
                 let sin2 = (1.0 - before * before) / (eta * eta);
                 let along = before / eta - (1.0 - sin2).max(0.0).sqrt();
-                let down = along * m[2] - COS / eta;
-                if down < 0.0 && sin2 < 1.0 {
-                    sum += visible * (1.0 - share) / ((1.0 + smith(COS)) * (1.0 + smith(-down)));
+                let refracted = [0, 1, 2].map(|i| along * m[i] - wo[i] / eta);
+                if refracted[2] < 0.0 && sin2 < 1.0 {
+                    sum += visible * (1.0 - share) / ((1.0 + smith(wo)) * (1.0 + smith(refracted)));
                 }
             }
         }
     }
     sum / f64::from(rows * columns)
+}
+
+/// The share of uniform light that white fibres reflect, by the distribution of Estevez and Kulla (2017) and the
+/// shadowing of Neubelt and Pettineo (2013), as `KHR_materials_sheen` gives them.
+fn fibres(roughness: f64) -> f64 {
+    let (alpha, steps) = (roughness * roughness, 2000);
+    let mut sum = 0.0;
+    for i in 0..steps {
+        let z = (f64::from(i) + 0.5) / f64::from(steps);
+        for j in 0..steps {
+            let phi = 2.0 * PI * (f64::from(j) + 0.5) / f64::from(steps);
+            let across = (1.0 - z * z).sqrt();
+            let half = [0.8 + across * phi.cos(), across * phi.sin(), COS + z];
+            let sin2 = (half[0] * half[0] + half[1] * half[1])
+                / (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+            let density = (2.0 + 1.0 / alpha) * sin2.powf(0.5 / alpha) / (2.0 * PI);
+            sum += density * z / (4.0 * (z + COS - z * COS));
+        }
+    }
+    sum * 2.0 * PI / f64::from(steps * steps)
 }
 
 /// Glass in front of a black wall, so that only the reflected light is seen.
@@ -113,6 +138,14 @@ fn materials_scatter_what_they_should() {
     let glass = |cos| dielectric(cos, 1.5);
     let schlick = 0.04 + 0.96 * (1.0 - COS).powi(5);
     let thin = "principled(base_color: (1, 1, 1), transmission: 1, thin: true, roughness: 0.6)";
+    // α is 0.1 across the direction of the anisotropy, and 0.1 + 0.9 · 0.5 along it.
+    let brushed = |degrees: u32| {
+        format!(
+            "principled(base_color: (0, 0, 0), roughness: 0.31622777, specular_color: (10, 10, 10),
+                        anisotropy: 0.70710678, anisotropy_rotation: {degrees})"
+        )
+    };
+    let plastic = |cos: f64| 0.4 + 0.6 * (1.0 - cos).powi(5);
     compare(
         "furnace",
         &[
@@ -122,7 +155,7 @@ fn materials_scatter_what_they_should() {
                 0.7,
             ),
             known("diffuse_transmission(reflectance: \"white\", transmittance: \"white\")", 1.0),
-            known(thin, microfacets(0.36, |_| 1.0, None)),
+            known(thin, microfacets([0.36; 2], |_| 1.0, None)),
             known("lambertian(albedo: (0.8, 0.8, 0.8))", 0.8),
             known("metal(albedo: (0.9, 0.9, 0.9))", 0.9),
             // Whatever the microfacets of plastic do not reflect, a white base scatters, and white
@@ -131,17 +164,65 @@ fn materials_scatter_what_they_should() {
             known("coated_diffuse(reflectance: (1, 1, 1), roughness: 0.5)", 1.0),
             known("principled(base_color: (1, 1, 1), roughness: 0.9, ior: 2)", 1.0),
             known("principled(base_color: (1, 1, 1), metalness: 1, roughness: 0.7)", 1.0),
+            // A coat and a sheen leave to the layers below what they do not reflect themselves.
+            known(
+                "principled(base_color: (0.5, 0.5, 0.5), specular: 0, coat: 1, coat_roughness: 0.5)",
+                0.5 + 0.5 * microfacets([0.25; 2], |cos| 0.04 + 0.96 * (1.0 - cos).powi(5), None),
+            ),
+            known(
+                "principled(base_color: (1, 1, 1), metalness: 1, roughness: 0.7, coat: 1, coat_roughness: 0.5)",
+                1.0,
+            ),
+            known("principled(base_color: (1, 1, 1), coat: 0.7, coat_roughness: 0.6)", 1.0),
+            known(
+                "principled(base_color: (0, 0, 0), specular: 0, sheen_color: (0.7, 0.7, 0.7), sheen_roughness: 0.6)",
+                0.7 * fibres(0.6),
+            ),
+            known(
+                "principled(base_color: (1, 1, 1), sheen_color: \"white\", sheen_roughness: 0.8)",
+                1.0,
+            ),
+            known(
+                "principled(base_color: (0.8, 0.8, 0.8), specular: 0, diffuse_transmission: 0.75,
+                            diffuse_transmission_color: (0.4, 0.4, 0.4))",
+                0.5,
+            ),
+            known(
+                "principled(base_color: (0, 0, 0), roughness: 0.02, specular: 0.5, specular_color: (5, 5, 5))",
+                0.5 * (0.2 + 0.8 * (1.0 - COS).powi(5)),
+            ),
+            known(
+                "principled(base_color: (0, 0, 0), roughness: 0.02, specular_color: (50, 50, 50))",
+                1.0,
+            ),
+            // At nodes of the table.
+            known(
+                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 1, ior: 1.8)",
+                1.0,
+            ),
+            known(
+                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 0.5, ior: 1.8)",
+                1.0,
+            ),
+            known(&brushed(0), microfacets([0.55, 0.1], plastic, None)),
+            known(&brushed(90), microfacets([0.1, 0.55], plastic, None)),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.5)", 0.9),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.9)", 0.9 * (1.0 - cap)),
             known("dielectric(ior: 1.5)", 1.0),
             known("dielectric(ior: 1.5, fresnel: exact)", 1.0),
             known(&metal("0"), gold(COS)),
-            known(&metal("0.3"), microfacets(0.3, gold, None)),
-            known(&metal("0.8"), microfacets(0.8, gold, None)),
-            known("rough_dielectric(ior: 1.5, alpha: 0.3)", microfacets(0.3, glass, Some(1.5))),
-            known("rough_dielectric(ior: 1.5, alpha: 0.8)", microfacets(0.8, glass, Some(1.5))),
+            known(&metal("0.3"), microfacets([0.3; 2], gold, None)),
+            known(&metal("0.8"), microfacets([0.8; 2], gold, None)),
+            known(
+                "rough_dielectric(ior: 1.5, alpha: 0.3)",
+                microfacets([0.3; 2], glass, Some(1.5)),
+            ),
+            known(
+                "rough_dielectric(ior: 1.5, alpha: 0.8)",
+                microfacets([0.8; 2], glass, Some(1.5)),
+            ),
             known("rough_dielectric(ior: 0.7, alpha: 0.5)", {
-                microfacets(0.5, |cos| dielectric(cos, 0.7), Some(0.7))
+                microfacets([0.5; 2], |cos| dielectric(cos, 0.7), Some(0.7))
             }),
             Known::new("reflection by Schlick", &reflection("schlick"), 3.0 * schlick),
             Known::new("reflection by Fresnel", &reflection("exact"), 3.0 * glass(COS)),

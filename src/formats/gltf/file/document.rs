@@ -232,6 +232,12 @@ pub(crate) struct MaterialExtensions {
     pub(crate) clearcoat: Clearcoat,
     #[serde(rename = "KHR_materials_specular")]
     pub(crate) specular: Specular,
+    #[serde(rename = "KHR_materials_sheen")]
+    pub(crate) sheen: Sheen,
+    #[serde(rename = "KHR_materials_anisotropy")]
+    pub(crate) anisotropy: Anisotropy,
+    #[serde(rename = "KHR_materials_diffuse_transmission")]
+    pub(crate) diffuse_transmission: DiffuseTransmission,
     #[serde(rename = "KHR_materials_unlit")]
     pub(crate) unlit: Option<Present>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
@@ -282,6 +288,33 @@ pub(crate) struct Specular {
     pub(crate) specular_texture: Option<TextureInfo>,
     pub(crate) specular_color_factor: Option<[f64; 3]>,
     pub(crate) specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct Sheen {
+    pub(crate) sheen_color_factor: [f64; 3],
+    pub(crate) sheen_color_texture: Option<TextureInfo>,
+    pub(crate) sheen_roughness_factor: f64,
+    pub(crate) sheen_roughness_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct Anisotropy {
+    pub(crate) anisotropy_strength: f64,
+    /// In radians.
+    pub(crate) anisotropy_rotation: f64,
+    pub(crate) anisotropy_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct DiffuseTransmission {
+    pub(crate) diffuse_transmission_factor: f64,
+    pub(crate) diffuse_transmission_texture: Option<TextureInfo>,
+    pub(crate) diffuse_transmission_color_factor: Option<[f64; 3]>,
+    pub(crate) diffuse_transmission_color_texture: Option<TextureInfo>,
 }
 
 /// An extension whose content does not matter.

@@ -16,7 +16,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 pub(crate) use self::attributes::Attributes;
 pub(crate) use self::document::{
-    Animation, Camera, Document, Light, Material, MaterialExtensions, Node, Primitive, TextureInfo,
+    Animation, Camera, Document, Light, Material, Node, Primitive, TextureInfo,
 };
 use crate::error::{Error, Result};
 use crate::input::{path_within, read_bytes};
@@ -28,14 +28,17 @@ const OBJECT: u64 = 2 * size_of::<Material>() as u64;
 const JSON: u64 = 8;
 
 /// The extensions that ptfast supports.
-pub(crate) const SUPPORTED: [&str; 15] = [
+pub(crate) const SUPPORTED: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",

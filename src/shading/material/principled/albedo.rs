@@ -63,7 +63,7 @@ fn node(i: usize, j: usize) -> [f32; 2] {
 /// [`Shares`] for the cosine `cos` and the roughness `alpha`, by the midpoint rule over the visible
 /// microfacets.
 fn integrate(cos: f32, alpha: f32, steps: u16) -> [f32; 2] {
-    let (ggx, wo) = (Ggx { alpha }, Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
+    let (ggx, wo) = (Ggx::new(alpha), Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
     let lo = ggx.length(wo);
     let mut sums = [0.0f64; 2];
     for step in 0..u32::from(steps) * u32::from(steps) {

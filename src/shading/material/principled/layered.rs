@@ -1,34 +1,18 @@
-//! Scattering by a clear coat, GGX microfacets, and a diffuse base.
+//! Scattering by a sheen, a clear coat, GGX microfacets, and a diffuse base.
 
 use std::f32::consts::PI;
 
 use super::albedo::{Shares, schlick_weight};
+use super::coat::Coat;
+use super::parameters::{Extras, Parameters};
+use super::refraction::{kept, outside};
+use super::sheen::Sheen;
+use super::{LEAST_ALPHA, alpha, reflectance_at_normal};
 use crate::math::microfacet::Ggx;
 use crate::math::warp::cosine_hemisphere;
-use crate::math::{Frame, Mask, Real, Vector, dot, max, min, normalize};
+use crate::math::{Frame, Mask, Real, Vector, dot, max, max_element, min, normalize};
 use crate::sampler::{Dimension, Randoms};
 use crate::shading::{Bsdf, Interaction, Scatter};
-
-/// Smallest GGX roughness.
-const LEAST_ALPHA: f32 = 0.001;
-/// Reflectance of the coat at normal incidence: that of an index of refraction of 1.5.
-const COAT_F0: f32 = 0.04;
-
-/// The parameters of the material at a point.
-pub(in crate::shading::material) struct Parameters<R: Real> {
-    pub(in crate::shading::material) base_color: R::Vec3,
-    pub(in crate::shading::material) metalness: R,
-    pub(in crate::shading::material) roughness: R,
-    pub(in crate::shading::material) specular: R,
-    pub(in crate::shading::material) transmission: R,
-    pub(in crate::shading::material) thin: R::Mask,
-    /// Whether the light that passes is left to [`MaterialModel::passes`](super::MaterialModel::passes).
-    pub(in crate::shading::material) pane: R::Mask,
-    pub(in crate::shading::material) ior: R,
-    pub(in crate::shading::material) coat: R,
-    pub(in crate::shading::material) coat_roughness: R,
-    pub(in crate::shading::material) coat_color: R::Vec3,
-}
 
 /// The scattering of the material. Directions are in the frame of the microfacets.
 pub(crate) struct LayeredBsdf<R: Real> {
@@ -42,83 +26,101 @@ pub(crate) struct LayeredBsdf<R: Real> {
     /// Reflectance of the microfacets at normal incidence, and at grazing angles.
     f0: R::Vec3,
     f90: R,
-    /// The same two numbers of the part that is not metal.
+    /// The same two numbers of the part that is not metal. The first is that of the brightest channel.
     dielectric_f0: R,
     specular: R,
-    /// Factor of the reflected light for light that microfacets reflect more than once (Turquin
+    /// Factor of the reflected light for light that microfacets reflect or refract more than once (Turquin
     /// 2019, "Practical Multiple Scattering Compensation for Microfacet Models").
     compensation: R::Vec3,
-    /// The BRDF of the base, before the factor for light that the microfacets let in.
+    /// The BRDF of the base, before the factor for light that the microfacets let in, and the same of light
+    /// that leaves on the other side.
     diffuse: R::Vec3,
+    through: R::Vec3,
     /// Colour of light that passes through the surface.
     transmission: R::Vec3,
     thin: R::Mask,
     /// Index of refraction beyond the surface divided by the index before it.
     eta: R,
-    coat: R,
-    coat_ggx: Ggx<R>,
-    /// Factor of all light that leaves the layers below the coat in the direction `wo`.
+    coat: Coat<R>,
+    sheen: Sheen<R>,
+    /// Factors of all light that leaves the layers below the coat, and below the sheen, in the direction `wo`.
+    below_coat: R::Vec3,
     below: R::Vec3,
-    /// Probabilities of sampling the coat and the microfacets. The base has the rest.
+    /// Probabilities of sampling the coat and the microfacets. The base and the sheen have the rest.
     chances: [R; 2],
+    /// Share of the samples of the base that leave on the other side.
+    through_chance: R,
 }
 
 impl<R: Real> LayeredBsdf<R> {
-    /// The GGX roughness.
-    #[inline(always)]
-    pub(in crate::shading::material) fn alpha(roughness: R) -> R {
-        max(roughness * roughness, R::splat(LEAST_ALPHA))
-    }
-
     /// It is not inlined, because all loops over paths share its code.
     #[inline(never)]
     pub(in crate::shading::material) fn new(p: &Parameters<R>, at: &Interaction<'_, R>) -> Self {
-        let frame = Frame::new(at.normals.mirror);
+        let (frame, ggx) = facets(p, at);
         let wo = frame.local(-at.ray.direction);
         let mut base = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
         if at.smooth.any() {
             base = at.smooth.select(frame.local(at.normals.shading), base);
         }
-        let (ggx, coat_ggx) =
-            (Ggx { alpha: Self::alpha(p.roughness) }, Ggx { alpha: Self::alpha(p.coat_roughness) });
+        let alpha = ggx.mean_alpha();
         let not_metal = R::ONE - p.metalness;
-        let dielectric_f0 = reflectance_at_normal(p.ior) * p.specular;
-        let f0 = R::Vec3::gray(dielectric_f0 * not_metal) + p.base_color * p.metalness;
+        let colored = p.extras.specular_color * reflectance_at_normal(p.ior);
+        let limited = |channel: usize| min(colored[channel], R::ONE);
+        let dielectric = R::Vec3::new(limited(0), limited(1), limited(2)) * p.specular;
+        let dielectric_f0 = max_element(dielectric);
+        let f0 = dielectric * not_metal + p.base_color * p.metalness;
         let f90 = p.specular * not_metal + p.metalness;
 
-        let refracts = (not_metal * p.transmission).gt(R::ZERO) & !p.thin;
+        let passing = not_metal * p.transmission;
+        let refracts = passing.gt(R::ZERO) & !p.thin;
         let inside = !at.front & refracts;
         let eta = inside.select(R::ONE / p.ior, p.ior);
         let (outside_cos, enclosed) = outside(wo[2], eta);
-        let (shares, mean) = (Shares::at(outside_cos, ggx.alpha), Shares::mean(ggx.alpha));
+        let (shares, mean) = (Shares::at(outside_cos, alpha), Shares::mean(alpha));
         // What microfacets lose depends on the cosine inside.
-        let lost = if inside.any() { Shares::at(wo[2], ggx.alpha) } else { shares };
+        let lost = if inside.any() { Shares::at(wo[2], alpha) } else { shares };
         let all = lost.low + lost.high;
-        let compensation =
-            R::Vec3::gray(R::ONE) + p.base_color * (p.metalness * ((R::ONE - all) / all));
+        // What rough glass would reflect or refract more than once adds to both.
+        let rough = refracts & alpha.gt(R::splat(LEAST_ALPHA));
+        let mut more = R::ONE;
+        if rough.any() {
+            more = rough.select(R::ONE / kept(wo[2], alpha, eta), R::ONE);
+        }
+        let compensation = R::Vec3::gray(R::ONE + passing * (more - R::ONE))
+            + p.base_color * (p.metalness * ((R::ONE - all) / all));
         let enters = R::ONE - (dielectric_f0 * shares.low + p.specular * shares.high);
         let enters = enclosed.select(R::ZERO, enters);
         let enters_mean = R::ONE - (dielectric_f0 * mean.low + p.specular * mean.high);
         let opaque = not_metal * (R::ONE - p.transmission);
-        let diffuse = p.base_color * (opaque * enters / enters_mean * (1.0 / PI));
-        let transmission = p.base_color * (not_metal * p.transmission);
+        let (up, down) = (opaque * (R::ONE - p.extras.through), opaque * p.extras.through);
+        let diffuse = p.base_color * (up * enters / enters_mean * (1.0 / PI));
+        let through = p.extras.through_color * (down * enters / enters_mean * (1.0 / PI));
+        let transmission = p.base_color * (passing * more);
         let transmission = p.pane.select(R::Vec3::zero(), transmission);
 
-        let coat_share = coat_reflects(p.coat, coat_ggx, wo[2]);
-        let below = p.coat_color * p.coat + R::Vec3::gray(R::ONE - p.coat);
-        let below = below * (R::ONE - coat_share);
+        let coat = Coat::new(p, at, &frame, wo);
+        let coat_share = coat.share();
+        let below_coat = p.coat_color * p.coat + R::Vec3::gray(R::ONE - p.coat);
+        let below_coat = below_coat * (R::ONE - coat_share);
+        let Extras { sheen_color, sheen_roughness, .. } = p.extras;
+        let sheen = Sheen::new(sheen_color, sheen_roughness, wo[2]);
+        let below = below_coat * sheen.leaves();
         // Lobes are chosen by their share of the reflected light.
         let reflected = (f0 * shares.low + R::Vec3::gray(f90 * shares.high)) * compensation;
         let reflected = enclosed.select(R::Vec3::gray(R::ONE), reflected);
         let weight = |color: R::Vec3| mean_of(color * below);
+        let through_weight = weight(p.extras.through_color * (down * enters));
         let weights = [
             coat_share,
             weight(reflected + transmission * enters),
-            weight(p.base_color * (opaque * enters)),
+            weight(p.base_color * (up * enters))
+                + through_weight
+                + mean_of(sheen.reflects * below_coat),
         ];
         // Black surfaces have no chance of 0/0.
         let sum = max(weights[0] + weights[1] + weights[2], R::splat(1e-6));
         let chances = [weights[0] / sum, weights[1] / sum];
+        let through_chance = through_weight / max(weights[2], R::splat(1e-12));
 
         Self {
             frame,
@@ -131,13 +133,16 @@ impl<R: Real> LayeredBsdf<R> {
             specular: p.specular,
             compensation,
             diffuse,
+            through,
             transmission,
             thin: p.thin,
             eta,
-            coat: p.coat,
-            coat_ggx,
+            coat,
+            sheen,
+            below_coat,
             below,
             chances,
+            through_chance,
         }
     }
 
@@ -167,15 +172,6 @@ impl<R: Real> LayeredBsdf<R> {
         reflects / max(reflects + passes, R::splat(1e-12))
     }
 
-    /// f·|cos θ| without the Fresnel factor, and the density, of reflection by GGX microfacets.
-    #[inline(always)]
-    fn reflect(&self, ggx: Ggx<R>, wi: R::Vec3, m: R::Vec3) -> (R, R) {
-        let (lo, li) = (ggx.length(self.wo), ggx.length(wi));
-        let pdf = ggx.density(m) / ((self.wo[2] + lo) * 2.0);
-        let shadowing = wi[2] * (self.wo[2] + lo) / (self.wo[2] * li + wi[2] * lo);
-        (shadowing * pdf, pdf)
-    }
-
     /// f·|cos θ| without the Fresnel factor, and the density, of refraction into `wi` below the
     /// surface, and the cosine at the microfacet (Walter et al. 2007).
     #[inline(always)]
@@ -200,7 +196,7 @@ impl<R: Real> LayeredBsdf<R> {
         // A thin sheet transmits like a mirror image of its reflection.
         let upper = R::Vec3::new(wi[0], wi[1], wi[2].abs());
         let m = normalize(self.wo + upper);
-        let (f_cos, pdf) = self.reflect(self.ggx, upper, m);
+        let (f_cos, pdf) = self.ggx.reflect(self.wo, upper, m);
         let cos = min(dot(self.wo, m), R::ONE);
         let (reflects, mut passes) = self.split(cos);
         let reflection_chance = self.reflection_chance((reflects, passes));
@@ -209,33 +205,31 @@ impl<R: Real> LayeredBsdf<R> {
 
         let enters = {
             let (cos, enclosed) = outside(upper[2], self.eta);
-            let Shares { low, high } = Shares::at(cos, self.ggx.alpha);
+            let Shares { low, high } = Shares::at(cos, self.ggx.mean_alpha());
             let enters = R::ONE - (self.dielectric_f0 * low + self.specular * high);
             enclosed.select(R::ZERO, enters)
         };
-        let base_cos = max(dot(self.base, wi), R::ZERO);
+        let side_cos = dot(self.base, wi);
+        let base_cos = max(side_cos, R::ZERO);
         light = light + self.diffuse * (enters * base_cos);
         let base_chance = max(R::ONE - (coat_chance + chance), R::ZERO);
-        density = density + base_chance * base_cos * (1.0 / PI);
+        let up_chance = base_chance * (R::ONE - self.through_chance);
+        density = density + up_chance * base_cos * (1.0 / PI);
 
-        // The layers below the coat, and the coat itself.
-        let coated = self.coat.gt(R::ZERO);
-        let mut leaving = R::ONE;
-        if coated.any() {
-            leaving = R::ONE - coat_reflects(self.coat, self.coat_ggx, upper[2]);
+        light = light * self.below;
+        if self.sheen.exists() {
+            light = light + self.sheen.value(self.wo, upper) * self.below_coat;
         }
-        light = light * self.below * leaving;
-        if coated.any() {
-            let (f_cos, pdf) = self.reflect(self.coat_ggx, upper, m);
-            let high = schlick_weight(cos);
-            let reflectance = (R::splat(COAT_F0) + high * (1.0 - COAT_F0)) * self.coat;
-            light = light + R::Vec3::gray(reflectance * f_cos);
+        if self.coat.exists() {
+            let (coat, pdf) = self.coat.value(upper, m);
+            light = light + R::Vec3::gray(coat);
             density = density + coat_chance * pdf;
         }
         light = above.select(light, R::Vec3::zero());
         density = above.select(density, R::ZERO);
 
-        let below = !above & mean_of(self.transmission).gt(R::ZERO);
+        let passes_any = self.transmission + self.through;
+        let below = !above & mean_of(passes_any).gt(R::ZERO);
         if below.any() {
             let (mut f_cos, mut pdf, mut passing_chance) = (f_cos, pdf, R::ONE - reflection_chance);
             if (below & !self.thin).any() {
@@ -247,41 +241,37 @@ impl<R: Real> LayeredBsdf<R> {
                 passing_chance = self.thin.select(passing_chance, chance);
                 passes = self.thin.select(passes, split.1);
             }
-            light = below.select(passes * self.below * f_cos, light);
-            density = below.select(chance * passing_chance * pdf, density);
+            let base_cos = max(-side_cos, R::ZERO);
+            let passing = passes * f_cos + self.through * (enters * base_cos);
+            light = below.select(passing * self.below, light);
+            let down_chance = base_chance * self.through_chance;
+            let passing = chance * passing_chance * pdf + down_chance * base_cos * (1.0 / PI);
+            density = below.select(passing, density);
         }
         (light, density)
     }
 }
 
-/// The cosine outside of a denser body for light that arrives at the cosine `cos` from inside, where
-/// `eta` is below 1, and whether it is totally reflected. Other light keeps its cosine.
+/// The frame of the microfacets and their distribution.
 #[inline(always)]
-fn outside<R: Real>(cos: R, eta: R) -> (R, R::Mask) {
-    let inside = eta.lt(R::ONE);
-    if !inside.any() {
-        return (cos, R::Mask::NONE);
+fn facets<R: Real>(p: &Parameters<R>, at: &Interaction<'_, R>) -> (Frame<R::Vec3>, Ggx<R>) {
+    let (normal, alpha) = (at.normals.mirror, alpha(p.roughness));
+    let (frame, ggx) = (Frame::new(normal), Ggx::new(alpha));
+    let Extras { anisotropy, direction, .. } = p.extras;
+    let stretched = anisotropy.gt(R::ZERO);
+    if !stretched.any() {
+        return (frame, ggx);
     }
-    let sin2 = (R::ONE - cos * cos) / (eta * eta);
-    let bent = max(R::ZERO, R::ONE - sin2).sqrt();
-    (inside.select(bent, cos), inside & sin2.ge(R::ONE))
-}
-
-/// Reflectance of a dielectric at normal incidence.
-#[inline(always)]
-pub(in crate::shading::material) fn reflectance_at_normal<R: Real>(ior: R) -> R {
-    let slope = (ior - R::ONE) / (ior + R::ONE);
-    slope * slope
-}
-
-/// Share of the light that a coat of this strength reflects at the cosine `cos`.
-#[inline(always)]
-fn coat_reflects<R: Real>(coat: R, ggx: Ggx<R>, cos: R) -> R {
-    if !coat.gt(R::ZERO).any() {
-        return R::ZERO;
-    }
-    let Shares { low, high } = Shares::at(cos, ggx.alpha);
-    coat * (low * COAT_F0 + high)
+    let along = at.on_surface(direction);
+    let x = normalize(along - normal * dot(along, normal));
+    let length2 = dot(x, x);
+    // Where texture coordinates define no direction, microfacets are the same in all directions.
+    let stretched = stretched & length2.gt(R::splat(0.5)) & length2.lt(R::splat(2.0));
+    let rougher = alpha + (R::ONE - alpha) * (anisotropy * anisotropy);
+    (
+        Frame::with_x(x, normal).select(stretched, frame),
+        Ggx::anisotropic(rougher, alpha).select(stretched, ggx),
+    )
 }
 
 #[inline(always)]
@@ -294,7 +284,7 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
 
     #[inline(always)]
     fn albedo(&self) -> R::Vec3 {
-        self.diffuse * R::splat(PI) + self.transmission + self.f0
+        (self.diffuse + self.through) * R::splat(PI) + self.transmission + self.f0
     }
 
     #[inline(always)]
@@ -304,10 +294,11 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
         let in_coat = lobe.lt(coat);
         let in_facets = lobe.lt(coat + facets);
         let (u, v) = randoms.two(Dimension::SCATTER);
-        let ggx = Ggx { alpha: in_coat.select(self.coat_ggx.alpha, self.ggx.alpha) };
-        let m = ggx.sample(self.wo, R::ONE, u, v);
-        let cos = min(dot(self.wo, m), R::ONE);
-        let mut wi = m * (cos * 2.0) - self.wo;
+        let wo = in_coat.select(self.coat.wo, self.wo);
+        let m = self.coat.ggx.select(in_coat, self.ggx).sample(wo, R::ONE, u, v);
+        let cos = min(dot(wo, m), R::ONE);
+        let mut wi = m * (cos * 2.0) - wo;
+        wi = in_coat.select(self.coat.in_layer_below(wi), wi);
         // The same number, which is uniform in the microfacets' range, chooses what they do.
         let reflects = (lobe - coat).lt(facets * self.reflection_chance(self.split(cos)));
         let passes = in_facets & !in_coat & !reflects;
@@ -318,7 +309,9 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
             let mirrored = R::Vec3::new(wi[0], wi[1], -wi[2]);
             wi = passes.select(self.thin.select(mirrored, refracted), wi);
         }
-        let (base, _) = cosine_hemisphere(self.base, u, v);
+        let base_chance = R::ONE - (coat + facets);
+        let down = !in_facets & (lobe - (coat + facets)).lt(base_chance * self.through_chance);
+        let (base, _) = cosine_hemisphere(down.select(-self.base, self.base), u, v);
         let wi = normalize(in_facets.select(wi, base));
         let (light, pdf) = self.value(wi);
         let transmitted = wi[2].lt(R::ZERO);
@@ -328,7 +321,7 @@ impl<R: Real> Bsdf<R> for LayeredBsdf<R> {
             weight: light / pdf,
             pdf,
             // A microfacet may send light to the wrong side of the surface.
-            scattered: pdf.gt(R::ZERO) & !(transmitted ^ passes),
+            scattered: pdf.gt(R::ZERO) & !(transmitted ^ (passes | down)),
         }
     }
 

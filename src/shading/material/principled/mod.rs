@@ -1,25 +1,36 @@
 //! The principled material, with the parameters that glTF and other formats share.
 
 mod albedo;
+mod coat;
 mod layered;
+mod parameters;
+mod refraction;
+mod sheen;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub(super) use self::albedo::Shares;
-pub(super) use self::layered::{LayeredBsdf, Parameters, reflectance_at_normal};
-use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides};
+pub(super) use self::layered::LayeredBsdf;
+use self::parameters::Extras;
+pub(super) use self::parameters::Parameters;
+use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides, check_normals};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
-use crate::math::{Real, Row, Word, row};
+use crate::math::precise::sin_cos_degrees;
+use crate::math::{Mask, Real, Row, Word, max, row};
 use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
+
+/// Smallest GGX roughness.
+const LEAST_ALPHA: f32 = 0.001;
 
 /// A surface between matte, metal and glass, with an optional clear coat.
 ///
 /// Under the coat, GGX microfacets reflect light by Schlick's approximation. What they do not
 /// reflect reaches a diffuse base or passes through the surface, unless it is metal. The parameters
 /// are those of glTF 2.0 and its extensions `KHR_materials_specular`, `_ior`, `_transmission`,
-/// `_volume` and `_clearcoat`; `docs/materials.md` states the formulas.
+/// `_volume`, `_clearcoat`, `_anisotropy`, `_sheen` and `_diffuse_transmission`; `docs/materials.md` states the
+/// formulas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
@@ -51,6 +62,35 @@ pub struct Principled {
     pub coat_roughness: Number,
     /// Colour of the light that passes the clear coat, each channel in [0, 1].
     pub coat_color: [f32; 3],
+    /// Name of a normal map of the coat, which otherwise has the normal of the surface without a map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coat_normal: Option<TextureRef>,
+    /// Colour of the reflection at normal incidence, for the part that is not metal: 0 or more in each channel,
+    /// or a texture. Products with the reflectance of `ior` above 1 count as 1.
+    #[serde(skip_serializing_if = "is_white")]
+    pub specular_color: Color,
+    /// How much rougher the surface is in one direction, 0 to 1.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub anisotropy: f32,
+    /// Angle from the tangent to that direction, counter-clockwise, in degrees.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub anisotropy_rotation: f32,
+    /// Name of a map of that direction, by red and green as in normal maps, and of a factor of `anisotropy`, by
+    /// blue: an image texture with linear encoding.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anisotropy_map: Option<TextureRef>,
+    /// Colour of a sheen of fibres on the surface, each channel in [0, 1], or a texture.
+    #[serde(skip_serializing_if = "is_black")]
+    pub sheen_color: Color,
+    /// Roughness of the sheen, 0 to 1, or a texture.
+    #[serde(skip_serializing_if = "Number::is_zero")]
+    pub sheen_roughness: Number,
+    /// Share of the light of the diffuse base that leaves on the other side, 0 to 1, or a texture.
+    #[serde(skip_serializing_if = "Number::is_zero")]
+    pub diffuse_transmission: Number,
+    /// Colour of that light, each channel in [0, 1], or a texture.
+    #[serde(skip_serializing_if = "is_white")]
+    pub diffuse_transmission_color: Color,
     /// Emitted radiance in linear RGB, 0 to 1e30, or a texture.
     pub emission: Color,
     /// The sides that emit light.
@@ -67,6 +107,18 @@ pub struct Principled {
 /// JSON has no infinite numbers, so the default is left out.
 fn is_infinite(distance: &f32) -> bool {
     *distance == f32::INFINITY
+}
+
+fn is_white(color: &Color) -> bool {
+    *color == [1.0; 3].into()
+}
+
+fn is_black(color: &Color) -> bool {
+    *color == [0.0; 3].into()
+}
+
+fn is_zero(number: &f32) -> bool {
+    *number == 0.0
 }
 
 fn is_both(sides: &Sides) -> bool {
@@ -89,11 +141,27 @@ impl Default for Principled {
             coat: 0.0.into(),
             coat_roughness: 0.0.into(),
             coat_color: [1.0; 3],
+            coat_normal: None,
+            specular_color: [1.0; 3].into(),
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_map: None,
+            sheen_color: [0.0; 3].into(),
+            sheen_roughness: 0.0.into(),
+            diffuse_transmission: 0.0.into(),
+            diffuse_transmission_color: [1.0; 3].into(),
             emission: [0.0; 3].into(),
             emission_sides: Sides::Both,
             normal: None,
             opacity: None,
         }
+    }
+}
+
+impl Principled {
+    /// Whether light enters the surface and is refracted.
+    fn refracts(&self) -> bool {
+        !self.thin && !self.transmission.is_zero()
     }
 }
 
@@ -106,8 +174,19 @@ impl MaterialParameters for Principled {
         specular,
         transmission,
         coat,
-        coat_roughness
+        coat_roughness,
+        specular_color,
+        sheen_color,
+        sheen_roughness,
+        diffuse_transmission,
+        diffuse_transmission_color;
+        coat_normal,
+        anisotropy_map
     );
+
+    fn needs_tangents(&self) -> bool {
+        self.normal.is_some() || self.coat_normal.is_some() || self.anisotropy > 0.0
+    }
 
     fn emission(&self) -> Option<Emission> {
         let (radiance, sides) = (Vec3::from(self.emission.constant()?), self.emission_sides);
@@ -128,9 +207,8 @@ impl MaterialParameters for Principled {
     }
 
     fn absorption(&self) -> Option<Vec3> {
-        let refracts = !self.thin && self.transmission != 0.0.into();
         let absorption = self.attenuation_color.map(|c| -ln(c) / self.attenuation_distance);
-        refracts.then(|| absorption.into())
+        self.refracts().then(|| absorption.into())
     }
 
     fn is_pane(&self) -> bool {
@@ -147,11 +225,29 @@ impl MaterialParameters for Principled {
             ("transmission", &self.transmission),
             ("coat", &self.coat),
             ("coat_roughness", &self.coat_roughness),
+            ("sheen_roughness", &self.sheen_roughness),
+            ("diffuse_transmission", &self.diffuse_transmission),
         ];
         for (name, number) in numbers {
             number.check(e, name, 0.0..=1.0)?;
         }
-        e.check((1.01..=10.0).contains(&self.ior), "ior", "in [1.01, 10]", self.ior)?;
+        e.check((1.01..=1e3).contains(&self.ior), "ior", "in [1.01, 1000]", self.ior)?;
+        self.specular_color.check_within(e, "specular_color", 1e3)?;
+        self.sheen_color.check(e, "sheen_color")?;
+        self.diffuse_transmission_color.check(e, "diffuse_transmission_color")?;
+        e.check(
+            (0.0..=1.0).contains(&self.anisotropy),
+            "anisotropy",
+            "in [0, 1]",
+            self.anisotropy,
+        )?;
+        let rotation = self.anisotropy_rotation;
+        e.check(rotation.abs() <= 360.0, "anisotropy_rotation", "in [-360, 360]", rotation)?;
+        for (name, map) in
+            [("coat_normal", &self.coat_normal), ("anisotropy_map", &self.anisotropy_map)]
+        {
+            map.as_ref().map_or(Ok(()), |map| check_normals(map, name, e))?;
+        }
         let color = self.attenuation_color;
         let ok = color.iter().all(|&c| c > 0.0 && c <= 1.0);
         e.check(ok, "attenuation_color", "in (0, 1] per channel", color)?;
@@ -163,18 +259,21 @@ impl MaterialParameters for Principled {
 }
 
 impl MaterialModel for Principled {
-    /// The base colour; the words of metalness and roughness, of specular and transmission, of coat
-    /// and coat roughness; (coat colour, index of refraction); (1 if thin,
-    /// 1 if it is a pane, 0, 0).
-    type Entry = [Row; 6];
+    type Entry = Rows;
     type Bsdf<R: Real> = LayeredBsdf<R>;
 
     const GLOSSY: bool = true;
     const TEXTURED: bool = true;
     const LARGE: bool = true;
 
-    fn entry(&self, textures: &mut TextureTables) -> [Row; 6] {
+    fn entry(&self, textures: &mut TextureTables) -> Rows {
         Shares::<f32>::prepare();
+        if !is_black(&self.sheen_color) {
+            sheen::prepare();
+        }
+        if self.refracts() {
+            refraction::prepare();
+        }
         let mut two = |first: &Number, second: &Number| {
             let ([a, b], [c, d]) = (textures.number(first), textures.number(second));
             [a, b, c, d]
@@ -182,48 +281,80 @@ impl MaterialModel for Principled {
         let (base, specular) =
             (two(&self.metalness, &self.roughness), two(&self.specular, &self.transmission));
         let coat = two(&self.coat, &self.coat_roughness);
-        [
-            textures.row(&self.base_color),
-            base,
-            specular,
-            coat,
-            row(self.coat_color.into(), self.ior),
-            [self.thin.into(), self.is_pane().into(), 0, 0],
-        ]
+        let soft = two(&self.sheen_roughness, &self.diffuse_transmission);
+        let coat_apart =
+            !self.coat.is_zero() && (self.normal.is_some() || self.coat_normal.is_some());
+        let has_extras = !is_white(&self.specular_color)
+            || !is_black(&self.sheen_color)
+            || !self.diffuse_transmission.is_zero()
+            || self.anisotropy > 0.0;
+        let (sin, cos) = sin_cos_degrees(self.anisotropy_rotation.into());
+        Rows {
+            base_color: textures.row(&self.base_color),
+            numbers: [base, specular, coat],
+            coat_color_ior: row(self.coat_color.into(), self.ior),
+            flags: [
+                self.thin.into(),
+                self.is_pane().into(),
+                has_extras.into(),
+                u32::from(coat_apart) | textures.normal_code(self.coat_normal.as_ref()) << 1,
+            ],
+            extras: [
+                textures.row(&self.specular_color),
+                textures.row(&self.sheen_color),
+                soft,
+                textures.row(&self.diffuse_transmission_color),
+                [
+                    self.anisotropy.to_bits(),
+                    (cos as f32).to_bits(),
+                    (sin as f32).to_bits(),
+                    textures.normal_code(self.anisotropy_map.as_ref()),
+                ],
+            ],
+        }
     }
 
-    fn passes(table: &[[Row; 6]], index: u32, at: &Interaction<'_, f32>) -> Vec3 {
+    fn passes(table: &[Rows], index: u32, at: &Interaction<'_, f32>) -> Vec3 {
         LayeredBsdf::new(&Parameters { pane: false, ..parameters(table, index, at) }, at).passes()
     }
 
     #[inline(always)]
-    fn bsdf<R: Real>(
-        table: &[[Row; 6]],
-        index: R::Index,
-        at: &Interaction<'_, R>,
-    ) -> LayeredBsdf<R> {
+    fn bsdf<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> LayeredBsdf<R> {
         LayeredBsdf::new(&parameters(table, index, at), at)
     }
 }
 
+/// A material as stored in the table.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    base_color: Row,
+    /// The words of metalness and roughness, of specular and transmission, of coat and coat roughness.
+    numbers: [Row; 3],
+    coat_color_ior: Row,
+    /// 1 if thin; 1 if it is a pane; 1 if it has extras; 1 if the coat has another normal, plus twice the code of
+    /// its map.
+    flags: Row,
+    /// Specular colour; sheen colour; the words of its roughness and of the diffuse transmission; the colour of
+    /// that; strength, cosine, sine and map of the anisotropy.
+    extras: [Row; 5],
+}
+
 /// The parameters of the entries at `index` for the point `at`.
 #[inline(always)]
-fn parameters<R: Real>(
-    table: &[[Row; 6]],
-    index: R::Index,
-    at: &Interaction<'_, R>,
-) -> Parameters<R> {
-    let base_color = at.color(R::gather(table, index, |entry| &entry[0]));
+fn parameters<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> Parameters<R> {
+    let base_color = at.color(R::gather(table, index, |entry| &entry.base_color));
     let numbers = |i: usize| {
-        let (words, last) = R::gather(table, index, |entry: &[Row; 6]| &entry[i]);
+        let (words, last) = R::gather(table, index, |entry: &Rows| &entry.numbers[i]);
         at.two_numbers([[words[0], words[1]], [words[2], last]])
     };
-    let [metalness, roughness] = numbers(1);
-    let [specular, transmission] = numbers(2);
-    let [coat, coat_roughness] = numbers(3);
-    let (coat_color, ior) = R::gather(table, index, |entry| &entry[4]);
-    let (flags, _) = R::gather(table, index, |entry| &entry[5]);
+    let [metalness, roughness] = numbers(0);
+    let [specular, transmission] = numbers(1);
+    let [coat, coat_roughness] = numbers(2);
+    let (coat_color, ior) = R::gather(table, index, |entry| &entry.coat_color_ior);
+    let (flags, coat_code) = R::gather(table, index, |entry| &entry.flags);
     let is_set = |flag: R| !flag.to_bits().eq(R::Word::splat(0));
+    let extras = if is_set(flags[2]).any() { extras(table, index, at) } else { Extras::none() };
+    let coat_code = coat_code.to_bits();
     Parameters {
         base_color,
         metalness,
@@ -236,7 +367,51 @@ fn parameters<R: Real>(
         coat,
         coat_roughness,
         coat_color,
+        coat_apart: !coat_code.eq(R::Word::splat(0)),
+        coat_normal: coat_code >> 1,
+        extras,
     }
+}
+
+/// Parameters that few materials have.
+#[inline(never)]
+fn extras<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> Extras<R> {
+    let row = |i: usize| R::gather(table, index, |entry: &Rows| &entry.extras[i]);
+    let (words, last) = row(2);
+    let [sheen_roughness, through] = at.two_numbers([[words[0], words[1]], [words[2], last]]);
+    let (numbers, map) = row(4);
+    let [mut anisotropy, cos, sin] = [numbers[0], numbers[1], numbers[2]];
+    let mut direction = [cos, sin];
+    let mapped = !map.to_bits().eq(R::Word::splat(0));
+    if let Some(textures) = at.textures.filter(|_| mapped.any()) {
+        let color = textures.normal(map.to_bits(), at);
+        let [x, y] = [color[0], color[1]].map(|c| c * 2.0 - R::ONE);
+        let turned = [x * cos - y * sin, x * sin + y * cos];
+        direction = [0, 1].map(|i| mapped.select(turned[i], direction[i]));
+        anisotropy = mapped.select(anisotropy * color[2], anisotropy);
+    }
+    Extras {
+        specular_color: at.color(row(0)),
+        anisotropy,
+        direction,
+        sheen_color: at.color(row(1)),
+        sheen_roughness,
+        through,
+        through_color: at.color(row(3)),
+    }
+}
+
+/// The GGX roughness α for a roughness.
+#[inline(always)]
+pub(super) fn alpha<R: Real>(roughness: R) -> R {
+    max(roughness * roughness, R::splat(LEAST_ALPHA))
+}
+
+/// Reflectance of a dielectric at normal incidence.
+#[inline(always)]
+pub(super) fn reflectance_at_normal<R: Real>(ior: R) -> R {
+    let slope = (ior - R::ONE) / (ior + R::ONE);
+    slope * slope
 }
 
 /// Natural logarithm of `x` in (0, 1], but at least that of 2^-24.
