@@ -1,7 +1,7 @@
 //! Random scenes that mix all features of scene files.
 
 use ptfast::internals::{Stream, min};
-use ptfast::light::{Distant, EnvironmentMap, LightFile, Mapping, Point, Spot};
+use ptfast::light::{Distant, EnvironmentMap, Falloff, LightFile, Mapping, Point, Spot};
 use ptfast::material::{
     CoatedDiffuse, Conductor, Dielectric, Diffuse, DiffuseTransmission, Fresnel, Lambertian, Light,
     Material, Metal, Opacity, Principled, RoughDielectric, Sides,
@@ -198,7 +198,8 @@ impl Maker {
             1 => {
                 let (inner, outer) = (self.0.between(0.0, 30.0), self.0.between(31.0, 180.0));
                 let (look_at, intensity) = (self.vector(-1.0, 1.0), self.vector(0.0, 20.0));
-                Spot { position, look_at, intensity, inner, outer }.into()
+                let falloff = if self.one_in(2) { Falloff::Smooth } else { Falloff::Square };
+                Spot { position, look_at, intensity, inner, outer, falloff }.into()
             }
             _ => {
                 let angle = if self.one_in(2) { 0.0 } else { self.0.between(0.0, 20.0) };

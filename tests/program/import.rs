@@ -269,6 +269,23 @@ fn scenes_far_from_the_origin_lose_no_bits() {
     assert_eq!(manifest["origin"], json!([65_536.0, -1_048_576.0, 0.0]));
 }
 
+/// The reference code of KHR_lights_punctual squares the attenuation between the cones.
+#[test]
+fn spots_of_gltf_files_fall_by_a_square() {
+    let there = tempfile::tempdir().unwrap();
+    let json = json!({
+        "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "extensions": { "KHR_lights_punctual": { "light": 0 } } }],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "spot", "spot": {} }] } },
+    });
+    fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+    let shown = succeeds(there.path(), &["scenes", "show", "a.gltf"]);
+    assert!(shown.contains("falloff: square"), "{shown}");
+    let text = r#"WorldBegin LightSource "spot""#;
+    fs::write(there.path().join("a.pbrt"), text).unwrap();
+    assert!(!succeeds(there.path(), &["scenes", "show", "a.pbrt"]).contains("falloff"));
+}
+
 #[test]
 fn animations_and_variants_can_be_chosen() {
     let show = |options: &[&str]| {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use super::Reader;
 use super::file::Light;
 use crate::math::affine;
-use crate::shading::light::{Distant, Point, Spot};
+use crate::shading::light::{Distant, Falloff, Point, Spot};
 
 impl Reader<'_, '_, '_> {
     /// Adds a light, which shines along the −z-axis of its node.
@@ -26,9 +26,9 @@ impl Reader<'_, '_, '_> {
                 let inner = light.spot.inner_cone_angle.to_degrees().clamp(0.0, 0.999 * outer);
                 let look_at = affine::point_along(map.translation, forward);
                 let (outer, inner) = (outer as f32, inner as f32);
-                self.scene
-                    .lights
-                    .push(Spot { position, look_at, intensity: color, outer, inner }.into());
+                let falloff = Falloff::Square;
+                let spot = Spot { position, look_at, intensity: color, outer, inner, falloff };
+                self.scene.lights.push(spot.into());
             }
             kind => self
                 .import

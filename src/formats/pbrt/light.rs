@@ -9,7 +9,7 @@ use super::texture::ValueKey;
 use super::{Params, Reader, rounded};
 use crate::math::affine;
 use crate::math::precise::unit;
-use crate::shading::light::{Distant, EnvironmentMap, Mapping, Point, Spot};
+use crate::shading::light::{Distant, EnvironmentMap, Falloff, Mapping, Point, Spot};
 use crate::shading::material::{Light, Principled};
 use crate::shading::{Background, Material, Sides};
 
@@ -144,9 +144,9 @@ impl Reader<'_, '_> {
                     let intensity = scaled(intensity, factor);
                     let outer = outer.clamp(0.01, 180.0);
                     let (inner, outer) = (inner.clamp(0.0, 0.999 * outer) as f32, outer as f32);
-                    self.scene
-                        .lights
-                        .push(Spot { position, look_at, intensity, outer, inner }.into());
+                    let falloff = Falloff::Smooth;
+                    let spot = Spot { position, look_at, intensity, outer, inner, falloff };
+                    self.scene.lights.push(spot.into());
                 }
             }
             _ => {

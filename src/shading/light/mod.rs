@@ -31,6 +31,7 @@ pub use self::environment::{EnvironmentMap, Mapping};
 use self::file::FreeLightModel;
 pub(crate) use self::lights::Lights;
 pub(crate) use self::sample::LightSample;
+pub use self::spot::Falloff;
 use super::kinds::kinds;
 use crate::geometry::{Primitive, Ray};
 use crate::math::Real;

@@ -112,6 +112,9 @@ fn floors_under_distant_lights_and_points_are_lit_as_they_should() {
     );
     let x = 3.0 / 7.0;
     let spot_irradiance = 48.0 / 16.0 * x * x * (3.0 - 2.0 * x);
+    // The reference code of KHR_lights_punctual squares x.
+    let square = spot.replace("inner:", "falloff: square, inner:");
+    let square_irradiance = 48.0 / 16.0 * x * x;
     let sun = "distant(direction: (-0.6, -0.8, 0), irradiance: (4, 4, 4))";
     let disk = "distant(direction: (-6, -8, 0), irradiance: (4, 4, 4), angle: 30)";
     let all = format!("{point}, {spot}, {sun}");
@@ -127,6 +130,7 @@ fn floors_under_distant_lights_and_points_are_lit_as_they_should() {
             known("point", "lambertian", &lights(point), lambert * point_irradiance),
             known("point, diffuse", "diffuse", &lights(point), 0.3 / PI * point_irradiance / 0.8),
             known("spot", "lambertian", &lights(&spot), lambert * spot_irradiance),
+            known("spot of glTF", "lambertian", &lights(&square), lambert * square_irradiance),
             known("parallel light", "lambertian", &lights(sun), lambert * 4.0 * 0.8),
             known("disk", "lambertian", &lights(disk), lambert * 4.0 * 0.8),
             known(
