@@ -139,7 +139,7 @@ pub use engine::{
 pub use error::{Error, Result};
 pub use formats::BUILTIN_NAMES;
 pub use glam;
-pub use image::{Display, Image, ImageLayer, Metadata, ToneMap, Transfer};
+pub use image::{Display, Exposure, Image, ImageLayer, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;

@@ -18,6 +18,28 @@ pub struct Format {
     pub(crate) extensions: &'static [&'static str],
     /// Reads the scene in the file at this path.
     pub(crate) read: fn(&Path, &mut Import<'_>) -> Result<SceneFile>,
+    /// What a map that the user adds shows in its middle.
+    pub(crate) middle: Middle,
+}
+
+/// The direction that a latitude-longitude map of the user shows in its middle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Middle {
+    /// −z, as in scene files of ptfast.
+    #[default]
+    MinusZ,
+    /// +x, as in three.js, the viewer of Khronos, and Blender after its export.
+    X,
+}
+
+impl Middle {
+    /// The rotation of the map about y in degrees.
+    pub(crate) fn turn(self) -> f32 {
+        match self {
+            Self::MinusZ => 0.0,
+            Self::X => -90.0,
+        }
+    }
 }
 
 /// What happens to a texture or mesh that a scene of another program names, but that is missing.
@@ -32,6 +54,18 @@ pub(crate) enum Missing {
 
 names! { pub(crate) Missing: Error = "error", Grey = "grey" }
 
+/// The units of the lights of glTF files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum LightUnits {
+    /// One candela, one lux and one nit count as 1.
+    #[default]
+    File,
+    /// Lights were exported by Blender, which multiplies watts by 683 for lamps, but not for emission.
+    Blender,
+}
+
+names! { pub(crate) LightUnits: File = "file", Blender = "blender" }
+
 /// How scenes of other programs are read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ImportOptions {
@@ -45,6 +79,8 @@ pub(crate) struct ImportOptions {
     pub at: f64,
     /// Name of the variant of materials of a glTF file.
     pub variant: Option<String>,
+    /// The units of the lights of glTF files.
+    pub light_units: LightUnits,
 }
 
 /// A scene of another program.
@@ -52,6 +88,8 @@ pub(crate) struct Imported {
     pub(crate) file: SceneFile,
     /// Sentences that name what ptfast lacks, and what it does instead.
     pub(crate) warnings: Vec<String>,
+    /// Whether its lamps may be in the units of Blender, although the options do not say so.
+    pub(crate) maybe_blender: bool,
 }
 
 /// The circumstances of an import, and its warnings.
@@ -68,6 +106,8 @@ pub(crate) struct Import<'a> {
     more: usize,
     /// Sentences about choices that the user may want to change.
     notes: Vec<String>,
+    /// As in [`Imported`].
+    pub(crate) maybe_blender: bool,
 }
 
 /// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
@@ -90,8 +130,8 @@ pub(crate) fn unique(names: &mut HashSet<String>, own: &str, mut number: usize) 
 
 impl<'a> Import<'a> {
     pub(crate) fn new(folder: &'a Path, options: &'a ImportOptions, budget: &'a Budget) -> Self {
-        let origin = DVec3::ZERO;
-        Self { folder, options, budget, origin, warnings: Vec::new(), more: 0, notes: Vec::new() }
+        let (origin, (warnings, notes)) = (DVec3::ZERO, Default::default());
+        Self { folder, options, budget, origin, warnings, more: 0, notes, maybe_blender: false }
     }
 
     /// Notes that ptfast lacks something, and what it does instead.
@@ -177,6 +217,7 @@ pub(crate) fn read(
         file.origin = origin.to_array();
         import.note(origin::note(origin));
     }
+    let maybe_blender = import.maybe_blender;
     let warnings = import.into_warnings(&path.display().to_string())?;
-    Ok(Imported { file, warnings })
+    Ok(Imported { file, warnings, maybe_blender })
 }

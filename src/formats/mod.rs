@@ -17,7 +17,7 @@ mod ron;
 mod source;
 
 pub use builtin::BUILTIN_NAMES;
-pub(crate) use import::{ImportOptions, Missing};
+pub(crate) use import::{ImportOptions, LightUnits, Missing};
 pub(crate) use parsed::Parsed;
 pub use source::Source;
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::assets::Files;
+use super::import::Middle;
 use super::ron::{self, Form, locate};
 use crate::error::{Error, Result};
 use crate::limits::Budget;
@@ -22,18 +23,25 @@ pub struct Parsed {
     pub(crate) text: Option<(Form, String)>,
     /// What ptfast lacks of a scene of another program.
     pub(crate) warnings: Vec<String>,
+    /// What a map that the user adds shows in its middle.
+    pub(crate) middle: Middle,
+    /// Whether lamps may be in the units of Blender, although the options do not say so.
+    pub(crate) maybe_blender: bool,
 }
 
 impl Parsed {
     pub(crate) fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
-        let (text, warnings) = Default::default();
-        Self { name, folder, file, budget, text, warnings }
+        let (text, warnings, middle, maybe_blender) = Default::default();
+        Self { name, folder, file, budget, text, warnings, middle, maybe_blender }
     }
 
-    /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder.
+    /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder. The map is turned
+    /// by `degrees` about y, counterclockwise as seen from above.
     #[must_use]
-    pub fn with_environment(mut self, path: &Path) -> Self {
-        self.file.background = Background::Image(EnvironmentMap::from_path(path));
+    pub fn with_environment(mut self, path: &Path, degrees: f32) -> Self {
+        let mut map = EnvironmentMap::from_path(path);
+        map.rotation[1] = self.middle.turn() + degrees;
+        self.file.background = Background::Image(map);
         self
     }
 

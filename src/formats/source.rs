@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::generated::Generated;
-use super::import::{Format, Imported};
+use super::import::{Format, Imported, Middle};
 use super::ron::Form;
 use super::{
     BUILTIN_NAMES, ImportOptions, MESHES, Parsed, SCENES, builtin, import, mesh_scene, obj, ron,
@@ -134,13 +134,17 @@ impl Source {
                     }
                     warnings.push(warning);
                 }
-                return Ok(Parsed { warnings, ..Parsed::new(name, folder, file, budget) });
+                let middle = Middle::X;
+                return Ok(Parsed { warnings, middle, ..Parsed::new(name, folder, file, budget) });
             }
             Self::Import(path, format) => {
                 let budget = Budget::new(limits, 0);
-                let Imported { file, warnings } = import::read(path, format, options, &budget)?;
+                let Imported { file, warnings, maybe_blender } =
+                    import::read(path, format, options, &budget)?;
                 let name = path.display().to_string();
-                return Ok(Parsed { warnings, ..Parsed::new(name, folder_of(path), file, budget) });
+                let (middle, folder) = (format.middle, folder_of(path));
+                let parsed = Parsed::new(name, folder, file, budget);
+                return Ok(Parsed { warnings, middle, maybe_blender, ..parsed });
             }
             Self::Text(text, form) => {
                 (STANDARD_INPUT.to_owned(), PathBuf::new(), *form, text.clone())

@@ -1,5 +1,7 @@
 //! How linear values become the codes of 8-bit files: exposure, tone map and transfer curve.
 
+use std::fmt;
+
 use super::{Format, Metadata, ToneMap, Transfer};
 use crate::math::precise::exp2;
 use crate::math::{clamp, max, min};
@@ -15,12 +17,61 @@ const HALF_KEY: &str = "ptfast:half_layers";
 /// Largest magnitude of an exposure in stops.
 pub(crate) const MAX_STOPS: f32 = 32.0;
 
+/// The factor of linear values in 8-bit files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// 2 to this power, in [-32, 32].
+    Stops(f32),
+    /// 2 to the largest multiple of a quarter at which at most a twentieth of the pixels that are not black have a
+    /// channel above 1.
+    Auto,
+}
+
+impl Default for Exposure {
+    fn default() -> Self {
+        Self::Stops(0.0)
+    }
+}
+
+impl fmt::Display for Exposure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stops(stops) => stops.fmt(f),
+            Self::Auto => f.write_str("auto"),
+        }
+    }
+}
+
+impl Exposure {
+    /// The factor for `pixels`.
+    fn factor(self, pixels: &[[f32; 3]]) -> f32 {
+        let stops = match self {
+            Self::Stops(stops) => clamp(stops, -MAX_STOPS, MAX_STOPS),
+            Self::Auto => automatic_stops(pixels),
+        };
+        exp2(f64::from(stops)) as f32
+    }
+}
+
+fn automatic_stops(pixels: &[[f32; 3]]) -> f32 {
+    // NaN counts as black.
+    let peak = |pixel: &[f32; 3]| pixel.iter().fold(0.0, |a, &b| if b > a { b } else { a });
+    let mut peaks: Vec<f32> = pixels.iter().map(peak).filter(|&peak| peak > 0.0).collect();
+    let Some(last) = peaks.len().checked_sub(1) else { return 0.0 };
+    let kept = last - peaks.len() / 20;
+    let (_, &mut most, _) = peaks.select_nth_unstable_by(kept, f32::total_cmp);
+    let limit = (4.0 * MAX_STOPS) as i32;
+    let stops = (-limit..=limit).rev().map(|quarters| quarters as f32 / 4.0);
+    let fits = |stops: &f32| f64::from(most) * exp2(f64::from(*stops)) <= 1.0;
+    stops.into_iter().find(fits).unwrap_or(-MAX_STOPS)
+}
+
 /// The appearance of 8-bit files, and the size of the floats of layers. Formats with floats store linear
 /// values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
-    /// Linear values are multiplied by 2 to this power, in [-32, 32].
-    pub exposure: f32,
+    /// The factor of linear values.
+    pub exposure: Exposure,
     /// The tone map, which follows the exposure.
     pub tone_map: ToneMap,
     /// The transfer curve, which follows the tone map.
@@ -39,14 +90,24 @@ impl From<Transfer> for Display {
 impl Display {
     /// The codes of `pixels`, three for each.
     pub(super) fn encode(&self, pixels: &[[f32; 3]]) -> Vec<u8> {
-        let factor = exp2(f64::from(clamp(self.exposure, -MAX_STOPS, MAX_STOPS))) as f32;
-        let exposed = pixels.iter().map(|pixel| pixel.map(|value| value * factor));
-        let mapped = exposed.map(|pixel| match self.tone_map {
+        self.mapped(pixels).flatten().map(|value| self.transfer.encode(value)).collect()
+    }
+
+    /// The `pixels` after exposure and tone map.
+    fn mapped<'a>(&self, pixels: &'a [[f32; 3]]) -> impl Iterator<Item = [f32; 3]> + use<'a> {
+        let (factor, tone_map) = (self.exposure.factor(pixels), self.tone_map);
+        let exposed = pixels.iter().map(move |pixel| pixel.map(|value| value * factor));
+        exposed.map(move |pixel| match tone_map {
             ToneMap::None => pixel,
             // NaN becomes 0, as without a tone map.
             map => map.apply(pixel.map(|c| min(max(c, 0.0), f32::MAX).into())).map(|c| c as f32),
-        });
-        mapped.flatten().map(|value| self.transfer.encode(value)).collect()
+        })
+    }
+
+    /// The share of `pixels` that have a channel above 1, which 8-bit files clip.
+    pub(super) fn clipped(&self, pixels: &[[f32; 3]]) -> f64 {
+        let clipped = self.mapped(pixels).filter(|pixel| pixel.iter().any(|&value| value > 1.0));
+        clipped.count() as f64 / pixels.len().max(1) as f64
     }
 
     /// The codes of `pixels` and their `alpha`, four for each pixel. The colours in PNG files are not
@@ -68,7 +129,7 @@ impl Display {
             return if is_noted { metadata.with(HALF_KEY, true) } else { metadata };
         }
         let [exposure, tone_map] = GRADE_KEYS;
-        if self.exposure != 0.0 {
+        if self.exposure != Exposure::default() {
             metadata = metadata.with(exposure, self.exposure);
         }
         if self.tone_map != ToneMap::None {
@@ -97,11 +158,34 @@ mod tests {
             pixels.iter().flatten().map(|&value| transfer.encode(value * factor)).collect()
         };
         for transfer in Transfer::ALL {
-            let of = |exposure| Display { exposure, ..transfer.into() }.encode(&pixels);
+            let of = |stops| {
+                let exposure = Exposure::Stops(stops);
+                Display { exposure, ..transfer.into() }.encode(&pixels)
+            };
             assert_eq!(of(0.0), curve(1.0, transfer));
             assert_eq!(of(1.0), curve(2.0, transfer));
             assert_eq!(of(-3.0), curve(0.125, transfer));
         }
+    }
+
+    /// One pixel of twenty may be clipped. Black ones do not count.
+    #[test]
+    fn automatic_exposure_clips_a_twentieth() {
+        let mut pixels = vec![[0.0, f32::NAN, -1.0]; 100];
+        let display = Display { exposure: Exposure::Auto, ..Display::default() };
+        assert_eq!(automatic_stops(&pixels), 0.0);
+        pixels.extend([[3.9, 4.0, 0.0]; 38]);
+        pixels.extend([[f32::INFINITY; 3]; 2]);
+        assert_eq!(automatic_stops(&pixels), -2.0);
+        assert_eq!(display.clipped(&pixels), 2.0 / 140.0);
+        assert_eq!(Display::default().clipped(&pixels), 40.0 / 140.0);
+        pixels.push([5.0, 0.0, 0.0]);
+        assert_eq!(automatic_stops(&pixels), -2.5);
+        assert_eq!(automatic_stops(&[[1e-3; 3]]), 9.75);
+        assert_eq!(
+            display.noted(Format::Png, Metadata::default()).get(GRADE_KEYS[0]).unwrap(),
+            "auto"
+        );
     }
 
     #[test]

@@ -19,8 +19,8 @@ mod write;
 
 pub(crate) use channels::{Channels, other_channels};
 pub(crate) use compare::compare;
-pub use display::Display;
 pub(crate) use display::MAX_STOPS;
+pub use display::{Display, Exposure};
 pub(crate) use format::Format;
 pub use layer::ImageLayer;
 pub use metadata::Metadata;
@@ -136,6 +136,11 @@ impl Image {
     /// Height in pixels.
     pub fn height(&self) -> u32 {
         self.height
+    }
+
+    /// The share of pixels that 8-bit files with this appearance clip.
+    pub(crate) fn clipped(&self, display: &Display) -> f64 {
+        display.clipped(&self.pixels)
     }
 
     /// All pixels, row by row from the top.

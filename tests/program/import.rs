@@ -269,6 +269,86 @@ fn scenes_far_from_the_origin_lose_no_bits() {
     assert_eq!(manifest["origin"], json!([65_536.0, -1_048_576.0, 0.0]));
 }
 
+/// The middle of the map is +x in three.js 0.187 (`equirectUv`), in the viewer of Khronos 1.1.0 (`dirToUV`), and in
+/// Blender 5.2.3 after its export. A rotation of -90 degrees about y takes -z, our middle, there.
+#[test]
+fn maps_of_the_user_are_turned_as_in_other_programs() {
+    let there = tempfile::tempdir().unwrap();
+    fs::copy(folder().join("sky.pfm"), there.path().join("sky.pfm")).unwrap();
+    let asset = json!({ "asset": { "version": "2.0" } });
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(there.path().join("a.gltf"), asset.to_string()).unwrap();
+    fs::write(there.path().join("a.obj"), obj).unwrap();
+    fs::write(there.path().join("a.pbrt"), "WorldBegin").unwrap();
+    for (name, turn, want) in [
+        ("a.gltf", "0", -90.0),
+        ("a.gltf", "30", -60.0),
+        ("a.obj", "-30", -120.0),
+        ("a.pbrt", "0", 0.0),
+        ("spheres", "30", 30.0),
+    ] {
+        let show = ["scenes", "show", "--json", name, "--env", "sky.pfm", "--env-rotation", turn];
+        let shown: Value = serde_json::from_str(&succeeds(there.path(), &show)).unwrap();
+        let rotation = &shown["background"]["image"]["rotation"];
+        assert_eq!(rotation[1].as_f64().unwrap_or_default(), want, "{name}: {rotation}");
+    }
+    let output = ptfast(there.path(), &["scenes", "show", "spheres", "--env-rotation", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+/// Blender 5.2.3 exports a lamp of 1000 W as 683 · 1000 / 4π candela, and a sun of 1 W/m² as 683 lux (`lights.py` of
+/// glTF-Blender-IO). Emission is not multiplied.
+#[test]
+fn lamps_of_blender_are_divided_by_683() {
+    let there = tempfile::tempdir().unwrap();
+    let mut json = json!({
+        "asset": { "version": "2.0", "generator": "Khronos glTF Blender I/O v5.2.40" },
+        "nodes": [
+            { "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+            { "extensions": { "KHR_lights_punctual": { "light": 1 } } },
+            { "camera": 0 }, { "mesh": 0, "translation": [-0.5, -0.5, -1] },
+        ],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{ "componentType": 5126, "count": 3, "type": "VEC3", "bufferView": 0 }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "byteLength": 36, "uri": "a.bin" }],
+        "extensions": { "KHR_lights_punctual": { "lights": [
+            { "type": "point", "intensity": 54351.41 }, { "type": "directional", "intensity": 683 },
+        ] } },
+    });
+    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|corner| corner.to_le_bytes()).collect();
+    fs::write(there.path().join("a.bin"), bytes).unwrap();
+    let write = |json: &Value| fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+    write(&json);
+    for (units, [candela, lux]) in [("file", [54351.41, 683.0]), ("blender", [79.577, 1.0])] {
+        let show = ["scenes", "show", "--json", "a.gltf", "--light-units", units];
+        let shown: Value = serde_json::from_str(&succeeds(there.path(), &show)).unwrap();
+        let [intensity, irradiance] = [
+            shown.pointer("/lights/0/point/intensity/0").unwrap().as_f64().unwrap(),
+            shown.pointer("/lights/1/distant/irradiance/0").unwrap().as_f64().unwrap(),
+        ];
+        assert!((intensity / candela - 1.0).abs() < 1e-4, "{units}: {intensity}");
+        assert!((irradiance / lux - 1.0).abs() < 1e-4, "{units}: {irradiance}");
+    }
+    let said = |options: &[&str]| {
+        let render = ["render", "a.gltf", "--width", "8", "--spp", "4", "-o", "a.png"];
+        stderr(&ptfast(there.path(), &[&render, options].concat()))
+    };
+    let bright = said(&[]);
+    assert!(
+        bright.contains("`--exposure auto`") && bright.contains("`--light-units blender`"),
+        "{bright}"
+    );
+    assert!(!said(&["--exposure", "auto"]).contains("too bright"));
+    assert!(!said(&["-o", "a.exr"]).contains("too bright"));
+    json["asset"]["generator"] = json!("other");
+    write(&json);
+    let other = said(&[]);
+    assert!(other.contains("`--exposure auto`") && !other.contains("light-units"), "{other}");
+}
+
 /// The reference code of KHR_lights_punctual squares the attenuation between the cones.
 #[test]
 fn spots_of_gltf_files_fall_by_a_square() {

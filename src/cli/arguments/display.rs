@@ -3,16 +3,17 @@
 use clap::Args;
 
 use super::{IMAGE, named};
-use crate::image::{Display, MAX_STOPS, ToneMap, Transfer};
+use crate::image::{Display, Exposure, MAX_STOPS, ToneMap, Transfer};
 
 #[derive(Debug, Args)]
 pub(crate) struct DisplayArgs {
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", help_heading = IMAGE, default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]
     gamma: Transfer,
-    /// Exposure of 8-bit files: multiplies linear values by 2^STOPS
-    #[arg(long, value_name = "STOPS", help_heading = IMAGE, default_value_t = 0.0, allow_hyphen_values = true, value_parser = stops)]
-    exposure: f32,
+    /// Exposure of 8-bit files: multiplies linear values by 2^STOPS; auto: so that at most a twentieth of the pixels is
+    /// clipped
+    #[arg(long, value_name = "STOPS|auto", help_heading = IMAGE, default_value = "0", allow_hyphen_values = true, value_parser = exposure)]
+    exposure: Exposure,
     /// Tone map of 8-bit files, which compresses bright values instead of clamping them to white
     #[arg(long, value_name = "MAP", help_heading = IMAGE, default_value = ToneMap::None.name(), value_parser = named(&ToneMap::ALL, ToneMap::name))]
     tonemap: ToneMap,
@@ -21,9 +22,13 @@ pub(crate) struct DisplayArgs {
     half_layers: bool,
 }
 
-fn stops(text: &str) -> Result<f32, String> {
+fn exposure(text: &str) -> Result<Exposure, String> {
+    if text == "auto" {
+        return Ok(Exposure::Auto);
+    }
     let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= MAX_STOPS);
-    stops.ok_or_else(|| format!("must be a number from -{MAX_STOPS} to {MAX_STOPS}"))
+    let wrong = || format!("must be auto or a number from -{MAX_STOPS} to {MAX_STOPS}");
+    stops.map(Exposure::Stops).ok_or_else(wrong)
 }
 
 impl DisplayArgs {

@@ -77,7 +77,7 @@ impl SceneLimitArgs {
     pub(crate) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
         let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import())?;
         Ok(match scene.env() {
-            Some(path) => parsed.with_environment(path),
+            Some((path, degrees)) => parsed.with_environment(path, degrees),
             None => parsed,
         })
     }

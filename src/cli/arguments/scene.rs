@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::IMAGE;
 use super::named::named;
-use crate::formats::{ImportOptions, Missing};
+use crate::formats::{ImportOptions, LightUnits, Missing};
 use crate::measure::settings::quoted;
 
 const IMPORT: &str = "Scenes of other programs";
@@ -24,6 +24,10 @@ pub(crate) struct SceneArg {
     /// Environment map instead of the scene's background: a latitude-longitude image (.hdr, .exr, ...)
     #[arg(long, value_name = "FILE", help_heading = IMAGE)]
     env: Option<PathBuf>,
+    /// Turn the map of --env about the y-axis, counterclockwise as seen from above [default: the middle of the map is
+    /// at +x in glTF, OBJ and PLY files, and at -z in others]
+    #[arg(long, value_name = "DEGREES", help_heading = IMAGE, requires = "env", allow_hyphen_values = true, value_parser = degrees)]
+    env_rotation: Option<f32>,
     /// What to do if a texture or mesh of a scene of another program is missing; grey: render without it
     #[arg(long, value_name = "HOW", help_heading = IMPORT, default_value = Missing::default().name(), value_parser = named(&Missing::ALL, Missing::name))]
     missing: Missing,
@@ -36,9 +40,18 @@ pub(crate) struct SceneArg {
     /// Time of the animation
     #[arg(long, value_name = "SECONDS", help_heading = IMPORT, default_value_t = 0.0, requires = "animation")]
     at: f64,
+    /// Units of the lights of a glTF scene; blender: divide them by 683, because Blender exports lamps 683 times as
+    /// strong as emission
+    #[arg(long, value_name = "UNITS", help_heading = IMPORT, default_value = LightUnits::default().name(), value_parser = named(&LightUnits::ALL, LightUnits::name))]
+    light_units: LightUnits,
     /// Choose the variant of this name of the materials of a glTF scene
     #[arg(long, value_name = "NAME", help_heading = IMPORT)]
     variant: Option<String>,
+}
+
+fn degrees(text: &str) -> Result<f32, String> {
+    let degrees = text.parse().ok().filter(|degrees: &f32| degrees.abs() <= 360.0);
+    degrees.ok_or_else(|| "must be a number from -360 to 360".to_owned())
 }
 
 impl SceneArg {
@@ -48,11 +61,13 @@ impl SceneArg {
             positional: Some(name.to_owned()),
             scene: None,
             env: None,
+            env_rotation: None,
             missing: Missing::default(),
             strict: false,
             animation: None,
             at: 0.0,
             variant: None,
+            light_units: LightUnits::default(),
         }
     }
 
@@ -61,20 +76,21 @@ impl SceneArg {
         self.positional.as_deref().or(self.scene.as_deref()).expect("clap requires one")
     }
 
-    /// The environment map that replaces the background.
-    pub(crate) fn env(&self) -> Option<&Path> {
-        self.env.as_deref()
+    /// The environment map that replaces the background, and by how many degrees it is turned.
+    pub(crate) fn env(&self) -> Option<(&Path, f32)> {
+        Some((self.env.as_deref()?, self.env_rotation.unwrap_or(0.0)))
     }
 
     /// How scenes of other programs are read.
     pub(crate) fn import(&self) -> ImportOptions {
-        let Self { missing, strict, ref animation, at, ref variant, .. } = *self;
+        let Self { missing, strict, ref animation, at, ref variant, light_units, .. } = *self;
         ImportOptions {
             missing,
             strict,
             animation: animation.clone(),
             at,
             variant: variant.clone(),
+            light_units,
         }
     }
 
@@ -85,6 +101,7 @@ impl SceneArg {
             other => format!(" --missing {}", other.name()),
         };
         let env = self.env.iter().map(|path| format!(" --env {}", quoted(&path.to_string_lossy())));
+        let turn = self.env_rotation.iter().map(|degrees| format!(" --env-rotation {degrees}"));
         let named = |option: &str, name: &Option<String>| {
             name.as_ref().map_or(String::new(), |name| format!(" --{option} {}", quoted(name)))
         };
@@ -92,7 +109,11 @@ impl SceneArg {
         let at =
             if self.animation.is_some() { format!(" --at {}", self.at) } else { String::new() };
         let variant = named("variant", &self.variant);
-        let words = [env.collect(), missing, animation, at, variant];
+        let units = match self.light_units {
+            LightUnits::File => String::new(),
+            other => format!(" --light-units {}", other.name()),
+        };
+        let words = [env.collect(), turn.collect(), missing, animation, at, variant, units];
         quoted(self.name()) + &words.concat()
     }
 }

@@ -39,6 +39,9 @@ use crate::measure::machine::Interference;
 use crate::output::write_atomically;
 use crate::scene::Scene;
 
+/// Share of clipped pixels above which a notice says so.
+const MOST_CLIPPED: f64 = 0.2;
+
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     console::write_json(args.mode() == ProgressMode::Json);
@@ -59,6 +62,8 @@ struct RenderJob<'a> {
     args: &'a RenderArgs,
     start: Instant,
     scene: Scene,
+    /// Whether lamps may be in the units of Blender, although the options do not say so.
+    maybe_blender: bool,
     /// Seconds that loading the scene took.
     load: f64,
     settings: ImageSettings,
@@ -73,8 +78,9 @@ impl<'a> RenderJob<'a> {
         args.output.clone().map(Target::of_path).transpose()?;
         let loading = Instant::now();
         let reading = format!("reading {}", args.sample.scene.name());
-        let scene = progress::waiting(&reading, args.mode(), || {
-            args.limits.read(&args.sample.scene)?.resolve()
+        let (scene, maybe_blender) = progress::waiting(&reading, args.mode(), || {
+            let parsed = args.limits.read(&args.sample.scene)?;
+            Ok::<_, Error>((parsed.resolve()?, parsed.maybe_blender))
         })?;
         let load = loading.elapsed().as_secs_f64();
         let settings = args.image_settings(&scene)?;
@@ -97,7 +103,7 @@ impl<'a> RenderJob<'a> {
             let message = "--print and the image both need standard output: use -o FILE";
             return Err(Error::Usage(message.to_owned()));
         }
-        Ok(Self { args, start, scene, load, settings, compute, part, output })
+        Ok(Self { args, start, scene, maybe_blender, load, settings, compute, part, output })
     }
 
     /// The appearance of the image.
@@ -262,6 +268,20 @@ impl<'a> RenderJob<'a> {
         }
         if let Some(clamp) = settings.clamp {
             notice(format_args!("{clamped} samples were clamped to {clamp}"));
+        }
+        let clipped = render.image.clipped(&self.display());
+        if clipped > MOST_CLIPPED && self.output.has_8_bits() {
+            let percent = (100.0 * clipped).round();
+            let units = match self.maybe_blender {
+                true => {
+                    ", and `--light-units blender` divides lamps by 683, by which Blender exports them too strong"
+                }
+                false => "",
+            };
+            notice(format_args!(
+                "{percent}% of the pixels are too bright for {}: `--exposure auto` darkens it{units}",
+                self.output
+            ));
         }
         if self.output == Target::StandardOutput {
             return Ok(());

@@ -90,6 +90,15 @@ impl Target {
         }
     }
 
+    /// Whether the image has 8 bits per channel.
+    pub(crate) fn has_8_bits(&self) -> bool {
+        match self {
+            Self::Image(path) => Format::of_path(path).is_ok_and(|format| format == Format::Png),
+            Self::StandardOutput => true,
+            Self::Film(_) => false,
+        }
+    }
+
     /// The file; `None` for standard output.
     pub(crate) fn path(&self) -> Option<&Path> {
         match self {

@@ -1,17 +1,29 @@
-//! Lights of glTF files (KHR_lights_punctual). Their photometric units count as ours: an intensity of 1
-//! candela is 1.
+//! Lights of glTF files (KHR_lights_punctual). Their photometric units count as ours, unless the options say
+//! otherwise: an intensity of 1 candela is 1.
 
 use glam::{DAffine3, DVec3};
 
 use super::Reader;
 use super::file::Light;
+use crate::formats::import::LightUnits;
 use crate::math::affine;
 use crate::shading::light::{Distant, Falloff, Point, Spot};
+
+/// By which Blender multiplies the power of lamps.
+const LUMENS_PER_WATT: f64 = 683.0;
 
 impl Reader<'_, '_, '_> {
     /// Adds a light, which shines along the −z-axis of its node.
     pub(crate) fn light(&mut self, light: &Light, map: &DAffine3) {
-        let color = light.color.map(|c| (c * light.intensity).clamp(0.0, 1e30) as f32);
+        let generator = self.gltf.document.asset.generator.as_deref().unwrap_or_default();
+        let intensity = match self.import.options.light_units {
+            LightUnits::Blender => light.intensity / LUMENS_PER_WATT,
+            LightUnits::File => {
+                self.import.maybe_blender |= generator.contains("Blender");
+                light.intensity
+            }
+        };
+        let color = light.color.map(|c| (c * intensity).clamp(0.0, 1e30) as f32);
         let rounded = |v: DVec3| v.as_vec3().to_array();
         let (position, forward) = (rounded(map.translation), -(map.matrix3 * DVec3::Z));
         match &*light.kind {

@@ -18,7 +18,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 pub(crate) use self::file::Gltf;
 use self::file::{Camera, SUPPORTED};
 use self::pose::Pose;
-use super::import::{Format, Import, ROULETTE};
+use super::import::{Format, Import, Middle, ROULETTE};
 use super::mesh_scene;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
@@ -27,7 +27,7 @@ use crate::scene::{InstanceFile, SceneFile};
 use crate::shading::{Background, CameraFile};
 
 /// glTF 2.0.
-pub(crate) static FORMAT: Format = Format { extensions: &["glb", "gltf"], read };
+pub(crate) static FORMAT: Format = Format { extensions: &["glb", "gltf"], read, middle: Middle::X };
 
 /// The light of scenes without any: a bright sky above a grey ground.
 const SKY: Background = Background::Gradient { bottom: [0.4; 3], top: [1.2; 3] };

@@ -32,7 +32,7 @@ use self::params::{Param, Params, Values};
 use self::texture::{Textures, Value, ValueKey};
 use self::tokens::{Token, Tokens};
 use self::transform::{rounded, twice_angle_of, uniform_scale};
-use super::import::{Format, Import};
+use super::import::{Format, Import, Middle};
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
 use crate::limits::Limit;
@@ -40,7 +40,7 @@ use crate::scene::{PrimitiveFile, SceneFile};
 use crate::shading::{CameraFile, MediumFile};
 
 /// pbrt-v4.
-pub(crate) static FORMAT: Format = Format { extensions: &["pbrt"], read };
+pub(crate) static FORMAT: Format = Format { extensions: &["pbrt"], read, middle: Middle::MinusZ };
 
 /// Largest number of files that may include each other.
 const MAX_NESTED_FILES: usize = 32;

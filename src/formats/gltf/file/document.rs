@@ -35,6 +35,7 @@ pub(crate) struct Document {
 #[serde(default)]
 pub(crate) struct Asset {
     pub(crate) version: String,
+    pub(crate) generator: Option<String>,
 }
 
 /// The extensions of the document.
