@@ -36,6 +36,17 @@ pub enum Error {
         source: io::Error,
     },
 
+    /// A file that a scene names and that cannot be read.
+    #[error("{error}{advice}")]
+    Unread {
+        /// The file, the place that names it, and the error of the operating system.
+        error: Box<Error>,
+        /// Whether the file is missing.
+        missing: bool,
+        /// How to do without the file, with its separator; may be empty.
+        advice: &'static str,
+    },
+
     /// A program that ptfast ran has failed.
     #[error("{program}: {message}")]
     Program {
@@ -115,6 +126,26 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
+    /// Names the element of a scene that names a file, by `at`, if `self` says that it cannot be read.
+    pub(crate) fn of_file(self, at: impl FnOnce(&Self) -> Self) -> Self {
+        let error = at(&self);
+        match self {
+            Self::Io { source, .. } => {
+                let missing = source.kind() == io::ErrorKind::NotFound;
+                Self::Unread { error: Box::new(error), missing, advice: "" }
+            }
+            _ => error,
+        }
+    }
+
+    /// Adds `advice`, if `self` says that a file is missing.
+    pub(crate) fn with_advice_if_missing(mut self, new: &'static str) -> Self {
+        if let Self::Unread { missing: true, advice, .. } = &mut self {
+            *advice = new;
+        }
+        self
+    }
+
     /// The process exit code: 2 for wrong usage, 65 for bad input, 70 for an internal fault, 71 for
     /// a refused resource, 74 for a failed read or write, 75 if stopped by the time limit, and 129,
     /// 130 or 143 if interrupted by a signal.
@@ -124,7 +155,7 @@ impl Error {
             Self::Input { .. } => 65,
             Self::Internal(_) => 70,
             Self::Resource(_) => 71,
-            Self::Io { .. } => 74,
+            Self::Io { .. } | Self::Unread { .. } => 74,
             Self::Saved { error, .. } => error.exit_code(),
             Self::Program { code, .. } => *code,
             Self::Interrupted(signal) | Self::Stopped { signal: Some(signal), .. } => 128 + signal,

@@ -7,6 +7,7 @@ use clap::{CommandFactory, FromArgMatches};
 
 use super::args::Cli;
 use super::console::{complain, say_lines};
+use crate::formats::Source;
 use crate::measure::machine::Machine;
 
 const WRONG_USAGE: u8 = 2;
@@ -73,7 +74,57 @@ fn message(error: &clap::Error) -> String {
         text = text.split("\n\n  tip:").next().unwrap_or_default();
     }
     let text = text.replace("\n\n  tip: ", ", ").split_whitespace().collect::<Vec<_>>().join(" ");
-    other.map_or(text.clone(), |(_, name)| format!("{text}, use --{name}"))
+    if let Some((_, name)) = other {
+        return format!("{text}, use --{name}");
+    }
+    match error.kind() {
+        ErrorKind::UnknownArgument => long_option(std::env::args_os()).unwrap_or(text),
+        ErrorKind::InvalidSubcommand => match context(error, ContextKind::InvalidSubcommand) {
+            Some(word) if Source::find(word).is_ok() => {
+                format!("a command is missing, `ptfast render {word}` renders this scene")
+            }
+            _ => text,
+        },
+        ErrorKind::ValueValidation => match context(error, ContextKind::InvalidValue) {
+            Some(value) => number(&text, value),
+            None => text,
+        },
+        _ => text,
+    }
+}
+
+/// A message for the first argument such as `-spp`, whose letters clap reads as options of their own.
+fn long_option(arguments: impl Iterator<Item = OsString>) -> Option<String> {
+    let known = Cli::command();
+    let mut long = known.get_subcommands().flat_map(|command| command.get_arguments());
+    let words = arguments.map(|word| word.to_string_lossy().into_owned());
+    let name = words.filter(|word| !word.starts_with("--")).find_map(|word| {
+        let name = word.strip_prefix('-')?.split('=').next()?;
+        (name.len() > 1 && long.any(|option| option.get_long() == Some(name)))
+            .then(|| name.to_owned())
+    })?;
+    Some(format!("unexpected argument '-{name}' found, use --{name}"))
+}
+
+/// The message `text` about a `value` that is no whole number.
+fn number(text: &str, value: &str) -> String {
+    let text = text.replace("invalid digit found in string", "must be a whole number");
+    let sides = value.split_once(['x', 'X', '×']).filter(|(width, height)| {
+        text.contains("'--width <")
+            && [width, height].iter().all(|side| side.parse::<u32>().is_ok())
+    });
+    match sides {
+        Some((width, height)) => format!("{text}, use --width {width} --height {height}"),
+        None => text,
+    }
+}
+
+/// The text of this kind that belongs to an error.
+fn context(error: &clap::Error, kind: ContextKind) -> Option<&str> {
+    match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text),
+        _ => None,
+    }
 }
 
 /// What other programs call our arguments.
@@ -82,20 +133,14 @@ const OTHER_NAMES: [(&str, &str); 4] =
 
 /// The name of the wrong argument, without dashes and value.
 fn invalid_argument(error: &clap::Error) -> Option<&str> {
-    match error.get(ContextKind::InvalidArg) {
-        Some(ContextValue::String(name)) => name.trim_start_matches('-').split('=').next(),
-        _ => None,
-    }
+    context(error, ContextKind::InvalidArg)?.trim_start_matches('-').split('=').next()
 }
 
 /// Whether the suggested argument differs from the given one by at most one edit, plus one for
 /// every five letters.
 fn suggests_a_typo(error: &clap::Error) -> bool {
-    let suggested = error.get(ContextKind::SuggestedArg);
-    let (Some(given), Some(ContextValue::String(suggested))) = (invalid_argument(error), suggested)
-    else {
-        return false;
-    };
+    let suggested = context(error, ContextKind::SuggestedArg);
+    let (Some(given), Some(suggested)) = (invalid_argument(error), suggested) else { return false };
     strsim::damerau_levenshtein(given, suggested.trim_start_matches('-')) <= 1 + given.len() / 5
 }
 

@@ -1,6 +1,7 @@
 //! The import of scenes of other programs: options, warnings, and what all formats share.
 
 use std::collections::HashSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -81,6 +82,8 @@ pub(crate) struct ImportOptions {
     pub variant: Option<String>,
     /// The units of the lights of glTF files.
     pub light_units: LightUnits,
+    /// Whether an environment map replaces the background.
+    pub environment: bool,
 }
 
 /// A scene of another program.
@@ -178,6 +181,15 @@ impl<'a> Import<'a> {
         path_within(self.folder, file, &self.budget.limits)
     }
 
+    /// An error if `path` is missing, unless [`Missing::Grey`] is set.
+    pub(crate) fn require(&self, path: &Path) -> Result<()> {
+        if self.options.missing == Missing::Grey || path.exists() {
+            return Ok(());
+        }
+        let error = Error::io(path, "read")(ErrorKind::NotFound.into());
+        Err(Error::Unread { error: Box::new(error), missing: true, advice: WITHOUT_MISSING })
+    }
+
     /// Returns false, with a warning, if the texture or mesh in `file` is missing and
     /// [`Missing::Grey`] is set. Otherwise the reader of the file reports that it is missing.
     pub(crate) fn is_usable(&mut self, file: &str, instead: &str) -> bool {
@@ -189,9 +201,12 @@ impl<'a> Import<'a> {
     }
 }
 
+/// How to do without a missing file.
+pub(crate) const WITHOUT_MISSING: &str = "; `--missing grey` does without such files";
+
 /// The error that [`ImportOptions::strict`] makes of a warning.
 pub(crate) fn rejected(warning: &str) -> Error {
-    Error::Usage(format!("{warning}; `strict` rejects that"))
+    Error::Usage(format!("{warning}; `--strict` rejects that"))
 }
 
 /// Reads the scene in `path`.

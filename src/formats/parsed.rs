@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::assets::Files;
-use super::import::Middle;
+use super::import::{Middle, WITHOUT_MISSING};
 use super::ron::{self, Form, locate};
 use crate::error::{Error, Result};
+use crate::input::length;
 use crate::limits::Budget;
 use crate::scene::{Scene, SceneFile, resolve};
 use crate::shading::Background;
@@ -25,24 +26,30 @@ pub struct Parsed {
     pub(crate) warnings: Vec<String>,
     /// What a map that the user adds shows in its middle.
     pub(crate) middle: Middle,
+    /// Whether other programs wrote the scene, so that the options for missing files apply.
+    pub(crate) is_imported: bool,
     /// Whether lamps may be in the units of Blender, although the options do not say so.
     pub(crate) maybe_blender: bool,
 }
 
 impl Parsed {
     pub(crate) fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
-        let (text, warnings, middle, maybe_blender) = Default::default();
-        Self { name, folder, file, budget, text, warnings, middle, maybe_blender }
+        let (text, warnings, middle) = Default::default();
+        let (is_imported, maybe_blender) = (false, false);
+        Self { name, folder, file, budget, text, warnings, middle, is_imported, maybe_blender }
     }
 
     /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder. The map is turned
     /// by `degrees` about y, counterclockwise as seen from above.
-    #[must_use]
-    pub fn with_environment(mut self, path: &Path, degrees: f32) -> Self {
+    ///
+    /// # Errors
+    /// If the file is missing.
+    pub fn with_environment(mut self, path: &Path, degrees: f32) -> Result<Self> {
+        length(path)?;
         let mut map = EnvironmentMap::from_path(path);
         map.rotation[1] = self.middle.turn() + degrees;
         self.file.background = Background::Image(map);
-        self
+        Ok(self)
     }
 
     /// Checks every value and resolves every name.
@@ -55,12 +62,19 @@ impl Parsed {
         resolve(&self.name, &self.folder, &self.file, &Files, budget)
             .map(|scene| scene.with_warnings(&self.warnings))
             .map_err(|error| self.with_line(error))
+            .map_err(|error| match self.is_imported {
+                true => error.with_advice_if_missing(WITHOUT_MISSING),
+                false => error,
+            })
     }
 
     /// Replaces the place of `error`, the path of an element, by line and column. The path moves to
     /// the message.
     fn with_line(&self, error: Error) -> Error {
         match (error, &self.text) {
+            (Error::Unread { error, missing, advice }, _) => {
+                Error::Unread { error: Box::new(self.with_line(*error)), missing, advice }
+            }
             (Error::Input { file, place, message }, Some((form, text))) if file == self.name => {
                 // For a section such as the camera, the place is empty and the message starts with
                 // its name.

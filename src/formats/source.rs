@@ -134,8 +134,9 @@ impl Source {
                     }
                     warnings.push(warning);
                 }
-                let middle = Middle::X;
-                return Ok(Parsed { warnings, middle, ..Parsed::new(name, folder, file, budget) });
+                let (middle, is_imported) = (Middle::X, true);
+                let parsed = Parsed::new(name, folder, file, budget);
+                return Ok(Parsed { warnings, middle, is_imported, ..parsed });
             }
             Self::Import(path, format) => {
                 let budget = Budget::new(limits, 0);
@@ -144,7 +145,8 @@ impl Source {
                 let name = path.display().to_string();
                 let (middle, folder) = (format.middle, folder_of(path));
                 let parsed = Parsed::new(name, folder, file, budget);
-                return Ok(Parsed { warnings, middle, maybe_blender, ..parsed });
+                let is_imported = true;
+                return Ok(Parsed { warnings, middle, is_imported, maybe_blender, ..parsed });
             }
             Self::Text(text, form) => {
                 (STANDARD_INPUT.to_owned(), PathBuf::new(), *form, text.clone())

@@ -100,8 +100,9 @@ impl<'a> Images<'a> {
         if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));
         }
-        self.open(&key).map_err(|error| e.error(error))?;
-        let texels = Arc::new(self.read(&key).map_err(|error| e.error(error))?);
+        let failed = |error: Error| error.of_file(|error| e.error(error));
+        self.open(&key).map_err(failed)?;
+        let texels = Arc::new(self.read(&key).map_err(failed)?);
         self.images.insert(key, Arc::clone(&texels));
         Ok(texels)
     }

@@ -333,8 +333,10 @@ fn lamps_of_blender_are_divided_by_683() {
         assert!((irradiance / lux - 1.0).abs() < 1e-4, "{units}: {irradiance}");
     }
     let said = |options: &[&str]| {
-        let render = ["render", "a.gltf", "--width", "8", "--spp", "4", "-o", "a.png"];
-        stderr(&ptfast(there.path(), &[&render, options].concat()))
+        let render = ["render", "a.gltf", "--width", "8", "--spp", "4"];
+        let output = ptfast(there.path(), &[&render, options].concat());
+        assert!(output.status.success());
+        stderr(&output)
     };
     let bright = said(&[]);
     assert!(
@@ -394,7 +396,7 @@ fn animations_and_variants_can_be_chosen() {
     let variant = show(&["--variant", "shiny"]);
     assert_eq!(show(&["--variant", "plain"]), rest);
     let notices = stderr(&ptfast(&folder(), &["scenes", "check", "gltf.gltf"]));
-    assert!(notices.contains("`variant` chooses one: plain, shiny"), "{notices}");
+    assert!(notices.contains("`--variant` chooses one: plain, shiny"), "{notices}");
     assert!(
         variant != rest && variant.matches("\"car\"").count() > rest.matches("\"car\"").count()
     );
@@ -420,8 +422,9 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
         ptfast(there.path(), &[&["scenes", "check", "a.pbrt"], options].concat())
     };
     let output = check(&[]);
-    assert_eq!(output.status.code(), Some(65));
-    assert!(stderr(&output).contains("no.png: cannot read"), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(74));
+    let error = stderr(&output);
+    assert!(error.contains("no.png: cannot read") && error.contains("`--missing grey`"), "{error}");
     let output = check(&["--missing", "grey"]);
     let said = stderr(&output);
     assert!(output.status.success() && stdout(&output).contains("3 spheres"), "{said}");
@@ -437,7 +440,36 @@ fn files_that_are_missing_and_things_that_ptfast_lacks_are_named() {
     let output = check(&["--missing", "grey", "--strict"]);
     let error = stderr(&output);
     assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
-    assert!(error.contains("spherical") && error.contains("`strict` rejects that"), "{error}");
+    assert!(error.contains("spherical") && error.contains("`--strict` rejects that"), "{error}");
+}
+
+/// A missing file of any kind has the exit code 74. The option is named only where it helps.
+#[test]
+fn missing_files_have_one_exit_code() {
+    let there = tempfile::tempdir().unwrap();
+    let there = there.path();
+    fs::write(there.join("a.obj"), "mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n")
+        .unwrap();
+    let buffer =
+        json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 9, "uri": "no.bin" }] });
+    fs::write(there.join("a.gltf"), buffer.to_string()).unwrap();
+    fs::write(there.join("a.pbrt"), "WorldBegin Include \"no.pbrt\"").unwrap();
+    fs::write(there.join("b.pbrt"), "WorldBegin Shape \"plymesh\" \"string filename\" \"no.ply\"")
+        .unwrap();
+    for (arguments, file, helps) in [
+        (&["a.obj"][..], "no.mtl", true),
+        (&["a.gltf"], "no.bin", false),
+        (&["a.pbrt"], "no.pbrt", true),
+        (&["b.pbrt"], "no.ply", true),
+        (&["no.glb"], "no.glb", false),
+        (&["spheres", "--env", "no.hdr"], "no.hdr", false),
+    ] {
+        let output = ptfast(there, &[&["scenes", "check"], arguments].concat());
+        let error = stderr(&output);
+        assert_eq!((output.status.code(), error.lines().count()), (Some(74), 1), "{error}");
+        assert!(error.contains(&format!("{file}: cannot read")), "{error}");
+        assert_eq!(error.contains("`--missing grey`"), helps, "{error}");
+    }
 }
 
 /// The scene `a.pbrt` with this text, as JSON.

@@ -76,10 +76,10 @@ impl SceneLimitArgs {
     /// Reads the scene that these arguments name.
     pub(crate) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
         let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import())?;
-        Ok(match scene.env() {
+        match scene.env() {
             Some((path, degrees)) => parsed.with_environment(path, degrees),
-            None => parsed,
-        })
+            None => Ok(parsed),
+        }
     }
 }
 

@@ -91,6 +91,7 @@ impl SceneArg {
             at,
             variant: variant.clone(),
             light_units,
+            environment: self.env.is_some(),
         }
     }
 

@@ -101,7 +101,7 @@ fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, St
         if !variants.is_empty() {
             let names: Vec<_> = variants.iter().take(10).map(|variant| &*variant.name).collect();
             import.note(format!(
-                "is shown with the first variant of its materials; `variant` chooses one: {}",
+                "is shown with the first variant of its materials; `--variant` chooses one: {}",
                 names.join(", ")
             ));
         }
@@ -286,8 +286,11 @@ impl Reader<'_, '_, '_> {
         // Displays and tail lights light no scene, so surfaces that emit light do not count.
         if self.scene.lights.is_empty() {
             self.scene.background = SKY;
-            self.import
-                .note("has no lights, so it is under a bright sky; `env` sets an environment map");
+            if !self.import.options.environment {
+                self.import.note(
+                    "has no KHR_lights_punctual lights, so it is under a soft sky; `--env` sets an environment map",
+                );
+            }
         }
         (self.scene.render.spp, self.scene.render.roulette) = (64, ROULETTE);
     }

@@ -27,7 +27,7 @@ impl Pose {
         let Some(name) = &import.options.animation else {
             if !animations.is_empty() {
                 import.note(
-                    "is shown at rest; `animation` and `at` choose an animation and its time",
+                    "is shown at rest; `--animation` and `--at` choose an animation and its time",
                 );
             }
             return Ok(Self::default());

@@ -163,7 +163,9 @@ impl Reader<'_, '_> {
                     }
                     // An imported file leaves the state as it was.
                     let before = (directive == "Import").then(|| self.state.clone());
-                    self.include(&self.import.path_within(&file)?)?;
+                    let path = self.import.path_within(&file)?;
+                    self.import.require(&path)?;
+                    self.include(&path)?;
                     if let Some(before) = before {
                         self.state = before;
                     }

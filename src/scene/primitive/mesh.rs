@@ -135,7 +135,8 @@ impl Expand for MeshFile {
         let mesh = match to.meshes.entry(path.clone()) {
             hash_map::Entry::Occupied(there) => there.into_mut(),
             hash_map::Entry::Vacant(new) => {
-                let mesh = to.assets.mesh(new.key(), to.budget).map_err(|error| e.error(error))?;
+                let mesh = to.assets.mesh(new.key(), to.budget);
+                let mesh = mesh.map_err(|error| error.of_file(|error| e.error(error)))?;
                 to.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
                 new.insert(mesh)
             }

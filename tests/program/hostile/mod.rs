@@ -54,7 +54,7 @@ impl Case {
             name: format!("{file}: {says}"),
             files: vec![(file, Content::Bytes(content.into()))],
             arguments: vec!["scenes", "check", file],
-            code: 65,
+            code: if says.contains("cannot read") { 74 } else { 65 },
             says,
         }
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use self::section::sections;
 use crate::error::{Error, Result};
-use crate::formats::import::{Import, ImportOptions, Missing};
+use crate::formats::import::{Import, ImportOptions};
 use crate::input::{length, read_bytes};
 use crate::limits::{Budget, Limit};
 use crate::scene::{MeshFile, NamedMesh, PrimitiveFile, SceneFile};
@@ -65,11 +65,7 @@ fn add_materials(import: &mut Import<'_>, obj: &str, scene: &mut SceneFile) -> R
     for library in libraries(&path).map_err(Error::io(&path, "read"))? {
         let library = beside.join(library).to_string_lossy().into_owned();
         if !import.folder.join(&library).exists() {
-            if import.options.missing == Missing::Error {
-                return Err(Error::io(&import.folder.join(&library), "read")(
-                    io::ErrorKind::NotFound.into(),
-                ));
-            }
+            import.require(&import.folder.join(&library))?;
             import.warn(format!("{library} is missing, so its materials are unknown"));
             continue;
         }
