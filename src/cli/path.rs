@@ -85,12 +85,13 @@ fn describe(scene: &Scene, traced: &TracedRay) -> String {
         (_, _, None) => "leaves the scene".to_owned(),
         (_, _, Some(hit)) => {
             let primitive = scene.geometry().name(hit);
-            let material = scene.material(hit.primitive).name();
+            let kind = scene.material(hit.primitive).name();
+            let name = scene.material_name(hit.primitive);
             let is_instanced = hit.primitive as usize >= scene.geometry().len();
             let instance =
                 if is_instanced { format!(" in instance {}", hit.instance) } else { String::new() };
             let Hit { primitive: number, t, .. } = hit;
-            format!("hits primitive {number}, a {primitive} of {material}{instance}, at {t}")
+            format!("hits primitive {number}, a {primitive} of {kind} `{name}`{instance}, at {t}")
         }
     };
     let kind = match kind {

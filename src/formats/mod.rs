@@ -2,6 +2,7 @@
 
 mod assets;
 mod builtin;
+mod edit;
 mod generated;
 mod gltf;
 mod import;

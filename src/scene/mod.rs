@@ -145,6 +145,11 @@ impl Scene {
         self.0.world.material(primitive)
     }
 
+    /// The name of the material of a primitive.
+    pub fn material_name(&self, primitive: u32) -> &str {
+        &self.0.material_names[self.material_number(primitive) as usize]
+    }
+
     /// The index of the material of a primitive.
     pub(crate) fn material_number(&self, primitive: u32) -> u32 {
         self.0.world.material_map.get(primitive)

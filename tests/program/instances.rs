@@ -83,7 +83,10 @@ fn files_are_shared_and_scenes_are_written_as_read() {
     assert!(line.contains("0 triangles, 2 instances of 1 triangles, 2 materials"), "{line}");
     let sample = ["path", "a.ron", "--pixel", "20,15", "--sample", "0"];
     let paths = stdout(&ptfast(folder.path(), &sample));
-    assert!(paths.contains("a triangle of a mesh of lambertian in instance 0, at"), "{paths}");
+    assert!(
+        paths.contains("a triangle of a mesh of lambertian `grey` in instance 0, at"),
+        "{paths}"
+    );
     assert_eq!(a.hash(), b.hash());
     for (form, flags) in [("ron", &[][..]), ("json", &["--json"])] {
         let shown = ptfast(folder.path(), &[&["scenes", "show", "a.ron"], flags].concat());

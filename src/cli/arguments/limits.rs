@@ -76,10 +76,12 @@ impl SceneLimitArgs {
     /// Reads the scene that these arguments name.
     pub(crate) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
         let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import())?;
-        match scene.env() {
-            Some((path, degrees)) => parsed.with_environment(path, degrees),
-            None => Ok(parsed),
-        }
+        let mut parsed = match scene.env() {
+            Some((path, degrees)) => parsed.with_environment(path, degrees)?,
+            None => parsed,
+        };
+        scene.edits().iter().try_for_each(|edit| parsed.set(edit))?;
+        Ok(parsed)
     }
 }
 

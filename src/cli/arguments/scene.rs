@@ -28,6 +28,9 @@ pub(crate) struct SceneArg {
     /// at +x in glTF, OBJ and PLY files, and at -z in others]
     #[arg(long, value_name = "DEGREES", help_heading = IMAGE, requires = "env", allow_hyphen_values = true, value_parser = degrees)]
     env_rotation: Option<f32>,
+    /// Set a field of a material, as in scene files: --set 'wall.base_color=(1, 0.5, 0)'. May be repeated
+    #[arg(long, value_name = "MATERIAL.FIELD=VALUE", help_heading = IMAGE)]
+    set: Vec<String>,
     /// What to do if a texture or mesh of a scene of another program is missing; grey: render without it
     #[arg(long, value_name = "HOW", help_heading = IMPORT, default_value = Missing::default().name(), value_parser = named(&Missing::ALL, Missing::name))]
     missing: Missing,
@@ -62,6 +65,7 @@ impl SceneArg {
             scene: None,
             env: None,
             env_rotation: None,
+            set: Vec::new(),
             missing: Missing::default(),
             strict: false,
             animation: None,
@@ -79,6 +83,11 @@ impl SceneArg {
     /// The environment map that replaces the background, and by how many degrees it is turned.
     pub(crate) fn env(&self) -> Option<(&Path, f32)> {
         Some((self.env.as_deref()?, self.env_rotation.unwrap_or(0.0)))
+    }
+
+    /// The changes of materials.
+    pub(crate) fn edits(&self) -> &[String] {
+        &self.set
     }
 
     /// How scenes of other programs are read.
@@ -114,7 +123,17 @@ impl SceneArg {
             LightUnits::File => String::new(),
             other => format!(" --light-units {}", other.name()),
         };
-        let words = [env.collect(), turn.collect(), missing, animation, at, variant, units];
+        let edits = self.set.iter().map(|edit| format!(" --set {}", quoted(edit)));
+        let words = [
+            env.collect(),
+            turn.collect(),
+            edits.collect(),
+            missing,
+            animation,
+            at,
+            variant,
+            units,
+        ];
         quoted(self.name()) + &words.concat()
     }
 }
