@@ -1,5 +1,6 @@
 //! Linear images, their hash, and the image files that ptfast reads and writes.
 
+mod alpha;
 mod channels;
 mod compare;
 mod display;
@@ -17,6 +18,7 @@ mod tone_map;
 mod transfer;
 mod write;
 
+pub(crate) use alpha::has_alpha;
 pub(crate) use channels::{Channels, other_channels};
 pub(crate) use compare::compare;
 pub(crate) use display::MAX_STOPS;

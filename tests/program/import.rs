@@ -599,46 +599,6 @@ fn power_of_pbrt_lights_is_spread_over_their_area() {
     }
 }
 
-/// The materials of the scene of `a.obj` with this material file, as JSON.
-fn materials(there: &Path, mtl: &[u8], options: &[&str]) -> Value {
-    fs::write(there.join("a.mtl"), mtl).unwrap();
-    let scene = succeeds(there, &[&["scenes", "show", "--json", "a.obj"], options].concat());
-    serde_json::from_str::<Value>(&scene).unwrap()["materials"].clone()
-}
-
-#[test]
-fn material_files_of_exporters_are_understood() {
-    let there = tempfile::tempdir().unwrap();
-    let there = there.path();
-    fs::copy(folder().join("grid.png"), there.join("wall#2.png")).unwrap();
-    let obj = "mtllib\ta.mtl b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m #1\nf 1 2 3\nusemtl m #2\nf 1 2 3\n";
-    fs::write(there.join("a.obj"), obj).unwrap();
-    fs::write(there.join("b.mtl"), "newmtl m #2\nKd 0 0 1 # blue\n").unwrap();
-    let show = |mtl: &[u8]| materials(there, mtl, &[]);
-    // Maya writes this for opaque surfaces.
-    let maya = show(b"newmtl m #1\nillum 4\nKd 0.5 0.5 0.5\nTf 1.00 1.00 1.00\nNi 1.00\n");
-    assert_eq!(maya["m #1"], json!({ "lambertian": { "albedo": [0.5, 0.5, 0.5] } }));
-    assert_eq!(maya["m #2"], json!({ "lambertian": { "albedo": [0.0, 0.0, 1.0] } }));
-    let glass = show(b"newmtl m #1\nillum 7\nd 0.1\nNi 1.5\n");
-    assert_eq!(glass["m #1"]["dielectric"]["ior"], 1.5);
-    let map = show(b"newmtl m #1\nmap_Kd wall#2.png\nmap_Ke\n");
-    assert!(map["m #1"]["lambertian"]["albedo"].to_string().contains("wall#2.png"), "{map}");
-    let halo = show(b"newmtl m #1\nd -halo 0.5\n# caf\xe9\n");
-    assert_eq!(halo["m #1"]["lambertian"]["opacity"]["blend"]["alpha"], 0.5);
-    // A glowing surface is a lamp only if it has no colour of its own.
-    let glow = show(b"newmtl m #1\nKd 0 0 0\nmap_Kd wall#2.png\nKe 1 1 1\n");
-    assert!(glow["m #1"].get("principled").is_some(), "{glow}");
-    for line in ["Kd xyz 1 0 0", "decal a.png", "map_Kd -mm 0 2 wall#2.png", "map_bump a.png"] {
-        fs::write(there.join("a.mtl"), format!("newmtl m #1\n{line}\n")).unwrap();
-        let output = ptfast(there, &["scenes", "check", "a.obj", "--strict"]);
-        let error = stderr(&output);
-        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{line}: {error}");
-    }
-    fs::write(there.join("a.mtl"), "").unwrap();
-    let output = ptfast(there, &["scenes", "check", "a.obj", "--strict"]);
-    assert!(stderr(&output).contains("one of its materials is grey"), "{}", stderr(&output));
-}
-
 #[test]
 fn stretched_spheres_of_pbrt_files_are_ellipsoids() {
     let there = tempfile::tempdir().unwrap();

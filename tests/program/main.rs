@@ -15,3 +15,4 @@ mod instances;
 mod keep;
 mod layering;
 mod mesh;
+mod mtl;

@@ -167,6 +167,15 @@ impl Material {
         model.check(e)
     }
 
+    /// Whether rays always pass the surface, because its opacity is 0.
+    pub(crate) fn is_invisible(&self) -> bool {
+        let zero = |alpha: &super::Number| match alpha {
+            super::Number::Value(alpha) => *alpha == 0.0,
+            super::Number::Texture { factor, .. } => *factor == 0.0,
+        };
+        matches!(self.model().opacity(), Some(Opacity::Blend { alpha }) if zero(alpha))
+    }
+
     /// Returns all references to textures.
     pub(crate) fn textures(&mut self) -> Vec<&mut TextureRef> {
         self.model_mut().textures()

@@ -3,8 +3,8 @@
 use crate::formats::import::Import;
 use crate::shading::texture::{Image, Wrap};
 
-/// The options of a map that are read, or change nothing here: filtering, the strength of bumps, and the
-/// size of textures in memory.
+/// The options of a map that are read, or change nothing here: filtering, and the size of textures in
+/// memory.
 const READ: [&str; 8] = ["-s", "-o", "-clamp", "-blendu", "-blendv", "-boost", "-bm", "-texres"];
 
 /// The options of a map and its file, whose name may contain blanks.
@@ -35,6 +35,8 @@ pub(crate) fn options(text: &str, import: &mut Import<'_>) -> (Image, String) {
         match option {
             "-s" => image.scale = (number(0, 1.0), number(1, 1.0)),
             "-o" => image.offset = (number(0, 0.0), number(1, 0.0)),
+            // The strength of bumps, and of normals in Blender's files.
+            "-bm" => image.normal_scale = number(0, 1.0).clamp(-1e3, 1e3),
             "-clamp" if values.first() == Some(&"on") => {
                 (image.wrap_u, image.wrap_v) = (Wrap::Clamp, Wrap::Clamp);
             }
@@ -68,7 +70,7 @@ mod tests {
         let (image, file) = options("-s 2 3 -o 0.5 0.25 0 -clamp on -bm 0.3 my folder\\a b#1.png");
         assert_eq!(file, "my folder/a b#1.png");
         assert_eq!((image.scale, image.offset), ((2.0, 3.0), (0.5, 0.25)));
-        assert_eq!(image.wrap_u, Wrap::Clamp);
+        assert_eq!((image.wrap_u, image.normal_scale), (Wrap::Clamp, 0.3));
         assert_eq!(options("-mm 0 2 a.png").1, "a.png");
         let warnings = import.into_warnings("a.obj").unwrap();
         assert_eq!(warnings.len(), 1);

@@ -2,30 +2,21 @@
 
 use std::path::Path;
 
+use super::images::{Images, Maps};
 use super::section::{Section, Wrong};
 use crate::formats::import::Import;
-use crate::image::Encoding;
 use crate::shading::material::{Dielectric, Fresnel, Lambertian, Light, Principled};
 use crate::shading::texture::Channel;
 use crate::shading::{Color, Material, Number, Opacity, Sides, TextureRef};
 
-/// The keywords that are read, and those of the light that local illumination models add everywhere.
-const READ: [&str; 22] = [
-    "d", "illum", "ka", "kd", "ke", "ks", "map_d", "map_ka", "map_kd", "map_ke", "map_kn",
-    "map_pm", "map_pr", "ni", "norm", "ns", "pc", "pcr", "pm", "pr", "tf", "tr",
+/// The keywords that are read, those of the light that local illumination models add everywhere, and the
+/// rotation of the anisotropy, which has no effect without one.
+const READ: [&str; 23] = [
+    "anisor", "d", "illum", "ka", "kd", "ke", "ks", "map_d", "map_ka", "map_kd", "map_ke",
+    "map_kn", "map_pm", "map_pr", "ni", "norm", "ns", "pc", "pcr", "pm", "pr", "tf", "tr",
 ];
 
 const BLACK: Color = Color::Rgb([0.0; 3]);
-
-/// The maps of a section.
-struct Maps {
-    base_color: Option<TextureRef>,
-    emission: Option<TextureRef>,
-    roughness: Option<TextureRef>,
-    metalness: Option<TextureRef>,
-    alpha: Option<TextureRef>,
-    normal: Option<TextureRef>,
-}
 
 /// Limits reflected or transmitted shares of light to [0, 1].
 fn share(color: [f32; 3]) -> [f32; 3] {
@@ -37,10 +28,11 @@ impl Section<'_> {
     pub(crate) fn material(
         &self,
         import: &mut Import<'_>,
+        images: &mut Images,
         folder: &Path,
     ) -> Result<Material, Wrong> {
         self.warn_of_keywords(import);
-        let maps = self.maps(import, folder);
+        let maps = self.maps(import, images, folder);
         let diffuse = share(self.color("kd", import)?.unwrap_or([0.8; 3]));
         // Maya and others write `Kd 0 0 0` beside maps, so maps replace the colour.
         let base_color = textured(maps.base_color.clone(), [1.0; 3], diffuse);
@@ -52,7 +44,7 @@ impl Section<'_> {
             return Ok(glass);
         }
         let mut opacity = match maps.alpha.clone() {
-            Some(texture) => Some(Number::Texture { texture, channel: Channel::R, factor: opaque }),
+            Some((texture, channel)) => Some(Number::Texture { texture, channel, factor: opaque }),
             None => (opaque < 1.0).then_some(Number::Value(opaque)),
         };
         let is_lamp = matches!(&emission, Color::Rgb(_)) && emission != BLACK;
@@ -72,38 +64,30 @@ impl Section<'_> {
     fn warn_of_keywords(&self, import: &mut Import<'_>) {
         for keyword in self.keywords() {
             match keyword {
-                "bump" | "map_bump" => {
-                    import.warn("bump maps are not supported, so surfaces stay flat");
-                }
+                // `normal` warns of those.
+                "bump" | "map_bump" => {}
                 "disp" | "map_disp" => {
                     import.warn("displacement is not supported, so surfaces stay flat");
                 }
-                _ if READ.contains(&keyword) => {}
+                _ if READ.contains(&keyword) || self.is_zero(keyword) => {}
                 _ => import.warn(format!("`{keyword}` is not supported, so it has no effect")),
             }
         }
     }
 
-    fn maps(&self, import: &mut Import<'_>, folder: &Path) -> Maps {
-        let mut map =
-            |keywords: &[&str], encoding| self.texture(keywords, encoding, import, folder);
-        Maps {
-            base_color: map(&["map_kd"], Encoding::Auto),
-            emission: map(&["map_ke"], Encoding::Auto),
-            roughness: map(&["map_pr"], Encoding::Linear),
-            metalness: map(&["map_pm"], Encoding::Linear),
-            alpha: map(&["map_d"], Encoding::Linear),
-            normal: map(&["norm", "map_kn"], Encoding::Linear),
-        }
-    }
-
-    /// The opacity, 0 to 1.
+    /// The opacity, 0 to 1. If both are written, `Tr` may mean the opposite: exporters disagree.
     fn opaque(&self) -> Result<f32, Wrong> {
-        let opaque = match self.number("tr")? {
-            Some(transparent) => 1.0 - transparent,
-            None => self.number("d")?.unwrap_or(1.0),
+        let opaque = match (self.number("d")?, self.number("tr")?) {
+            (Some(opaque), _) => opaque,
+            (None, Some(transparent)) => 1.0 - transparent,
+            (None, None) => 1.0,
         };
         Ok(opaque.clamp(0.0, 1.0))
+    }
+
+    /// Whether the section has keywords of physically based materials.
+    fn is_pbr(&self) -> bool {
+        ["pr", "pm", "map_pr", "map_pm"].iter().any(|keyword| self.has(keyword))
     }
 
     fn illumination_model(&self) -> Result<f32, Wrong> {
@@ -114,7 +98,8 @@ impl Section<'_> {
         Ok(self.number("ni")?.unwrap_or(1.5))
     }
 
-    /// The glass of illumination models 4, 6, 7 and 9.
+    /// The glass of illumination models 4, 6, 7 and 9. Blender writes those for opacity; its glass is that
+    /// of [`surface`](Self::surface).
     fn glass(
         &self,
         maps: &Maps,
@@ -122,10 +107,18 @@ impl Section<'_> {
         opaque: f32,
         import: &mut Import<'_>,
     ) -> Result<Option<Material>, Wrong> {
-        let tint = share(self.color("tf", import)?.unwrap_or([1.0; 3]));
-        // Maya writes model 4 and `Tf 1 1 1` for opaque surfaces, too.
-        let passes = opaque < 1.0 || tint != [1.0; 3] || self.has("tf") && *base_color == BLACK;
-        if !passes || ![4.0, 6.0, 7.0, 9.0].contains(&self.illumination_model()?) {
+        let (tint, model) = (self.color("tf", import)?, self.illumination_model()?);
+        let tinted = share(tint.unwrap_or([1.0; 3]));
+        if self.by_blender || self.is_pbr() || ![4.0, 6.0, 7.0, 9.0].contains(&model) {
+            return Ok(None);
+        }
+        // Model 9 without `Tf` is Blender's opacity in a file that another program wrote anew. Maya writes
+        // model 4 and `Tf 1 1 1` for opaque surfaces, too.
+        let passes = opaque < 1.0 && (model != 9.0 || tint.is_some())
+            || tinted != [1.0; 3]
+            || tint.is_some() && *base_color == BLACK;
+        let tint = tinted;
+        if !passes {
             return Ok(None);
         }
         if matches!(base_color, Color::Texture { .. }) || maps.alpha.is_some() {
@@ -148,7 +141,8 @@ impl Section<'_> {
         Ok(Some(glass.into()))
     }
 
-    /// A surface without transmission: matte, or with highlights.
+    /// All other surfaces: matte, with highlights, metal, or with the keywords of physically based
+    /// materials, which may let light through.
     fn surface(
         &self,
         maps: Maps,
@@ -157,34 +151,53 @@ impl Section<'_> {
         opacity: Option<Opacity>,
         import: &mut Import<'_>,
     ) -> Result<Material, Wrong> {
-        let specular = share(self.color("ks", import)?.unwrap_or([0.0; 3]));
-        let shiny = specular != [0.0; 3] && self.illumination_model()? >= 2.0;
-        let (rough, metal) = (self.number("pr")?, self.number("pm")?);
-        let is_pbr = [&maps.roughness, &maps.metalness].into_iter().any(Option::is_some)
-            || rough.is_some()
-            || metal.is_some();
+        let (blender, is_pbr, model) = (self.by_blender, self.is_pbr(), self.illumination_model()?);
+        let reflected = self.color("ks", import)?.map(share);
+        let specular = reflected.unwrap_or([0.0; 3]);
+        let shiny = specular != [0.0; 3] && model >= 2.0;
         let normal = maps.normal;
         if !is_pbr && !shiny && emission == BLACK {
             return Ok(Lambertian { normal, opacity, ..Lambertian::new(base_color) }.into());
         }
-        // Phong's exponent as a GGX roughness (Walter et al. 2007, section 5.2).
-        let exponent = self.number("ns")?.unwrap_or(0.0).clamp(0.0, 1e6);
-        let alpha = (2.0 / (exponent + 2.0)).sqrt();
-        // A mirror without a diffuse part is metal.
-        let mirror = !is_pbr && shiny && base_color == BLACK;
-        let mean = (specular[0] + specular[1] + specular[2]) / 3.0;
-        let specular_share = if shiny { (mean / 0.04).clamp(0.0, 1.0) } else { 0.0 };
+        let mean = |color: [f32; 3]| (color[0] + color[1] + color[2]) / 3.0;
+        // Elsewhere, a mirror without a diffuse part is metal.
+        let mirror = !is_pbr && !blender && shiny && base_color == BLACK;
+        // Blender writes models 3 and 6 for metal, and its metalness as `Ka`.
+        let is_metal = !is_pbr && shiny && (model == 3.0 || model == 6.0 && blender);
+        let metal = match self.number("pm")? {
+            Some(metal) => metal,
+            None if mirror => 1.0,
+            None if is_metal => self.color("ka", import)?.map_or(1.0, mean),
+            None => 0.0,
+        };
+        let factor = match reflected {
+            // Half of Blender's specular level is the reflectance of the index of refraction.
+            Some(level) if blender => 2.0 * mean(level),
+            Some([0.0, 0.0, 0.0]) if model < 2.0 => 0.0,
+            _ if is_pbr => 1.0,
+            _ if shiny => mean(specular) / 0.04,
+            _ => 0.0,
+        };
+        let passing = self.color("tf", import)?.filter(|_| is_pbr).map_or(0.0, mean);
+        let base_color = match base_color {
+            _ if mirror => Color::Rgb(specular),
+            Color::Rgb(color) if passing >= 1.0 => Color::Rgb(glass_color(color)),
+            other => other,
+        };
+        let coat = self.number("pc")?.unwrap_or(0.0);
         let number = |texture: Option<TextureRef>, value: f32| match texture {
             Some(texture) => Number::Texture { texture, channel: Channel::R, factor: 1.0 },
             None => Number::Value(value.clamp(0.0, 1.0)),
         };
         Ok(Principled {
-            base_color: if mirror { Color::Rgb(specular) } else { base_color },
-            metalness: number(maps.metalness, metal.unwrap_or(if mirror { 1.0 } else { 0.0 })),
-            roughness: number(maps.roughness, rough.unwrap_or_else(|| alpha.sqrt())),
-            specular: Number::Value(if is_pbr { 1.0 } else { specular_share }),
+            base_color,
+            metalness: number(maps.metalness, metal),
+            roughness: number(maps.roughness, self.roughness()?),
+            specular: number(None, factor),
             ior: self.ior()?.clamp(1.01, 10.0),
-            coat: number(None, self.number("pc")?.unwrap_or(0.0)),
+            transmission: number(None, passing),
+            // Blender's coat once had a factor of 1/4, which its files keep.
+            coat: number(None, if blender { 0.25 * coat } else { coat }),
             coat_roughness: number(None, self.number("pcr")?.unwrap_or(0.0)),
             emission,
             normal,
@@ -192,6 +205,26 @@ impl Section<'_> {
             ..Principled::default()
         }
         .into())
+    }
+
+    /// `Pr`, or else the roughness of an exponent `Ns`.
+    fn roughness(&self) -> Result<f32, Wrong> {
+        let exponent = self.number("ns")?.unwrap_or(0.0);
+        Ok(match self.number("pr")? {
+            Some(rough) => rough,
+            None if self.by_blender => 1.0 - (exponent.clamp(0.0, 1000.0) / 1000.0).sqrt(),
+            // Phong's exponent as a GGX α (Walter et al. 2007, section 5.2), whose root is the roughness.
+            None => (2.0 / (exponent.clamp(0.0, 1e6) + 2.0)).sqrt().sqrt(),
+        })
+    }
+}
+
+/// The colour of clear glass at each of the two surfaces that light passes: the hue of `Kd`. Its brightness
+/// does not count, since exporters write their usual grey for clear glass.
+fn glass_color(color: [f32; 3]) -> [f32; 3] {
+    match color[0].max(color[1]).max(color[2]) {
+        most if most > 0.0 => color.map(|c| (c / most).sqrt()),
+        _ => [1.0; 3],
     }
 }
 

@@ -7,10 +7,13 @@ use super::map::options;
 use crate::formats::import::Import;
 use crate::image::Encoding;
 use crate::shading::TextureRef;
+use crate::shading::texture::Image;
 
 /// The lines of one material, by keyword in lower case: the line number and what follows.
 pub(crate) struct Section<'a> {
     pub(crate) name: String,
+    /// Whether Blender wrote the file, as its comment says.
+    pub(crate) by_blender: bool,
     lines: HashMap<String, (usize, &'a str)>,
 }
 
@@ -21,15 +24,18 @@ pub(crate) type Wrong = (usize, String);
 /// contain one.
 pub(crate) fn sections(text: &str) -> Result<Vec<Section<'_>>, Wrong> {
     let mut sections: Vec<Section<'_>> = Vec::new();
+    let mut by_blender = false;
     for (line, content) in text.lines().enumerate() {
         let content = content.trim();
         let (keyword, rest) = content.split_once([' ', '\t']).unwrap_or((content, ""));
         match (keyword, sections.last_mut()) {
             ("", _) => {}
-            _ if keyword.starts_with('#') => {}
-            ("newmtl", _) => {
-                sections.push(Section { name: rest.trim().to_owned(), lines: HashMap::new() })
-            }
+            _ if keyword.starts_with('#') => by_blender |= content.starts_with("# Blender"),
+            ("newmtl", _) => sections.push(Section {
+                name: rest.trim().to_owned(),
+                by_blender,
+                lines: HashMap::new(),
+            }),
             (_, None) => return Err((line + 1, format!("`{keyword}` comes before `newmtl`"))),
             (_, Some(section)) => {
                 section.lines.insert(keyword.to_lowercase(), (line + 1, rest.trim()));
@@ -42,6 +48,14 @@ pub(crate) fn sections(text: &str) -> Result<Vec<Section<'_>>, Wrong> {
 impl Section<'_> {
     pub(crate) fn has(&self, keyword: &str) -> bool {
         self.lines.contains_key(keyword)
+    }
+
+    /// Whether the line has only zeros, so that it asks for nothing.
+    pub(crate) fn is_zero(&self, keyword: &str) -> bool {
+        let text = self.lines.get(keyword).map_or("", |(_, text)| text);
+        let mut words =
+            text.split('#').next().unwrap_or_default().split_ascii_whitespace().peekable();
+        words.peek().is_some() && words.all(|word| word.parse() == Ok(0.0_f32))
     }
 
     /// The keywords of the lines, in alphabetic order.
@@ -95,17 +109,26 @@ impl Section<'_> {
         import: &mut Import<'_>,
         folder: &Path,
     ) -> Option<TextureRef> {
+        let mut image = self.image(keywords, import, folder)?;
+        image.encoding = encoding;
+        image.normal_scale = 1.0;
+        Some(image.into())
+    }
+
+    /// The image of the first of these maps, if there is one that can be used.
+    pub(crate) fn image(
+        &self,
+        keywords: &[&str],
+        import: &mut Import<'_>,
+        folder: &Path,
+    ) -> Option<Image> {
         let &(_, text) = keywords.iter().find_map(|keyword| self.lines.get(*keyword))?;
         let (mut image, file) = options(text, import);
         if file.is_empty() {
             return None;
         }
-        let file = folder.join(file).to_string_lossy().into_owned();
-        if !import.is_usable(&file, "so it is left out") {
-            return None;
-        }
-        (image.file, image.encoding) = (file, encoding);
-        Some(image.into())
+        image.file = folder.join(file).to_string_lossy().into_owned();
+        import.is_usable(&image.file, "so it is left out").then_some(image)
     }
 }
 
