@@ -17,7 +17,7 @@ pub(crate) struct Format {
 }
 
 /// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file, or a `.ply.gz`,
-/// the names of materials and groups, and ignores the rest. Polygons become fans of triangles.
+/// the names of materials and groups, and ignores the rest. Polygons become triangles.
 ///
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the

@@ -14,6 +14,7 @@ mod origin;
 mod parsed;
 mod pbrt;
 mod ply;
+mod polygons;
 mod ron;
 mod source;
 

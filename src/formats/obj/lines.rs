@@ -12,8 +12,8 @@ pub(crate) const RANGE: &str = "coordinates must be finite and within ±1e9";
 pub(crate) const NORMAL: &str = "a normal is `vn` and three finite numbers";
 pub(crate) const UV: &str = "texture coordinates are `vt` and one to three finite numbers";
 pub(crate) const FACE: &str = "a face is `f` and three or more vertex numbers";
-pub(crate) const CONTINUED: &str =
-    "continued lines are not supported, join this line with the next";
+/// Never reported: the next line continues this one.
+const CONTINUED: &str = "continued";
 pub(crate) const LONG: &str = "a line may have at most 65536 bytes";
 
 /// Largest size of a line in bytes.
@@ -63,12 +63,30 @@ impl<'a> ParsedLines<'a> {
     pub(crate) fn parse(bytes: &'a [u8]) -> Self {
         let mut part = Self::default();
         let mut begin = 0;
-        for end in memchr_iter(b'\n', bytes).chain([bytes.len()]) {
-            part.error = part.line(&bytes[begin..end]).err();
+        let mut ends = memchr_iter(b'\n', bytes).chain([bytes.len()]);
+        while let Some(mut end) = ends.next() {
+            let mut count = 1;
+            let mut read = part.line(&bytes[begin..end]);
+            if read == Err(CONTINUED) {
+                let mut joined = Vec::new();
+                while let Some(line) = continued(&bytes[begin..end])
+                    && joined.len() <= MAX_LINE
+                    && let Some(next) = ends.next()
+                {
+                    joined.extend_from_slice(line);
+                    joined.push(b' ');
+                    (begin, end) = (end + 1, next);
+                    count += 1;
+                }
+                let last = &bytes[begin..end];
+                joined.extend_from_slice(continued(last).unwrap_or(last));
+                read = if joined.len() > MAX_LINE { Err(LONG) } else { part.joined(&joined) };
+            }
+            part.error = read.err();
             if part.error.is_some() {
                 break;
             }
-            part.lines += 1;
+            part.lines += count;
             begin = end + 1;
         }
         part
@@ -81,13 +99,32 @@ impl<'a> ParsedLines<'a> {
         let line = line.trim_ascii();
         let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
         let (keyword, whole) = line.split_at(end);
+        let mut name = |kind| self.names.push((self.faces.len(), kind, whole.trim_ascii()));
+        match keyword {
+            b"usemtl" => name(Kind::Material),
+            b"o" => name(Kind::Object),
+            b"g" => name(Kind::Group),
+            _ => self.numbers(keyword, whole)?,
+        }
+        Ok(())
+    }
+
+    /// Reads a line that was joined from several.
+    fn joined(&mut self, line: &[u8]) -> Result<(), &'static str> {
+        let line = line.trim_ascii();
+        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+        self.numbers(&line[..end], &line[end..])
+    }
+
+    /// Reads a line with numbers.
+    #[inline(always)]
+    fn numbers(&mut self, keyword: &[u8], whole: &[u8]) -> Result<(), &'static str> {
         // Names may contain a `#`.
         let rest = &whole[..memchr(b'#', whole).unwrap_or(whole.len())];
         let words = |wrong| {
             let words = str::from_utf8(rest).map_err(|_| wrong)?;
             if words.ends_with('\\') { Err(CONTINUED) } else { Ok(words) }
         };
-        let mut name = |kind| self.names.push((self.faces.len(), kind, whole.trim_ascii()));
         match keyword {
             b"v" => self.vertex(words(VERTEX)?)?,
             b"vn" => {
@@ -101,9 +138,6 @@ impl<'a> ParsedLines<'a> {
                 self.uvs.push(uv.filter(|uv| uv.is_finite()).ok_or(UV)?);
             }
             b"f" => self.face(words(FACE)?)?,
-            b"usemtl" => name(Kind::Material),
-            b"o" => name(Kind::Object),
-            b"g" => name(Kind::Group),
             _ => {}
         }
         Ok(())
@@ -144,6 +178,11 @@ impl<'a> ParsedLines<'a> {
         self.faces.push(Face { line: self.lines as u32, end: end as u32, before });
         Ok(())
     }
+}
+
+/// The line without the backslash at its end, if it has one: then the next line continues it.
+pub(crate) fn continued(line: &[u8]) -> Option<&[u8]> {
+    line.trim_ascii_end().strip_suffix(b"\\")
 }
 
 /// The numbers of a corner such as `1`, `1/2`, `1/2/3` or `1//3`.

@@ -9,9 +9,10 @@ use glam::{Vec2, Vec3};
 use memchr::memchr;
 use rayon::prelude::*;
 
-use self::lines::{ABSENT, Kind, ParsedLines};
+use self::lines::{ABSENT, Kind, ParsedLines, continued};
 pub(crate) use self::mtl::add_materials_of_meshes;
 use super::mesh::Format;
+use super::polygons::{Polygon, clip_concave};
 use crate::error::{Error, Result};
 use crate::geometry::Vertices;
 use crate::limits::Budget;
@@ -54,6 +55,8 @@ struct Reader {
     first: Vec<u32>,
     vertices: Vec<Vertex>,
     triangles: Vec<[u32; 3]>,
+    /// The fans of faces with more than three corners.
+    polygons: Vec<Polygon>,
     /// Materials, by `usemtl`.
     materials: Names,
     /// Groups, by `g`.
@@ -131,8 +134,11 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Indexed
 /// Takes whole lines from the front of `rest`. `None` at its end.
 fn next_part<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let last = rest.len().checked_sub(1)?;
-    let from = PART.min(last);
-    let end = memchr(b'\n', &rest[from..]).map_or(last, |i| from + i);
+    let line_end = |from: usize| memchr(b'\n', &rest[from..]).map_or(last, |i| from + i);
+    let mut end = line_end(PART.min(last));
+    while end < last && continued(&rest[..end]).is_some() {
+        end = line_end(end + 1);
+    }
     let (part, after) = (&rest[..end + 1], &rest[end + 1..]);
     *rest = after;
     Some(part.strip_suffix(b"\n").unwrap_or(part))
@@ -183,6 +189,10 @@ impl Reader {
     /// Adds a polygon as a fan of triangles about its first corner. `counts` are the numbers of
     /// positions, texture coordinates and normals before its line.
     fn face(&mut self, corners: &[[i32; 3]], counts: [usize; 3]) -> Result<(), String> {
+        if corners.len() > 3 {
+            let first = self.triangles.len() as u32;
+            self.polygons.push(Polygon { first, corners: corners.len() as u32 });
+        }
         let mut fan = [0; 2];
         for (i, corner) in corners.iter().enumerate() {
             let vertex = self.vertex(*corner, counts)?;
@@ -240,14 +250,15 @@ impl Reader {
             + 8 * self.uvs.len()
             + 12 * self.normals.len()
             + 16 * self.vertices.len()
-            + 12 * self.triangles.len();
+            + 12 * self.triangles.len()
+            + size_of::<Polygon>() * self.polygons.len();
         let names = self.materials.memory() + self.groups.memory() + self.objects.memory();
         (3 * lists + 44 * self.vertices.len() + names) as u64
     }
 
     /// The vertices that faces refer to, and the faces.
     fn mesh(self) -> IndexedMesh {
-        let Self { positions, colors, uvs, normals, vertices, triangles, .. } = self;
+        let Self { positions, colors, uvs, normals, vertices, mut triangles, polygons, .. } = self;
         let of = |list: &[Vec3], index: u32| list.get(index as usize).copied().unwrap_or_default();
         let has_normals = vertices.iter().any(|vertex| vertex.normal != NONE);
         let has_uvs = vertices.iter().any(|vertex| vertex.uv != NONE);
@@ -260,6 +271,7 @@ impl Reader {
             colors: with(!colors.is_empty()).map(|vertex| of(&colors, vertex.position)).collect(),
             ..Vertices::default()
         };
+        clip_concave(&vertices.positions, &mut triangles, &polygons);
         let groups = [self.groups.labels(), self.objects.labels()];
         let (materials, ignored) = (self.materials.labels(), BTreeSet::new());
         IndexedMesh { vertices, triangles, materials, groups, ignored }

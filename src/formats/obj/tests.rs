@@ -1,6 +1,6 @@
 //! Tests of the reader.
 
-use super::lines::{CONTINUED, FACE, LONG, NORMAL, RANGE, UV, VERTEX};
+use super::lines::{FACE, LONG, NORMAL, RANGE, UV, VERTEX};
 use crate::formats::obj::*;
 use crate::limits::{Limit, Limits};
 
@@ -77,8 +77,10 @@ fn errors_name_the_line() {
     for (line, says) in [("vn 1 0", NORMAL), ("vn 1 0 inf", NORMAL), ("vt", UV), ("vt x", UV)] {
         assert_eq!(message(&format!("{vertices}{line}\n")), format!("a.obj:4: {says}"));
     }
-    let text = format!("{vertices}f 1 2 \\\n3\n");
-    assert_eq!(message(&text), format!("a.obj:4: {CONTINUED}"));
+    // An error of a continued line names its first line, and later lines keep their numbers.
+    assert_eq!(message(&format!("{vertices}f 1 2 \\\n\\\n x\n")), format!("a.obj:4: {FACE}"));
+    let later = format!("{vertices}f 1 \\\n2 \\\r\n3 # all\nvn 1\n");
+    assert_eq!(message(&later), format!("a.obj:7: {NORMAL}"));
     let beyond = "the face refers to a missing vertex, the file has 3 before this line";
     for face in ["1 2 4", "0 1 2", "1 2 -4", "1 2 99999999999"] {
         let text = format!("{vertices}\no a\nf 1 2 3\nf {face}\no b\nf 1 2 3\n");
@@ -92,6 +94,42 @@ fn errors_name_the_line() {
         let text = format!("{vertices}v 0 {bad}\nf 1 2 4\n");
         assert_eq!(message(&text), format!("a.obj:4: {RANGE}"));
     }
+}
+
+/// Wavefront's *Advanced Visualizer Manual*, appendix B: a backslash before the line break continues a line.
+#[test]
+fn continued_lines_are_joined() {
+    let text =
+        "\u{feff}v 0 0 \\\n0\nv 1 0 0\nv 0 1 0 # C:\\\ng a\\\nf 1 2 \\\r\n \\  \n3\nf 1 \\\n2 3\\";
+    let mesh = read(text.as_bytes()).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2]; 2]);
+    assert_eq!(mesh.groups[0].names, ["a\\"]);
+    let long = format!("v 0 0 0\nf{}\n", " 1 \\\n".repeat(20_000));
+    assert_eq!(message(&long), format!("a.obj:2: {LONG}"));
+    // Parts of a file do not end within a line.
+    let many = "v 0 0 \\\n0\n".repeat(20_000);
+    assert_eq!(read(format!("{many}f 1 2 \\\n20000").as_bytes()).unwrap().triangles.len(), 1);
+}
+
+/// Blender 5.2 gives this L, and three.js with earcut, an area of 3; a fan about the first corner 3.5.
+#[test]
+fn concave_faces_are_clipped_and_others_keep_their_fan() {
+    let corners = "v 1 0 0\nv 0 0 0\nv 0 1 0\nv -1 1 0\nv -1 -1 0\nv 1 -1 0\nv 1 0.5 0\n";
+    let area = |faces: &str| {
+        let mesh = read(format!("{corners}{faces}").as_bytes()).unwrap();
+        let at = |i: u32| mesh.vertices.positions[i as usize];
+        let twice = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+        let all = mesh.triangles.iter().map(twice);
+        (all.clone().sum::<Vec3>().z / 2.0, all.map(|cross| cross.z.abs()).sum::<f32>() / 2.0)
+    };
+    assert_eq!(area("f 1 2 3 4 5 6\n"), (3.0, 3.0));
+    assert_eq!(area("f 6 5 4 3 2 1\n"), (-3.0, 3.0));
+    let fan =
+        |face: &str| read(format!("{corners}f 1 2 3\nf {face}\n").as_bytes()).unwrap().triangles;
+    // A convex face, one with a corner on an edge, and a concave one whose first corner sees all others.
+    assert_eq!(fan("5 6 7 4")[1..], [[3, 4, 5], [3, 5, 6]]);
+    assert_eq!(fan("4 5 6 1 7")[1..], [[3, 4, 5], [3, 5, 0], [3, 0, 6]]);
+    assert_eq!(fan("2 3 4 5 6 1")[1..], [[1, 2, 3], [1, 3, 4], [1, 4, 5], [1, 5, 0]]);
 }
 
 /// Many vertices at one position must not take quadratic time.

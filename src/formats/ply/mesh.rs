@@ -3,7 +3,9 @@
 use glam::Vec3;
 use ply_rs_bw::ply::Header;
 
+use super::corners::Corners;
 use super::row::{COLOR, NORMAL, Row, UVS};
+use crate::formats::polygons::Polygon;
 use crate::geometry::Vertices;
 use crate::scene::mesh::{IndexedMesh, fan, in_range};
 
@@ -19,9 +21,9 @@ pub(super) struct Attributes {
 impl Attributes {
     pub(super) fn new(header: &Header) -> Self {
         Self {
-            normals: has(header, &NORMAL),
-            uvs: UVS.iter().position(|names| has(header, names)),
-            colors: has(header, &COLOR),
+            normals: has(header, "vertex", &NORMAL),
+            uvs: UVS.iter().position(|names| has(header, "vertex", names)),
+            colors: has(header, "vertex", &COLOR),
         }
     }
 
@@ -32,10 +34,10 @@ impl Attributes {
     }
 }
 
-/// Whether all of these properties are in the header of the vertices.
-fn has(header: &Header, names: &[&str]) -> bool {
-    let vertex = header.elements.get("vertex");
-    vertex.is_some_and(|vertex| names.iter().all(|name| vertex.properties.contains_key(*name)))
+/// Whether the header of an element has all of these properties.
+pub(super) fn has(header: &Header, element: &str, names: &[&str]) -> bool {
+    let element = header.elements.get(element);
+    element.is_some_and(|element| names.iter().all(|name| element.properties.contains_key(*name)))
 }
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.
@@ -66,26 +68,63 @@ pub(super) fn add_vertices(
     Ok(())
 }
 
-/// Adds faces to the mesh. Their vertex indices must be below `count`, the number of vertices in
-/// the whole file. Faces may precede vertices, so the number of vertices read so far would not do.
-/// `Err` is the same as for [`add_vertices`].
+/// Adds faces to the mesh, as fans, and their data to `corners`. Their vertex indices must be below `count`,
+/// the number of vertices in the whole file. Faces may precede vertices, so the number of vertices read so
+/// far would not do. `Err` is the same as for [`add_vertices`].
 pub(super) fn add_faces(
     mesh: &mut IndexedMesh,
+    polygons: &mut Vec<Polygon>,
+    data: &mut Corners,
     rows: &[Row],
     count: usize,
 ) -> Result<(), (usize, String)> {
-    for (number, Row { corners, .. }) in rows.iter().enumerate() {
+    for (number, row) in rows.iter().enumerate() {
+        let corners = &row.corners;
         if corners.len() < 3 {
             let message = "a face needs a list `vertex_indices` of three or more";
             return Err((number, message.to_owned()));
         }
-        let is_known = |&corner: &i32| usize::try_from(corner).is_ok_and(|index| index < count);
-        if !corners.iter().all(is_known) {
-            let message =
-                format!("the face refers to a missing vertex, the file has {count} vertices");
-            return Err((number, message));
+        if !corners.iter().all(|corner| is_known(*corner, count)) {
+            return Err((number, unknown("face", count)));
+        }
+        if corners.len() > 3 {
+            let first = mesh.triangles.len() as u32;
+            polygons.push(Polygon { first, corners: corners.len() as u32 });
         }
         mesh.triangles.extend(fan(corners).map(|corners| corners.map(|index| index as u32)));
+        data.add(row).map_err(|message| (number, message.to_owned()))?;
     }
     Ok(())
+}
+
+/// Adds triangle strips to the mesh: each corner makes a triangle with the two before it, every other one
+/// with the opposite order. A corner of -1 begins another strip. `Err` is the same as for [`add_vertices`].
+pub(super) fn add_strips(
+    mesh: &mut IndexedMesh,
+    rows: &[Row],
+    count: usize,
+) -> Result<(), (usize, String)> {
+    for (number, row) in rows.iter().enumerate() {
+        for strip in row.corners.split(|corner| *corner == -1) {
+            if !strip.iter().all(|corner| is_known(*corner, count)) {
+                return Err((number, unknown("strip", count)));
+            }
+            for (i, corners) in strip.windows(3).enumerate() {
+                let [a, b, c] = [corners[0], corners[1], corners[2]].map(|index| index as u32);
+                // Equal corners join strips.
+                if a != b && b != c && c != a {
+                    mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn is_known(corner: i32, count: usize) -> bool {
+    usize::try_from(corner).is_ok_and(|index| index < count)
+}
+
+fn unknown(what: &str, count: usize) -> String {
+    format!("the {what} refers to a missing vertex, the file has {count} vertices")
 }

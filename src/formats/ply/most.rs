@@ -4,7 +4,7 @@
 
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyDef, PropertyType, ScalarType};
 
-use super::ROWS;
+use super::{ROWS, STRIPS};
 
 /// Upper bounds on the content of a PLY file.
 pub(crate) struct Most {
@@ -56,6 +56,8 @@ impl Most {
             element.properties.values().filter_map(list).collect::<Vec<_>>()
         };
         let faces = header.elements.get("face");
+        let strips = header.elements.get(STRIPS);
+        let strips = strips.iter().flat_map(|strips| lists(strips)).map(|(_, entries)| entries);
         let corners = faces.iter().flat_map(|faces| lists(faces)).map(|(_, entries)| entries);
         let twice = 2 * faces.map_or(0, |faces| faces.count);
         let at_once = |(count, entries): (ScalarType, usize)| match count {
@@ -66,7 +68,8 @@ impl Most {
         };
         let all = header.elements.values().flat_map(lists).map(at_once);
         Ok(Self {
-            triangles: corners.max().unwrap_or(0).saturating_sub(twice),
+            triangles: (corners.max().unwrap_or(0).saturating_sub(twice))
+                .max(strips.max().unwrap_or(0)),
             entries: all.max().unwrap_or(0),
         })
     }
@@ -82,7 +85,7 @@ impl Most {
         });
         let entries = 32 * self.entries.min(rows);
         let line = 32 * text.and_then(longest).unwrap_or(0);
-        // While the list of triangles grows, it is in memory twice.
-        (vertices + 36 * self.triangles + entries + line) as u64
+        // While the lists of triangles and polygons grow, they are in memory twice.
+        (vertices + 48 * self.triangles + entries + line) as u64
     }
 }

@@ -12,6 +12,10 @@ pub(super) struct Row {
     /// The texture coordinates by each of [`UVS`].
     pub(super) uvs: [Vec2; UVS.len()],
     pub(super) color: Vec3,
+    /// Texture coordinates of the corners of a face, two numbers each.
+    pub(super) corner_uvs: Vec<f32>,
+    /// Colours of the corners of a face, three numbers each.
+    pub(super) corner_colors: Vec<f32>,
     /// Indices of vertices. Those that no `i32` can hold are -1.
     pub(super) corners: Vec<i32>,
 }
@@ -20,6 +24,10 @@ pub(super) struct Row {
 pub(super) const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 /// The names of the components of colours.
 pub(super) const COLOR: [&str; 3] = ["red", "green", "blue"];
+/// The list of texture coordinates of a face's corners, by MeshLab.
+pub(super) const CORNER_UVS: &str = "texcoord";
+/// The list of colours of a face's corners, by MeshLab.
+pub(super) const CORNER_COLORS: &str = "color";
 /// The names that programs use for texture coordinates.
 pub(super) const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
 
@@ -30,6 +38,8 @@ impl PropertyAccess for Row {
             normal: Vec3::ZERO,
             uvs: [Vec2::ZERO; UVS.len()],
             color: Vec3::NAN,
+            corner_uvs: Vec::new(),
+            corner_colors: Vec::new(),
             corners: Vec::new(),
         }
     }
@@ -40,10 +50,16 @@ impl PropertyAccess for Row {
             *place = number;
         } else if let (Some(i), Some(channel)) = (color, channel(&value)) {
             self.color[i] = channel;
-        } else if let ("vertex_indices" | "vertex_index", Some(corners)) = (name, integers(value)) {
-            self.corners = corners;
         } else {
-            return PropertyAccessResult::Ignored;
+            match name {
+                "vertex_indices" | "vertex_index" => match integers(value) {
+                    Some(corners) => self.corners = corners,
+                    None => return PropertyAccessResult::Ignored,
+                },
+                CORNER_UVS => self.corner_uvs = floats(&value),
+                CORNER_COLORS => self.corner_colors = floats(&value),
+                _ => return PropertyAccessResult::Ignored,
+            }
         }
         PropertyAccessResult::Set
     }
@@ -88,6 +104,16 @@ fn channel(value: &Property) -> Option<f32> {
         Property::UChar(code) => Some(f32::from(*code) / 255.0),
         Property::UShort(code) => Some(f32::from(*code) / 65535.0),
         other => other.to_f32_lossy(),
+    }
+}
+
+/// The numbers of a list, or none if it is no list of fractions.
+fn floats(list: &Property) -> Vec<f32> {
+    match list {
+        Property::ListFloat(list) => list.clone(),
+        Property::ListDouble(list) => list.iter().map(|number| *number as f32).collect(),
+        Property::ListUChar(list) => list.iter().map(|code| f32::from(*code) / 255.0).collect(),
+        _ => Vec::new(),
     }
 }
 

@@ -17,7 +17,7 @@ use crate::scene::{Smooth, Transform, Transformed};
 
 /// The triangles of an OBJ or PLY file.
 ///
-/// Positions, normals, texture coordinates, colours and faces are read. Polygons become fans of triangles,
+/// Positions, normals, texture coordinates, colours and faces are read. Polygons become triangles,
 /// and triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
