@@ -4,13 +4,14 @@ use image::Rgb32FImage;
 
 use crate::limits::MAX_SIDE;
 
-/// Header of a portable float map: `PF` (colour) or `Pf` (grey), the size, and a scale whose sign
-/// gives the byte order.
+/// Header of a portable float map: `PF` (colour) or `Pf` (grey), the size, and a scale whose sign gives the byte order,
+/// and whose magnitude multiplies all values.
 pub(super) struct Pfm {
     width: u32,
     height: u32,
     channels: usize,
     little_endian: bool,
+    scale: f32,
     /// Length of the header in bytes.
     begin: usize,
 }
@@ -43,8 +44,11 @@ impl Pfm {
         let (width, height) = (side()?, side()?);
         let scale: f32 =
             word()?.parse().map_err(|_| "damaged PFM header: the scale is not a number")?;
+        if !scale.is_finite() || scale == 0.0 {
+            return Err("damaged PFM header: the scale is 0 or not finite".into());
+        }
         let begin = bytes.len() - rest.len();
-        Ok(Self { width, height, channels, little_endian: scale < 0.0, begin })
+        Ok(Self { width, height, channels, little_endian: scale < 0.0, scale: scale.abs(), begin })
     }
 
     pub(super) fn pixels(&self) -> u64 {
@@ -64,7 +68,8 @@ impl Pfm {
     pub(super) fn image(&self, bytes: &[u8]) -> Rgb32FImage {
         let value = |b: &[u8]| {
             let b = [b[0], b[1], b[2], b[3]];
-            if self.little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
+            let read = if self.little_endian { f32::from_le_bytes } else { f32::from_be_bytes };
+            read(b) * self.scale
         };
         let channels = self.channels;
         let pixels = bytes[self.begin..]
@@ -92,6 +97,10 @@ mod tests {
         };
         let image = read_pfm(&bytes).unwrap();
         assert_eq!(*image.as_raw(), [2.0, 2.0, 2.0, 1.0, 1.0, 1.0], "the bottom row comes first");
+        // OpenImageIO, Mitsuba and pbrt multiply by the magnitude.
+        let scaled = [&b"Pf\n1 1\n-2.5\n"[..], &2.0f32.to_le_bytes()].concat();
+        assert_eq!(*read_pfm(&scaled).unwrap().as_raw(), [5.0; 3]);
+        assert!(read_pfm(b"PF\n1 1\n0\n").unwrap_err().contains("the scale is 0"));
         bytes.pop();
         assert!(read_pfm(&bytes).unwrap_err().contains("need 8 bytes"));
         assert!(read_pfm(b"PF\n0 1\n-1\n").unwrap_err().contains("size `0`"));
