@@ -1,6 +1,6 @@
 //! Decodes JPEG files, to the same bits on every CPU.
 
-use std::io::{BufRead, Seek};
+use std::io::{self, BufRead, Seek, SeekFrom};
 
 use image::{DynamicImage, RgbImage};
 use zune_jpeg::JpegDecoder;
@@ -15,10 +15,14 @@ const PER_PIXEL: u64 = 16;
 
 /// Decodes a file of `length` bytes. Greys and four-colour separations become RGB.
 pub(super) fn decode(
-    file: impl BufRead + Seek,
+    mut file: impl BufRead + Seek,
     length: u64,
     allow: Allow<'_>,
 ) -> Result<DynamicImage, String> {
+    if let Ok(Some(kind)) = unsupported(&mut file) {
+        return Err(format!("unsupported image: {kind}, write it as a baseline JPEG"));
+    }
+    file.rewind().map_err(|error| format!("damaged image: {error}"))?;
     let damaged = |error| format!("damaged image: {error}");
     let options = DecoderOptions::default()
         .set_strict_mode(true)
@@ -34,6 +38,48 @@ pub(super) fn decode(
     RgbImage::from_raw(width as u32, height as u32, colors)
         .map(DynamicImage::from)
         .ok_or_else(|| "damaged image: its pixels do not match its size".to_owned())
+}
+
+/// The kind of a file that the decoder lacks, or, if chroma has more samples than luma, decodes to other colours.
+/// The validity of the file is left to the decoder.
+fn unsupported(file: &mut (impl BufRead + Seek)) -> io::Result<Option<&'static str>> {
+    file.seek(SeekFrom::Start(2))?;
+    loop {
+        let mut marker = [0; 4];
+        file.read_exact(&mut marker)?;
+        let [0xff, kind, length @ ..] = marker else { return Ok(None) };
+        if kind == 0xff {
+            // Any number of these may stand before a marker.
+            file.seek_relative(-3)?;
+            continue;
+        }
+        let length = i64::from(u16::from_be_bytes(length)) - 2;
+        match kind {
+            0xc0..=0xc2 => {}
+            0xc3 => return Ok(Some("it is a lossless JPEG")),
+            0xc5..=0xc7 => return Ok(Some("it is a hierarchical JPEG")),
+            0xc9..=0xcb | 0xcd..=0xcf => return Ok(Some("it is a JPEG with arithmetic coding")),
+            0xda | 0xd9 => return Ok(None),
+            _ => {
+                file.seek_relative(length)?;
+                continue;
+            }
+        }
+        let mut frame = [0; 6];
+        file.read_exact(&mut frame)?;
+        if frame[0] != 8 {
+            return Ok(Some("its channels have more than 8 bits"));
+        }
+        let mut samples = Vec::new();
+        for _ in 0..frame[5] {
+            let mut component = [0; 3];
+            file.read_exact(&mut component)?;
+            samples.push([component[1] >> 4, component[1] & 15]);
+        }
+        let [luma, chroma @ ..] = &samples[..] else { return Ok(None) };
+        let more = chroma.iter().any(|[across, down]| *across > luma[0] || *down > luma[1]);
+        return Ok(more.then_some("its chroma has more samples than its luma"));
+    }
 }
 
 #[cfg(test)]
@@ -53,6 +99,30 @@ mod tests {
         assert_eq!((photo.width(), photo.height()), (37, 21));
         assert_eq!(photo.hash(), progressive.hash());
         assert_eq!(&photo.hash()[..16], "d3214b9583eaafee");
+    }
+
+    /// Patches the frame of a baseline file.
+    #[test]
+    fn kinds_that_the_decoder_lacks_are_unsupported_by_name() {
+        let photo = std::fs::read("tests/data/photo.jpg").unwrap();
+        let frame = photo.windows(2).position(|bytes| bytes == [0xff, 0xc0]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        // The samples of the components follow their names, 11, 14 and 17 bytes after the marker.
+        for (at, value, name) in [
+            (1, 0xc9, "it is a JPEG with arithmetic coding"),
+            (1, 0xca, "it is a JPEG with arithmetic coding"),
+            (1, 0xc3, "it is a lossless JPEG"),
+            (4, 12, "its channels have more than 8 bits"),
+            (14, 0x41, "its chroma has more samples than its luma"),
+            (17, 0x14, "its chroma has more samples than its luma"),
+        ] {
+            let mut bytes = photo.clone();
+            bytes[frame + at] = value;
+            std::fs::write(&path, &bytes).unwrap();
+            let error = Image::read(&path).unwrap_err().to_string();
+            assert!(error.contains(&format!("unsupported image: {name}")), "{error}");
+        }
     }
 
     #[test]
