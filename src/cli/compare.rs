@@ -1,7 +1,7 @@
 //! `ptfast compare`.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -9,11 +9,13 @@ use super::arguments::{LimitArgs, named};
 use super::console::say;
 use super::files;
 use crate::error::Result;
-use crate::image::{Channels, Format, Image, Metadata, Transfer, compare, other_channels};
+use crate::image::{
+    Channels, Format, Image, Metadata, Transfer, compare, other_channels, split_layer,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// First image
+    /// First image; FILE.exr:LAYER is a layer of it
     a: PathBuf,
     /// Second image, the reference for relative errors
     b: PathBuf,
@@ -37,8 +39,12 @@ pub(crate) struct CompareArgs {
 pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
     if let Some(path) = &args.heatmap {
         Format::of_path(path)?;
-        let read =
-            [("an image that is compared", &*args.a), ("an image that is compared", &*args.b)];
+        let file = |path: &'_ Path| {
+            let own = path.to_str().map(|path| split_layer(path).0);
+            own.map_or(path.to_owned(), PathBuf::from)
+        };
+        let (a, b) = (file(&args.a), file(&args.b));
+        let read = [("an image that is compared", &*a), ("an image that is compared", &*b)];
         files::check(&read, &[("the heatmap", path)])?;
     }
     let limits = args.limits.limits();
@@ -65,7 +71,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<u8> {
         Some(Transfer::Gamma2) => "as displayed, gamma 2",
     };
     let (x, y) = c.largest_at;
-    let layers = layers(other_channels(&args.a)?, other_channels(&args.b)?, a.width());
+    let others = |path| other_channels(path, &allow);
+    let layers = layers(others(&args.a)?, others(&args.b)?, a.width());
     say(format_args!("identical        {}", if c.identical { "yes" } else { "no" }))?;
     say(format_args!("values           {scale}"))?;
     say(format_args!("mse              {:.6e}", c.mse))?;

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::origin;
 use crate::error::{Error, Result};
+use crate::image::split_layer;
 use crate::input::path_within;
 use crate::limits::Budget;
 use crate::scene::SceneFile;
@@ -193,7 +194,8 @@ impl<'a> Import<'a> {
     /// Returns false, with a warning, if the texture or mesh in `file` is missing and
     /// [`Missing::Grey`] is set. Otherwise the reader of the file reports that it is missing.
     pub(crate) fn is_usable(&mut self, file: &str, instead: &str) -> bool {
-        let usable = self.options.missing == Missing::Error || self.folder.join(file).exists();
+        let exists = || self.folder.join(split_layer(file).0).exists();
+        let usable = self.options.missing == Missing::Error || exists();
         if !usable {
             self.warn(format!("{file} is missing, {instead}"));
         }

@@ -1,11 +1,9 @@
-//! Limits on image headers, which decoders load into memory before they report the image size.
+//! Limits on headers of PNG files, which the decoder loads into memory before it reports the image size.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
 use image::ImageFormat;
 
-/// Largest size in bytes of a header that consists of text or attributes.
-pub(super) const MAX_HEADER: u64 = 1 << 16;
 /// Largest number of chunks before the pixels of a PNG file.
 const MAX_CHUNKS: usize = 256;
 
@@ -27,7 +25,6 @@ pub(super) fn check(
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(()),
             Err(error) => Err(error.to_string()),
         },
-        Some(ImageFormat::Hdr) => ends(file, b"\n\n"),
         _ => Ok(()),
     }
 }
@@ -48,16 +45,6 @@ fn chunks(file: &mut (impl Read + Seek)) -> io::Result<usize> {
     Ok(MAX_CHUNKS + 1)
 }
 
-/// Checks that the header, which ends with `end`, has at most [`MAX_HEADER`] bytes.
-fn ends(file: impl Read, end: &[u8]) -> Result<(), String> {
-    let mut begin = Vec::new();
-    let read = file.take(MAX_HEADER).read_to_end(&mut begin).map_err(|error| error.to_string())?;
-    match begin.windows(end.len()).any(|bytes| bytes == end) || (read as u64) < MAX_HEADER {
-        true => Ok(()),
-        false => Err(format!("the header is too long (at most {MAX_HEADER} bytes are allowed)")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::io::Cursor;
@@ -74,14 +61,5 @@ mod tests {
         assert!(check(png(MAX_CHUNKS - 1)).is_ok());
         assert!(check(png(MAX_CHUNKS)).unwrap_err().starts_with("too many chunks"));
         assert!(check(png(3)[..50].to_vec()).is_ok(), "left to the decoder");
-    }
-
-    #[test]
-    fn long_text_headers_are_rejected() {
-        let check = |bytes: &[u8]| check(Some(ImageFormat::Hdr), Cursor::new(bytes));
-        let text = [&b"#?RADIANCE\n"[..], &b"A=B\n".repeat(20_000), b"\n-Y 1 +X 1\n"].concat();
-        assert!(check(&text).unwrap_err().contains("65536 bytes"));
-        assert!(check(&[&text[..100], b"\n\n", &[0; 100_000]].concat()).is_ok());
-        assert!(check(b"#?RADIANCE\n").is_ok(), "left to the decoder");
     }
 }

@@ -1,13 +1,16 @@
 //! Linear images, their hash, and the image files that ptfast reads and writes.
 
 mod alpha;
-mod channels;
+mod colorimetry;
 mod compare;
 mod display;
+mod exr;
 mod format;
+mod hdr;
 mod header;
 mod jpeg;
 mod layer;
+mod mend;
 mod metadata;
 mod pfm;
 mod read;
@@ -19,15 +22,16 @@ mod transfer;
 mod write;
 
 pub(crate) use alpha::has_alpha;
-pub(crate) use channels::{Channels, other_channels};
 pub(crate) use compare::compare;
 pub(crate) use display::MAX_STOPS;
 pub use display::{Display, Exposure};
+pub(crate) use exr::{Channels, other_channels};
 pub(crate) use format::Format;
 pub use layer::ImageLayer;
+pub(crate) use mend::Mended;
 pub use metadata::Metadata;
 pub(crate) use size::Size;
-pub(crate) use source::Source;
+pub(crate) use source::{Source, split_layer};
 pub(crate) use texels::Texels;
 pub use tone_map::ToneMap;
 pub use transfer::Transfer;
@@ -98,7 +102,8 @@ impl Image {
         (!self.alpha.is_empty()).then_some(&self.alpha)
     }
 
-    /// Reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA or PNM into linear values.
+    /// Reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA or PNM into linear values. `a.exr:LAYER` is a layer or part of an EXR
+    /// file.
     ///
     /// 8- and 16-bit files are decoded with the transfer curve that ptfast recorded in the file, or
     /// else with sRGB. Alpha is dropped.

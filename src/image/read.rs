@@ -9,10 +9,12 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Li
 use png::text_metadata::ITXtChunk;
 
 use super::display::{GRADE_KEYS, TRANSFER_KEY};
-use super::header::{self, MAX_HEADER};
+use super::header;
 use super::pfm::Pfm;
 use super::size::Allow;
-use super::{Encoding, Format, Image, Metadata, Size, Source, Texels, Transfer, jpeg};
+use super::{
+    Encoding, Format, Image, Mended, Metadata, Size, Source, Texels, Transfer, exr, hdr, jpeg,
+};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::limits::MAX_SIDE;
@@ -28,6 +30,8 @@ const MAX_PFM_HEADER: u64 = 1 << 10;
 pub(super) struct Decoded {
     pixels: DynamicImage,
     transfer: Transfer,
+    /// Whether the colours are multiplied by alpha.
+    associated: bool,
 }
 
 /// Reads and decodes an image file, whose integers will be read as `encoding` says. `allow` is called
@@ -47,11 +51,22 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
             .map_err(bad)?;
         let bytes = source.bytes()?;
         pfm.check_length(bytes.len() as u64).map_err(bad)?;
-        return Ok(Decoded { pixels: pfm.image(&bytes).into(), transfer: Transfer::default() });
+        return Ok(Decoded {
+            pixels: pfm.image(&bytes).into(),
+            transfer: Transfer::default(),
+            associated: false,
+        });
     }
     // A text header may be as long as the file, and decoders load headers into memory.
     let memory = length.saturating_mul(3);
     allow(Size { pixels: 0, deep: false, memory }).map_err(bad)?;
+    let mut begin = Vec::new();
+    let read = open()?.take(hdr::SIGNATURE.len() as u64).read_to_end(&mut begin);
+    read.map_err(Error::io(path, "read"))?;
+    if begin == hdr::SIGNATURE {
+        let pixels = hdr::decode(open()?, length, allow).map_err(bad)?;
+        return Ok(Decoded { pixels, transfer: Transfer::default(), associated: false });
+    }
     let mut reader =
         ImageReader::new(open()?).with_guessed_format().map_err(Error::io(path, "read"))?;
     // TGA files do not start with a signature.
@@ -63,11 +78,16 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BESIDES);
     reader.limits(limits.clone());
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        let pixels = exr::decode(source, encoding, allow)?;
+        let associated = pixels.color().has_alpha();
+        return Ok(Decoded { pixels, transfer: Transfer::default(), associated });
+    }
     header::check(reader.format(), open()?)
         .map_err(|message| bad(format!("damaged image: {message}")))?;
     if reader.format() == Some(ImageFormat::Jpeg) {
         let pixels = jpeg::decode(open()?, length, allow).map_err(bad)?;
-        return Ok(Decoded { pixels, transfer: Transfer::Srgb });
+        return Ok(Decoded { pixels, transfer: Transfer::Srgb, associated: false });
     }
     let png = png_decoder(open()?).read_info().ok();
     let texts = png.as_ref().map_or(&[][..], |png| &png.info().utf8_text);
@@ -87,16 +107,11 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
         ImageError::Unsupported(error)
             if matches!(error.kind(), UnsupportedErrorKind::Format(_)) =>
         {
-            bad("unsupported image: ptfast reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA and PNM".into())
+            bad("unsupported image: ptfast reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA and PNM"
+                .into())
         }
         other => bad(format!("damaged image: {other}")),
     };
-    if reader.format() == Some(ImageFormat::OpenExr) {
-        let (pixels, bytes) =
-            exr_size(open()?).map_err(|error| bad(format!("damaged image: {error}")))?;
-        let memory = bytes.saturating_add(pixels.saturating_mul(32));
-        allow(Size { pixels, deep: true, memory }).map_err(bad)?;
-    }
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
@@ -111,7 +126,7 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
     limits.max_alloc = Some(decoding.saturating_add(MAX_BESIDES));
     decoder.set_limits(limits).map_err(explain)?;
     let pixels = DynamicImage::from_decoder(decoder).map_err(explain)?;
-    Ok(Decoded { pixels, transfer })
+    Ok(Decoded { pixels, transfer, associated: false })
 }
 
 impl Decoded {
@@ -163,11 +178,17 @@ impl Decoded {
 
     /// The pixels in the form of textures, with alpha. Channels of 8 bits are kept as they are.
     pub(super) fn into_texels(self, encoding: Encoding) -> Texels {
-        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let (width, height, associated) =
+            (self.pixels.width(), self.pixels.height(), self.associated);
         match self.bits() {
             None => {
-                let texels = self.pixels.into_rgba32f().into_raw().as_chunks().0.to_vec();
+                let mut mended = Mended::default();
+                let pixels = self.pixels.into_rgba32f().into_raw();
+                let mend = |texel: &[f32; 4]| mended.mend(*texel);
+                let texels = pixels.as_chunks().0.iter().map(mend).collect();
                 Texels::from_floats(width, height, texels)
+                    .with_mended(mended)
+                    .with_associated(associated)
             }
             Some(16) => {
                 let table = self.table(encoding, u16::MAX);
@@ -212,19 +233,11 @@ impl Metadata {
 fn metadata(path: &Path) -> Result<Metadata> {
     let bad = |message: String| Error::input(path.display().to_string(), "", message);
     input::length(path)?;
+    if Format::of_path(path)? == Format::Exr {
+        return exr::metadata(&Source::file(path));
+    }
     let mut file = File::open(path).map(BufReader::new).map_err(Error::io(path, "read"))?;
     let entries = |all: Metadata, (key, value): (&str, String)| all.with(key, value);
-    if Format::of_path(path)? == Format::Exr {
-        let begin = BufReader::new(file.take(MAX_HEADER));
-        let exr = exr::meta::MetaData::read_from_buffered(begin, false);
-        let headers = exr.map_err(|error| bad(error.to_string()))?.headers;
-        let comments = headers.first().and_then(|header| header.own_attributes.comments.as_ref());
-        let text = comments.map(ToString::to_string).unwrap_or_default();
-        let lines = text.lines().filter_map(|line| line.split_once(": "));
-        return Ok(lines
-            .map(|(key, value)| (key, value.to_owned()))
-            .fold(Metadata::default(), entries));
-    }
     header::check(Some(ImageFormat::Png), &mut file).map_err(bad)?;
     file.rewind().map_err(Error::io(path, "read"))?;
     let reader = png_decoder(file).read_info().map_err(|error| bad(error.to_string()))?;
@@ -248,24 +261,6 @@ fn text(chunk: &ITXtChunk) -> Option<String> {
     let mut chunk = chunk.clone();
     chunk.decompress_text_with_limit(MAX_TEXT).ok()?;
     chunk.get_text().ok()
-}
-
-/// Size of an OpenEXR file: the number of pixels of its largest data or display window, and the
-/// bytes of all parts, with eight more blocks for each, because several blocks are decoded at once.
-fn exr_size(file: impl Read) -> Result<(u64, u64), exr::error::Error> {
-    let begin = BufReader::new(file.take(MAX_HEADER));
-    let headers = exr::meta::MetaData::read_from_buffered(begin, false)?.headers;
-    let (mut pixels, mut bytes) = (0, 0u64);
-    for header in &headers {
-        let area = |[width, height]: [usize; 2]| (width as u64).saturating_mul(height as u64);
-        let data = area([header.layer_size.0, header.layer_size.1]);
-        let shown = header.shared_attributes.display_window.size;
-        pixels = data.max(area([shown.0, shown.1])).max(pixels);
-        let all = data.saturating_mul(header.channels.bytes_per_pixel as u64);
-        let block = (header.max_block_byte_size() as u64).saturating_mul(8);
-        bytes = bytes.saturating_add(all).saturating_add(block);
-    }
-    Ok((pixels, bytes))
 }
 
 #[cfg(test)]

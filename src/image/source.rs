@@ -17,19 +17,44 @@ impl<T: BufRead + Seek> Stream for T {}
 pub(crate) struct Source<'a> {
     /// The file, or the file that contains the image.
     path: &'a Path,
+    /// The layer or part of an EXR file.
+    layer: Option<&'a str>,
     /// The content of the image and its number, if it is part of the file.
     part: Option<(&'a [u8], u32)>,
 }
 
+/// The end of the name of files that may have layers.
+const LAYERED: &str = ".exr";
+
+/// Splits the name of a layer from that of its file: `sky.exr` and `diffuse` of `sky.exr:diffuse`.
+pub(crate) fn split_layer(file: &str) -> (&str, Option<&str>) {
+    let layered = format!("{LAYERED}:");
+    match file.to_ascii_lowercase().find(&layered) {
+        Some(begin) => {
+            let (file, layer) = file.split_at(begin + LAYERED.len());
+            (file, Some(&layer[1..]))
+        }
+        None => (file, None),
+    }
+}
+
 impl<'a> Source<'a> {
-    /// The image file at `path`.
+    /// The image file at `path`, which may end with the name of a layer.
     pub(crate) fn file(path: &'a Path) -> Self {
-        Self { path, part: None }
+        match path.to_str().map(split_layer) {
+            Some((file, layer)) => Self { path: Path::new(file), layer, part: None },
+            None => Self { path, layer: None, part: None },
+        }
     }
 
     /// Image number `index` of the file at `path`, with the content `bytes`.
     pub(crate) fn part(path: &'a Path, index: u32, bytes: &'a [u8]) -> Self {
-        Self { path, part: Some((bytes, index)) }
+        Self { path, layer: None, part: Some((bytes, index)) }
+    }
+
+    /// The name of the layer or part of an EXR file, if the path ends with one.
+    pub(super) fn layer(&self) -> Option<&'a str> {
+        self.layer
     }
 
     /// Number of bytes.
@@ -68,5 +93,18 @@ impl<'a> Source<'a> {
     pub(super) fn bad(&self, message: String) -> Error {
         let place = self.part.map_or(String::new(), |(_, index)| format!("images[{index}]"));
         Error::input(self.path.display().to_string(), place, message)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_follow_the_names_of_exr_files() {
+        assert_eq!(split_layer("a/sky.exr"), ("a/sky.exr", None));
+        assert_eq!(split_layer("a/Sky.EXR:View Layer.N"), ("a/Sky.EXR", Some("View Layer.N")));
+        assert_eq!(split_layer("c:/a.exr:b.exr:c"), ("c:/a.exr", Some("b.exr:c")));
+        assert_eq!(split_layer("a.png:b"), ("a.png:b", None));
     }
 }

@@ -1,6 +1,6 @@
 //! Images as textures keep them in memory: with alpha, and with bytes where the file has bytes.
 
-use super::Size;
+use super::{Mended, Size};
 use crate::huge_pages::settle;
 use crate::math::{Mask, Real, Word, max};
 
@@ -15,6 +15,9 @@ pub(crate) struct Texels {
     width: u32,
     height: u32,
     data: Data,
+    mended: Mended,
+    /// Whether the colours are multiplied by alpha.
+    associated: bool,
 }
 
 #[derive(Debug, PartialEq)]
@@ -39,12 +42,34 @@ impl Texels {
         values: Box<[f32; 256]>,
     ) -> Self {
         let codes = in_strips(width, height, codes);
-        Self { width, height, data: Data::Bytes { codes, values } }
+        let data = Data::Bytes { codes, values };
+        Self { width, height, data, mended: Mended::default(), associated: false }
     }
 
     /// Creates an image from `width × height` linear texels, row by row from the top.
     pub(crate) fn from_floats(width: u32, height: u32, texels: Vec<[f32; 4]>) -> Self {
-        Self { width, height, data: Data::Floats(in_strips(width, height, texels)) }
+        let data = Data::Floats(in_strips(width, height, texels));
+        Self { width, height, data, mended: Mended::default(), associated: false }
+    }
+
+    /// The image, whose colours are multiplied by alpha if `associated`.
+    pub(crate) fn with_associated(self, associated: bool) -> Self {
+        Self { associated, ..self }
+    }
+
+    /// Whether the colours are multiplied by alpha.
+    pub(crate) fn associated(&self) -> bool {
+        self.associated
+    }
+
+    /// The image, whose values were mended as `mended` says.
+    pub(super) fn with_mended(self, mended: Mended) -> Self {
+        Self { mended, ..self }
+    }
+
+    /// The texels whose values were mended.
+    pub(crate) fn mended(&self) -> Mended {
+        self.mended
     }
 
     /// Width in texels.
@@ -118,13 +143,16 @@ impl Texels {
         }
     }
 
-    /// A texel with a value that is negative, infinite or NaN, if there is one.
-    pub(crate) fn unusable(&self) -> Option<[f32; 4]> {
-        let usable = |value: &f32| (0.0..=f32::MAX).contains(value);
-        match &self.data {
-            Data::Bytes { .. } => None,
-            Data::Floats(texels) => texels.iter().find(|texel| !texel.iter().all(usable)).copied(),
-        }
+    /// The largest colour after a division by alpha, at least 1. Compression makes some larger than they were, so those
+    /// slightly above 1 count as 1.
+    pub(crate) fn largest_divided(&self) -> f32 {
+        let quotients = |[r, g, b, alpha]: [f32; 4]| {
+            let divided = (alpha > 0.0).then(|| [r, g, b].map(|value| value / alpha));
+            divided.into_iter().flatten()
+        };
+        let all = (0..self.len()).flat_map(|index| quotients(self.at(index as u32)));
+        let most = all.fold(1.0, max);
+        if most <= 1.01 { 1.0 } else { most }
     }
 
     /// Whether any colour is not black.

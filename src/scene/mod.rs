@@ -59,7 +59,7 @@ struct SceneData {
     material_names: Vec<String>,
     lights: u32,
     files: BTreeSet<PathBuf>,
-    /// Sentences that name the ignored data in the scene's files.
+    /// Sentences that name the ignored and mended data in the scene's files.
     ignored: Vec<String>,
     limits: Limits,
 }

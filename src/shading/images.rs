@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::cell::Cell;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::checks::Location;
 use crate::error::{Error, Result};
-use crate::image::{Encoding, Size, Source, Texels};
+use crate::image::{Encoding, Mended, Size, Source, Texels, split_layer};
 use crate::input::path_within;
 use crate::limits::{Budget, Limit};
 
@@ -42,7 +42,7 @@ pub(crate) struct ImageFile<'a> {
     pub(crate) encoding: Encoding,
 }
 
-/// The path of a file, and the number and the encoding of an image in it.
+/// The path of a file, which may end with the name of a layer, and the number and the encoding of an image in it.
 type Key = (PathBuf, Option<u32>, Encoding);
 
 /// Reads the images of a scene, each only once.
@@ -65,8 +65,9 @@ impl<'a> Images<'a> {
     pub(crate) fn preload<'t>(&mut self, wanted: impl Iterator<Item = ImageFile<'t>>) {
         let (mut keys, mut seen) = (Vec::new(), HashSet::new());
         for ImageFile { file, index, encoding } in wanted {
-            let Ok(path) = path_within(self.folder, file, &self.budget.limits) else { continue };
-            let key = (path, index, encoding);
+            let (own, layer) = split_layer(file);
+            let Ok(path) = path_within(self.folder, own, &self.budget.limits) else { continue };
+            let key = (with_layer(path, layer), index, encoding);
             if !self.images.contains_key(&key)
                 && seen.insert(key.clone())
                 && self.open(&key).is_ok()
@@ -83,8 +84,8 @@ impl<'a> Images<'a> {
         self.images.extend(read.filter_map(|(key, image)| Some((key, Arc::new(image.ok()?)))));
     }
 
-    /// Reads the image in `file`, or image number `index` of it, and checks that its values
-    /// are finite and not negative. With `outside`, it may be outside the folder of the scene.
+    /// Reads the image in `file`, or image number `index` of it. With `outside`, it may be outside the folder of
+    /// the scene.
     pub(crate) fn texels(
         &mut self,
         e: &Location<'_>,
@@ -92,11 +93,12 @@ impl<'a> Images<'a> {
         outside: bool,
     ) -> Result<Arc<Texels>> {
         let ImageFile { file, index, encoding } = wanted;
+        let (own, layer) = split_layer(file);
         let path = match outside {
-            true => self.folder.join(file),
-            false => e.path_within(self.folder, file, &self.budget.limits)?,
+            true => self.folder.join(own),
+            false => e.path_within(self.folder, own, &self.budget.limits)?,
         };
-        let key = (path, index, encoding);
+        let key = (with_layer(path, layer), index, encoding);
         if let Some(image) = self.images.get(&key) {
             return Ok(Arc::clone(image));
         }
@@ -115,7 +117,7 @@ impl<'a> Images<'a> {
         Ok(())
     }
 
-    /// Reads and checks an image, whose container is open.
+    /// Reads an image, whose container is open.
     fn read(&self, (path, index, encoding): &Key) -> Result<Texels> {
         let budget = self.budget;
         let held = Cell::new(0);
@@ -139,12 +141,23 @@ impl<'a> Images<'a> {
         budget.release(held.get());
         let texels = texels?;
         budget.hold(texels.bytes()).map_err(bad)?;
-        match texels.unusable() {
-            Some(pixel) => Err(bad(format!(
-                "the pixels of a texture must be finite and not negative, but one is {pixel:?}"
-            ))),
-            None => Ok(texels),
+        Ok(texels)
+    }
+
+    /// A sentence about all texels whose values were mended, if there are any.
+    pub(crate) fn mended(&self) -> Option<String> {
+        let (mut files, mut all) = (BTreeSet::new(), Mended::default());
+        for ((path, ..), texels) in &self.images {
+            if texels.mended() != Mended::default() {
+                files.insert(path);
+                all += texels.mended();
+            }
         }
+        let (first, sentence) = (files.first()?.display(), all.sentence()?);
+        Some(match files.len() {
+            1 => format!("{first}: {sentence}"),
+            more => format!("{first} and {} more: {sentence}", more - 1),
+        })
     }
 
     /// Holds memory for tables that belong to an image, unless it exceeds the limit.
@@ -155,6 +168,18 @@ impl<'a> Images<'a> {
     /// The paths of all files that were read.
     pub(crate) fn files(self) -> impl Iterator<Item = PathBuf> + use<'a> {
         let (files, paths) = (self.files, self.images.into_keys().map(|(path, ..)| path));
-        paths.filter(|path| files.embedded(path).is_none())
+        let paths = paths.filter(|path| files.embedded(path).is_none());
+        paths.map(|path| match path.to_str().map(split_layer) {
+            Some((file, Some(_))) => file.into(),
+            _ => path,
+        })
     }
+}
+
+/// The path of a layer of a file.
+fn with_layer(path: PathBuf, layer: Option<&str>) -> PathBuf {
+    let Some(layer) = layer else { return path };
+    let mut path = path.into_os_string();
+    path.push(format!(":{layer}"));
+    path.into()
 }

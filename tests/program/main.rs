@@ -10,6 +10,7 @@ mod corpus;
 mod dashboard;
 mod faults;
 mod hostile;
+mod images;
 mod import;
 mod instances;
 mod keep;

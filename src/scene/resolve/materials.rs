@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use super::Resolver;
 use crate::error::{Result, suggestion};
-use crate::shading::{Images, Material, Texture, TextureRef};
+use crate::shading::texture::Channel;
+use crate::shading::{Images, Material, Number, Texture, TextureRef};
 
 impl Resolver<'_> {
     /// Checks the materials and returns them with their texture names replaced by the textures.
@@ -32,6 +33,7 @@ impl Resolver<'_> {
                 };
                 *reference = TextureRef::Texture(texture);
             }
+            divide_by_alpha(&mut material);
             material.check(&e)?;
             materials.push(material);
         }
@@ -53,5 +55,25 @@ impl Resolver<'_> {
             textures.insert(name.as_str(), Arc::new(texture));
         }
         Ok(textures)
+    }
+}
+
+/// Divides the colours of an EXR file by its alpha in a material whose opacity that alpha is: there, the light of holes
+/// would be missing twice.
+fn divide_by_alpha(material: &mut Material) {
+    let opacity = material.model().opacity().map(|opacity| opacity.alpha());
+    let Some(Number::Texture { texture, channel: Channel::A, .. }) = opacity else { return };
+    let alpha = Arc::clone(texture.get());
+    let Some(file) = alpha.model().file() else { return };
+    if !alpha.model().texels().is_some_and(|texels| texels.associated()) {
+        return;
+    }
+    for reference in material.textures() {
+        let mut texture = Texture::clone(reference.get());
+        let own = texture.model().file().map(|own| (own.file, own.index));
+        if own == Some((file.file, file.index)) {
+            texture.model_mut().divide_by_alpha();
+            *reference = TextureRef::Texture(Arc::new(texture));
+        }
     }
 }

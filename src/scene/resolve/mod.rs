@@ -45,7 +45,7 @@ pub(crate) fn resolve(
     let materials = resolver.materials(&mut images)?;
     let mut background = file.background.clone();
     background.load(&resolver.section("background"), &mut images)?;
-    let images = images.files();
+    let (mended, images) = (images.mended(), images.files());
     let (geometry, material_map, meshes) = resolver.primitives(&materials, folder, assets)?;
     let mut geometry = geometry;
     mark_holes(&mut geometry, &materials, &material_map);
@@ -65,7 +65,7 @@ pub(crate) fn resolve(
         world,
         material_names: file.materials.names().map(str::to_owned).collect(),
         lights,
-        ignored: ignored(&meshes),
+        ignored: ignored(&meshes).into_iter().chain(mended).collect(),
         files: images.chain(meshes.into_keys()).collect(),
         limits: resolver.budget.limits,
     })))

@@ -53,6 +53,9 @@ pub struct Image {
     /// For normal maps: a factor of the components along the surface, within ±1e3.
     #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
     pub normal_scale: f32,
+    /// Whether colours are divided by alpha, after they are interpolated.
+    #[serde(skip)]
+    divided: bool,
     /// The image, once it is read.
     #[serde(skip)]
     pub(super) texels: Option<Arc<Texels>>,
@@ -118,6 +121,7 @@ impl Image {
             offset: (0.0, 0.0),
             vertex_colors: false,
             normal_scale: unchanged(),
+            divided: false,
             texels: None,
         }
     }
@@ -136,6 +140,7 @@ const SECOND_UV: u32 = 1;
 const NEAREST: u32 = 2;
 const VERTEX_COLORS: u32 = 4;
 const NORMALS: u32 = 8;
+const DIVIDED: u32 = 256;
 /// The bits of the wraps.
 const WRAP_U: u32 = 4;
 const WRAP_V: u32 = 6;
@@ -148,7 +153,7 @@ pub(crate) struct ImageEntry {
     across: Row,
     /// Position of v in the image: factors of u and v, and a sum; height.
     up: Row,
-    /// The bits below and the wraps as their numbers, the factor of normals, 0, 0.
+    /// The bits below and the wraps as their numbers, the factor of normals, the largest colour, 0.
     flags: Row,
 }
 
@@ -171,7 +176,11 @@ impl TextureParameters for Image {
     fn identity(&self) -> Value {
         let (file, encoding) = (self.texels().hash(), Encoding::Auto);
         let image = Self { file, index: None, encoding, ..self.clone() };
-        json!({ "image": image })
+        let mut identity = json!({ "image": image });
+        if self.divided {
+            identity["divided"] = true.into();
+        }
+        identity
     }
 
     fn file(&self) -> Option<ImageFile<'_>> {
@@ -197,7 +206,11 @@ impl TextureParameters for Image {
     }
 
     fn largest(&self) -> f32 {
-        self.texels().largest()
+        if self.divided { self.texels().largest_divided() } else { self.texels().largest() }
+    }
+
+    fn divide_by_alpha(&mut self) {
+        self.divided = self.encoding == Encoding::Auto && self.texels().associated();
     }
 
     fn texels(&self) -> Option<&Arc<Texels>> {
@@ -224,10 +237,11 @@ impl TextureModel for Image {
                     | flag(NEAREST, self.filter == Filter::Nearest)
                     | flag(VERTEX_COLORS, self.vertex_colors)
                     | flag(NORMALS, self.normal_scale != 1.0)
+                    | flag(DIVIDED, self.divided)
                     | (self.wrap_u as u32) << WRAP_U
                     | (self.wrap_v as u32) << WRAP_V,
                 self.normal_scale.to_bits(),
-                0,
+                if self.divided { self.largest().to_bits() } else { 0 },
                 0,
             ],
             texels,
@@ -281,6 +295,15 @@ impl TextureModel for Image {
             row(0) * (R::ONE - fy) + row(8) * fy
         };
         let mut color = R::Vec3::new(channel(0), channel(1), channel(2));
+        let divided = has(DIVIDED);
+        if divided.any() {
+            let alpha = channel(3);
+            let alpha = alpha.gt(R::ZERO).select(alpha, R::ONE);
+            // A glow without alpha makes colours brighter than those of all texels.
+            let quotient = |c: R| clamp(c / alpha, R::ZERO, words[2]);
+            let colors = [color[0], color[1], color[2]].map(quotient);
+            color = divided.select(R::Vec3::new(colors[0], colors[1], colors[2]), color);
+        }
         let colored = has(VERTEX_COLORS);
         if colored.any() {
             color = color * colored.select(at.vertex_color(), R::Vec3::gray(R::ONE));
@@ -381,6 +404,23 @@ mod tests {
             assert!((value(&mirrored, u, 2.0 - v) - here).abs() < 1e-5);
             assert!((value(&mirrored, u + 4.0, v - 2.0) - here).abs() < 1e-4);
         }
+    }
+
+    /// The colour (0.8, 0.4, 0.2) with an alpha of 0.5, beside a hole.
+    #[test]
+    fn colors_that_are_multiplied_by_alpha_are_divided_once() {
+        let texels = vec![[0.4, 0.2, 0.1, 0.5], [0.0; 4]];
+        let texels = Texels::from_floats(2, 1, texels).with_associated(true);
+        let mut image = Image { texels: Some(Arc::new(texels)), ..Image::from_file("") };
+        let at = |image: &Image, u| Image::value::<f32>(&[image.entry()], 0, &At(u, 0.5));
+        assert_eq!(at(&image, 0.25), (Vec3::new(0.4, 0.2, 0.1), 0.5));
+        let identity = image.identity();
+        image.divide_by_alpha();
+        assert_ne!(image.identity(), identity, "the scene has another hash");
+        for (u, alpha) in [(0.25, 0.5), (0.375, 0.375), (0.5, 0.25)] {
+            assert_eq!(at(&image, u), (Vec3::new(0.8, 0.4, 0.2), alpha), "{u}");
+        }
+        assert_eq!((at(&image, 0.75).1, image.largest()), (0.0, 1.0));
     }
 
     #[test]

@@ -75,6 +75,9 @@ pub(crate) trait TextureParameters {
         None
     }
 
+    /// Divides colours by alpha, if the file of the image has colours that are multiplied by it.
+    fn divide_by_alpha(&mut self) {}
+
     /// Returns the file of the texture's image, if it has one.
     fn file(&self) -> Option<ImageFile<'_>> {
         None

@@ -139,9 +139,6 @@ pub(super) fn cases() -> Vec<Case> {
         (0..3 * width * height).for_each(|_| bytes.extend(value.to_le_bytes()));
         bytes
     };
-    cases.push(sky(pfm(4, 2, f32::NAN), "", "must be finite and not negative"));
-    cases.push(sky(pfm(4, 2, -1.0), "", "must be finite and not negative"));
-    cases.push(sky(pfm(4, 2, f32::INFINITY), "", "must be finite and not negative"));
     cases.push(sky(pfm(4, 2, 1.0), ", mapping: equal_area", "an equal-area map must be square"));
     cases.push(sky(pfm(4, 2, 1e20), ", scale: 1e20", "so small that all radiances"));
 
@@ -206,11 +203,8 @@ pub(super) fn cases() -> Vec<Case> {
         (0..3).for_each(|_| bytes.write_all(&value.to_le_bytes()).unwrap());
         bytes
     };
-    for value in [f32::NAN, f32::INFINITY, -1.0, 1.5] {
-        let says = match value {
-            1.5 => "albedo must be textures and factors with products in [0, 1]",
-            _ => "the pixels of a texture must be finite and not negative",
-        };
+    for value in [f32::INFINITY, 1.5] {
+        let says = "albedo must be textures and factors with products in [0, 1]";
         cases.push(texture("t.pfm", values(value), says));
     }
     let pfm = |length: usize| [&b"PF\n1280 1280\n-1\n"[..], &vec![0; length]].concat();
@@ -271,7 +265,7 @@ pub(super) fn cases() -> Vec<Case> {
     // The display window is small, but the data window is large.
     let shown = [0, 0, 0, 0];
     cases.push(texture("t.exr", exr([0, 0, 0x1fff_ffff, 15], shown), "the limit of texture-bytes"));
-    cases.push(texture("t.exr", exr([0, 0, 65_535, 15], shown), "the limit of memory"));
+    cases.push(texture("t.exr", exr([0, 0, 65_535, 15], shown), "damaged image"));
     // Headers without an end, and a compressed text that expands to 64 MiB of zeros.
     for (file, begin) in
         [("t.hdr", "#?RADIANCE\n#"), ("t.pnm", "P6 #"), ("t.pnm", "P7\n#"), ("t.bmp", "BM")]
@@ -283,12 +277,12 @@ pub(super) fn cases() -> Vec<Case> {
     let note = [&b"ptfast:transfer\0\x01\0\0\0"[..], ZEROS].concat();
     let bomb = png(10, 10, 8, 2, &[chunk(b"iTXt", &note), chunk(b"IDAT", b"")]);
     cases.push(texture("t.png", bomb, "damaged image"));
-    for bytes in [
-        &[0x76, 0x2f, 0x31, 0x01][..],
-        &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0],
-        &[0x76, 0x2f, 0x31, 0x01, 255, 255, 255, 255],
+    for (bytes, says) in [
+        (&[0x76, 0x2f, 0x31, 0x01][..], "damaged image"),
+        (&[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0], "damaged image"),
+        (&[0x76, 0x2f, 0x31, 0x01, 255, 255, 255, 255], "unsupported image"),
     ] {
-        cases.push(texture("t.exr", bytes.to_vec(), "damaged image"));
+        cases.push(texture("t.exr", bytes.to_vec(), says));
     }
     // TGA has no magic number, so the extension decides the format.
     cases.push(texture("t.tga", vec![0; 18], "t.tga"));
