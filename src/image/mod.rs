@@ -102,7 +102,7 @@ impl Image {
         (!self.alpha.is_empty()).then_some(&self.alpha)
     }
 
-    /// Reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA or PNM into linear values. `a.exr:LAYER` is a layer or part of an EXR
+    /// Reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA or PNM into linear values. `a.exr:LAYER` is a layer or part of an EXR
     /// file.
     ///
     /// 8- and 16-bit files are decoded with the transfer curve that ptfast recorded in the file, or

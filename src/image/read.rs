@@ -107,7 +107,7 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
         ImageError::Unsupported(error)
             if matches!(error.kind(), UnsupportedErrorKind::Format(_)) =>
         {
-            bad("unsupported image: ptfast reads PNG, JPEG, EXR, HDR, PFM, BMP, TGA and PNM"
+            bad("unsupported image: ptfast reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA and PNM"
                 .into())
         }
         other => bad(format!("damaged image: {other}")),
@@ -278,6 +278,53 @@ mod tests {
         assert_eq!(image.pixels(), [[1.0, 0.0, 0.0]]);
     }
 
+    /// Two files of 3 × 2 pixels that OpenImageIO 3.2 wrote, and the values that it reads.
+    #[test]
+    fn webp_images_are_read() {
+        let lossless: &[u8] = b"\
+        \x52\x49\x46\x46\x48\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x3b\x00\
+        \x00\x00\x2f\x02\x40\x00\x10\x2f\x40\x90\x6d\x53\x89\x79\xdd\x5f\xe6\x1a\
+        \x64\xd2\x36\xed\x5b\xff\x7a\x66\x6d\x64\xd2\x36\xad\x87\xde\xf3\xef\x72\
+        \x04\x92\x36\x36\x1f\x4f\xfe\x00\x9c\x9f\xa3\xab\xb5\x05\x02\x12\x32\x25\
+        \x8f\x7c\x11\xd1\xff\x88\x05\x00\
+        ";
+        let lossy: &[u8] = b"\
+        \x52\x49\x46\x46\x7e\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x20\x72\x00\
+        \x00\x00\xf0\x03\x00\x9d\x01\x2a\x03\x00\x02\x00\x00\x00\x00\x25\xa8\x02\
+        \x74\xba\x01\xf2\x01\x4a\x02\xa8\x03\xf8\x06\x50\x07\xe8\x00\xe7\x40\xfc\
+        \x00\x34\x29\x5e\xaa\x00\x00\xfe\xf5\x63\xff\xf0\xa8\xff\xeb\xac\xff\xfc\
+        \x93\x05\x2f\xfc\xdb\x27\xa0\x60\x00\x79\x74\x7b\xb6\x92\x19\xfb\xec\xba\
+        \x9b\xb2\x8e\xa2\xff\xfd\x21\xbf\xb8\xc5\x46\xc6\xaf\xff\xd2\xf6\x7f\xf4\
+        \x86\xfe\xe3\x15\x1b\x1a\xbf\xfe\x97\xb3\xf8\x5f\x83\x33\x1a\xfc\x0c\xd4\
+        \x7e\x0c\xcc\x6b\xfc\x3d\x80\x00\
+        ";
+        let codes = |bytes: &[u8]| {
+            let source = Source::part(Path::new("a.webp"), 0, bytes);
+            let decoded = decode(&source, Encoding::Auto, &|_| Ok(()))?;
+            Ok::<_, Error>(decoded.pixels.into_rgba8().pixels().map(|p| p.0).collect::<Vec<_>>())
+        };
+        let found = codes(lossless).unwrap();
+        assert_eq!(found[0..2], [[255, 0, 0, 255], [0, 255, 0, 128]]);
+        assert_eq!(found[2][3], 0);
+        assert_eq!(found[3..], [[10, 20, 30, 255], [200, 100, 50, 255], [255; 4]]);
+        // The arithmetic of the decoder is that of integers, so these are the same on every CPU.
+        let want = [
+            [98, 78, 14],
+            [163, 148, 137],
+            [22, 18, 113],
+            [41, 21, 0],
+            [136, 122, 110],
+            [246, 242, 255],
+        ];
+        let found: Vec<[u8; 3]> =
+            codes(lossy).unwrap().into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        assert_eq!(found, want);
+        for length in [12, 30, lossy.len() - 40] {
+            let error = codes(&lossy[..length]).unwrap_err().to_string();
+            assert!(error.contains("damaged image"), "{length}: {error}");
+        }
+    }
+
     #[test]
     fn damaged_and_foreign_files_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
@@ -285,7 +332,7 @@ mod tests {
         std::fs::write(&path, b"\x89PNG\r\n\x1a\n and then nonsense").unwrap();
         assert!(Image::read(&path).unwrap_err().to_string().contains("damaged image"));
         std::fs::write(&path, b"no image at all").unwrap();
-        assert!(Image::read(&path).unwrap_err().to_string().contains("PNG, JPEG, EXR"));
+        assert!(Image::read(&path).unwrap_err().to_string().contains("PNG, JPEG, WebP, EXR"));
         let error = Image::read(folder.path()).unwrap_err();
         assert_eq!(error.exit_code(), 74);
         assert_eq!(Image::read(Path::new("nosuch.png")).unwrap_err().exit_code(), 74);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{ptfast, stderr};
+use crate::common::{ptfast, stderr, stdout};
 
 /// A square of 2 × 2 that fills the picture, and emits the light of a texture.
 const SQUARE: &str = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), parallel: 2),
@@ -132,4 +132,47 @@ fn colors_of_exr_files_are_divided_by_the_alpha_that_a_material_uses() {
     };
     near(mean(", opacity: blend(alpha: (texture: \"t\", channel: a))"), [0.9, 0.7, 0.6]);
     near(mean(""), [0.4, 0.2, 0.1]);
+}
+
+/// A lossless file of 3 × 2 pixels, as OpenImageIO 3.2 wrote it.
+const WEBP: &[u8] = b"\
+    \x52\x49\x46\x46\x48\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x3b\x00\
+    \x00\x00\x2f\x02\x40\x00\x10\x2f\x40\x90\x6d\x53\x89\x79\xdd\x5f\xe6\x1a\
+    \x64\xd2\x36\xed\x5b\xff\x7a\x66\x6d\x64\xd2\x36\xad\x87\xde\xf3\xef\x72\
+    \x04\x92\x36\x36\x1f\x4f\xfe\x00\x9c\x9f\xa3\xab\xb5\x05\x02\x12\x32\x25\
+    \x8f\x7c\x11\xd1\xff\x88\x05\x00\
+    ";
+
+/// EXT_texture_webp replaces the image of a texture. KHR_texture_basisu is named, with a tool, even if a file requires it.
+#[test]
+fn gltf_files_have_webp_textures_and_name_ktx2_textures() {
+    let there = tempfile::tempdir().unwrap();
+    let there = there.path();
+    fs::write(there.join("a.webp"), WEBP).unwrap();
+    fs::write(there.join("a.ktx2"), b"\xabKTX 20\xbb\r\n\x1a\n").unwrap();
+    let checked = |extension: &str| {
+        let scene = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+            "extensionsUsed": ["{extension}"], "extensionsRequired": ["{extension}"],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+            "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
+            "textures": [{{"extensions": {{"{extension}": {{"source": 0}}}}}}],
+            "images": [{{"uri": "a.{}"}}], "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "buffers": [{{"byteLength": 36, "uri": "a.bin"}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}]}}"#,
+            if extension.ends_with("webp") { "webp" } else { "ktx2" }
+        );
+        let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        fs::write(there.join("a.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
+        fs::write(there.join("a.gltf"), scene).unwrap();
+        let output = ptfast(there, &["scenes", "check", "a.gltf"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        (stdout(&output), said)
+    };
+    let (found, said) = checked("EXT_texture_webp");
+    assert!(found.contains(".webp") && !said.contains("grey"), "{found} {said}");
+    let (_, said) = checked("KHR_texture_basisu");
+    assert!(said.contains("textures in KTX2 are grey: `gltf-transform ktxdecompress"), "{said}");
+    assert!(!said.contains("basisu"), "{said}");
 }

@@ -307,7 +307,7 @@ impl Reader<'_, '_, '_> {
             _ => "it has no effect",
         };
         // Textures whose only image is in such a format have a warning of their own.
-        let of_images = ["KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds"];
+        let of_images = ["KHR_texture_basisu", "MSFT_texture_dds"];
         for name in &self.gltf.document.extensions_used {
             if !SUPPORTED.contains(&&**name) && !of_images.contains(&&**name) {
                 let message = format!("{name} is not supported, so {}", instead(name));

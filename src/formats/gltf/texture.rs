@@ -84,8 +84,11 @@ impl Reader<'_, '_, '_> {
         let gltf = self.gltf;
         let texture = gltf.document.textures.get(info.index);
         let texture = texture.ok_or_else(|| format!("unknown texture {}", info.index))?;
-        let Some(source) = texture.source else {
-            self.import.warn("textures in formats of extensions are grey");
+        let Some(source) = texture.image() else {
+            self.import.warn(match texture.has_ktx2() {
+                true => "textures in KTX2 are grey: `gltf-transform ktxdecompress IN OUT` makes them PNG",
+                false => "textures in formats of extensions are grey",
+            });
             return Ok(None);
         };
         let file = gltf.image_file(source)?;

@@ -208,8 +208,8 @@ pub(super) fn cases() -> Vec<Case> {
             "outside the folder",
         ),
         triangle(
-            |json| json["extensionsRequired"] = json!(["KHR_texture_basisu"]),
-            "requires the extension KHR_texture_basisu",
+            |json| json["extensionsRequired"] = json!(["EXT_unknown"]),
+            "requires the extension EXT_unknown",
         ),
         triangle(
             |json| {

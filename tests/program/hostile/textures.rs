@@ -284,6 +284,12 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         cases.push(texture("t.exr", bytes.to_vec(), says));
     }
+    // WebP: nothing, a lossless header without pixels, and one of the largest size.
+    let webp = |rest: &[u8]| [&b"RIFF\x40\0\0\0WEBP"[..], rest].concat();
+    cases.push(texture("t.webp", webp(b""), "damaged image"));
+    cases.push(texture("t.webp", webp(b"VP8L\x20\0\0\0\x2f\x02\x40\0\0"), "damaged image"));
+    let huge = webp(b"VP8L\x20\0\0\0\x2f\xff\xff\xff\x0f");
+    cases.push(texture("t.webp", huge, "the limit of"));
     // TGA has no magic number, so the extension decides the format.
     cases.push(texture("t.tga", vec![0; 18], "t.tga"));
     cases

@@ -325,8 +325,37 @@ pub(crate) struct Present {}
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct Texture {
-    pub(crate) source: Option<usize>,
+    source: Option<usize>,
     pub(crate) sampler: Option<usize>,
+    extensions: TextureExtensions,
+}
+
+/// Images in other formats, which replace that of the texture.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    webp: TextureSource,
+    #[serde(rename = "KHR_texture_basisu")]
+    ktx2: TextureSource,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct TextureSource {
+    source: Option<usize>,
+}
+
+impl Texture {
+    /// The number of the image that ptfast can read.
+    pub(crate) fn image(&self) -> Option<usize> {
+        self.extensions.webp.source.or(self.source)
+    }
+
+    /// Whether the texture has an image in KTX2.
+    pub(crate) fn has_ktx2(&self) -> bool {
+        self.extensions.ktx2.source.is_some()
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -28,9 +28,10 @@ const OBJECT: u64 = 2 * size_of::<Material>() as u64;
 const JSON: u64 = 8;
 
 /// The extensions that ptfast supports.
-pub(crate) const SUPPORTED: [&str; 18] = [
+pub(crate) const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -85,8 +86,9 @@ impl<'a> Gltf<'a> {
             let version = &document.asset.version;
             return Err(bad(format!("`asset.version` must be 2.0 or a later 2.x, is `{version}`")));
         }
-        let lacking =
-            document.extensions_required.iter().find(|name| !SUPPORTED.contains(&&***name));
+        // Textures of KHR_texture_basisu are grey, with a warning.
+        let known = |name: &str| SUPPORTED.contains(&name) || name == "KHR_texture_basisu";
+        let lacking = document.extensions_required.iter().find(|name| !known(name));
         if let Some(extension) = lacking {
             return Err(bad(format!(
                 "requires the extension {extension}, which ptfast does not support"
