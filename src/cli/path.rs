@@ -53,7 +53,7 @@ pub(crate) fn command(
 }
 
 pub(crate) fn run(args: &PathArgs) -> Result<()> {
-    let scene = args.limits.read(&args.of.scene)?.resolve()?;
+    let scene = args.limits.read_for(&args.of.scene, args.of.size())?.resolve()?;
     let settings = args.of.settings(&scene)?;
     let ((x, y), sample) = (args.pixel, args.sample);
     if x >= settings.width || y >= settings.height {

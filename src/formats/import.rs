@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::image::split_layer;
 use crate::input::path_within;
 use crate::limits::Budget;
-use crate::scene::SceneFile;
+use crate::scene::{RenderDefaults, SceneFile};
 
 /// A format of scenes of other programs.
 #[derive(Debug)]
@@ -85,6 +85,21 @@ pub(crate) struct ImportOptions {
     pub light_units: LightUnits,
     /// Whether an environment map replaces the background.
     pub environment: bool,
+    /// Whether a file without camera and light gets no ground.
+    pub no_ground: bool,
+    /// Whether the z-axis of a glTF, OBJ or PLY file points up, instead of the y-axis.
+    pub z_up: bool,
+    /// Width and height of the picture, if they are not the usual ones.
+    pub size: Option<(u32, u32)>,
+}
+
+impl ImportOptions {
+    /// The width of the picture, divided by its height.
+    pub(crate) fn aspect(&self) -> f64 {
+        let usual = RenderDefaults::default();
+        let (width, height) = self.size.unwrap_or((usual.width, usual.height));
+        f64::from(width) / f64::from(height)
+    }
 }
 
 /// A scene of another program.

@@ -17,6 +17,7 @@ mod ply;
 mod polygons;
 mod ron;
 mod source;
+mod view;
 
 pub use builtin::BUILTIN_NAMES;
 pub(crate) use import::{ImportOptions, LightUnits, Missing};

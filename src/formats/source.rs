@@ -111,6 +111,14 @@ impl Source {
     /// # Errors
     /// As [`read`](Self::read).
     pub(crate) fn read_with(&self, limits: &Limits, options: &ImportOptions) -> Result<Parsed> {
+        let turns = match self {
+            Self::Mesh(_) => true,
+            Self::Import(_, format) => format.middle == Middle::X,
+            _ => false,
+        };
+        if options.z_up && !turns {
+            return Err(Error::Usage("--z-up is for glTF, OBJ and PLY files".to_owned()));
+        }
         let (name, folder, form, text) = match self {
             Self::Generated(name, generated) => {
                 let count = generated.count().into();
@@ -123,7 +131,7 @@ impl Source {
             }
             Self::Mesh(path) => {
                 let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
-                let (mut file, names) = mesh_scene::of_mesh(path, &budget)?;
+                let (mut file, names) = mesh_scene::of_mesh(path, options, &budget)?;
                 let name = path.display().to_string();
                 let mut warnings =
                     obj::add_materials_of_meshes(&name, &folder, options, &budget, &mut file)?;

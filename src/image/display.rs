@@ -104,10 +104,11 @@ impl Display {
         })
     }
 
-    /// The share of `pixels` that have a channel above 1, which 8-bit files clip.
+    /// The share of those of the `pixels` that are not black that have a channel above 1, which 8-bit files clip.
     pub(super) fn clipped(&self, pixels: &[[f32; 3]]) -> f64 {
         let clipped = self.mapped(pixels).filter(|pixel| pixel.iter().any(|&value| value > 1.0));
-        clipped.count() as f64 / pixels.len().max(1) as f64
+        let lit = pixels.iter().filter(|pixel| pixel.iter().any(|&value| value > 0.0)).count();
+        clipped.count() as f64 / lit.max(1) as f64
     }
 
     /// The codes of `pixels` and their `alpha`, four for each pixel. The colours in PNG files are not
@@ -177,8 +178,8 @@ mod tests {
         pixels.extend([[3.9, 4.0, 0.0]; 38]);
         pixels.extend([[f32::INFINITY; 3]; 2]);
         assert_eq!(automatic_stops(&pixels), -2.0);
-        assert_eq!(display.clipped(&pixels), 2.0 / 140.0);
-        assert_eq!(Display::default().clipped(&pixels), 40.0 / 140.0);
+        assert_eq!(display.clipped(&pixels), 2.0 / 40.0);
+        assert_eq!(Display::default().clipped(&pixels), 1.0);
         pixels.push([5.0, 0.0, 0.0]);
         assert_eq!(automatic_stops(&pixels), -2.5);
         assert_eq!(automatic_stops(&[[1e-3; 3]]), 9.75);

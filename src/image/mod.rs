@@ -145,7 +145,7 @@ impl Image {
         self.height
     }
 
-    /// The share of pixels that 8-bit files with this appearance clip.
+    /// The share of the pixels that are not black that 8-bit files with this appearance clip.
     pub(crate) fn clipped(&self, display: &Display) -> f64 {
         display.clipped(&self.pixels)
     }

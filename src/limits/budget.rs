@@ -41,7 +41,8 @@ impl Budget {
         Self { limits: limits.clone(), text: TEXT.saturating_mul(bytes), held: AtomicU64::new(0) }
     }
 
-    fn held(&self) -> u64 {
+    /// The estimated memory so far, without that of the text.
+    pub(crate) fn held(&self) -> u64 {
         self.held.load(Ordering::Relaxed)
     }
 

@@ -351,6 +351,44 @@ fn lamps_of_blender_are_divided_by_683() {
     assert!(other.contains("`--exposure auto`") && !other.contains("light-units"), "{other}");
 }
 
+/// All frames have one camera, which shows the object at all times. `--z-up` turns the object.
+#[test]
+fn files_without_a_camera_are_seen_whole_on_a_ground() {
+    let there = tempfile::tempdir().unwrap();
+    let (mut json, _) = gltf();
+    for node in json["nodes"].as_array_mut().unwrap() {
+        let node = node.as_object_mut().unwrap();
+        (node.remove("camera"), node.remove("extensions"));
+    }
+    for file in ["gltf parts.bin", "grid.png", "tilted.png"] {
+        fs::copy(folder().join(file), there.path().join(file)).unwrap();
+    }
+    fs::write(there.path().join("a.gltf"), json.to_string()).unwrap();
+    fs::write(there.path().join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n").unwrap();
+    let show = |name: &str, options: &[&str]| -> Value {
+        let show = [&["scenes", "show", "--json", name], options].concat();
+        serde_json::from_str(&succeeds(there.path(), &show)).unwrap()
+    };
+    let frame = |at: &str| show("a.gltf", &["--animation", "move", "--at", at]);
+    let [start, end] = ["0", "2"].map(frame);
+    assert_eq!(start["camera"], end["camera"]);
+    assert_ne!(start["primitives"], end["primitives"]);
+    let ground = |scene: &Value| scene["materials"].get("ground of the view").is_some();
+    assert!(ground(&start) && !ground(&show("a.gltf", &["--no-ground"])));
+    fs::copy(folder().join("sky.pfm"), there.path().join("sky.pfm")).unwrap();
+    assert!(!ground(&show("a.gltf", &["--env", "sky.pfm"])));
+    // The triangle lies, and stands with z up.
+    let view = |options: &[&str]| {
+        let scene = show("a.obj", options);
+        (numbers(&scene["camera"]["look_from"])[2], numbers(&scene["camera"]["look_at"])[2])
+    };
+    // Its corners are at z = 0 and 1, and at z = -0 and y = 1.
+    let [(_, lying), (_, standing)] = [view(&[]), view(&["--z-up"])];
+    assert!(lying > 0.3 && standing < 0.2, "{lying} {standing}");
+    let output = ptfast(there.path(), &["scenes", "check", "spheres", "--z-up"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
+
 /// The reference code of KHR_lights_punctual squares the attenuation between the cones.
 #[test]
 fn spots_of_gltf_files_fall_by_a_square() {

@@ -75,7 +75,12 @@ impl SceneLimitArgs {
 
     /// Reads the scene that these arguments name.
     pub(crate) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
-        let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import())?;
+        self.read_for(scene, None)
+    }
+
+    /// As [`read`](Self::read), for a picture of this size, if it is not the scene's.
+    pub(crate) fn read_for(&self, scene: &SceneArg, size: Option<(u32, u32)>) -> Result<Parsed> {
+        let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import(size))?;
         let mut parsed = match scene.env() {
             Some((path, degrees)) => parsed.with_environment(path, degrees)?,
             None => parsed,

@@ -51,6 +51,11 @@ fn roulette(text: &str) -> std::result::Result<Roulette, String> {
 }
 
 impl SampleArgs {
+    /// The size of the picture, if both sides are given.
+    pub(crate) fn size(&self) -> Option<(u32, u32)> {
+        self.width.zip(self.height)
+    }
+
     /// These settings, and the scene's defaults for the others.
     ///
     /// # Errors

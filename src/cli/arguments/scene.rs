@@ -47,6 +47,12 @@ pub(crate) struct SceneArg {
     /// strong as emission
     #[arg(long, value_name = "UNITS", help_heading = IMPORT, default_value = LightUnits::default().name(), value_parser = named(&LightUnits::ALL, LightUnits::name))]
     light_units: LightUnits,
+    /// Turn the z-axis of a glTF, OBJ or PLY file up, instead of the y-axis
+    #[arg(long, help_heading = IMPORT)]
+    z_up: bool,
+    /// Show a file without camera and light without a ground
+    #[arg(long, help_heading = IMPORT)]
+    no_ground: bool,
     /// Choose the variant of this name of the materials of a glTF scene
     #[arg(long, value_name = "NAME", help_heading = IMPORT)]
     variant: Option<String>,
@@ -72,6 +78,8 @@ impl SceneArg {
             at: 0.0,
             variant: None,
             light_units: LightUnits::default(),
+            z_up: false,
+            no_ground: false,
         }
     }
 
@@ -91,7 +99,8 @@ impl SceneArg {
     }
 
     /// How scenes of other programs are read.
-    pub(crate) fn import(&self) -> ImportOptions {
+    /// `size` is that of the picture, if the user chooses it.
+    pub(crate) fn import(&self, size: Option<(u32, u32)>) -> ImportOptions {
         let Self { missing, strict, ref animation, at, ref variant, light_units, .. } = *self;
         ImportOptions {
             missing,
@@ -101,6 +110,9 @@ impl SceneArg {
             variant: variant.clone(),
             light_units,
             environment: self.env.is_some(),
+            z_up: self.z_up,
+            no_ground: self.no_ground,
+            size,
         }
     }
 
@@ -124,16 +136,11 @@ impl SceneArg {
             other => format!(" --light-units {}", other.name()),
         };
         let edits = self.set.iter().map(|edit| format!(" --set {}", quoted(edit)));
-        let words = [
-            env.collect(),
-            turn.collect(),
-            edits.collect(),
-            missing,
-            animation,
-            at,
-            variant,
-            units,
-        ];
+        let flag =
+            |name: &str, given: bool| if given { format!(" --{name}") } else { String::new() };
+        let flags = flag("z-up", self.z_up) + &flag("no-ground", self.no_ground);
+        let (env, turn, edits) = (env.collect(), turn.collect(), edits.collect());
+        let words = [env, turn, edits, missing, animation, at, variant, units, flags];
         quoted(self.name()) + &words.concat()
     }
 }

@@ -39,7 +39,7 @@ use crate::measure::machine::Interference;
 use crate::output::write_atomically;
 use crate::scene::Scene;
 
-/// Share of clipped pixels above which a notice says so.
+/// Share of clipped pixels, among those that are not black, above which a notice says so.
 const MOST_CLIPPED: f64 = 0.2;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
@@ -79,7 +79,7 @@ impl<'a> RenderJob<'a> {
         let loading = Instant::now();
         let reading = format!("reading {}", args.sample.scene.name());
         let (scene, maybe_blender) = progress::waiting(&reading, args.mode(), || {
-            let parsed = args.limits.read(&args.sample.scene)?;
+            let parsed = args.limits.read_for(&args.sample.scene, args.sample.size())?;
             Ok::<_, Error>((parsed.resolve()?, parsed.maybe_blender))
         })?;
         let load = loading.elapsed().as_secs_f64();
@@ -279,7 +279,7 @@ impl<'a> RenderJob<'a> {
                 false => "",
             };
             notice(format_args!(
-                "{percent}% of the pixels are too bright for {}: `--exposure auto` darkens it{units}",
+                "{percent}% of the pixels that are not black are too bright for {}: `--exposure auto` darkens it{units}",
                 self.output
             ));
         }

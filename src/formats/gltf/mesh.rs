@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::Reader;
 use super::file::{Attributes, Primitive};
 use crate::formats::import::unique;
+use crate::formats::view::Extent;
 use crate::geometry::Bounds;
 use crate::math::affine;
 use crate::math::precise::unit;
@@ -60,10 +61,11 @@ impl Reader<'_, '_, '_> {
         node: usize,
         mesh: usize,
     ) -> Result<(Vec<PrimitiveFile>, Bounds), String> {
-        let before = replace(&mut self.bounds, Bounds::EMPTY);
+        let empty = Extent::new(self.import.options.aspect());
+        let before = replace(&mut self.extent, empty);
         let parts = self.triangles(node, mesh, &DAffine3::IDENTITY)?;
-        let own = replace(&mut self.bounds, before);
-        Ok((parts.into_iter().map(PrimitiveFile::from).collect(), own))
+        let own = replace(&mut self.extent, before);
+        Ok((parts.into_iter().map(PrimitiveFile::from).collect(), own.bounds))
     }
 
     /// Adds a named mesh, and returns its name.
@@ -79,6 +81,19 @@ impl Reader<'_, '_, '_> {
         unique(&mut self.names, own, number)
     }
 
+    /// The extent of the mesh in a node with this map.
+    pub(crate) fn reach(&mut self, node: usize, mesh: usize, map: &DAffine3) -> Result<(), String> {
+        let gltf = self.gltf;
+        let skinned = gltf.document.nodes[node].skin.is_some();
+        let map = if skinned { &DAffine3::IDENTITY } else { map };
+        for primitive in &gltf.document.meshes[mesh].primitives {
+            if let Some(part) = self.part(node, mesh, primitive)? {
+                self.extent.add(part.positions.iter().map(|&p| map.transform_point3(p).as_vec3()));
+            }
+        }
+        Ok(())
+    }
+
     /// Includes an instance of a mesh with this box in the bounds of the scene.
     pub(crate) fn cover(&mut self, Bounds { min, max }: Bounds, map: &DAffine3) {
         let corner = |i: u32| {
@@ -86,7 +101,7 @@ impl Reader<'_, '_, '_> {
             let corner = DVec3::new(pick(0).into(), pick(1).into(), pick(2).into());
             map.transform_point3(corner).as_vec3()
         };
-        self.bounds = self.bounds.union(Bounds::of((0..8).map(corner)));
+        self.extent.add((0..8).map(corner));
     }
 
     /// Reads a part of a mesh, and deforms it. `None` for parts that are not triangles.
@@ -299,7 +314,7 @@ impl Reader<'_, '_, '_> {
         let turn = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
         let vertices: Vec<_> =
             positions.iter().map(|&p| map.transform_point3(p).as_vec3().to_array()).collect();
-        self.bounds = self.bounds.union(Bounds::of(vertices.iter().map(|&v| v.into())));
+        self.extent.add(vertices.iter().map(|&v| v.into()));
         let rounded = |v: DVec3| {
             let v = if v == DVec3::ZERO { DVec3::Z } else { unit(v) };
             v.as_vec3().to_array()

@@ -9,6 +9,7 @@ mod material;
 mod mesh;
 mod pose;
 mod texture;
+mod view;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -18,19 +19,16 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 pub(crate) use self::file::Gltf;
 use self::file::{Camera, SUPPORTED};
 use self::pose::Pose;
-use super::import::{Format, Import, Middle, ROULETTE};
-use super::mesh_scene;
+use super::import::{Format, Import, Middle};
+use super::view::{Extent, Z_UP};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Instance};
 use crate::math::affine::{self, rows};
 use crate::scene::{InstanceFile, SceneFile};
-use crate::shading::{Background, CameraFile};
+use crate::shading::CameraFile;
 
 /// glTF 2.0.
 pub(crate) static FORMAT: Format = Format { extensions: &["glb", "gltf"], read, middle: Middle::X };
-
-/// The light of scenes without any: a bright sky above a grey ground.
-const SKY: Background = Background::Gradient { bottom: [0.4; 3], top: [1.2; 3] };
 
 /// Bytes of memory for each instance in a node: the place while the list grows, and the instance.
 const INSTANCE: u64 = 500;
@@ -61,7 +59,7 @@ struct Reader<'i, 'a, 'g> {
     textures: HashMap<String, String>,
     /// The number of the chosen variant.
     variant: Option<usize>,
-    bounds: Bounds,
+    extent: Extent,
     has_camera: bool,
 }
 
@@ -71,24 +69,10 @@ pub(crate) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
     let mut gltf = Gltf::read(path, import.budget)?;
     gltf.decompress().map_err(bad)?;
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut reader = Reader {
-        file,
-        scene: SceneFile::new(CameraFile::new([0.0; 3], [0.0, 0.0, -1.0], 40.0)),
-        pose: Pose::new(&gltf, import).map_err(bad)?,
-        maps: HashMap::new(),
-        placements: Vec::new(),
-        materials: HashMap::new(),
-        names: HashSet::new(),
-        textures: HashMap::new(),
-        variant: variant(&gltf, import).map_err(bad)?,
-        bounds: Bounds::EMPTY,
-        has_camera: false,
-        import,
-        gltf: &gltf,
-    };
+    let mut reader = Reader::new(import, &gltf, file).map_err(bad)?;
     reader.nodes().map_err(bad)?;
     reader.meshes().map_err(bad)?;
-    reader.finish();
+    reader.finish().map_err(bad)?;
     reader.warn_of_extensions();
     Ok(reader.scene)
 }
@@ -114,7 +98,25 @@ fn variant(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Option<usize>, St
     })
 }
 
-impl Reader<'_, '_, '_> {
+impl<'i, 'a, 'g> Reader<'i, 'a, 'g> {
+    fn new(import: &'i mut Import<'a>, gltf: &'g Gltf<'a>, file: String) -> Result<Self, String> {
+        Ok(Self {
+            file,
+            scene: SceneFile::new(CameraFile::new([0.0; 3], [0.0, 0.0, -1.0], 40.0)),
+            pose: Pose::new(gltf, import)?,
+            maps: HashMap::new(),
+            placements: Vec::new(),
+            materials: HashMap::new(),
+            names: HashSet::new(),
+            textures: HashMap::new(),
+            variant: variant(gltf, import)?,
+            extent: Extent::new(import.options.aspect()),
+            has_camera: false,
+            import,
+            gltf,
+        })
+    }
+
     /// Visits all nodes of the scene.
     fn nodes(&mut self) -> Result<(), String> {
         let document = &self.gltf.document;
@@ -129,8 +131,10 @@ impl Reader<'_, '_, '_> {
         if document.scenes.len() > 1 {
             self.import.warn("only one of the scenes in the file is shown, the one that it names");
         }
-        let to_scene = DAffine3::from_translation(-self.import.origin);
-        let mut open: Vec<_> = roots.into_iter().rev().map(|node| (node, to_scene)).collect();
+        let turned = self.import.options.z_up;
+        let root = if turned { DAffine3::from_mat3(Z_UP) } else { DAffine3::IDENTITY };
+        let root = DAffine3::from_translation(-self.import.origin) * root;
+        let mut open: Vec<_> = roots.into_iter().rev().map(|node| (node, root)).collect();
         while let Some((index, parent)) = open.pop() {
             let node = document.nodes.get(index).ok_or_else(|| format!("unknown node {index}"))?;
             let map = parent * self.pose.local(index, node);
@@ -276,23 +280,6 @@ impl Reader<'_, '_, '_> {
             }
         }
         Ok(())
-    }
-
-    /// Sets what the file leaves open.
-    fn finish(&mut self) {
-        if !self.has_camera && self.bounds != Bounds::EMPTY {
-            self.scene.camera = mesh_scene::camera_around(self.bounds);
-        }
-        // Displays and tail lights light no scene, so surfaces that emit light do not count.
-        if self.scene.lights.is_empty() {
-            self.scene.background = SKY;
-            if !self.import.options.environment {
-                self.import.note(
-                    "has no KHR_lights_punctual lights, so it is under a soft sky; `--env` sets an environment map",
-                );
-            }
-        }
-        (self.scene.render.spp, self.scene.render.roulette) = (64, ROULETTE);
     }
 
     /// Warns of extensions that ptfast lacks.

@@ -23,21 +23,14 @@ pub(crate) struct Pose {
 impl Pose {
     /// The pose that the options choose.
     pub(crate) fn new(gltf: &Gltf<'_>, import: &mut Import<'_>) -> Result<Self, String> {
-        let animations = &gltf.document.animations;
-        let Some(name) = &import.options.animation else {
-            if !animations.is_empty() {
+        let Some((name, animation)) = chosen(gltf, import)? else {
+            if !gltf.document.animations.is_empty() {
                 import.note(
                     "is shown at rest; `--animation` and `--at` choose an animation and its time",
                 );
             }
             return Ok(Self::default());
         };
-        let names = || animations.iter().filter_map(|animation| animation.name.as_deref());
-        let number = name.parse().ok().and_then(|number: usize| animations.get(number));
-        let found = animations.iter().find(|animation| animation.name.as_ref() == Some(name));
-        let animation = found
-            .or(number)
-            .ok_or_else(|| format!("unknown animation `{name}`{}", suggestion(name, names())))?;
         let mut pose = Self::default();
         for i in 0..animation.channels.len() {
             pose.follow(gltf, animation, i, import.options.at)
@@ -105,6 +98,37 @@ impl Pose {
             ),
         }
     }
+}
+
+/// The animation that the options choose, by name or number, and that name.
+fn chosen<'a, 'g>(
+    gltf: &'g Gltf<'_>,
+    import: &Import<'a>,
+) -> Result<Option<(&'a str, &'g Animation)>, String> {
+    let animations = &gltf.document.animations;
+    let Some(name) = import.options.animation.as_deref() else { return Ok(None) };
+    let names = || animations.iter().filter_map(|animation| animation.name.as_deref());
+    let number = name.parse().ok().and_then(|number: usize| animations.get(number));
+    let found = animations.iter().find(|animation| animation.name.as_deref() == Some(name));
+    let animation = found
+        .or(number)
+        .ok_or_else(|| format!("unknown animation `{name}`{}", suggestion(name, names())))?;
+    Ok(Some((name, animation)))
+}
+
+/// Eight times from the beginning to the end of the animation that the options choose.
+pub(super) fn times(gltf: &Gltf<'_>, import: &Import<'_>) -> Result<Option<[f64; 8]>, String> {
+    let Some((_, animation)) = chosen(gltf, import)? else { return Ok(None) };
+    let (mut begin, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
+    for sampler in &animation.samplers {
+        for [time] in gltf.vectors::<1>(sampler.input)? {
+            let time = f64::from(time);
+            begin = if time < begin { time } else { begin };
+            end = if time > end { time } else { end };
+        }
+    }
+    let times = std::array::from_fn(|i| begin + (end - begin) * (i as f64 / 7.0));
+    Ok((begin <= end).then_some(times))
 }
 
 /// The times of keyframes, and the time whose value is wanted.

@@ -61,7 +61,7 @@ fn complete_files_have_the_same_exposure_and_tone_map() {
         let output = ptfast(here, &[&base[..], &["a.png", "--exposure", wrong]].concat());
         let error = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{error}");
-        assert!(error.contains("must be a number from -32 to 32"), "{error}");
+        assert!(error.contains("must be auto or a number from -32 to 32"), "{error}");
     }
 }
 
