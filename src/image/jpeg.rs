@@ -40,7 +40,7 @@ pub(super) fn decode(
         .ok_or_else(|| "damaged image: its pixels do not match its size".to_owned())
 }
 
-/// The kind of a file that the decoder lacks, or, if chroma has more samples than luma, decodes to other colours.
+/// The kind of a file that the decoder lacks, or decodes to other colours: it takes chroma for a whole fraction of luma.
 /// The validity of the file is left to the decoder.
 fn unsupported(file: &mut (impl BufRead + Seek)) -> io::Result<Option<&'static str>> {
     file.seek(SeekFrom::Start(2))?;
@@ -77,8 +77,11 @@ fn unsupported(file: &mut (impl BufRead + Seek)) -> io::Result<Option<&'static s
             samples.push([component[1] >> 4, component[1] & 15]);
         }
         let [luma, chroma @ ..] = &samples[..] else { return Ok(None) };
-        let more = chroma.iter().any(|[across, down]| *across > luma[0] || *down > luma[1]);
-        return Ok(more.then_some("its chroma has more samples than its luma"));
+        let fits = |luma: u8, chroma: u8| chroma == 0 || luma.is_multiple_of(chroma);
+        let fit = chroma.iter().all(|[x, y]| fits(luma[0], *x) && fits(luma[1], *y));
+        return Ok(
+            (!fit).then_some("its chroma has more samples than its luma, or an odd part of them")
+        );
     }
 }
 
@@ -116,9 +119,10 @@ mod tests {
             (4, 12, "its channels have more than 8 bits"),
             (14, 0x41, "its chroma has more samples than its luma"),
             (17, 0x14, "its chroma has more samples than its luma"),
+            (14, 0x21, "its chroma has more samples than its luma, or an odd part of them"),
         ] {
             let mut bytes = photo.clone();
-            bytes[frame + at] = value;
+            (bytes[frame + 11], bytes[frame + at]) = (0x31, value);
             std::fs::write(&path, &bytes).unwrap();
             let error = Image::read(&path).unwrap_err().to_string();
             assert!(error.contains(&format!("unsupported image: {name}")), "{error}");
