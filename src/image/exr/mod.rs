@@ -6,8 +6,11 @@ mod layer;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 
+use ::exr::block::UncompressedBlock;
+use ::exr::block::chunk::{Chunk, CompressedBlock};
 use ::exr::block::reader::ChunksReader;
 use ::exr::error::{Error as ExrError, UnitResult};
 use ::exr::math::Vec2;
@@ -66,7 +69,10 @@ fn luma() -> String {
 
 fn failed(source: &Source<'_>, error: ExrError) -> Error {
     match error {
-        ExrError::Io(error) => Error::io(source.path(), "read")(error),
+        // A file may point to a place before its beginning.
+        ExrError::Io(error) if error.kind() != ErrorKind::InvalidInput => {
+            Error::io(source.path(), "read")(error)
+        }
         ExrError::NotSupported(what) => source.bad(format!("unsupported image: {what}")),
         other => source.bad(format!("damaged image: {other}")),
     }
@@ -171,6 +177,23 @@ fn memory(header: &Header) -> u64 {
     values.saturating_add(block).saturating_add(list)
 }
 
+/// Checks the counts at the beginning of a block in DWA compression, for which the decoder allocates memory.
+fn check_counts(chunk: &Chunk, header: &Header) -> UnitResult {
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+    // A block is padded to squares of 8 × 8 values.
+    let most = (header.max_block_byte_size() as u64).saturating_mul(8).saturating_add(1 << 20);
+    let counts = bytes.as_chunks().0.iter().take(10).map(|count| u64::from_le_bytes(*count));
+    if is_dwa && counts.max().is_some_and(|count| count > most) {
+        return Err(ExrError::Invalid("a block has too many values".into()));
+    }
+    Ok(())
+}
+
 /// Calls `put` with the lines of all channels of a part: the number of the channel, the place of the first value in
 /// the data window, and the values.
 fn read(
@@ -186,7 +209,11 @@ fn read(
             .filter_chunks(false, |_, tile, block| {
                 block.layer == part && tile.level_index == top
             })?;
-        chunks.decompress_sequential(false, |all, block| {
+        let all = chunks.meta_data().clone();
+        for chunk in chunks {
+            let chunk = chunk?;
+            check_counts(&chunk, &all.headers[part])?;
+            let block = UncompressedBlock::decompress_chunk(chunk, &all, false)?;
             // A file may point to blocks of other parts.
             if block.index.layer != part || block.index.level != top {
                 return Err(ExrError::Invalid("a block is of another part".into()));
@@ -208,8 +235,8 @@ fn read(
                 }
                 put(place.channel, place.position, &line);
             }
-            Ok(())
-        })
+        }
+        Ok(())
     };
     decode().map_err(|error| failed(source, error))
 }

@@ -136,3 +136,36 @@ fn kinds_that_the_decoder_lacks_are_unsupported_by_name() {
     let error = pixel(&rgb()[..300], None).unwrap_err();
     assert!(error.contains("damaged image"), "{error}");
 }
+
+#[test]
+fn counts_of_values_that_a_block_cannot_have_are_rejected() {
+    let file = |channels: &[(&str, f32)]| {
+        let channel = |&(name, value): &(&str, f32)| {
+            AnyChannel::new(name, FlatSamples::F32(vec![value; 256]))
+        };
+        let channels = AnyChannels::sort(channels.iter().map(channel).collect());
+        let stored = Stored { compression: Compression::DWAA(None), ..Stored::UNCOMPRESSED };
+        let layer = Layer::new((16, 16), LayerAttributes::default(), stored, channels);
+        let mut bytes = Cursor::new(Vec::new());
+        Exr::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    };
+    let good = file(RGB);
+    let found = pixel(&good, None).unwrap();
+    assert!(found.iter().zip([0.1, 0.2, 0.3]).all(|(a, b)| (a - b).abs() < 0.01), "{found:?}");
+    // The only block begins with its row and its size. The ninth number after them counts values.
+    let begin = good.len() - block_length(&good);
+    let mut bad = good;
+    bad[begin + 8 * 8 + 5] = 1;
+    let error = pixel(&bad, None).unwrap_err();
+    assert!(error.contains("damaged image") && error.contains("too many values"), "{error}");
+}
+
+/// The length of the only block of a file, which ends it.
+fn block_length(file: &[u8]) -> usize {
+    let is_length = |length: &usize| {
+        let at = file.len() - length - 4;
+        u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize == *length
+    };
+    (88..file.len() - 300).find(is_length).unwrap()
+}
