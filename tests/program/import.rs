@@ -358,7 +358,8 @@ fn files_without_a_camera_are_seen_whole_on_a_ground() {
     let (mut json, _) = gltf();
     for node in json["nodes"].as_array_mut().unwrap() {
         let node = node.as_object_mut().unwrap();
-        (node.remove("camera"), node.remove("extensions"));
+        node.remove("camera");
+        node.remove("extensions");
     }
     for file in ["gltf parts.bin", "grid.png", "tilted.png"] {
         fs::copy(folder().join(file), there.path().join(file)).unwrap();
