@@ -91,6 +91,7 @@ pub(crate) fn clip_concave(positions: &[Vec3], triangles: &mut [[u32; 3]], polyg
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::cross;
 
     fn fan(count: u32) -> Vec<[u32; 3]> {
         (2..count).map(|i| [0, i - 1, i]).collect()
@@ -104,7 +105,7 @@ mod tests {
         clip_concave(&positions, &mut triangles, &[Polygon { first: 0, corners: count }]);
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| positions[i as usize]);
-            (b - a).cross(c - a).z / 2.0
+            cross(b - a, c - a).z / 2.0
         };
         let areas =
             [triangles.iter().map(area).sum(), triangles.iter().map(|t| area(t).abs()).sum()];

@@ -3,6 +3,7 @@
 use super::lines::{FACE, LONG, NORMAL, RANGE, UV, VERTEX};
 use crate::formats::obj::*;
 use crate::limits::{Limit, Limits};
+use crate::math::cross;
 
 fn read(text: &[u8]) -> Result<IndexedMesh> {
     parse("a.obj", text, &Budget::new(&Limits::default(), 0))
@@ -118,7 +119,7 @@ fn concave_faces_are_clipped_and_others_keep_their_fan() {
     let area = |faces: &str| {
         let mesh = read(format!("{corners}{faces}").as_bytes()).unwrap();
         let at = |i: u32| mesh.vertices.positions[i as usize];
-        let twice = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+        let twice = |t: &[u32; 3]| cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
         let all = mesh.triangles.iter().map(twice);
         (all.clone().sum::<Vec3>().z / 2.0, all.map(|cross| cross.z.abs()).sum::<f32>() / 2.0)
     };

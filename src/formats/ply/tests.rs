@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::limits::{Limit, Limits};
+use crate::math::{cross, length};
 
 const HEADER: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n\
     property float x\nproperty double y\nproperty int z\nproperty uchar red\n\
@@ -217,7 +218,7 @@ fn concave_faces_are_clipped() {
     let area = |list: &str, face: &str| {
         let mesh = read(&format!("{head}{list}end_header\n{vertices}{face}"));
         let at = |i: u32| mesh.vertices.positions[i as usize];
-        let twice = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).length();
+        let twice = |t: &[u32; 3]| length(cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0])));
         mesh.triangles.iter().map(twice).sum::<f32>() / 2.0
     };
     assert_eq!(area("", "6 0 1 2 3 4 5\n"), 3.0);

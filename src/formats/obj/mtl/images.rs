@@ -6,6 +6,7 @@ use std::path::Path;
 use super::section::Section;
 use crate::formats::import::Import;
 use crate::image::{Encoding, Size, Source, Texels, has_alpha};
+use crate::math::max;
 use crate::shading::TextureRef;
 use crate::shading::texture::{Channel, Image};
 
@@ -52,7 +53,7 @@ impl Images {
 /// Whether a colour stands for a normal, which exporters may have filtered or not normalised.
 fn is_normal([r, g, b, _]: [f32; 4]) -> bool {
     let [x, y, z] = [r, g, b].map(|channel| 2.0 * channel - 1.0);
-    let is_grey = (r - b).abs().max((g - b).abs()) < 0.0625;
+    let is_grey = max((r - b).abs(), (g - b).abs()) < 0.0625;
     z > 0.0 && !is_grey && (0.5..1.6).contains(&(x * x + y * y + z * z))
 }
 

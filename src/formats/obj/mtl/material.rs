@@ -5,6 +5,7 @@ use std::path::Path;
 use super::images::{Images, Maps};
 use super::section::{Section, Wrong};
 use crate::formats::import::Import;
+use crate::math::max;
 use crate::shading::material::{Dielectric, Fresnel, Lambertian, Light, Principled};
 use crate::shading::texture::Channel;
 use crate::shading::{Color, Material, Number, Opacity, Sides, TextureRef};
@@ -222,7 +223,7 @@ impl Section<'_> {
 /// The colour of clear glass at each of the two surfaces that light passes: the hue of `Kd`. Its brightness
 /// does not count, since exporters write their usual grey for clear glass.
 fn glass_color(color: [f32; 3]) -> [f32; 3] {
-    match color[0].max(color[1]).max(color[2]) {
+    match max(max(color[0], color[1]), color[2]) {
         most if most > 0.0 => color.map(|c| (c / most).sqrt()),
         _ => [1.0; 3],
     }
