@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Cone, SAMPLES, Table, randoms};
-use crate::geometry::{Hit, Ray, Shape, Surface, Surfaces};
+use crate::geometry::{Geometry, Hit, Quad, Ray, Shape, Surface, Surfaces};
+use crate::math::vector::orthonormal_basis;
 use crate::math::{Frame, Stream, dot, normalize, reflect};
 use crate::sampler::{Dimension, Randoms};
 use crate::shading::material::{
@@ -55,8 +56,11 @@ fn scattering(material: &Material, direction: Vec3, normal: Vec3, front: bool) -
         }
     }
 
+    // A quad with texture coordinates, which give the directions of anisotropy.
+    let (s, t) = orthonormal_basis(normal);
+    let quads = vec![Quad::new(Vec3::ZERO, s, t).expect("a quad")];
     let at = Interaction {
-        surfaces: &Surfaces::new(&Arc::default()),
+        surfaces: &Surfaces::new(&Arc::new(Geometry { quads, ..Geometry::default() })),
         textures: None,
         ray: Ray { origin: Vec3::ZERO, direction, time: 0.0 },
         shape: Shape::Quad,
@@ -99,7 +103,7 @@ fn cases() -> Vec<Case> {
         edit(&mut material);
         (format!("principled {name}"), material.into())
     };
-    let materials: [(String, Material); 24] = [
+    let materials: [(String, Material); 27] = [
         ("diffuse".to_owned(), Diffuse { albedo: ALBEDO.into() }.into()),
         ("lambertian".to_owned(), Lambertian::new(ALBEDO).into()),
         metal(0.1),
@@ -129,6 +133,17 @@ fn cases() -> Vec<Case> {
         principled("glass", |p| p.transmission = 1.0.into()),
         principled("dim glass", |p| {
             (p.transmission, p.specular, p.roughness) = (1.0.into(), 0.5.into(), 0.7.into());
+        }),
+        principled("velvet", |p| {
+            (p.sheen_color, p.sheen_roughness) = ([0.9, 0.3, 0.5].into(), 0.4.into());
+        }),
+        principled("leaf", |p| {
+            p.diffuse_transmission = 0.6.into();
+            p.diffuse_transmission_color = [0.3, 0.9, 0.2].into();
+        }),
+        principled("brushed", |p| {
+            (p.metalness, p.roughness, p.anisotropy) = (1.0.into(), 0.4.into(), 0.8);
+            p.anisotropy_rotation = 30.0;
         }),
         principled("thin glass", |p| (p.transmission, p.thin) = (1.0.into(), true)),
         principled("milky, coated glass", |p| {
@@ -217,7 +232,8 @@ fn weights_are_what_is_scattered() {
 }
 
 /// Scattering is reciprocal: f is symmetric, except for a factor of η² in transmission through
-/// glass.
+/// glass. Coats, sheens and rough glass of `principled` are not: what they leave to other lobes, or add to them,
+/// depends on the viewer's side alone.
 #[test]
 fn scattering_is_reciprocal() {
     let normal = normalize(Vec3::new(0.3, -0.8, 0.5));
@@ -226,12 +242,9 @@ fn scattering_is_reciprocal() {
         let roughness: Number = alpha.sqrt().into();
         let base_color = Color::from(ALBEDO);
         let plastic = Principled { roughness, base_color, ..Principled::default() };
-        let coat = Principled { coat: 0.7.into(), coat_roughness: 0.5.into(), ..plastic.clone() };
-        let glass = Principled { transmission: 0.6.into(), ..plastic.clone() };
-        let opaque = [conductor(alpha), plastic.into(), coat.into()];
-        let glasses = [RoughDielectric::new(1.5, alpha).into(), glass.into()];
+        let glass = RoughDielectric::new(1.5, alpha);
         for (material, transmits) in
-            opaque.map(|m| (m, false)).into_iter().chain(glasses.map(|m| (m, true)))
+            [(conductor(alpha), false), (plastic.into(), false), (glass.into(), true)]
         {
             let f = |from: Vec3, to: Vec3, front: bool| {
                 let normal = if front { normal } else { -normal };
@@ -342,6 +355,9 @@ fn principled_gains_no_light() {
         material.specular = one_of(&[0.0, 0.3, 1.0]).into();
         material.coat = one_of(&[0.0, 0.0, 0.6]).into();
         material.coat_roughness = one_of(&[0.0, 0.5]).into();
+        material.sheen_color = [one_of(&[0.0, 0.0, 1.0]); 3].into();
+        material.sheen_roughness = one_of(&[0.1, 0.5, 1.0]).into();
+        material.diffuse_transmission = one_of(&[0.0, 0.0, 0.4]).into();
         material.ior = one_of(&[1.1, 1.5, 2.5]);
         material.thin = one_of(&[0.0, 1.0]) > 0.5;
         let cos = one_of(&[0.97, 0.7, 0.5, 0.2, 0.05]);

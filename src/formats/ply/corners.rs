@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use glam::{Vec2, Vec3};
 use ply_rs_bw::ply::Header;
 
-use super::mesh::has;
-use super::row::{COLOR, CORNER_COLORS, CORNER_UVS, Row};
+use super::row::{COLOR, CORNER_COLORS, CORNER_UVS, Row, has};
 use crate::scene::mesh::{IndexedMesh, fan};
 
 /// Bytes of memory for each corner of a triangle, with its entry in a table and its vertex.

@@ -4,7 +4,7 @@ use glam::Vec3;
 use ply_rs_bw::ply::Header;
 
 use super::corners::Corners;
-use super::row::{COLOR, NORMAL, Row, UVS};
+use super::row::{COLOR, NORMAL, Row, UVS, has};
 use crate::formats::polygons::Polygon;
 use crate::geometry::Vertices;
 use crate::scene::mesh::{IndexedMesh, fan, in_range};
@@ -32,12 +32,6 @@ impl Attributes {
         let with = |bytes: usize, is_there: bool| if is_there { bytes } else { 0 };
         12 + with(12, self.normals) + with(8, self.uvs.is_some()) + with(12, self.colors)
     }
-}
-
-/// Whether the header of an element has all of these properties.
-pub(super) fn has(header: &Header, element: &str, names: &[&str]) -> bool {
-    let element = header.elements.get(element);
-    element.is_some_and(|element| names.iter().all(|name| element.properties.contains_key(*name)))
 }
 
 /// Adds vertices to the mesh. `Err` holds the index of the invalid row and the reason.

@@ -1,7 +1,13 @@
 //! Decodes the rows of a PLY file.
 
 use glam::{Vec2, Vec3};
-use ply_rs_bw::ply::{BeginList, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{BeginList, Header, Property, PropertyAccess, PropertyAccessResult};
+
+/// Whether the header of an element has all of these properties.
+pub(super) fn has(header: &Header, element: &str, names: &[&str]) -> bool {
+    let element = header.elements.get(element);
+    element.is_some_and(|element| names.iter().all(|name| element.properties.contains_key(*name)))
+}
 
 /// A row of any element, with the data of a vertex and the corners of a face. Properties that the
 /// element does not have keep their initial values.

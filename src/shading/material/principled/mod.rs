@@ -12,13 +12,13 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use self::albedo::Shares;
 pub(super) use self::layered::LayeredBsdf;
-use self::parameters::Extras;
 pub(super) use self::parameters::Parameters;
+use self::parameters::{Rows, parameters};
 use super::{Emission, MaterialModel, MaterialParameters, Opacity, Sides, check_normals};
 use crate::checks::{Location, MAX_RADIANCE};
 use crate::error::Result;
 use crate::math::precise::sin_cos_degrees;
-use crate::math::{Mask, Real, Row, Word, max, row};
+use crate::math::{Real, max, row};
 use crate::shading::{Color, Interaction, Number, TextureRef, TextureTables};
 
 /// Smallest GGX roughness.
@@ -296,8 +296,8 @@ impl MaterialModel for Principled {
             flags: [
                 self.thin.into(),
                 self.is_pane().into(),
-                has_extras.into(),
-                u32::from(coat_apart) | textures.normal_code(self.coat_normal.as_ref()) << 1,
+                u32::from(has_extras) | u32::from(coat_apart) << 1,
+                textures.normal_code(self.coat_normal.as_ref()),
             ],
             extras: [
                 textures.row(&self.specular_color),
@@ -321,83 +321,6 @@ impl MaterialModel for Principled {
     #[inline(always)]
     fn bsdf<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> LayeredBsdf<R> {
         LayeredBsdf::new(&parameters(table, index, at), at)
-    }
-}
-
-/// A material as stored in the table.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rows {
-    base_color: Row,
-    /// The words of metalness and roughness, of specular and transmission, of coat and coat roughness.
-    numbers: [Row; 3],
-    coat_color_ior: Row,
-    /// 1 if thin; 1 if it is a pane; 1 if it has extras; 1 if the coat has another normal, plus twice the code of
-    /// its map.
-    flags: Row,
-    /// Specular colour; sheen colour; the words of its roughness and of the diffuse transmission; the colour of
-    /// that; strength, cosine, sine and map of the anisotropy.
-    extras: [Row; 5],
-}
-
-/// The parameters of the entries at `index` for the point `at`.
-#[inline(always)]
-fn parameters<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> Parameters<R> {
-    let base_color = at.color(R::gather(table, index, |entry| &entry.base_color));
-    let numbers = |i: usize| {
-        let (words, last) = R::gather(table, index, |entry: &Rows| &entry.numbers[i]);
-        at.two_numbers([[words[0], words[1]], [words[2], last]])
-    };
-    let [metalness, roughness] = numbers(0);
-    let [specular, transmission] = numbers(1);
-    let [coat, coat_roughness] = numbers(2);
-    let (coat_color, ior) = R::gather(table, index, |entry| &entry.coat_color_ior);
-    let (flags, coat_code) = R::gather(table, index, |entry| &entry.flags);
-    let is_set = |flag: R| !flag.to_bits().eq(R::Word::splat(0));
-    let extras = if is_set(flags[2]).any() { extras(table, index, at) } else { Extras::none() };
-    let coat_code = coat_code.to_bits();
-    Parameters {
-        base_color,
-        metalness,
-        roughness,
-        specular,
-        transmission,
-        thin: is_set(flags[0]),
-        pane: is_set(flags[1]),
-        ior,
-        coat,
-        coat_roughness,
-        coat_color,
-        coat_apart: !coat_code.eq(R::Word::splat(0)),
-        coat_normal: coat_code >> 1,
-        extras,
-    }
-}
-
-/// Parameters that few materials have.
-#[inline(never)]
-fn extras<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> Extras<R> {
-    let row = |i: usize| R::gather(table, index, |entry: &Rows| &entry.extras[i]);
-    let (words, last) = row(2);
-    let [sheen_roughness, through] = at.two_numbers([[words[0], words[1]], [words[2], last]]);
-    let (numbers, map) = row(4);
-    let [mut anisotropy, cos, sin] = [numbers[0], numbers[1], numbers[2]];
-    let mut direction = [cos, sin];
-    let mapped = !map.to_bits().eq(R::Word::splat(0));
-    if let Some(textures) = at.textures.filter(|_| mapped.any()) {
-        let color = textures.normal(map.to_bits(), at);
-        let [x, y] = [color[0], color[1]].map(|c| c * 2.0 - R::ONE);
-        let turned = [x * cos - y * sin, x * sin + y * cos];
-        direction = [0, 1].map(|i| mapped.select(turned[i], direction[i]));
-        anisotropy = mapped.select(anisotropy * color[2], anisotropy);
-    }
-    Extras {
-        specular_color: at.color(row(0)),
-        anisotropy,
-        direction,
-        sheen_color: at.color(row(1)),
-        sheen_roughness,
-        through,
-        through_color: at.color(row(3)),
     }
 }
 

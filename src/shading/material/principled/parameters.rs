@@ -1,6 +1,7 @@
-//! The parameters of the principled material at a point.
+//! The parameters of the principled material: in its table, and at a point.
 
-use crate::math::{Mask, Real, Vector, Word};
+use crate::math::{Mask, Real, Row, Vector, Word};
+use crate::shading::Interaction;
 
 /// The parameters of the material at a point.
 pub(in crate::shading::material) struct Parameters<R: Real> {
@@ -73,5 +74,86 @@ impl<R: Real> Parameters<R> {
             coat_normal: R::Word::splat(0),
             extras: Extras::none(),
         }
+    }
+}
+
+/// A material as stored in the table.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    pub(super) base_color: Row,
+    /// The words of metalness and roughness, of specular and transmission, of coat and coat roughness.
+    pub(super) numbers: [Row; 3],
+    pub(super) coat_color_ior: Row,
+    /// 1 if thin; 1 if it is a pane; 1 if it has extras, plus 2 if the coat has another normal; the code of the
+    /// coat's normal map.
+    pub(super) flags: Row,
+    /// Specular colour; sheen colour; the words of its roughness and of the diffuse transmission; the colour of
+    /// that; strength, cosine, sine and map of the anisotropy.
+    pub(super) extras: [Row; 5],
+}
+
+/// The parameters of the entries at `index` for the point `at`.
+#[inline(always)]
+pub(super) fn parameters<R: Real>(
+    table: &[Rows],
+    index: R::Index,
+    at: &Interaction<'_, R>,
+) -> Parameters<R> {
+    let base_color = at.color(R::gather(table, index, |entry| &entry.base_color));
+    let numbers = |i: usize| {
+        let (words, last) = R::gather(table, index, |entry: &Rows| &entry.numbers[i]);
+        at.two_numbers([[words[0], words[1]], [words[2], last]])
+    };
+    let [metalness, roughness] = numbers(0);
+    let [specular, transmission] = numbers(1);
+    let [coat, coat_roughness] = numbers(2);
+    let (coat_color, ior) = R::gather(table, index, |entry| &entry.coat_color_ior);
+    let (flags, coat_normal) = R::gather(table, index, |entry| &entry.flags);
+    let is_set = |flag: R, bit: u32| !(flag.to_bits() & R::Word::splat(bit)).eq(R::Word::splat(0));
+    let has_extras = is_set(flags[2], 1).any();
+    let extras = if has_extras { extras(table, index, at) } else { Extras::none() };
+    Parameters {
+        base_color,
+        metalness,
+        roughness,
+        specular,
+        transmission,
+        thin: is_set(flags[0], 1),
+        pane: is_set(flags[1], 1),
+        ior,
+        coat,
+        coat_roughness,
+        coat_color,
+        coat_apart: is_set(flags[2], 2),
+        coat_normal: coat_normal.to_bits(),
+        extras,
+    }
+}
+
+/// Parameters that few materials have.
+#[inline(never)]
+fn extras<R: Real>(table: &[Rows], index: R::Index, at: &Interaction<'_, R>) -> Extras<R> {
+    let row = |i: usize| R::gather(table, index, |entry: &Rows| &entry.extras[i]);
+    let (words, last) = row(2);
+    let [sheen_roughness, through] = at.two_numbers([[words[0], words[1]], [words[2], last]]);
+    let (numbers, map) = row(4);
+    let [mut anisotropy, cos, sin] = [numbers[0], numbers[1], numbers[2]];
+    let mut direction = [cos, sin];
+    let mapped = !map.to_bits().eq(R::Word::splat(0));
+    if let Some(textures) = at.textures.filter(|_| mapped.any()) {
+        let color = textures.normal(map.to_bits(), at);
+        let [x, y] = [color[0], color[1]].map(|c| c * 2.0 - R::ONE);
+        let turned = [x * cos - y * sin, x * sin + y * cos];
+        direction = [0, 1].map(|i| mapped.select(turned[i], direction[i]));
+        anisotropy = mapped.select(anisotropy * color[2], anisotropy);
+    }
+    Extras {
+        specular_color: at.color(row(0)),
+        anisotropy,
+        direction,
+        sheen_color: at.color(row(1)),
+        sheen_roughness,
+        through,
+        through_color: at.color(row(3)),
     }
 }
