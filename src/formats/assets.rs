@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::gltf::Gltf;
 use super::{builtin, mesh};
 use crate::error::Result;
@@ -30,7 +32,7 @@ impl ImageContainer for Gltf<'_> {
 }
 
 impl Assets for Files {
-    fn mesh(&self, path: &Path, budget: &Budget) -> Result<IndexedMesh> {
-        mesh::read(path, budget)
+    fn mesh(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
+        mesh::read(path, origin, budget)
     }
 }

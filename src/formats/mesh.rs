@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::MESHES;
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
@@ -12,17 +14,18 @@ use crate::scene::IndexedMesh;
 pub(crate) struct Format {
     /// The extension of its files, in lower case.
     pub(crate) extension: &'static str,
-    /// Parses the content of the file with this name.
-    pub(crate) parse: fn(&str, &[u8], &Budget) -> Result<IndexedMesh>,
+    /// Parses the content of the file with this name, and subtracts a point from its positions.
+    pub(crate) parse: fn(&str, &[u8], DVec3, &Budget) -> Result<IndexedMesh>,
 }
 
 /// Reads the positions, normals, texture coordinates, colours and faces of a `.obj` or `.ply` file, or a `.ply.gz`,
-/// the names of materials and groups, and ignores the rest. Polygons become triangles.
+/// the names of materials and groups, and ignores the rest. Polygons become triangles. `origin` is subtracted from
+/// positions before they are rounded.
 ///
 /// # Errors
 /// If the file cannot be read, exceeds the limits or has invalid content. The message names the
 /// file and line.
-pub(crate) fn read(path: &Path, budget: &Budget) -> Result<IndexedMesh> {
+pub(crate) fn read(path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
     let extension_of = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let mut extension = extension_of(path);
     let compressed = extension.as_deref() == Some("gz");
@@ -41,7 +44,7 @@ pub(crate) fn read(path: &Path, budget: &Budget) -> Result<IndexedMesh> {
         bytes = decompress(&bytes, allow).map_err(|message| Error::input(&*name, "", message))?;
     }
     let within = budget.with(bytes.len() as u64);
-    let mut mesh = parse(&name, &bytes, &within)?;
+    let mut mesh = parse(&name, &bytes, origin, &within)?;
     mesh.decode_colors();
     if mesh.triangles.is_empty() {
         return Err(Error::input(name, "", "the file has no faces, a mesh needs at least one"));

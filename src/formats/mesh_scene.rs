@@ -3,12 +3,13 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::import::ImportOptions;
-use super::mesh;
 use super::view::Extent;
+use super::{mesh, origin};
 use crate::error::Result;
+use crate::geometry::Bounds;
 use crate::limits::Budget;
 use crate::scene::{MeshFile, SceneFile};
 use crate::shading::Color;
@@ -23,7 +24,14 @@ pub(crate) fn of_mesh(
     options: &ImportOptions,
     budget: &Budget,
 ) -> Result<(SceneFile, Vec<String>)> {
-    let mesh = mesh::read(path, budget)?;
+    let mut mesh = mesh::read(path, DVec3::ZERO, budget)?;
+    let positions = mesh.vertices.positions.iter().copied();
+    let origin = origin::of_box(Bounds::of(positions)).unwrap_or_default();
+    if origin != DVec3::ZERO {
+        drop(mesh);
+        mesh = mesh::read(path, origin, budget)?;
+    }
+    let turned = DVec3::new(origin.x, origin.z, -origin.y);
     let mut extent = Extent::new(options.aspect());
     let positions = mesh.vertices.positions.iter();
     match options.z_up {
@@ -31,11 +39,13 @@ pub(crate) fn of_mesh(
         false => extent.add(positions.copied()),
     }
     let mut scene = SceneFile::new(extent.camera());
+    scene.origin = if options.z_up { turned } else { origin }.to_array();
     if !options.environment {
         extent.add_stage(&mut scene, !options.no_ground);
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut shown = MeshFile::new(name, "surface");
+    shown.origin = origin.to_array();
     if options.z_up {
         shown.rotation[0] = -90.0;
     }

@@ -6,6 +6,7 @@ use super::assets::Files;
 use super::import::{Middle, WITHOUT_MISSING};
 use super::ron::{self, Form, locate};
 use crate::error::{Error, Result};
+use crate::image::Source;
 use crate::input::length;
 use crate::limits::Budget;
 use crate::scene::{Scene, SceneFile, resolve};
@@ -45,7 +46,7 @@ impl Parsed {
     /// # Errors
     /// If the file is missing.
     pub fn with_environment(mut self, path: &Path, degrees: f32) -> Result<Self> {
-        length(path)?;
+        length(Source::file(path).path())?;
         let mut map = EnvironmentMap::from_path(path);
         map.rotation[1] = self.middle.turn() + degrees;
         self.file.background = Background::Image(map);

@@ -85,7 +85,7 @@ impl<'a> Source<'a> {
         own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
     }
 
-    pub(super) fn path(&self) -> &'a Path {
+    pub(crate) fn path(&self) -> &'a Path {
         self.path
     }
 

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::IndexedMesh;
 use crate::error::Result;
 use crate::limits::Budget;
@@ -10,9 +12,9 @@ use crate::shading::ImageFiles;
 /// Reads the files that scenes name. The module of formats implements it, so that the resolution of a scene knows
 /// no format.
 pub(crate) trait Assets: ImageFiles {
-    /// Reads the mesh in the file at `path`.
+    /// Reads the mesh in the file at `path`. `origin` is subtracted from its positions before they are rounded.
     ///
     /// # Errors
     /// If the file cannot be read, has invalid content, or exceeds a limit.
-    fn mesh(&self, path: &Path, budget: &Budget) -> Result<IndexedMesh>;
+    fn mesh(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh>;
 }

@@ -198,7 +198,7 @@ fn values_of_materials_and_media_are_checked() {
         ("conductor(eta: (0, 1, 1), k: (0, 1, 1))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (0, 0, 0), k: (0, 0, 0))", "k must be at least 0.001 in channels"),
         ("conductor(eta: (1, 1, 101), k: (1, 1, 1))", "eta must be in [0, 100]"),
-        ("principled(ior: 1)", "ior must be in [1.01, 10]"),
+        ("principled(ior: 1)", "ior must be in [1.01, 1000]"),
         ("principled(metalness: -1)", "metalness must be in [0, 1]"),
         ("principled(base_color: (2, 0, 0))", "base_color must be in [0, 1]"),
         ("principled(attenuation_color: (0, 1, 1))", "attenuation_color must be in (0, 1] per"),

@@ -89,13 +89,18 @@ fn material_files_of_blender_are_understood() {
     assert_eq!(show("another", "illum 3")["metalness"], 1.0);
     assert_eq!(show("another", "d 0.5\nillum 9")["opacity"]["blend"]["alpha"], 0.5);
     // Half of the usual level; black is not a mirror.
-    assert_eq!(blender("Ks 0.25 0.25 0.25")["specular"], 0.5);
+    assert_eq!(blender("Ks 0.25 0.25 1")["specular_color"], json!([0.5, 0.5, 2.0]));
     assert_eq!(
         (&blender("Kd 0 0 0")["metalness"], &show("another", "Kd 0 0 0")["metalness"]),
         (&json!(0.0), &json!(1.0))
     );
     let matte = pbr("Ks 0 0 0\nillum 1");
     assert_eq!((&matte["specular"], &matte["metalness"]), (&json!(0.0), &json!(0.0)));
+    let brushed = pbr("aniso 0.5\nanisor 0.25\nPs 0.75");
+    assert_eq!(
+        (&brushed["anisotropy"], &brushed["anisotropy_rotation"], &brushed["sheen_color"]),
+        (&json!(0.5), &json!(90.0), &json!([0.75, 0.75, 0.75]))
+    );
     // A coat of weight 0.5.
     assert_eq!(
         (&pbr("Pc 2")["coat"], &show("another", "Pr 0.5\nPc 0.5")["coat"]),
@@ -149,7 +154,7 @@ fn opacity_of_material_files_is_told_apart() {
         let error = stderr(&ptfast(there, &["scenes", "check", "a.obj", "--strict"]));
         assert!(error.contains(names), "{error}");
     }
-    fs::write(there.join("a.mtl"), "newmtl m\nd 0.5 \\\n0\nKd x\n").unwrap();
+    fs::write(there.join("a.mtl"), "newmtl m\nd 0.5 \\\n0\nKd 1 x\n").unwrap();
     let error = stderr(&ptfast(there, &["scenes", "check", "a.obj"]));
     assert!(error.contains("a.mtl:4: `kd` must be"), "{error}");
 }

@@ -1,8 +1,8 @@
 //! Parses a part of an OBJ file, apart from what its faces refer to.
 
-use std::str;
+use std::str::{self, FromStr};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use memchr::{memchr, memchr_iter};
 
 use crate::scene::mesh::in_range;
@@ -24,6 +24,8 @@ pub(crate) const ABSENT: i32 = i32::MIN;
 /// Consecutive lines of a file.
 #[derive(Default)]
 pub(crate) struct ParsedLines<'a> {
+    /// What is subtracted from positions.
+    origin: DVec3,
     pub(crate) positions: Vec<Vec3>,
     /// The colour of each position, or empty if there is none.
     pub(crate) colors: Vec<Vec3>,
@@ -60,8 +62,8 @@ pub(crate) enum Kind {
 
 impl<'a> ParsedLines<'a> {
     /// Reads all lines of `bytes`, or those before the first invalid one.
-    pub(crate) fn parse(bytes: &'a [u8]) -> Self {
-        let mut part = Self::default();
+    pub(crate) fn parse(bytes: &'a [u8], origin: DVec3) -> Self {
+        let mut part = Self { origin, ..Self::default() };
         let mut begin = 0;
         let mut ends = memchr_iter(b'\n', bytes).chain([bytes.len()]);
         while let Some(mut end) = ends.next() {
@@ -160,7 +162,13 @@ impl<'a> ParsedLines<'a> {
             self.colors.resize(self.positions.len(), Vec3::ONE);
             self.colors.push(Vec3::new(w, g, b));
         }
-        self.positions.push(position);
+        self.positions.push(if self.origin == DVec3::ZERO {
+            position
+        } else {
+            let ([x, y, z, w], _) = parsed::<f64, 4>(words).ok_or(VERTEX)?;
+            let w = if matches!(count, 4 | 5) { w } else { 1.0 };
+            (DVec3::new(x, y, z) / w - self.origin).as_vec3()
+        });
         Ok(())
     }
 
@@ -221,7 +229,13 @@ fn integer(bytes: &[u8]) -> (Option<i32>, &[u8]) {
 /// Up to N numbers, and how many there are. Missing ones are 0; further words are not read. `None`
 /// if a word is not a number.
 fn numbers<const N: usize>(words: &str) -> Option<([f32; N], usize)> {
-    let (mut numbers, mut count) = ([0.0; N], 0);
+    parsed(words)
+}
+
+/// As [`numbers`], with any precision.
+#[inline(always)]
+fn parsed<T: Default + Copy + FromStr, const N: usize>(words: &str) -> Option<([T; N], usize)> {
+    let (mut numbers, mut count) = ([T::default(); N], 0);
     for word in words.split_ascii_whitespace().take(N) {
         numbers[count] = word.parse().ok()?;
         count += 1;

@@ -5,7 +5,7 @@ mod mtl;
 
 use std::collections::{BTreeSet, HashMap};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use memchr::memchr;
 use rayon::prelude::*;
 
@@ -112,8 +112,14 @@ impl Names {
     }
 }
 
-/// Reads the vertices and faces of all groups in `bytes`. Errors call the file `name`.
-pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<IndexedMesh> {
+/// Reads the vertices and faces of all groups in `bytes`, and subtracts `origin` from positions. Errors call the file
+/// `name`.
+pub(crate) fn parse(
+    name: &str,
+    bytes: &[u8],
+    origin: DVec3,
+    budget: &Budget,
+) -> Result<IndexedMesh> {
     let mut rest = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let (mut reader, mut parts) = (Reader::default(), Vec::new());
     let error = |(line, message)| Error::input(name, format!("{}", line + 1), message);
@@ -122,7 +128,10 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Indexed
         let texts: Vec<_> = (0..PARTS).map_while(|_| next_part(&mut rest)).collect();
         let mut next = Vec::new();
         rayon::in_place_scope(|scope| {
-            scope.spawn(|_| next = texts.into_par_iter().map(ParsedLines::parse).collect());
+            scope.spawn(|_| {
+                let parse = |text| ParsedLines::parse(text, origin);
+                next = texts.into_par_iter().map(parse).collect();
+            });
             parts.drain(..).try_for_each(|part| reader.add(part, budget))
         })
         .map_err(error)?;

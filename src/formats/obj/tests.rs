@@ -6,7 +6,7 @@ use crate::limits::{Limit, Limits};
 use crate::math::cross;
 
 fn read(text: &[u8]) -> Result<IndexedMesh> {
-    parse("a.obj", text, &Budget::new(&Limits::default(), 0))
+    parse("a.obj", text, DVec3::ZERO, &Budget::new(&Limits::default(), 0))
 }
 
 fn message(text: &str) -> String {
@@ -149,7 +149,7 @@ fn memory_is_limited() {
     let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(100_000));
     let within = |bytes| {
         let budget = Budget::new(&Limits::default().with(Limit::Memory, bytes), 0);
-        parse("a.obj", text.as_bytes(), &budget)
+        parse("a.obj", text.as_bytes(), DVec3::ZERO, &budget)
     };
     assert!(within(8 << 20).is_ok());
     let error = within(1 << 20).unwrap_err().to_string();

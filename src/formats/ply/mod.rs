@@ -8,6 +8,7 @@ mod row;
 
 use std::io::ErrorKind;
 
+use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::Encoding;
 
@@ -23,7 +24,7 @@ use crate::limits::Budget;
 use crate::scene::IndexedMesh;
 
 /// The Polygon File Format.
-pub(crate) static FORMAT: Format = Format { extension: "ply", parse };
+pub(crate) static FORMAT: Format = Format { extension: "ply", parse: parse_from };
 
 /// Largest size of a header in bytes.
 const MAX_HEADER: usize = 1 << 16;
@@ -31,6 +32,15 @@ const MAX_HEADER: usize = 1 << 16;
 const ROWS: usize = 1024;
 /// The element of triangle strips.
 const STRIPS: &str = "tristrips";
+
+/// As [`parse`], relative to `origin`, which is subtracted after the library has rounded the positions.
+fn parse_from(name: &str, bytes: &[u8], origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
+    let mut mesh = parse(name, bytes, budget)?;
+    for position in &mut mesh.vertices.positions {
+        *position = (position.as_dvec3() - origin).as_vec3();
+    }
+    Ok(mesh)
+}
 
 /// Reads the vertices and faces in `bytes`. Errors call the file `name`.
 pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<IndexedMesh> {

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::hash_map;
 use std::path::PathBuf;
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,10 @@ use crate::scene::{Smooth, Transform, Transformed};
 pub struct MeshFile {
     /// Path of the mesh, relative to the scene file.
     pub file: String,
+    /// The point of the file that is at the origin, for files in map coordinates. It is subtracted before positions
+    /// are rounded and transformed.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub origin: [f64; 3],
     /// Scale factor about the origin, above 0. It is applied before the rotation.
     #[serde(default = "unit")]
     pub scale: f32,
@@ -59,6 +64,7 @@ impl MeshFile {
     pub fn new(file: impl Into<String>, material: impl Into<String>) -> Self {
         Self {
             file: file.into(),
+            origin: [0.0; 3],
             scale: unit(),
             rotation: [0.0; 3],
             translation: [0.0; 3],
@@ -69,6 +75,10 @@ impl MeshFile {
             material: Some(material.into()),
         }
     }
+}
+
+fn is_zero(origin: &[f64; 3]) -> bool {
+    *origin == [0.0; 3]
 }
 
 fn unit() -> f32 {
@@ -87,6 +97,11 @@ fn is_auto(smooth: &Smooth) -> bool {
     *smooth == Smooth::Auto
 }
 
+/// The bits of a point, by which files of meshes that were read from different origins differ.
+fn bits(origin: [f64; 3]) -> [u64; 3] {
+    origin.map(f64::to_bits)
+}
+
 /// Most bytes of memory for each byte of a mesh file while it is read: a corner of a polygon in a binary PLY
 /// file may take one byte, and becomes a triangle.
 const READING: u64 = 40;
@@ -96,8 +111,11 @@ impl Builder<'_> {
     /// cannot be read are left to `expand`, which knows where the scene names them.
     pub(crate) fn preload<'p>(&mut self, primitives: impl Iterator<Item = &'p PrimitiveFile>) {
         let (folder, assets, budget) = (self.folder, self.assets, self.budget);
+        // Files that need another origin are read later.
         let path = |primitive: &PrimitiveFile| match primitive {
-            PrimitiveFile::Mesh(mesh) => path_within(folder, &mesh.file, &budget.limits).ok(),
+            PrimitiveFile::Mesh(mesh) if is_zero(&mesh.origin) => {
+                path_within(folder, &mesh.file, &budget.limits).ok()
+            }
             _ => None,
         };
         let mut paths: Vec<PathBuf> = primitives.filter_map(path).collect();
@@ -109,11 +127,12 @@ impl Builder<'_> {
         if paths.len() < 2 || READING.saturating_mul(bytes) > budget.room() {
             return;
         }
-        let read = |path: PathBuf| assets.mesh(&path, budget).ok().map(|mesh| (path, mesh));
+        let read =
+            |path: PathBuf| assets.mesh(&path, DVec3::ZERO, budget).ok().map(|mesh| (path, mesh));
         let meshes: Vec<_> = paths.into_par_iter().filter_map(read).collect();
         for (path, mesh) in meshes {
             if budget.hold(mesh.memory()).is_ok() {
-                self.meshes.insert(path, mesh);
+                self.meshes.insert((path, bits([0.0; 3])), mesh);
             }
         }
     }
@@ -130,12 +149,16 @@ impl Expand for MeshFile {
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
         e.rotation(rotation)?;
         e.point("translation", translation)?;
+        let ok = self.origin.iter().all(|c| c.abs() <= f64::from(MAX_COORDINATE));
+        let [x, y, z] = self.origin;
+        e.check(ok, "origin", "three numbers in [-1e9, 1e9]", format!("({x}, {y}, {z})"))?;
         let path = e.path_within(to.folder, file, &to.budget.limits)?;
         let before = to.count();
-        let mesh = match to.meshes.entry(path.clone()) {
+        let key = (path, bits(self.origin));
+        let mesh = match to.meshes.entry(key.clone()) {
             hash_map::Entry::Occupied(there) => there.into_mut(),
             hash_map::Entry::Vacant(new) => {
-                let mesh = to.assets.mesh(new.key(), to.budget);
+                let mesh = to.assets.mesh(&new.key().0, self.origin.into(), to.budget);
                 let mesh = mesh.map_err(|error| error.of_file(|error| e.error(error)))?;
                 to.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
                 new.insert(mesh)
@@ -166,7 +189,7 @@ impl Expand for MeshFile {
         let placed = mesh.transformed(&transform, smooth, &within);
         let Transformed { vertices, faces, ranges } = placed.map_err(named)?;
         if faces.is_empty() {
-            to.meshes.get_mut(&path).expect("it was read above").ignore_all();
+            to.meshes.get_mut(&key).expect("it was read above").ignore_all();
             return Ok(());
         }
         let material_of = |name: u32| {

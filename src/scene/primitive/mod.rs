@@ -50,8 +50,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) ranges: Ranges,
     /// The materials of the triangles of meshes that instances place.
     pub(crate) mesh_ranges: Ranges,
-    /// The meshes read so far, by file.
-    pub(crate) meshes: HashMap<PathBuf, IndexedMesh>,
+    /// The meshes read so far, by file and the bits of its origin.
+    pub(crate) meshes: HashMap<(PathBuf, [u64; 3]), IndexedMesh>,
     groups: NamedMeshes<'a>,
     materials: &'a Materials<'a>,
     /// Folder of the scene file.

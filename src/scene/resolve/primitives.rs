@@ -50,6 +50,10 @@ impl Resolver<'_> {
         };
         let ranges =
             shifted(ranges.0, solids.len()).chain(shifted(mesh_ranges.0, geometry.len())).collect();
-        Ok((geometry, MaterialMap { solids, ranges }, meshes.into_iter().collect()))
+        Ok((
+            geometry,
+            MaterialMap { solids, ranges },
+            meshes.into_iter().map(|((file, _), mesh)| (file, mesh)).collect(),
+        ))
     }
 }

@@ -138,10 +138,10 @@ fn materials_scatter_what_they_should() {
     let glass = |cos| dielectric(cos, 1.5);
     let schlick = 0.04 + 0.96 * (1.0 - COS).powi(5);
     let thin = "principled(base_color: (1, 1, 1), transmission: 1, thin: true, roughness: 0.6)";
-    // α is 0.1 across the direction of the anisotropy, and 0.1 + 0.9 · 0.5 along it.
+    // α is 0.3 across the direction of the anisotropy, and 0.3 + 0.7 · 0.5 along it.
     let brushed = |degrees: u32| {
         format!(
-            "principled(base_color: (0, 0, 0), roughness: 0.31622777, specular_color: (10, 10, 10),
+            "principled(base_color: (0, 0, 0), roughness: 0.54772256, specular_color: (10, 10, 10),
                         anisotropy: 0.70710678, anisotropy_rotation: {degrees})"
         )
     };
@@ -188,24 +188,24 @@ fn materials_scatter_what_they_should() {
                 0.5,
             ),
             known(
-                "principled(base_color: (0, 0, 0), roughness: 0.02, specular: 0.5, specular_color: (5, 5, 5))",
-                0.5 * (0.2 + 0.8 * (1.0 - COS).powi(5)),
+                "principled(base_color: (0, 0, 0), specular: 0.5, specular_color: (5, 5, 5))",
+                microfacets([0.25; 2], |cos| 0.5 * (0.2 + 0.8 * (1.0 - cos).powi(5)), None),
             ),
             known(
-                "principled(base_color: (0, 0, 0), roughness: 0.02, specular_color: (50, 50, 50))",
-                1.0,
+                "principled(base_color: (0, 0, 0), specular_color: (50, 50, 50))",
+                microfacets([0.25; 2], |_| 1.0, None),
             ),
-            // At nodes of the table.
+            // (n − 1)/(n + 1) is 3/22, a node of the table, as are the cosine and the roughness.
             known(
-                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 1, ior: 1.8)",
+                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 1, ior: 1.3157895)",
                 1.0,
             ),
             known(
-                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 0.5, ior: 1.8)",
+                "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 0.5, ior: 1.3157895)",
                 1.0,
             ),
-            known(&brushed(0), microfacets([0.55, 0.1], plastic, None)),
-            known(&brushed(90), microfacets([0.1, 0.55], plastic, None)),
+            known(&brushed(0), microfacets([0.65, 0.3], plastic, None)),
+            known(&brushed(90), microfacets([0.3, 0.65], plastic, None)),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.5)", 0.9),
             known("metal(albedo: (0.9, 0.9, 0.9), fuzz: 0.9)", 0.9 * (1.0 - cap)),
             known("dielectric(ior: 1.5)", 1.0),

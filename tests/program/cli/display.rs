@@ -72,17 +72,23 @@ fn transparent_images_have_an_alpha_channel() {
     let here = folder.path();
     let base = ["render", "spheres", "--width", "32", "--spp", "4", "--transparent"];
     let file = |name: &str| here.join(name).to_str().unwrap().to_owned();
-    let codes = |name: &str| {
+    for name in ["a.png", "a.exr"] {
         succeeds(here, &[&base[..], &["-o", name]].concat());
-        image::open(file(name)).unwrap()
-    };
-    let (png, exr) = (codes("a.png"), codes("a.exr"));
+    }
+    let png = image::open(file("a.png")).unwrap();
     assert_eq!(png.color(), image::ColorType::Rgba8);
-    assert_eq!(exr.color(), image::ColorType::Rgba32F);
-    let (png, exr) = (png.into_rgba8(), exr.into_rgba32f());
+    let png = png.into_rgba8();
+    let exr = exr::prelude::read_first_rgba_layer_from_file(
+        file("a.exr"),
+        |size, _| vec![vec![[0.0f32; 4]; size.width()]; size.height()],
+        |rows, place, (r, g, b, alpha): (f32, f32, f32, f32)| {
+            rows[place.y()][place.x()] = [r, g, b, alpha];
+        },
+    );
+    let exr = exr.unwrap().layer_data.channel_data.pixels.concat();
     let mut partial = 0;
-    for (codes, linear) in png.pixels().zip(exr.pixels()) {
-        let ([.., code], [r, g, b, alpha]) = (codes.0, linear.0);
+    for (codes, linear) in png.pixels().zip(exr) {
+        let ([.., code], [r, g, b, alpha]) = (codes.0, linear);
         assert_eq!(code, (alpha * 255.0).round() as u8);
         if alpha == 0.0 {
             assert_eq!((codes.0, [r, g, b]), ([0; 4], [0.0; 3]));

@@ -42,7 +42,6 @@ pub(super) fn cases() -> Vec<Case> {
         ("v 0 0 0 nan\nf 1 1 2\n", "m.obj"),
         ("v 0 0\n", "a vertex is `v`"),
         ("v a b c\n", "a vertex is `v`"),
-        ("v \\\n0 0 0\n", "continued lines are not supported"),
         ("\0\0\0", "the file has no faces"),
         ("\u{1b}[31m\nf \u{1b}[31m 1 2\n", "m.obj"),
         ("f 1//\n", "a face is `f`"),

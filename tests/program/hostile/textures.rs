@@ -288,7 +288,7 @@ pub(super) fn cases() -> Vec<Case> {
     let webp = |rest: &[u8]| [&b"RIFF\x40\0\0\0WEBP"[..], rest].concat();
     cases.push(texture("t.webp", webp(b""), "damaged image"));
     cases.push(texture("t.webp", webp(b"VP8L\x20\0\0\0\x2f\x02\x40\0\0"), "damaged image"));
-    let huge = webp(b"VP8L\x20\0\0\0\x2f\xff\xff\xff\x0f");
+    let huge = webp(b"VP8L\x20\0\0\0\x2f\xfe\xbf\xff\x0f");
     cases.push(texture("t.webp", huge, "the limit of"));
     // TGA has no magic number, so the extension decides the format.
     cases.push(texture("t.tga", vec![0; 18], "t.tga"));

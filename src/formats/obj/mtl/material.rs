@@ -10,11 +10,10 @@ use crate::shading::material::{Dielectric, Fresnel, Lambertian, Light, Principle
 use crate::shading::texture::Channel;
 use crate::shading::{Color, Material, Number, Opacity, Sides, TextureRef};
 
-/// The keywords that are read, those of the light that local illumination models add everywhere, and the
-/// rotation of the anisotropy, which has no effect without one.
-const READ: [&str; 23] = [
-    "anisor", "d", "illum", "ka", "kd", "ke", "ks", "map_d", "map_ka", "map_kd", "map_ke",
-    "map_kn", "map_pm", "map_pr", "ni", "norm", "ns", "pc", "pcr", "pm", "pr", "tf", "tr",
+/// The keywords that are read, and those of the light that local illumination models add everywhere.
+const READ: [&str; 25] = [
+    "aniso", "anisor", "d", "illum", "ka", "kd", "ke", "ks", "map_d", "map_ka", "map_kd", "map_ke",
+    "map_kn", "map_pm", "map_pr", "ni", "norm", "ns", "pc", "pcr", "pm", "pr", "ps", "tf", "tr",
 ];
 
 const BLACK: Color = Color::Rgb([0.0; 3]);
@@ -172,9 +171,8 @@ impl Section<'_> {
             None => 0.0,
         };
         let factor = match reflected {
-            // Half of Blender's specular level is the reflectance of the index of refraction.
-            Some(level) if blender => 2.0 * mean(level),
-            Some([0.0, 0.0, 0.0]) if model < 2.0 => 0.0,
+            Some([0.0, 0.0, 0.0]) if blender || model < 2.0 => 0.0,
+            _ if blender => 1.0,
             _ if is_pbr => 1.0,
             _ if shiny => mean(specular) / 0.04,
             _ => 0.0,
@@ -185,7 +183,14 @@ impl Section<'_> {
             Color::Rgb(color) if passing >= 1.0 => Color::Rgb(glass_color(color)),
             other => other,
         };
+        // Half of Blender's specular level is the reflectance of the index of refraction.
+        let specular_color = match reflected {
+            Some(level) if blender => level.map(|c| 2.0 * c),
+            _ => [1.0; 3],
+        };
         let coat = self.number("pc")?.unwrap_or(0.0);
+        let turn = self.number("anisor")?.unwrap_or(0.0);
+        let sheen = self.number("ps")?.unwrap_or(0.0);
         let number = |texture: Option<TextureRef>, value: f32| match texture {
             Some(texture) => Number::Texture { texture, channel: Channel::R, factor: 1.0 },
             None => Number::Value(value.clamp(0.0, 1.0)),
@@ -195,6 +200,13 @@ impl Section<'_> {
             metalness: number(maps.metalness, metal),
             roughness: number(maps.roughness, self.roughness()?),
             specular: number(None, factor),
+            specular_color: specular_color.into(),
+            anisotropy: self.number("aniso")?.unwrap_or(0.0).clamp(0.0, 1.0),
+            // In turns.
+            anisotropy_rotation: 360.0 * (turn % 1.0),
+            sheen_color: share([sheen; 3]).into(),
+            // There is no keyword for it, so it is Blender's usual value.
+            sheen_roughness: number(None, if sheen > 0.0 { 0.5 } else { 0.0 }),
             ior: self.ior()?.clamp(1.01, 10.0),
             transmission: number(None, passing),
             // Blender's coat once had a factor of 1/4, which its files keep.

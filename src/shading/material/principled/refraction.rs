@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::albedo::schlick_weight;
 use super::reflectance_at_normal;
@@ -11,11 +12,11 @@ use crate::math::{Mask, Real, Row, Word, clamp, dot, max, whole};
 
 /// Number of cosines, and of square roots of α, in the table. Both are evenly spaced from 0 to 1.
 const NODES: usize = 16;
-/// Number of indices of refraction n, evenly spaced in (n − 1)/(n + 1) from 0 to 1: first those of light that
-/// arrives from outside, then those from inside.
-const INDICES: usize = 8;
+/// Number of indices of refraction n, evenly spaced in (n − 1)/(n + 1) from 0 to 1/2: first those of light that
+/// arrives from outside, then those from inside. Above 3, n counts as 3.
+const INDICES: usize = 12;
 /// Steps of the integrals along each axis.
-const STEPS: u16 = 12;
+const STEPS: u16 = 16;
 
 /// The shares of light that white glass reflects and refracts at cosines i and i + 1, first for α number j, then
 /// for j + 1, at the index `NODES` (`NODES` k + j) + i for index of refraction k.
@@ -23,12 +24,12 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let at = |node: usize, nodes: usize| node as f32 / (nodes - 1) as f32;
     let value = |node: usize| {
         let (i, j, k) = (node % NODES, node / NODES % NODES, node / (NODES * NODES));
-        let slope = clamp(at(k % INDICES, INDICES), 1e-3, 0.999);
+        let slope = max(0.5 * at(k % INDICES, INDICES), 1e-3);
         let ior = (1.0 + slope) / (1.0 - slope);
         let eta = if k < INDICES { ior } else { 1.0 / ior };
         integrate(max(at(i, NODES), 1e-2), max(at(j, NODES) * at(j, NODES), 1e-3), eta, STEPS)
     };
-    let nodes: Vec<f32> = (0..NODES * NODES * 2 * INDICES).map(value).collect();
+    let nodes: Vec<f32> = (0..NODES * NODES * 2 * INDICES).into_par_iter().map(value).collect();
     let row = |node: usize| {
         let right = if node % NODES + 1 < NODES { 1 } else { 0 };
         let up = if node / NODES % NODES + 1 < NODES { NODES } else { 0 };
@@ -64,7 +65,7 @@ fn integrate(cos: f32, alpha: f32, eta: f32, steps: u16) -> f32 {
     (sum / f64::from(steps) / f64::from(steps)) as f32
 }
 
-/// Computes the table, which takes milliseconds, before a render is timed.
+/// Computes the table, which takes some 50 milliseconds, before a render is timed.
 pub(super) fn prepare() {
     LazyLock::force(&TABLE);
 }
@@ -79,7 +80,7 @@ pub(super) fn kept<R: Real>(cos: R, alpha: R, eta: R) -> R {
     };
     let word = |x: usize| R::Word::splat(x as u32);
     let ((i, fx), (j, fy)) = (position(cos, NODES), position(alpha.sqrt(), NODES));
-    let (k, fz) = position(((eta - R::ONE) / (eta + R::ONE)).abs(), INDICES);
+    let (k, fz) = position(((eta - R::ONE) / (eta + R::ONE)).abs() * 2.0, INDICES);
     let inside = eta.lt(R::ONE).select(word(INDICES), word(0));
     let blend = |a: R, b: R, f: R| a + (b - a) * f;
     let at = |k: R::Word| {

@@ -13,7 +13,7 @@ use crate::math::{
 /// Least roughness of fibres.
 const LEAST_ALPHA: f32 = 0.01;
 /// Number of cosines, and of square roots of α, in the table. Both are evenly spaced from 0 to 1.
-const NODES: usize = 16;
+const NODES: usize = 24;
 /// Steps of the integrals along each axis.
 const STEPS: u16 = 32;
 
