@@ -80,9 +80,9 @@ impl Extent {
     /// Puts a matte ground under the points, and a soft sky and a soft sun above them. White surfaces stay below 1.
     /// Without `ground`, only the light is added.
     pub(crate) fn add_stage(&self, scene: &mut SceneFile, ground: bool) {
-        scene.background = Background::Gradient { bottom: [0.2; 3], top: [0.55, 0.6, 0.65] };
+        scene.background = Background::Gradient { bottom: [0.15; 3], top: [0.32, 0.35, 0.38] };
         let direction = [0.7, -0.8, -0.6];
-        scene.lights.push(Distant { direction, irradiance: [1.3; 3], angle: 35.0 }.into());
+        scene.lights.push(Distant { direction, irradiance: [1.9; 3], angle: 12.0 }.into());
         if !ground {
             return;
         }
@@ -94,7 +94,7 @@ impl Extent {
         let center = (min + max) * 0.5;
         // Its name must differ from those of the file.
         let material = "ground of the view".to_owned();
-        scene.add_material(material.clone(), Lambertian::new([0.5; 3]));
+        scene.add_material(material.clone(), Lambertian::new([0.35; 3]));
         scene.add(QuadFile {
             q: [center.x - side / 2.0, y, center.z + side / 2.0],
             u: [side, 0.0, 0.0],
