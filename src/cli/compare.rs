@@ -99,6 +99,10 @@ fn layers(a: Channels, mut b: Channels, width: u32) -> BTreeMap<String, Option<S
             alone.insert(layer(&channel), Some("only in the first image".to_owned()));
             continue;
         };
+        if a.len() != b.len() {
+            alone.insert(layer(&channel), Some("of different size".to_owned()));
+            continue;
+        }
         let most = largest.entry(layer(&channel)).or_default();
         for (pixel, (a, b)) in
             a.into_iter().zip(b).enumerate().filter(|(_, (a, b))| a.to_bits() != b.to_bits())

@@ -96,12 +96,14 @@ fn message(error: &clap::Error) -> String {
 /// A message for the first argument such as `-spp`, whose letters clap reads as options of their own.
 fn long_option(arguments: impl Iterator<Item = OsString>) -> Option<String> {
     let known = Cli::command();
-    let mut long = known.get_subcommands().flat_map(|command| command.get_arguments());
+    let is_long = |name: &str| {
+        let mut all = known.get_subcommands().flat_map(|command| command.get_arguments());
+        all.any(|option| option.get_long() == Some(name))
+    };
     let words = arguments.map(|word| word.to_string_lossy().into_owned());
     let name = words.filter(|word| !word.starts_with("--")).find_map(|word| {
         let name = word.strip_prefix('-')?.split('=').next()?;
-        (name.len() > 1 && long.any(|option| option.get_long() == Some(name)))
-            .then(|| name.to_owned())
+        (name.len() > 1 && is_long(name)).then(|| name.to_owned())
     })?;
     Some(format!("unexpected argument '-{name}' found, use --{name}"))
 }

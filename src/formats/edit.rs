@@ -6,9 +6,12 @@ use super::Parsed;
 use crate::error::{Error, Result, suggestion};
 use crate::shading::Material;
 
+const VALUES: &str =
+    "VALUE must be a finite number, a colour such as (1, 0.5, 0), a name in quotes, true or false";
+
 impl Parsed {
     /// Sets a field of a material by `edit`, `MATERIAL.FIELD=VALUE`. The value is as in scene files: a number, a colour
-    /// such as `(1, 0.5, 0)`, the name of a texture in quotes, or `true`.
+    /// such as `(1, 0.5, 0)`, the name of a texture in quotes, or `true`. The name of the material must have no `=`.
     ///
     /// # Errors
     /// [`Error::Usage`] if the material or the field is unknown, or the value does not suit the field.
@@ -25,13 +28,16 @@ impl Parsed {
             let near = suggestion(name, materials.iter().map(|(known, _)| known.as_str()));
             return Err(bad(format!("unknown material `{name}`{near}")));
         };
-        let value: ron::Value = ron::from_str(value).map_err(|_| {
-            bad("VALUE must be a number, a colour such as (1, 0.5, 0), a name in quotes, true or false".to_owned())
-        })?;
+        let value: ron::Value = ron::from_str(value).map_err(|_| bad(VALUES.to_owned()))?;
+        let is_texture = |value: &Value| value.get("texture").is_some();
+        let value = serde_json::to_value(&value).map_err(|error| bad(error.to_string()))?;
+        // Names of kinds and infinite numbers have no form here.
+        if value.is_null() || value.is_object() && !is_texture(&value) {
+            return Err(bad(VALUES.to_owned()));
+        }
         let material = &mut materials[at].1;
         let mut fields =
             serde_json::to_value(&*material).map_err(|error| bad(error.to_string()))?;
-        let value = serde_json::to_value(&value).map_err(|error| bad(error.to_string()))?;
         if let Some(fields) = fields.as_object_mut().and_then(|kinds| kinds.values_mut().next())
             && let Value::Object(fields) = fields
         {
@@ -39,6 +45,8 @@ impl Parsed {
         }
         *material =
             serde_json::from_value::<Material>(fields).map_err(|error| bad(error.to_string()))?;
+        // The text no longer says where values are.
+        self.text = None;
         Ok(())
     }
 }
@@ -77,6 +85,9 @@ mod tests {
             ("bases.albedo=1", "unknown material `bases`, did you mean `base`?"),
             ("base.rough=1", "unknown field `rough`"),
             ("base.albedo=", "VALUE must be"),
+            ("top.001.opacity=blend(alpha: 0.5)", "VALUE must be"),
+            ("top.001.emission_sides=front", "VALUE must be"),
+            ("top.001.attenuation_distance=inf", "VALUE must be"),
             ("top.001.thin=0.5", "invalid type"),
         ] {
             let error = parsed.set(edit).unwrap_err().to_string();

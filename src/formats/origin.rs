@@ -1,9 +1,12 @@
 //! The origin of scenes that are far from that of their file, such as a city in map coordinates.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
+use super::view::GROUND;
 use crate::geometry::Bounds;
-use crate::scene::{Named, NamedMesh, PrimitiveFile, SceneFile};
+use crate::scene::{NamedMesh, PrimitiveFile, SceneFile};
 
 /// A scene is moved if its centre is more than this many of its sizes from the origin of its file, so that each
 /// coordinate gains at least four bits.
@@ -35,23 +38,30 @@ pub(crate) fn note(origin: DVec3) -> String {
     format!("is far from its origin, so the scene is relative to ({x}, {y}, {z}), with more bits")
 }
 
-/// As [`of_box`], for a scene of another program.
+/// As [`of_box`], for a scene of another program. The ground of the view does not count.
 pub(crate) fn of_scene(scene: &SceneFile) -> Option<DVec3> {
-    let parts = scene.primitives.iter().map(|primitive| box_of(primitive, &scene.meshes));
-    of_box(parts.sum_of()?)
+    let mut meshes = Meshes::new();
+    for (name, mesh) in &scene.meshes.0 {
+        let NamedMesh::Parts(parts) = mesh else { continue };
+        if let Some(bounds) = union(parts.iter().map(|part| box_of(part, &meshes))) {
+            meshes.insert(name, bounds);
+        }
+    }
+    let is_ground = |primitive: &PrimitiveFile| matches!(primitive, PrimitiveFile::Quad(quad) if quad.material == GROUND);
+    let shown = scene.primitives.iter().filter(|primitive| !is_ground(primitive));
+    of_box(union(shown.map(|primitive| box_of(primitive, &meshes)))?)
 }
+
+/// The boxes of named meshes, as far as they are known.
+type Meshes<'a> = HashMap<&'a str, Bounds>;
 
 /// The union of boxes, if all are known.
-trait SumOf: Iterator<Item = Option<Bounds>> + Sized {
-    fn sum_of(mut self) -> Option<Bounds> {
-        self.try_fold(Bounds::EMPTY, |sum, bounds| Some(sum.union(bounds?)))
-    }
+fn union(mut boxes: impl Iterator<Item = Option<Bounds>>) -> Option<Bounds> {
+    boxes.try_fold(Bounds::EMPTY, |sum, bounds| Some(sum.union(bounds?)))
 }
 
-impl<I: Iterator<Item = Option<Bounds>>> SumOf for I {}
-
 /// The box of a primitive; `None` if another file contains it.
-fn box_of(primitive: &PrimitiveFile, meshes: &Named<NamedMesh>) -> Option<Bounds> {
+fn box_of(primitive: &PrimitiveFile, meshes: &Meshes<'_>) -> Option<Bounds> {
     let points = |points: &[[f32; 3]]| Bounds::of(points.iter().map(|&point| point.into()));
     match primitive {
         PrimitiveFile::Triangles(triangles) => Some(points(&triangles.vertices)),
@@ -64,9 +74,7 @@ fn box_of(primitive: &PrimitiveFile, meshes: &Named<NamedMesh>) -> Option<Bounds
             Some(points(&[corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0)]))
         }
         PrimitiveFile::Instance(instance) => {
-            let mesh = meshes.0.iter().find(|(name, _)| *name == instance.mesh);
-            let Some((_, NamedMesh::Parts(parts))) = mesh else { return None };
-            let Bounds { min, max } = parts.iter().map(|part| box_of(part, meshes)).sum_of()?;
+            let Bounds { min, max } = *meshes.get(&*instance.mesh)?;
             let corner = |i: usize| {
                 let pick = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
                 instance.matrix.map(|[x, y, z, w]| x * pick(0) + y * pick(1) + z * pick(2) + w)

@@ -70,8 +70,12 @@ impl Polygon {
     }
 }
 
-/// Replaces the fans of polygons that fold over, such as most of concave ones.
-pub(crate) fn clip_concave(positions: &[Vec3], triangles: &mut [[u32; 3]], polygons: &[Polygon]) {
+/// Replaces the fans of polygons that fold over, such as most of concave ones. Returns what is ignored, if some are left.
+pub(crate) fn clip_concave(
+    positions: &[Vec3],
+    triangles: &mut [[u32; 3]],
+    polygons: &[Polygon],
+) -> Option<&'static str> {
     let folds = |polygon: &&Polygon| polygon.folds(triangles, positions);
     let folded: Vec<Polygon> = polygons.par_iter().filter(folds).copied().collect();
     let mut work = 0;
@@ -80,12 +84,15 @@ pub(crate) fn clip_concave(positions: &[Vec3], triangles: &mut [[u32; 3]], polyg
         work += if corners <= MOST_CORNERS { corners * corners } else { 0 };
         corners <= MOST_CORNERS && work <= MOST_WORK
     };
+    let count = folded.len();
     let folded: Vec<Polygon> = folded.into_iter().filter(within).collect();
+    let left = folded.len() < count;
     let clip = |polygon: &Polygon| Some((polygon.first, polygon.clip(triangles, positions)?));
     let clipped: Vec<_> = folded.par_iter().filter_map(clip).collect();
     for (first, new) in clipped {
         triangles[first as usize..][..new.len()].copy_from_slice(&new);
     }
+    left.then_some("the outlines of concave faces with too many corners")
 }
 
 #[cfg(test)]

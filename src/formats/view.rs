@@ -2,9 +2,10 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::checks::MAX_COORDINATE;
 use crate::geometry::Bounds;
-use crate::math::length;
 use crate::math::precise::{sin_cos_degrees, unit};
+use crate::math::{self, length};
 use crate::scene::{QuadFile, SceneFile};
 use crate::shading::light::Distant;
 use crate::shading::material::Lambertian;
@@ -15,6 +16,9 @@ const VFOV: f32 = 35.0;
 
 /// Share of the picture's width or height that the object fills.
 const FILLED: f64 = 0.8;
+
+/// The material of the ground.
+pub(crate) const GROUND: &str = "ground of the view";
 
 /// The points that the camera must show.
 #[derive(Clone, Copy, Debug)]
@@ -90,10 +94,16 @@ impl Extent {
         let size = length(max - min);
         let size = if size > 0.0 { size } else { 2.0 };
         // A little lower, so that it does not hide flat objects.
-        let (side, y) = (60.0 * size, min.y - 1e-3 * size);
+        let (mut side, y) = (60.0 * size, min.y - 1e-3 * size);
         let center = (min + max) * 0.5;
+        // Of objects that reach as far as coordinates may, the ground is smaller, or left out.
+        let room = 2.0 * (0.99 * MAX_COORDINATE - math::max(center.x.abs(), center.z.abs()));
+        side = math::min(side, room);
+        if side < size || -y > MAX_COORDINATE {
+            return;
+        }
         // Its name must differ from those of the file.
-        let material = "ground of the view".to_owned();
+        let material = GROUND.to_owned();
         scene.add_material(material.clone(), Lambertian::new([0.35; 3]));
         scene.add(QuadFile {
             q: [center.x - side / 2.0, y, center.z + side / 2.0],

@@ -2,23 +2,23 @@
 
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{Source, header};
+use super::{Source, exr, header};
 use crate::limits::MAX_SIDE;
 
 /// Bytes that a decoder may allocate for a header.
 const MAX_HEADER: u64 = 1 << 23;
 
-/// Whether the image has an alpha channel. False for EXR files and for files that cannot be read, which
-/// the reader of their pixels reports.
+/// Whether the image has an alpha channel. False for files that cannot be read, which the reader of their pixels
+/// reports.
 pub(crate) fn has_alpha(source: &Source<'_>) -> bool {
-    let color = || {
+    let found = || {
         let mut reader = ImageReader::new(source.open().ok()?).with_guessed_format().ok()?;
         // TGA files do not start with a signature.
         if reader.format().is_none() && source.has_extension("tga") {
             reader.set_format(ImageFormat::Tga);
         }
         if reader.format() == Some(ImageFormat::OpenExr) {
-            return None;
+            return Some(exr::has_alpha(source));
         }
         header::check(reader.format(), source.open().ok()?).ok()?;
         let mut limits = Limits::default();
@@ -26,7 +26,7 @@ pub(crate) fn has_alpha(source: &Source<'_>) -> bool {
         limits.max_image_height = Some(MAX_SIDE);
         limits.max_alloc = Some(MAX_HEADER);
         reader.limits(limits);
-        Some(reader.into_decoder().ok()?.color_type())
+        Some(reader.into_decoder().ok()?.color_type().has_alpha())
     };
-    color().is_some_and(|color| color.has_alpha())
+    found().unwrap_or(false)
 }

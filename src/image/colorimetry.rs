@@ -51,7 +51,7 @@ impl Conversion {
         primaries: Option<Primaries>,
     ) -> Result<Option<Self>, String> {
         let (curve, primaries) = match id.and_then(named) {
-            Some(Named::Unsupported) => {
+            Some(Named::Unsupported) if primaries.is_none() => {
                 let id = id.unwrap_or_default();
                 return Err(format!(
                     "unsupported image: its colour space is `{id}`, write it as linear Rec. 709"
@@ -59,7 +59,7 @@ impl Conversion {
             }
             Some(Named::Data) => return Ok(None),
             Some(Named::Space(curve, primaries)) => (curve, primaries),
-            None => (Curve::Linear, primaries.unwrap_or(REC709)),
+            Some(Named::Unsupported) | None => (Curve::Linear, primaries.unwrap_or(REC709)),
         };
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < SAME;
         let is_same = primaries.as_flattened().iter().zip(REC709.as_flattened()).all(near);
@@ -102,9 +102,10 @@ enum Named {
     Unsupported,
 }
 
-/// The meaning of an identifier such as `lin_ap1_scene`: a curve, primaries, and a state that does not matter here.
+/// The meaning of an identifier such as `lin_ap1_scene`: a curve, primaries, and a state that does not matter here. A
+/// namespace may come first, as in `ocio:lin_ap1_scene`. `None` for `unknown`.
 fn named(id: &str) -> Option<Named> {
-    let mut words = id.split('_');
+    let mut words = id.rsplit(':').next()?.split('_');
     let (curve, primaries) = (words.next()?, words.next());
     let curve = match curve {
         "data" if primaries.is_none() => return Some(Named::Data),
@@ -114,8 +115,8 @@ fn named(id: &str) -> Option<Named> {
         "g22" => Curve::Power(2.2),
         "g24" => Curve::Power(2.4),
         "g26" => Curve::Power(2.6),
-        "pq" | "hlg" => return Some(Named::Unsupported),
-        _ => return None,
+        "unknown" | "" => return None,
+        _ => return Some(Named::Unsupported),
     };
     let known = KNOWN.iter().find(|(name, _)| Some(*name) == primaries);
     Some(known.map_or(Named::Unsupported, |&(_, primaries)| Named::Space(curve, primaries)))

@@ -45,11 +45,15 @@ impl fmt::Display for Exposure {
 impl Exposure {
     /// The factor for `pixels`.
     fn factor(self, pixels: &[[f32; 3]]) -> f32 {
-        let stops = match self {
+        exp2(f64::from(self.stops(pixels))) as f32
+    }
+
+    /// The stops for `pixels`.
+    pub(crate) fn stops(self, pixels: &[[f32; 3]]) -> f32 {
+        match self {
             Self::Stops(stops) => clamp(stops, -MAX_STOPS, MAX_STOPS),
             Self::Auto => automatic_stops(pixels),
-        };
-        exp2(f64::from(stops)) as f32
+        }
     }
 }
 

@@ -76,6 +76,9 @@ fn unsupported(file: &mut (impl BufRead + Seek)) -> io::Result<Option<&'static s
             file.read_exact(&mut component)?;
             samples.push([component[1] >> 4, component[1] & 15]);
         }
+        if !samples.as_flattened().iter().all(|samples| samples.is_power_of_two()) {
+            return Ok(Some("the samples of a channel are no power of two"));
+        }
         let [luma, chroma @ ..] = &samples[..] else { return Ok(None) };
         let fits = |luma: u8, chroma: u8| chroma == 0 || luma.is_multiple_of(chroma);
         let fit = chroma.iter().all(|[x, y]| fits(luma[0], *x) && fits(luma[1], *y));

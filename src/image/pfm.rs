@@ -20,6 +20,15 @@ impl Pfm {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let mut rest = bytes;
         let mut word = || {
+            // Programs also write several blanks, and comments.
+            while let Some(first) = rest.first() {
+                let skipped = match first {
+                    b'#' => rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len() - 1),
+                    first if first.is_ascii_whitespace() => 0,
+                    _ => break,
+                };
+                rest = &rest[skipped + 1..];
+            }
             let end = rest
                 .iter()
                 .position(u8::is_ascii_whitespace)

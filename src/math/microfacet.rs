@@ -43,11 +43,11 @@ impl<R: Real> Ggx<R> {
         }
     }
 
-    /// The roughness in all directions at which microfacets lose about as much light: the root of the mean square.
-    /// Its albedo is within 3% of that of the roughnesses 0.67 and 0.09, where the geometric mean is 20% off.
+    /// The mean of the roughnesses along x and y. At it, microfacets of one roughness lose about as much light, seen
+    /// from all sides, and mostly less.
     #[inline(always)]
     pub(crate) fn mean_alpha(self) -> R {
-        self.alpha * ((R::ONE + self.ratio * self.ratio) * 0.5).sqrt()
+        self.alpha * ((R::ONE + self.ratio) * 0.5)
     }
 
     /// GGX density D of the microfacet normal `m`. It integrates to 1 over projected solid angle.

@@ -2,7 +2,7 @@
 
 use std::io::{BufWriter, Write};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use crate::shading::{Camera, Material, Medium, TextureRef, World};
@@ -10,8 +10,12 @@ use crate::shading::{Camera, Material, Medium, TextureRef, World};
 /// BLAKE3 over the camera, the background, the lights that are not primitives, the primitives with their
 /// materials, and the media, in a canonical form: JSON of the parameters after names are resolved, and the
 /// bytes of coordinates.
-pub(crate) fn hash(world: &World, camera: &Camera) -> String {
+pub(crate) fn hash(world: &World, camera: &Camera, origin: DVec3) -> String {
     let mut hasher = Hasher::new();
+    // The layer of positions depends on it.
+    if origin != DVec3::ZERO {
+        hasher.value(json!({ "origin": origin.to_array() }));
+    }
     hasher.text("camera");
     for number in camera.numbers() {
         // Adding 0 turns −0 into 0, so that both have the same hash.

@@ -91,7 +91,7 @@ impl Scene {
 
     /// [`Scene::hash`] with another camera.
     pub(crate) fn hash_with(&self, camera: &Camera) -> String {
-        hash::hash(self.world(), camera)
+        hash::hash(self.world(), camera, self.origin())
     }
 
     /// What rays can meet.

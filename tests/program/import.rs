@@ -257,11 +257,11 @@ fn scenes_far_from_the_origin_lose_no_bits() {
 
     // The same for OBJ files, whose numbers have more digits than f32 holds.
     let place = |[x, y]: [f64; 2], options: &[&str]| {
-        let mut text = "f 1 2 3\n".to_owned();
+        let mut text = String::new();
         for [u, v, w] in [[0.125, 0.25, 0.0], [1.5, 0.0, 0.5], [0.0, 1.375, 0.25]] {
             text += &format!("v {} {} {w}\n", x + u, y + v);
         }
-        fs::write(there.path().join("city.obj"), text).unwrap();
+        fs::write(there.path().join("city.obj"), text + "f 1 2 3\n").unwrap();
         let show = [&["scenes", "show", "--json", "city.obj"], options].concat();
         let shown: Value = serde_json::from_str(&succeeds(there.path(), &show)).unwrap();
         (shown["origin"].clone(), shown["camera"].clone())

@@ -32,7 +32,7 @@ use crate::engine::{
     ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, Render, Renderer, Session,
 };
 use crate::error::{Error, Result};
-use crate::image::Display;
+use crate::image::{Display, Exposure};
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::measure::machine::Interference;
@@ -268,6 +268,11 @@ impl<'a> RenderJob<'a> {
         }
         if let Some(clamp) = settings.clamp {
             notice(format_args!("{clamped} samples were clamped to {clamp}"));
+        }
+        let exposure = self.display().exposure;
+        if exposure == Exposure::Auto && self.output.has_8_bits() {
+            let stops = exposure.stops(render.image.pixels());
+            notice(format_args!("--exposure auto is --exposure {stops} for this picture"));
         }
         let clipped = render.image.clipped(&self.display());
         if clipped > MOST_CLIPPED && self.output.has_8_bits() {

@@ -69,7 +69,7 @@ impl Reader<'_, '_, '_> {
     ) -> Result<Option<TextureRef>, String> {
         let Some(info) = info else { return Ok(None) };
         if set_of(info) != 0 {
-            self.import.warn("normal maps on other texture coordinates than the first are not supported, so surfaces are flat there");
+            self.import.warn("maps of normals and directions on other texture coordinates than the first are not supported, so they have no effect");
             return Ok(None);
         }
         self.texture(info, Usage::Normals)

@@ -47,8 +47,9 @@ impl Reader<'_, '_, '_> {
         for at in times {
             let options = ImportOptions { at, ..self.import.options.clone() };
             let budget = self.import.budget;
-            let (mut import, held) =
-                (Import::new(self.import.folder, &options, budget), budget.held());
+            let held = budget.held();
+            let mut import = Import::new(self.import.folder, &options, budget);
+            import.origin = self.import.origin;
             let mut frame = Reader::new(&mut import, self.gltf, String::new())?;
             frame.extent = self.extent;
             frame.nodes()?;

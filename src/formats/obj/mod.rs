@@ -145,8 +145,9 @@ fn next_part<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let last = rest.len().checked_sub(1)?;
     let line_end = |from: usize| memchr(b'\n', &rest[from..]).map_or(last, |i| from + i);
     let mut end = line_end(PART.min(last));
-    while end < last && continued(&rest[..end]).is_some() {
-        end = line_end(end + 1);
+    let mut begin = rest[..end].iter().rposition(|byte| *byte == b'\n').map_or(0, |i| i + 1);
+    while end < last && continued(&rest[begin..end]).is_some() {
+        (begin, end) = (end + 1, line_end(end + 1));
     }
     let (part, after) = (&rest[..end + 1], &rest[end + 1..]);
     *rest = after;
@@ -280,9 +281,10 @@ impl Reader {
             colors: with(!colors.is_empty()).map(|vertex| of(&colors, vertex.position)).collect(),
             ..Vertices::default()
         };
-        clip_concave(&vertices.positions, &mut triangles, &polygons);
+        let left = clip_concave(&vertices.positions, &mut triangles, &polygons);
         let groups = [self.groups.labels(), self.objects.labels()];
-        let (materials, ignored) = (self.materials.labels(), BTreeSet::new());
+        let (materials, mut ignored) = (self.materials.labels(), BTreeSet::new());
+        ignored.extend(left);
         IndexedMesh { vertices, triangles, materials, groups, ignored }
     }
 }

@@ -1,6 +1,6 @@
 //! Shapes of pbrt files.
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::light::{AreaLight, LitSurface};
 use super::list::{List, corners, disk, globe, vertices};
@@ -64,8 +64,8 @@ impl Reader<'_, '_> {
         }
         if self.import.is_usable(&file, "so it is left out") {
             let mut mesh = MeshFile::new(file, material);
-            if self.to_scene() != DAffine3::IDENTITY {
-                mesh.matrix = Some(rows(&self.to_scene()));
+            if self.placed() != DAffine3::IDENTITY {
+                mesh.matrix = Some(rows(&self.placed()));
             }
             self.add(mesh);
         }
@@ -97,16 +97,20 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// From the coordinates of shapes to the scene, or to the object that is being defined.
+    /// From the coordinates of lights and instances to the scene.
     pub(crate) fn to_scene(&self) -> DAffine3 {
-        let origin = if self.object.is_some() { DVec3::ZERO } else { self.import.origin };
-        DAffine3::from_translation(-origin) * self.state.transform
+        DAffine3::from_translation(-self.import.origin) * self.state.transform
+    }
+
+    /// From the coordinates of shapes to the scene, or to the object that is being defined.
+    fn placed(&self) -> DAffine3 {
+        if self.object.is_some() { self.state.transform } else { self.to_scene() }
     }
 
     /// Centre and radius of a sphere in the scene; `None` if it is stretched.
     fn ball(&self, radius: f64) -> Option<([f32; 3], f32)> {
         let scale = uniform_scale(&self.state.transform)?;
-        Some((rounded(self.to_scene().translation), (radius * scale) as f32))
+        Some((rounded(self.placed().translation), (radius * scale) as f32))
     }
 
     /// A sphere without a material, which is the boundary of a medium.
@@ -172,7 +176,7 @@ impl Reader<'_, '_> {
     /// Adds triangles, placed by the current transform.
     fn add_list(&mut self, list: List, material: String) -> Result<(), String> {
         self.import.budget.hold_list(list.positions.len(), list.indices.len())?;
-        let (transform, reversed) = (self.to_scene(), &self.state.reversed);
+        let (transform, reversed) = (self.placed(), &self.state.reversed);
         let inverse = transform.matrix3.inverse().transpose();
         let List { positions, normals, uvs, mut indices } = list;
         let mirrored = transform.matrix3.determinant() < 0.0;

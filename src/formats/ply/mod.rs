@@ -104,7 +104,8 @@ pub(crate) fn parse(name: &str, bytes: &[u8], budget: &Budget) -> Result<Indexed
     if corners.exist() && !header.elements.contains_key(STRIPS) {
         corners.split(&mut mesh);
     }
-    clip_concave(&mesh.vertices.positions, &mut mesh.triangles, &polygons);
+    let left = clip_concave(&mesh.vertices.positions, &mut mesh.triangles, &polygons);
+    mesh.ignored.extend(left);
     Ok(mesh)
 }
 

@@ -84,8 +84,8 @@ fn layers(headers: &[Header]) -> Vec<ExrLayer> {
             let Some((kind, colors)) = kind(&channels) else { continue };
             let alpha = find(&channels, &["a", "alpha"]);
             let is_beauty = |name: &str| {
-                let last = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
-                BEAUTY.contains(&&*last)
+                // The name of a view may come last.
+                name.to_ascii_lowercase().split('.').any(|word| BEAUTY.contains(&word))
             };
             let named = name.as_deref().is_some_and(is_beauty);
             let rank = match prefix.is_empty() {

@@ -185,10 +185,16 @@ fn check_counts(chunk: &Chunk, header: &Header) -> UnitResult {
         _ => return Ok(()),
     };
     let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+    let place = header.get_block_data_indices(&chunk.compressed_block)?;
+    let size = header.get_absolute_block_pixel_coordinates(place)?.size;
+    if !is_dwa || bytes.len() == size.area() * header.channels.bytes_per_pixel {
+        // Blocks that compression does not shrink are stored as they are.
+        return Ok(());
+    }
     // A block is padded to squares of 8 × 8 values.
     let most = (header.max_block_byte_size() as u64).saturating_mul(8).saturating_add(1 << 20);
     let counts = bytes.as_chunks().0.iter().take(10).map(|count| u64::from_le_bytes(*count));
-    if is_dwa && counts.max().is_some_and(|count| count > most) {
+    if counts.max().is_some_and(|count| count > most) {
         return Err(ExrError::Invalid("a block has too many values".into()));
     }
     Ok(())
@@ -285,6 +291,12 @@ pub(crate) fn other_channels(
         }
     }
     Ok(channels)
+}
+
+/// Whether the layer that the file shows has an alpha channel.
+pub(super) fn has_alpha(source: &Source<'_>) -> bool {
+    let layer = |headers: Vec<Header>| layer::choose(&headers, source.layer()).ok();
+    headers(source).ok().and_then(layer).is_some_and(|layer| layer.alpha.is_some())
 }
 
 /// The text entries that ptfast wrote to the file.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Resolver;
 use crate::error::{Result, suggestion};
+use crate::image::split_layer;
 use crate::shading::texture::Channel;
 use crate::shading::{Images, Material, Number, Texture, TextureRef};
 
@@ -68,10 +69,12 @@ fn divide_by_alpha(material: &mut Material) {
     if !alpha.model().texels().is_some_and(|texels| texels.associated()) {
         return;
     }
+    // The same file may be named in several ways, and by its layers.
+    let path = |file: &str| split_layer(file.trim_start_matches("./")).0.to_owned();
     for reference in material.textures() {
         let mut texture = Texture::clone(reference.get());
-        let own = texture.model().file().map(|own| (own.file, own.index));
-        if own == Some((file.file, file.index)) {
+        let own = texture.model().file().map(|own| (path(own.file), own.index));
+        if own == Some((path(file.file), file.index)) {
             texture.model_mut().divide_by_alpha();
             *reference = TextureRef::Texture(Arc::new(texture));
         }

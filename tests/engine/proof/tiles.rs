@@ -143,7 +143,8 @@ fn scene(primitives: &str, background: &str, media: &str) -> Scene {
         r#"(camera: (look_from: (0, 2, 7), look_at: (0, 0.6, 0), vfov: 45),
             background: {background},
             render: (width: 48, height: 48, depth: 8),
-            textures: {{"bars": uv_checker(odd: (0.9, 0.9, 0.9), even: (0.2, 0.2, 0.2), scale: (6, 2))}},
+            textures: {{"bars": uv_checker(odd: (0.9, 0.9, 0.9), even: (0.2, 0.2, 0.2), scale: (6, 2)),
+                "tilted": image(file: "tests/data/tilted.png", encoding: linear)}},
             materials: {{
                 "floor": lambertian(albedo: (0.5, 0.6, 0.7)),
                 "ideal": diffuse(albedo: (0.7, 0.6, 0.5)),
@@ -155,6 +156,11 @@ fn scene(primitives: &str, background: &str, media: &str) -> Scene {
                 "pane": principled(base_color: (0.9, 0.7, 0.5), specular: 0, transmission: 1, roughness: 0, thin: true),
                 "amber": principled(base_color: (1, 1, 1), transmission: 1, roughness: 0.5,
                     attenuation_color: (0.9, 0.5, 0.2), attenuation_distance: 0.4),
+                "velvet": principled(base_color: (0.3, 0.1, 0.1), sheen_color: (0.9, 0.8, 0.7), sheen_roughness: 0.5,
+                    diffuse_transmission: 0.4),
+                "pan": principled(metalness: 1, roughness: 0.5, anisotropy: 0.7, anisotropy_rotation: 20),
+                "shell": principled(base_color: (0.1, 0.1, 0.1), specular: 0, coat: 1, coat_roughness: 0.8,
+                    coat_normal: "tilted"),
                 "lamp": light(radiance: (4, 5, 6)),
                 "glow": principled(base_color: (0.2, 0.2, 0.2), emission: (texture: "bars", factor: (9, 7, 5))),
                 "front": light(radiance: (9, 7, 5), sides: front),
@@ -198,6 +204,9 @@ fn modes_agree_in_every_tile() {
     let many = lamps.chain([fence.to_owned()]).collect::<Vec<_>>().join(", ");
     let glass = format!(
         r#"sphere(center: (0, 1, 0), radius: 1, material: "amber"),
+           sphere(center: (-2.2, 0.5, 1), radius: 0.5, material: "velvet"),
+           sphere(center: (2.2, 0.5, 1), radius: 0.5, material: "pan"),
+           sphere(center: (1.2, 0.4, 2.2), radius: 0.4, material: "shell"),
            sphere(center: (0, 1, 0), radius: 0.4, material: "brushed"),
            quad(q: (-3, 0, 1.5), u: (2, 0, 0.5), v: (0, 3, 0), material: "pane"),
            triangles(vertices: [(1.5, 0, -1), (1.5, 0, 2), (1.5, 3, 0)], indices: [(0, 1, 2)], material: "pane"),

@@ -35,14 +35,18 @@ impl Images {
     }
 
     /// Whether an image holds normals of the tangent space: nine tenths of its colours stand for vectors
-    /// of a length near 1 that point outwards, and are not grey. False for images that cannot be read.
+    /// of a length near 1 that point outwards, and are not grey. Black texels, with which atlases are padded, do not
+    /// count. False for images that cannot be read.
     pub(crate) fn holds_normals(&mut self, file: &str, import: &Import<'_>) -> bool {
         let look = || {
             let Ok(path) = import.path_within(file) else { return false };
             let allow = |size: Size| import.budget.check(size.memory);
             Texels::read(&Source::file(&path), Encoding::Linear, &allow).is_ok_and(|texels| {
-                let count = texels.len();
-                let normals = (0..count).filter(|i| is_normal(texels.at(*i as u32))).count();
+                let texels = (0..texels.len()).map(|i| texels.at(i as u32));
+                let (mut count, mut normals) = (0, 0);
+                for texel in texels.filter(|texel| texel[..3] != [0.0; 3]) {
+                    (count, normals) = (count + 1, normals + usize::from(is_normal(texel)));
+                }
                 count > 0 && normals >= count - count / 10
             })
         };

@@ -78,7 +78,9 @@ impl<R: Real> Coat<R> {
         let (f_cos, pdf) = self.ggx.reflect(self.wo, wi, m);
         let high = schlick_weight(min(dot(self.wo, m), R::ONE));
         let reflectance = (R::splat(F0) + high * (1.0 - F0)) * self.strength;
+        // Microfacets also send samples below the horizon of the coat, where they carry no light.
         let above = wi[2].gt(R::ZERO);
-        (above.select(reflectance * f_cos, R::ZERO), above.select(pdf, R::ZERO))
+        let faces = m[2].gt(R::ZERO);
+        (above.select(reflectance * f_cos, R::ZERO), faces.select(pdf, R::ZERO))
     }
 }

@@ -84,7 +84,7 @@ impl<R: Real> LayeredBsdf<R> {
         let rough = refracts & alpha.gt(R::splat(LEAST_ALPHA));
         let mut more = R::ONE;
         if rough.any() {
-            more = rough.select(R::ONE / kept(wo[2], alpha, eta), R::ONE);
+            more = rough.select(R::ONE / kept(wo[2], alpha, eta, p.specular), R::ONE);
         }
         let compensation = R::Vec3::gray(R::ONE + passing * (more - R::ONE))
             + p.base_color * (p.metalness * ((R::ONE - all) / all));

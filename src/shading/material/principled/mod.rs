@@ -44,7 +44,7 @@ pub struct Principled {
     pub roughness: Number,
     /// Factor of the reflectance of the part that is not metal, 0 to 1, or a texture.
     pub specular: Number,
-    /// Index of refraction relative to air, 1.01 to 10.
+    /// Index of refraction relative to air, 1.01 to 1000.
     pub ior: f32,
     /// Share of the light that enters the surface and passes through it, 0 to 1, or a texture.
     pub transmission: Number,
@@ -213,7 +213,8 @@ impl MaterialParameters for Principled {
 
     fn is_pane(&self) -> bool {
         let emits = self.emission.constant() != Some([0.0; 3]);
-        self.thin && self.roughness == 0.0.into() && self.transmission != 0.0.into() && !emits
+        let smooth = self.roughness.is_zero() && self.anisotropy == 0.0;
+        self.thin && smooth && self.transmission != 0.0.into() && !emits
     }
 
     fn check(&self, e: &Location<'_>) -> Result<()> {
