@@ -195,8 +195,8 @@ fn materials_scatter_what_they_should() {
                 "principled(base_color: (0, 0, 0), specular_color: (50, 50, 50))",
                 microfacets([0.25; 2], |_| 1.0, None),
             ),
-            // The root of (n − 1)/(n + 1) is 5/11 of its largest value, a node of the table, as are the cosine and the
-            // roughness.
+            // The root of (n − 1)/(n + 1) is 5/11 of its largest value, a node of the table, as is the roughness, and
+            // the cosine nearly so.
             known(
                 "principled(base_color: (1, 1, 1), roughness: 0.6, transmission: 1, ior: 1.2304147)",
                 1.0,

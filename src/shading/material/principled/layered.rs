@@ -29,7 +29,7 @@ pub(crate) struct LayeredBsdf<R: Real> {
     /// The same two numbers of the part that is not metal. The first is that of the brightest channel.
     dielectric_f0: R,
     specular: R,
-    /// Factor of the reflected light for light that microfacets reflect or refract more than once (Turquin
+    /// Factor of the reflected light for light that microfacets of metal reflect more than once (Turquin
     /// 2019, "Practical Multiple Scattering Compensation for Microfacet Models").
     compensation: R::Vec3,
     /// The BRDF of the base, before the factor for light that the microfacets let in, and the same of light
@@ -38,6 +38,8 @@ pub(crate) struct LayeredBsdf<R: Real> {
     through: R::Vec3,
     /// Colour of light that passes through the surface.
     transmission: R::Vec3,
+    /// Reflectance beyond the critical angle: 1, and what rough glass reflects more than once.
+    enclosed: R,
     thin: R::Mask,
     /// Index of refraction beyond the surface divided by the index before it.
     eta: R,
@@ -68,9 +70,6 @@ impl<R: Real> LayeredBsdf<R> {
         let limited = |channel: usize| min(colored[channel], R::ONE);
         let dielectric = R::Vec3::new(limited(0), limited(1), limited(2)) * p.specular;
         let dielectric_f0 = max_element(dielectric);
-        let f0 = dielectric * not_metal + p.base_color * p.metalness;
-        let f90 = p.specular * not_metal + p.metalness;
-
         let passing = not_metal * p.transmission;
         let refracts = passing.gt(R::ZERO) & !p.thin;
         let inside = !at.front & refracts;
@@ -86,8 +85,11 @@ impl<R: Real> LayeredBsdf<R> {
         if rough.any() {
             more = rough.select(R::ONE / kept(wo[2], alpha, eta, p.specular), R::ONE);
         }
-        let compensation = R::Vec3::gray(R::ONE + passing * (more - R::ONE))
-            + p.base_color * (p.metalness * ((R::ONE - all) / all));
+        let glass = R::ONE + p.transmission * (more - R::ONE);
+        let f0 = dielectric * (not_metal * glass) + p.base_color * p.metalness;
+        let f90 = p.specular * not_metal * glass + p.metalness;
+        let compensation =
+            R::Vec3::gray(R::ONE) + p.base_color * (p.metalness * ((R::ONE - all) / all));
         let enters = R::ONE - (dielectric_f0 * shares.low + p.specular * shares.high);
         let enters = enclosed.select(R::ZERO, enters);
         let enters_mean = R::ONE - (dielectric_f0 * mean.low + p.specular * mean.high);
@@ -135,6 +137,7 @@ impl<R: Real> LayeredBsdf<R> {
             diffuse,
             through,
             transmission,
+            enclosed: glass,
             thin: p.thin,
             eta,
             coat,
@@ -155,7 +158,7 @@ impl<R: Real> LayeredBsdf<R> {
         let reflects = self.f0 + (R::Vec3::gray(self.f90) - self.f0) * grazing;
         let dielectric = self.dielectric_f0 + (self.specular - self.dielectric_f0) * grazing;
         let passes = enclosed.select(R::ZERO, R::ONE - dielectric);
-        (enclosed.select(R::Vec3::gray(R::ONE), reflects), self.transmission * passes)
+        (enclosed.select(R::Vec3::gray(self.enclosed), reflects), self.transmission * passes)
     }
 
     /// The share of light that passes a smooth, thin sheet.

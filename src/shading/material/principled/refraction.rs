@@ -9,7 +9,7 @@ use super::reflectance_at_normal;
 use crate::math::microfacet::Ggx;
 use crate::math::{Mask, Real, Row, Word, clamp, dot, max, whole};
 
-/// Number of cosines, and of square roots of α, in the table. Both are evenly spaced from 0 to 1.
+/// Number of cosines and of roughnesses α in the table. The square roots of both are evenly spaced from 0 to 1.
 const NODES: usize = 16;
 /// Number of indices of refraction n, evenly spaced in the root of (n − 1)/(n + 1), from 0 to that of 1/2: first those
 /// of light that arrives from outside, then those from inside. Above 3, n counts as 3.
@@ -30,7 +30,8 @@ static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
         let slope = max(0.5 * root * root, 1e-3);
         let ior = (1.0 + slope) / (1.0 - slope);
         let eta = if k < INDICES { ior } else { 1.0 / ior };
-        integrate(max(at(i, NODES), 1e-2), max(at(j, NODES) * at(j, NODES), 1e-3), eta, STEPS)
+        let square = |node: usize| max(at(node, NODES) * at(node, NODES), 1e-3);
+        integrate(square(i), square(j), eta, STEPS)
     };
     let nodes: Vec<[f32; 2]> = (0..PLANE).map(value).collect();
     let row = |entry: usize| {
@@ -90,7 +91,7 @@ pub(super) fn kept<R: Real>(cos: R, alpha: R, eta: R, specular: R) -> R {
         (whole(scaled), scaled - scaled.floor())
     };
     let word = |x: usize| R::Word::splat(x as u32);
-    let ((i, fx), (j, fy)) = (position(cos, NODES), position(alpha.sqrt(), NODES));
+    let ((i, fx), (j, fy)) = (position(cos.sqrt(), NODES), position(alpha.sqrt(), NODES));
     let (k, fz) = position((((eta - R::ONE) / (eta + R::ONE)).abs() * 2.0).sqrt(), INDICES);
     let inside = eta.lt(R::ONE).select(word(INDICES), word(0));
     let blend = |a: R, b: R, f: R| a + (b - a) * f;
