@@ -90,10 +90,10 @@ pub(super) fn schlick_weight<R: Real>(cos: R) -> R {
     x2 * x2 * x
 }
 
-/// Position `x` in [0, 1] among the nodes: the one before it, and the distance to it.
+/// Position `x` in [0, 1] among so many nodes: the one before it, and the distance to it.
 #[inline(always)]
-fn position<R: Real>(x: R) -> (R::Word, R) {
-    let scaled = clamp(x, R::ZERO, R::ONE) * (NODES - 1) as f32;
+pub(super) fn position<R: Real>(x: R, nodes: usize) -> (R::Word, R) {
+    let scaled = clamp(x, R::ZERO, R::ONE) * (nodes - 1) as f32;
     (whole(scaled), scaled - scaled.floor())
 }
 
@@ -108,7 +108,7 @@ impl<R: Real> Shares<R> {
     /// The shares for light that leaves or arrives at the cosine `cos` to the normal.
     #[inline(always)]
     pub(super) fn at(cos: R, alpha: R) -> Self {
-        let ((i, fx), (j, fy)) = (position(cos), position(alpha.sqrt()));
+        let ((i, fx), (j, fy)) = (position(cos, NODES), position(alpha.sqrt(), NODES));
         let table = &TABLE[..];
         let last = R::Word::splat(NODES as u32 - 1);
         let next = j.wrapping_add(R::Word::splat(1));
@@ -127,7 +127,7 @@ impl<R: Real> Shares<R> {
     /// [`Shares::at`], without further approximation.
     #[inline(always)]
     pub(in crate::shading::material) fn mean(alpha: R) -> Self {
-        let (j, fy) = position(alpha.sqrt());
+        let (j, fy) = position(alpha.sqrt(), NODES);
         let (first, last) = R::gather(&MEANS, R::index(j, NODES), |row| row);
         let blend = |a: R, b: R| a + (b - a) * fy;
         Self { low: blend(first[0], first[2]), high: blend(first[1], last) }

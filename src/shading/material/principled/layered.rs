@@ -79,8 +79,8 @@ impl<R: Real> LayeredBsdf<R> {
         // What microfacets lose depends on the cosine inside.
         let lost = if inside.any() { Shares::at(wo[2], alpha) } else { shares };
         let all = lost.low + lost.high;
-        // What rough glass would reflect or refract more than once adds to both.
-        let rough = refracts & alpha.gt(R::splat(LEAST_ALPHA));
+        // What rough glass would reflect or refract more than once adds to both. Mixed with metal, it would count twice.
+        let rough = refracts & alpha.gt(R::splat(LEAST_ALPHA)) & p.metalness.eq(R::ZERO);
         let mut more = R::ONE;
         if rough.any() {
             more = rough.select(R::ONE / kept(wo[2], alpha, eta, p.specular), R::ONE);

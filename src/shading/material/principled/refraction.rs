@@ -4,10 +4,10 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::albedo::schlick_weight;
+use super::albedo::{position, schlick_weight};
 use super::reflectance_at_normal;
 use crate::math::microfacet::Ggx;
-use crate::math::{Mask, Real, Row, Word, clamp, dot, max, whole};
+use crate::math::{Mask, Real, Row, Word, dot, max};
 
 /// Number of cosines and of roughnesses α in the table. The square roots of both are evenly spaced from 0 to 1.
 const NODES: usize = 16;
@@ -86,10 +86,6 @@ pub(super) fn prepare() {
 /// `cos`. The rest would be reflected or refracted more than once.
 #[inline(never)]
 pub(super) fn kept<R: Real>(cos: R, alpha: R, eta: R, specular: R) -> R {
-    let position = |x: R, nodes: usize| {
-        let scaled = clamp(x, R::ZERO, R::ONE) * (nodes - 1) as f32;
-        (whole(scaled), scaled - scaled.floor())
-    };
     let word = |x: usize| R::Word::splat(x as u32);
     let ((i, fx), (j, fy)) = (position(cos.sqrt(), NODES), position(alpha.sqrt(), NODES));
     let (k, fz) = position((((eta - R::ONE) / (eta + R::ONE)).abs() * 2.0).sqrt(), INDICES);

@@ -5,9 +5,10 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use super::albedo::position;
 use crate::math::powers::{exp, ln};
 use crate::math::{
-    Mask, Real, Row, Vector, Word, clamp, max, max_element, min, normalize, sin_cos_turns, whole,
+    Mask, Real, Row, Vector, Word, clamp, max, max_element, min, normalize, sin_cos_turns,
 };
 
 /// Least roughness of fibres.
@@ -117,11 +118,7 @@ impl<R: Real> Sheen<R> {
 /// [`integrate`] by the table.
 #[inline(always)]
 fn share<R: Real>(alpha: R, cos: R) -> R {
-    let position = |x: R| {
-        let scaled = clamp(x, R::ZERO, R::ONE) * (NODES - 1) as f32;
-        (whole(scaled), scaled - scaled.floor())
-    };
-    let ((i, fx), (j, fy)) = (position(cos), position(alpha.sqrt()));
+    let ((i, fx), (j, fy)) = (position(cos, NODES), position(alpha.sqrt(), NODES));
     let entry = j.wrapping_mul(R::Word::splat(NODES as u32)).wrapping_add(i);
     let (first, last) = R::gather(&TABLE, R::index(entry, TABLE.len()), |row| row);
     let blend = |a: R, b: R, f: R| a + (b - a) * f;
