@@ -272,7 +272,7 @@ impl MaterialModel for Principled {
         if !is_black(&self.sheen_color) {
             sheen::prepare();
         }
-        if self.refracts() {
+        if self.refracts() && !self.roughness.is_zero() {
             refraction::prepare();
         }
         let mut two = |first: &Number, second: &Number| {
