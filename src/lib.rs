@@ -137,7 +137,7 @@ pub use engine::{
     RenderState, Renderer, Roulette, Seconds, SegmentPlan, Session, Stop, Tally, Until,
 };
 pub use error::{Error, Result};
-pub use formats::BUILTIN_NAMES;
+pub use formats::{BUILTIN_NAMES, ImportOptions, LightUnits, Missing, SceneDescription};
 pub use glam;
 pub use image::{Display, Exposure, Image, ImageLayer, Metadata, ToneMap, Transfer};
 pub use isa::{Isa, compiled_isa, detected_isa};

@@ -1,7 +1,8 @@
 //! `ptfast scenes`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 
@@ -9,8 +10,10 @@ use clap::{Args, Subcommand};
 
 use super::arguments::{SceneArg, SceneLimitArgs};
 use super::console::{notice, say, say_lines};
+use super::files;
 use crate::error::Result;
 use crate::formats::BUILTIN_NAMES;
+use crate::output::write_atomically;
 use crate::scene::Scene;
 use crate::shading::Background;
 
@@ -31,6 +34,10 @@ pub(crate) enum ScenesCommand {
         /// Print JSON instead of RON
         #[arg(long)]
         json: bool,
+        /// Write into this file instead of standard output. Its paths are relative to its folder, or else to the
+        /// current one
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
         #[command(flatten)]
         limits: SceneLimitArgs,
     },
@@ -48,11 +55,20 @@ pub(crate) fn run(command: &ScenesCommand) -> Result<()> {
         ScenesCommand::List => BUILTIN_NAMES
             .iter()
             .try_for_each(|name| say(format_args!("{}", summary(&Scene::load(name)?)))),
-        ScenesCommand::Show { scene, json, limits } => {
-            let parsed = limits.read(scene)?;
-            parsed.resolve()?;
-            let text = if *json { parsed.to_json() } else { parsed.to_ron() };
-            say_lines(text.trim_end())
+        ScenesCommand::Show { scene, json, output, limits } => {
+            let mut description = limits.read(scene)?;
+            let checked = description.resolve()?;
+            description.shorten();
+            let folder = output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+            description.relocate(folder);
+            let json = *json
+                || output
+                    .as_ref()
+                    .is_some_and(|file| file.extension().is_some_and(|of| of == "json"));
+            let text = if json { description.to_json() } else { description.to_ron() };
+            let Some(output) = output else { return say_lines(text.trim_end()) };
+            files::check(&files::of_scene(scene.name(), &checked), &[("--output", output)])?;
+            write_atomically(output, |file| file.write_all(text.as_bytes()))
         }
         ScenesCommand::Check { scene, limits } => {
             let scene = limits.read(scene)?.resolve()?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::gltf::Gltf;
-use super::{builtin, mesh};
+use super::{builtin, mesh, reference};
 use crate::error::Result;
 use crate::limits::Budget;
 use crate::scene::{Assets, IndexedMesh};
@@ -34,5 +34,9 @@ impl ImageContainer for Gltf<'_> {
 impl Assets for Files {
     fn mesh(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
         mesh::read(path, origin, budget)
+    }
+
+    fn lists(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<IndexedMesh>> {
+        reference::read(path, origin, budget)
     }
 }

@@ -2,14 +2,14 @@
 
 use serde_json::Value;
 
-use super::Parsed;
+use super::SceneDescription;
 use crate::error::{Error, Result, suggestion};
 use crate::shading::Material;
 
 const VALUES: &str =
     "VALUE must be a finite number, a colour such as (1, 0.5, 0), a name in quotes, true or false";
 
-impl Parsed {
+impl SceneDescription {
     /// Sets a field of a material by `edit`, `MATERIAL.FIELD=VALUE`. The value is as in scene files: a number, a colour
     /// such as `(1, 0.5, 0)`, the name of a texture in quotes, or `true`. The name of the material must have no `=`.
     ///
@@ -61,7 +61,7 @@ mod tests {
         let text = r#"(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), vfov: 40),
                        textures: {"wood": uv_checker(odd: (1, 1, 1), even: (0, 0, 0), scale: (1, 1))},
                        materials: {"top.001": principled(), "base": lambertian(albedo: (0.5, 0.5, 0.5))})"#;
-        let mut parsed = Source::from_reader(text.as_bytes(), &Limits::default())
+        let mut description = Source::from_reader(text.as_bytes(), &Limits::default())
             .unwrap()
             .read(&Limits::default())
             .unwrap();
@@ -71,15 +71,15 @@ mod tests {
             "top.001.thin=true",
             "base.albedo=\"wood\"",
         ] {
-            parsed.set(edit).unwrap();
+            description.set(edit).unwrap();
         }
-        let shown = parsed.to_ron();
+        let shown = description.to_ron();
         for want in
             ["roughness: 0.25", "base_color: (1.0, 0.5, 0.0)", "thin: true", "albedo: \"wood\""]
         {
             assert!(shown.contains(want), "{shown}");
         }
-        parsed.resolve().unwrap();
+        description.resolve().unwrap();
         for (edit, want) in [
             ("roughness=1", "must be MATERIAL.FIELD=VALUE"),
             ("bases.albedo=1", "unknown material `bases`, did you mean `base`?"),
@@ -90,7 +90,7 @@ mod tests {
             ("top.001.attenuation_distance=inf", "VALUE must be"),
             ("top.001.thin=0.5", "invalid type"),
         ] {
-            let error = parsed.set(edit).unwrap_err().to_string();
+            let error = description.set(edit).unwrap_err().to_string();
             assert!(error.contains(want) && error.contains(edit), "{error}");
         }
     }

@@ -46,7 +46,8 @@ impl Middle {
 
 /// What happens to a texture or mesh that a scene of another program names, but that is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Missing {
+#[non_exhaustive]
+pub enum Missing {
     /// The scene is rejected.
     #[default]
     Error,
@@ -54,11 +55,12 @@ pub(crate) enum Missing {
     Grey,
 }
 
-names! { pub(crate) Missing: Error = "error", Grey = "grey" }
+names! { pub Missing: Error = "error", Grey = "grey" }
 
 /// The units of the lights of glTF files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum LightUnits {
+#[non_exhaustive]
+pub enum LightUnits {
     /// One candela, one lux and one nit count as 1.
     #[default]
     File,
@@ -66,34 +68,48 @@ pub(crate) enum LightUnits {
     Blender,
 }
 
-names! { pub(crate) LightUnits: File = "file", Blender = "blender" }
+names! { pub LightUnits: File = "file", Blender = "blender" }
 
-/// How scenes of other programs are read.
+/// How scenes of other programs are read. [`Default`] gives the usual options.
+///
+/// ```
+/// let mut options = ptfast::ImportOptions::default();
+/// options.animation = Some("walk".to_owned());
+/// options.at = 1.5;
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ImportOptions {
+#[non_exhaustive]
+pub struct ImportOptions {
     /// What happens to missing textures and meshes.
     pub missing: Missing,
     /// Whether everything that ptfast lacks is an error instead of a warning.
     pub strict: bool,
     /// Name or number of the animation of a glTF file that poses its scene.
     pub animation: Option<String>,
-    /// Time of the animation in seconds.
+    /// Time of the animation in seconds, 0 or more.
     pub at: f64,
     /// Name of the variant of materials of a glTF file.
     pub variant: Option<String>,
     /// The units of the lights of glTF files.
     pub light_units: LightUnits,
-    /// Whether an environment map replaces the background.
+    /// Whether an environment map replaces the background, so that a file without camera and light gets neither sky
+    /// nor ground. See [`SceneDescription::with_environment`](crate::SceneDescription::with_environment).
     pub environment: bool,
     /// Whether a file without camera and light gets no ground.
     pub no_ground: bool,
     /// Whether the z-axis of a glTF, OBJ or PLY file points up, instead of the y-axis.
     pub z_up: bool,
-    /// Width and height of the picture, if they are not the usual ones.
+    /// Width and height of the picture in pixels, if they are not the usual ones. The view of a file without camera
+    /// depends on their ratio.
     pub size: Option<(u32, u32)>,
 }
 
 impl ImportOptions {
+    /// Whether all vertices are where the file has them.
+    pub(crate) fn keeps_pose(&self) -> bool {
+        self.animation.is_none() && !self.z_up
+    }
+
     /// The width of the picture, divided by its height.
     pub(crate) fn aspect(&self) -> f64 {
         let usual = RenderDefaults::default();
@@ -252,4 +268,19 @@ pub(crate) fn read(
     let maybe_blender = import.maybe_blender;
     let warnings = import.into_warnings(&path.display().to_string())?;
     Ok(Imported { file, warnings, maybe_blender })
+}
+
+/// Reads the scene in `path` relative to the point `origin` of the file, without warnings.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_from(
+    path: &Path,
+    format: &Format,
+    options: &ImportOptions,
+    origin: DVec3,
+    budget: &Budget,
+) -> Result<SceneFile> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    (format.read)(path, &mut Import { origin, ..Import::new(folder, options, budget) })
 }

@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use super::assets::Files;
-use super::{Source, ron};
+use super::{ImportOptions, SceneDescription, Source, ron};
 use crate::error::Result;
 use crate::limits::{Budget, Limits};
 use crate::scene::{Scene, SceneFile, resolve};
 
 impl Scene {
-    /// Loads the built-in scene with this name, generates `cloud:N`, `mesh:N` or `forest:N`, or reads the file
-    /// at this path: a scene (`.ron` or `.json`) or a mesh (`.obj` or
-    /// `.ply`).
+    /// Loads the built-in scene with this name ([`BUILTIN_NAMES`](crate::BUILTIN_NAMES)), generates `cloud:N`, `mesh:N`
+    /// or `forest:N`, or reads the file at this path: a scene (`.ron`, `.json`), a scene of another program (`.gltf`,
+    /// `.glb`, `.pbrt`), or a mesh with its materials (`.obj`, `.ply`). [`SceneDescription`](crate::SceneDescription)
+    /// has options for the last two, and can be edited.
     ///
     /// # Errors
     /// If the file cannot be read or its content is wrong. The message is one line that names the
@@ -56,5 +57,16 @@ impl Scene {
     /// As [`from_file`](Self::from_file), and if a limit is exceeded.
     pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
         resolve("scene", folder, file, &Files, Budget::new(limits, 0))
+    }
+}
+
+impl SceneDescription {
+    /// Loads the description of a scene, which [`Scene::load`] names. `options` apply to scenes of other programs.
+    ///
+    /// # Errors
+    /// If the file cannot be read, its content is wrong, or a limit is exceeded. The message is one line that names
+    /// the place.
+    pub fn load(name_or_path: &str, options: &ImportOptions, limits: &Limits) -> Result<Self> {
+        Source::find(name_or_path)?.read_with(limits, options)
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::MESHES;
+use super::{MESHES, imported};
 use crate::error::{Error, Result};
 use crate::input::{decompress, read_bytes};
 use crate::limits::{Budget, Limit};
@@ -35,7 +35,10 @@ pub(crate) fn read(path: &Path, origin: DVec3, budget: &Budget) -> Result<Indexe
     let name = path.display().to_string();
     let format = MESHES.iter().find(|format| Some(format.extension) == extension.as_deref());
     let Some(Format { parse, .. }) = format else {
-        let message = "unsupported file extension, meshes are .obj or .ply files";
+        let message = match imported(path) {
+            None => "unsupported file extension, meshes are .obj or .ply files".to_owned(),
+            Some(_) => format!("parts of glTF and pbrt files have numbers, such as {name}#0"),
+        };
         return Err(Error::input(name, "", message));
     };
     let allow = |length| budget.check_file(Limit::MeshBytes, length);

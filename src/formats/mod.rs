@@ -2,6 +2,7 @@
 
 mod assets;
 mod builtin;
+mod description;
 mod edit;
 mod generated;
 mod gltf;
@@ -11,17 +12,20 @@ mod mesh;
 mod mesh_scene;
 mod obj;
 mod origin;
-mod parsed;
 mod pbrt;
 mod ply;
 mod polygons;
+mod reference;
+mod relocate;
 mod ron;
 mod source;
 mod view;
 
 pub use builtin::BUILTIN_NAMES;
-pub(crate) use import::{ImportOptions, LightUnits, Missing};
-pub(crate) use parsed::Parsed;
+use std::path::Path;
+
+pub use description::SceneDescription;
+pub use import::{ImportOptions, LightUnits, Missing};
 pub use source::Source;
 
 /// The formats of scenes of other programs.
@@ -29,3 +33,14 @@ static SCENES: [&import::Format; 2] = [&gltf::FORMAT, &pbrt::FORMAT];
 
 /// The formats of meshes.
 static MESHES: [&mesh::Format; 2] = [&obj::FORMAT, &ply::FORMAT];
+
+/// The extension of a path in lower case.
+fn extension(path: &Path) -> Option<String> {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
+}
+
+/// The format of the file at `path`, if it is that of scenes of other programs.
+fn imported(path: &Path) -> Option<&'static import::Format> {
+    let extension = extension(path)?;
+    SCENES.iter().copied().find(|format| format.extensions.contains(&&*extension))
+}

@@ -7,7 +7,8 @@ use super::generated::Generated;
 use super::import::{Format, Imported, Middle};
 use super::ron::Form;
 use super::{
-    BUILTIN_NAMES, ImportOptions, MESHES, Parsed, SCENES, builtin, import, mesh_scene, obj, ron,
+    BUILTIN_NAMES, ImportOptions, MESHES, SceneDescription, builtin, extension, import, imported,
+    mesh_scene, obj, ron,
 };
 use crate::error::{Error, Result, suggestion};
 use crate::input::read_text;
@@ -15,11 +16,6 @@ use crate::limits::{Budget, Limit, Limits};
 
 /// Bytes of memory that a generated [`SceneFile`](crate::SceneFile) needs for each primitive.
 const GENERATED: u64 = 300;
-
-/// The format of scenes of other programs in files with this extension in lower case.
-fn imported(extension: &str) -> Option<&'static Format> {
-    SCENES.iter().copied().find(|format| format.extensions.contains(&extension))
-}
 
 /// The source of a scene.
 #[derive(Clone, Debug)]
@@ -53,7 +49,7 @@ impl Source {
             return Ok(Self::Generated(name_or_path.to_owned(), generated?));
         }
         let path = Path::new(name_or_path);
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let extension = extension(path);
         let form = match extension.as_deref() {
             Some("ron") => Form::Ron,
             Some("json") => Form::Json,
@@ -65,7 +61,7 @@ impl Source {
             Some(extension) if MESHES.iter().any(|format| format.extension == extension) => {
                 return Ok(Self::Mesh(path.to_owned()));
             }
-            Some(extension) if let Some(format) = imported(extension) => {
+            Some(_) if let Some(format) = imported(path) => {
                 return Ok(Self::Import(path.to_owned(), format));
             }
             _ if path.is_dir() => {
@@ -102,7 +98,7 @@ impl Source {
     ///
     /// # Errors
     /// If the file cannot be read, its text is not a valid scene file, or a limit is exceeded.
-    pub fn read(&self, limits: &Limits) -> Result<Parsed> {
+    pub fn read(&self, limits: &Limits) -> Result<SceneDescription> {
         self.read_with(limits, &ImportOptions::default())
     }
 
@@ -110,7 +106,11 @@ impl Source {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub(crate) fn read_with(&self, limits: &Limits, options: &ImportOptions) -> Result<Parsed> {
+    pub(crate) fn read_with(
+        &self,
+        limits: &Limits,
+        options: &ImportOptions,
+    ) -> Result<SceneDescription> {
         let turns = match self {
             Self::Mesh(_) => true,
             Self::Import(_, format) => format.middle == Middle::X,
@@ -127,7 +127,12 @@ impl Source {
                     .check(Limit::Primitives, count)
                     .and_then(|()| budget.hold(GENERATED * count))
                     .map_err(|message| Error::input(name, "", message))?;
-                return Ok(Parsed::new(name.clone(), PathBuf::new(), generated.scene(), budget));
+                return Ok(SceneDescription::new(
+                    name.clone(),
+                    PathBuf::new(),
+                    generated.scene(),
+                    budget,
+                ));
             }
             Self::Mesh(path) => {
                 let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
@@ -143,8 +148,8 @@ impl Source {
                     warnings.push(warning);
                 }
                 let (middle, is_imported) = (Middle::X, true);
-                let parsed = Parsed::new(name, folder, file, budget);
-                return Ok(Parsed { warnings, middle, is_imported, ..parsed });
+                let description = SceneDescription::new(name, folder, file, budget);
+                return Ok(SceneDescription { warnings, middle, is_imported, ..description });
             }
             Self::Import(path, format) => {
                 let budget = Budget::new(limits, 0);
@@ -152,9 +157,18 @@ impl Source {
                     import::read(path, format, options, &budget)?;
                 let name = path.display().to_string();
                 let (middle, folder) = (format.middle, folder_of(path));
-                let parsed = Parsed::new(name, folder, file, budget);
+                let description = SceneDescription::new(name, folder, file, budget);
                 let is_imported = true;
-                return Ok(Parsed { warnings, middle, is_imported, maybe_blender, ..parsed });
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let lists = options.keeps_pose().then_some(name);
+                return Ok(SceneDescription {
+                    warnings,
+                    middle,
+                    is_imported,
+                    maybe_blender,
+                    lists,
+                    ..description
+                });
             }
             Self::Text(text, form) => {
                 (STANDARD_INPUT.to_owned(), PathBuf::new(), *form, text.clone())
@@ -180,7 +194,7 @@ impl Source {
         };
         let text = Some((form, text));
         let warnings = obj::add_materials_of_meshes(&name, &folder, options, &budget, &mut file)?;
-        Ok(Parsed { text, warnings, ..Parsed::new(name, folder, file, budget) })
+        Ok(SceneDescription { text, warnings, ..SceneDescription::new(name, folder, file, budget) })
     }
 }
 

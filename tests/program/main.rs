@@ -17,3 +17,4 @@ mod keep;
 mod layering;
 mod mesh;
 mod mtl;
+mod references;

@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::SceneArg;
 use crate::error::Result;
-use crate::formats::{Parsed, Source};
+use crate::formats::{SceneDescription, Source};
 use crate::limits::{Limit, Limits, Refused};
 use crate::scene::Scene;
 
@@ -74,19 +74,24 @@ impl SceneLimitArgs {
     }
 
     /// Reads the scene that these arguments name.
-    pub(crate) fn read(&self, scene: &SceneArg) -> Result<Parsed> {
+    pub(crate) fn read(&self, scene: &SceneArg) -> Result<SceneDescription> {
         self.read_for(scene, None)
     }
 
     /// As [`read`](Self::read), for a picture of this size, if it is not the scene's.
-    pub(crate) fn read_for(&self, scene: &SceneArg, size: Option<(u32, u32)>) -> Result<Parsed> {
-        let parsed = self.source(scene.name())?.read_with(&self.limits(), &scene.import(size))?;
-        let mut parsed = match scene.env() {
-            Some((path, degrees)) => parsed.with_environment(path, degrees)?,
-            None => parsed,
+    pub(crate) fn read_for(
+        &self,
+        scene: &SceneArg,
+        size: Option<(u32, u32)>,
+    ) -> Result<SceneDescription> {
+        let description =
+            self.source(scene.name())?.read_with(&self.limits(), &scene.import(size))?;
+        let mut description = match scene.env() {
+            Some((path, degrees)) => description.with_environment(path, degrees)?,
+            None => description,
         };
-        scene.edits().iter().try_for_each(|edit| parsed.set(edit))?;
-        Ok(parsed)
+        scene.edits().iter().try_for_each(|edit| description.set(edit))?;
+        Ok(description)
     }
 }
 

@@ -194,7 +194,7 @@ impl IndexedMesh {
         smooth: Smooth,
         budget: &Budget,
     ) -> Result<Transformed, String> {
-        let Vertices { positions, normals, uvs, colors, .. } = &self.vertices;
+        let Vertices { positions, normals, uvs, second_uvs, colors, tangents } = &self.vertices;
         let (vertices, triangles) = (positions.len() as u64, self.triangles.len() as u64);
         // Includes the spare capacity of growing lists.
         budget.check(68 * vertices + 144 * triangles + self.vertices.bytes())?;
@@ -238,8 +238,15 @@ impl IndexedMesh {
             let turned = DVec3::from_array(rotate(normal.to_array().map(f64::from), turns));
             unit(inverse.map_or(turned, |inverse| inverse * turned))
         };
-        let (uvs, colors) = (uvs.clone(), colors.clone());
-        let mut vertices = Vertices { positions, uvs, colors, ..Vertices::default() };
+        // Tangents lie in the surface, so they turn as its edges do.
+        let along = |tangent: &Vec3| {
+            let turned = DVec3::from_array(rotate(tangent.to_array().map(f64::from), turns));
+            unit(transform.matrix.map_or(turned, |matrix| matrix.matrix3 * turned))
+        };
+        let tangents = tangents.iter().map(along).collect();
+        let (uvs, second_uvs, colors) = (uvs.clone(), second_uvs.clone(), colors.clone());
+        let mut vertices =
+            Vertices { positions, uvs, second_uvs, colors, tangents, ..Vertices::default() };
         if smooth == Smooth::On || smooth == Smooth::Auto && !normals.is_empty() {
             vertices.normals = normals.iter().map(turned).collect();
             // Even in a file with normals, some corners may lack them.

@@ -1,22 +1,21 @@
 //! Triangle meshes that are read from files.
 
 use std::borrow::Cow;
-use std::collections::hash_map;
 use std::path::PathBuf;
 
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Builder, Expand, PrimitiveFile};
+use super::{Builder, Expand, MeshKey, PrimitiveFile};
 use crate::checks::{Location, MAX_COORDINATE};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Instance;
 use crate::input::{length, path_within};
 use crate::math::affine;
 use crate::scene::{Smooth, Transform, Transformed};
 
-/// The triangles of an OBJ or PLY file.
+/// The triangles of an OBJ or PLY file, or a list of triangles in a glTF or pbrt file.
 ///
 /// Positions, normals, texture coordinates, colours and faces are read. Polygons become triangles,
 /// and triangles without area are left out.
@@ -24,7 +23,8 @@ use crate::scene::{Smooth, Transform, Transformed};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct MeshFile {
-    /// Path of the mesh, relative to the scene file.
+    /// Path of the mesh, relative to the scene file. For a list of a glTF or pbrt file, `#` and its number follow,
+    /// as `ptfast scenes show` prints them: `helmet.glb#0`.
     pub file: String,
     /// The point of the file that is at the origin, for files in map coordinates. It is subtracted before positions
     /// are rounded and transformed.
@@ -113,7 +113,9 @@ impl Builder<'_> {
         let (folder, assets, budget) = (self.folder, self.assets, self.budget);
         // Files that need another origin are read later.
         let path = |primitive: &PrimitiveFile| match primitive {
-            PrimitiveFile::Mesh(mesh) if is_zero(&mesh.origin) => {
+            PrimitiveFile::Mesh(mesh)
+                if is_zero(&mesh.origin) && numbered(&mesh.file).1.is_none() =>
+            {
                 path_within(folder, &mesh.file, &budget.limits).ok()
             }
             _ => None,
@@ -132,9 +134,43 @@ impl Builder<'_> {
         let meshes: Vec<_> = paths.into_par_iter().filter_map(read).collect();
         for (path, mesh) in meshes {
             if budget.hold(mesh.memory()).is_ok() {
-                self.meshes.insert((path, bits([0.0; 3])), mesh);
+                self.meshes.insert((path, None, bits([0.0; 3])), mesh);
             }
         }
+    }
+
+    /// Reads the mesh with this key, unless it is known.
+    fn read_mesh(&mut self, e: &Location<'_>, key: &MeshKey, origin: DVec3) -> Result<()> {
+        let (path, number, origin_bits) = key;
+        if !self.meshes.contains_key(key) {
+            let failed = |error: Error| error.of_file(|error| e.error(error));
+            let read = match number {
+                None => vec![(None, self.assets.mesh(path, origin, self.budget).map_err(failed)?)],
+                // All lists, so that the file is read once.
+                Some(_) => {
+                    let lists = self.assets.lists(path, origin, self.budget).map_err(failed)?;
+                    lists.into_iter().enumerate().map(|(i, list)| (Some(i), list)).collect()
+                }
+            };
+            for (number, mesh) in read {
+                self.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
+                self.meshes.insert((path.clone(), number, *origin_bits), mesh);
+            }
+        }
+        if self.meshes.contains_key(key) {
+            return Ok(());
+        }
+        let same = |known: &&MeshKey| known.0 == *path && known.2 == *origin_bits;
+        let (count, path) = (self.meshes.keys().filter(same).count(), path.display());
+        Err(e.error(format!("{path} has {count} lists of triangles, counted from 0")))
+    }
+}
+
+/// The path of the file of a mesh, and its number, if the file is a scene of another program.
+fn numbered(file: &str) -> (&str, Option<usize>) {
+    match file.rsplit_once('#').map(|(path, number)| (path, number.parse())) {
+        Some((path, Ok(number))) => (path, Some(number)),
+        _ => (file, None),
     }
 }
 
@@ -152,18 +188,12 @@ impl Expand for MeshFile {
         let ok = self.origin.iter().all(|c| c.abs() <= f64::from(MAX_COORDINATE));
         let [x, y, z] = self.origin;
         e.check(ok, "origin", "three numbers in [-1e9, 1e9]", format!("({x}, {y}, {z})"))?;
-        let path = e.path_within(to.folder, file, &to.budget.limits)?;
+        let (path, number) = numbered(file);
+        let path = e.path_within(to.folder, path, &to.budget.limits)?;
         let before = to.count();
-        let key = (path, bits(self.origin));
-        let mesh = match to.meshes.entry(key.clone()) {
-            hash_map::Entry::Occupied(there) => there.into_mut(),
-            hash_map::Entry::Vacant(new) => {
-                let mesh = to.assets.mesh(&new.key().0, self.origin.into(), to.budget);
-                let mesh = mesh.map_err(|error| error.of_file(|error| e.error(error)))?;
-                to.budget.hold(mesh.memory()).map_err(|message| e.error(message))?;
-                new.insert(mesh)
-            }
-        };
+        let key = (path, number, bits(self.origin));
+        to.read_mesh(e, &key, self.origin.into())?;
+        let mesh = to.meshes.get_mut(&key).expect("it was read above");
         if self.material.is_some() {
             mesh.ignore_materials();
         }

@@ -43,6 +43,9 @@ pub(crate) trait Expand {
     fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()>;
 }
 
+/// The file of a mesh, its number if the file is a scene of another program, and the bits of its origin.
+pub(crate) type MeshKey = (PathBuf, Option<usize>, [u64; 3]);
+
 /// Collects the geometry of a scene while its primitives are expanded.
 pub(crate) struct Builder<'a> {
     pub(crate) geometry: Geometry,
@@ -50,8 +53,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) ranges: Ranges,
     /// The materials of the triangles of meshes that instances place.
     pub(crate) mesh_ranges: Ranges,
-    /// The meshes read so far, by file and the bits of its origin.
-    pub(crate) meshes: HashMap<(PathBuf, [u64; 3]), IndexedMesh>,
+    /// The meshes read so far.
+    pub(crate) meshes: HashMap<MeshKey, IndexedMesh>,
     groups: NamedMeshes<'a>,
     materials: &'a Materials<'a>,
     /// Folder of the scene file.

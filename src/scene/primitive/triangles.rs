@@ -4,11 +4,11 @@ use glam::{DVec3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::mesh::{is_yes, yes};
-use super::{Builder, Expand};
+use super::{Builder, Expand, IndexedMesh};
 use crate::checks::Location;
 use crate::error::Result;
 use crate::geometry::{Triangle, Vertices};
-use crate::scene::mesh::unit;
+use crate::scene::mesh::{add_normals, unit};
 
 /// A list of triangles. The front is the side from which the vertices run counter-clockwise.
 ///
@@ -68,15 +68,10 @@ impl TrianglesFile {
     }
 }
 
-impl Expand for TrianglesFile {
-    fn material(&self) -> Option<&str> {
-        Some(&self.material)
-    }
-
-    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
+impl TrianglesFile {
+    /// Checks everything, and returns the vertices and the triangles that have an area.
+    fn checked(&self, e: &Location<'_>) -> Result<(Vertices, Vec<[u32; 3]>)> {
         let Self { vertices, indices, normals, uvs, second_uvs, colors, tangents, .. } = self;
-        to.room(e, indices.len())?;
-        to.budget.hold_vertices(vertices.len()).map_err(|message| e.error(message))?;
         for (i, vertex) in vertices.iter().enumerate() {
             e.point(&format!("vertices[{i}]"), *vertex)?;
         }
@@ -116,8 +111,6 @@ impl Expand for TrianglesFile {
                 faces.push(*corner);
             }
         }
-        let vectors =
-            |list: &[[f32; 3]]| list.iter().map(|v| Vec3::from_array(*v)).collect::<Vec<_>>();
         let units = |list: &[[f32; 3]]| {
             list.iter().map(|v| unit(DVec3::from(v.map(f64::from)))).collect::<Vec<_>>()
         };
@@ -131,6 +124,35 @@ impl Expand for TrianglesFile {
             colors: vectors(colors),
             tangents: units(tangents),
         };
+        Ok((vertices, faces))
+    }
+
+    /// The list as a mesh that has not been transformed. The error messages of `e` are about the list.
+    pub(crate) fn mesh(&self, e: &Location<'_>) -> Result<IndexedMesh> {
+        let (mut vertices, triangles) = self.checked(e)?;
+        // The transform gives them unit length, which would round them twice.
+        vertices.normals = vectors(&self.normals);
+        vertices.tangents = vectors(&self.tangents);
+        Ok(IndexedMesh { vertices, triangles, ..IndexedMesh::default() })
+    }
+}
+
+fn vectors(list: &[[f32; 3]]) -> Vec<Vec3> {
+    list.iter().map(|v| Vec3::from_array(*v)).collect()
+}
+
+impl Expand for TrianglesFile {
+    fn material(&self) -> Option<&str> {
+        Some(&self.material)
+    }
+
+    fn expand(&self, e: &Location<'_>, to: &mut Builder<'_>) -> Result<()> {
+        to.room(e, self.indices.len())?;
+        to.budget.hold_vertices(self.vertices.len()).map_err(|message| e.error(message))?;
+        let (mut vertices, faces) = self.checked(e)?;
+        if vertices.normals.contains(&Vec3::ZERO) {
+            add_normals(&mut vertices, &faces);
+        }
         to.triangles(e, vertices, faces, self.soft_terminator)
     }
 }

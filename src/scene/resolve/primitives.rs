@@ -53,7 +53,7 @@ impl Resolver<'_> {
         Ok((
             geometry,
             MaterialMap { solids, ranges },
-            meshes.into_iter().map(|((file, _), mesh)| (file, mesh)).collect(),
+            meshes.into_iter().map(|((file, ..), mesh)| (file, mesh)).collect(),
         ))
     }
 }

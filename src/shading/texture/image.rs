@@ -188,6 +188,10 @@ impl TextureParameters for Image {
         Some(ImageFile { file, index, encoding })
     }
 
+    fn file_mut(&mut self) -> Option<&mut String> {
+        Some(&mut self.file)
+    }
+
     fn uses_vertex_colors(&self) -> bool {
         self.vertex_colors
     }

@@ -60,6 +60,11 @@ pub(crate) trait TextureParameters {
     /// Returns everything that determines the colours, for the hash of the scene.
     fn identity(&self) -> Value;
 
+    /// Returns the path of its image, if it has one.
+    fn file_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+
     /// Returns the texture's colour if it is the same everywhere.
     fn constant(&self) -> Option<[f32; 3]> {
         None
@@ -126,6 +131,11 @@ macro_rules! textures {
         impl Texture {
             /// The names of the kinds in scene files.
             const KINDS: &[&str] = &[$(stringify!($module),)*];
+
+            /// The path of its image, relative to the scene file, if it has one.
+            pub fn file_mut(&mut self) -> Option<&mut String> {
+                self.model_mut().file_mut()
+            }
 
             pub(crate) fn model_mut(&mut self) -> &mut dyn TextureParameters {
                 match self {

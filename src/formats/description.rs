@@ -4,21 +4,36 @@ use std::path::{Path, PathBuf};
 
 use super::assets::Files;
 use super::import::{Middle, WITHOUT_MISSING};
+use super::reference;
 use super::ron::{self, Form, locate};
 use crate::error::{Error, Result};
-use crate::image::Source;
+use crate::image;
 use crate::input::length;
 use crate::limits::Budget;
 use crate::scene::{Scene, SceneFile, resolve};
 use crate::shading::Background;
 use crate::shading::light::EnvironmentMap;
 
-/// A parsed scene whose values are not checked yet.
+/// The description of a scene with the folder of its files. It can be edited before it becomes a [`Scene`].
+///
+/// ```no_run
+/// use ptfast::{ImportOptions, Limits, SceneDescription};
+///
+/// # fn main() -> ptfast::Result<()> {
+/// let mut options = ImportOptions::default();
+/// options.variant = Some("beach".to_owned());
+/// let mut description = SceneDescription::load("shoe.glb", &options, &Limits::default())?;
+/// description.set("laces.roughness=0.4")?;
+/// description.file.camera.look_at = [0.0, 0.1, 0.0];
+/// let scene = description.resolve()?;
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug)]
-pub struct Parsed {
+pub struct SceneDescription {
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
-    /// The scene as written.
+    /// The scene as written. Its paths are relative to [`folder`](Self::folder).
     pub file: SceneFile,
     pub(crate) budget: Budget,
     /// The text with its form, to locate errors.
@@ -31,13 +46,44 @@ pub struct Parsed {
     pub(crate) is_imported: bool,
     /// Whether lamps may be in the units of Blender, although the options do not say so.
     pub(crate) maybe_blender: bool,
+    /// The name of the file to which long lists of triangles may refer.
+    pub(crate) lists: Option<String>,
 }
 
-impl Parsed {
+impl SceneDescription {
     pub(crate) fn new(name: String, folder: PathBuf, file: SceneFile, budget: Budget) -> Self {
         let (text, warnings, middle) = Default::default();
-        let (is_imported, maybe_blender) = (false, false);
-        Self { name, folder, file, budget, text, warnings, middle, is_imported, maybe_blender }
+        let (is_imported, maybe_blender, lists) = (false, false, None);
+        Self {
+            name,
+            folder,
+            file,
+            budget,
+            text,
+            warnings,
+            middle,
+            is_imported,
+            maybe_blender,
+            lists,
+        }
+    }
+
+    /// The folder to which paths are relative; empty for the current folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Sentences that name what ptfast lacks of a scene of another program, and what it does instead.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        self.warnings.iter().map(String::as_str)
+    }
+
+    /// Replaces long lists of triangles of a scene of another program by references to its file. The primitives must
+    /// be those of the file.
+    pub(crate) fn shorten(&mut self) {
+        if let Some(name) = &self.lists {
+            reference::shorten(&mut self.file, name);
+        }
     }
 
     /// Replaces the background by the latitude-longitude map at `path`, which may be in any folder. The map is turned
@@ -46,7 +92,7 @@ impl Parsed {
     /// # Errors
     /// If the file is missing.
     pub fn with_environment(mut self, path: &Path, degrees: f32) -> Result<Self> {
-        length(Source::file(path).path())?;
+        length(image::Source::file(path).path())?;
         let mut map = EnvironmentMap::from_path(path);
         map.rotation[1] = self.middle.turn() + degrees;
         self.file.background = Background::Image(map);
