@@ -9,6 +9,7 @@ mod format;
 mod hdr;
 mod header;
 mod jpeg;
+mod ktx2;
 mod layer;
 mod mend;
 mod metadata;
@@ -102,8 +103,8 @@ impl Image {
         (!self.alpha.is_empty()).then_some(&self.alpha)
     }
 
-    /// Reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA or PNM into linear values. `a.exr:LAYER` is a layer or part of an EXR
-    /// file.
+    /// Reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA, PNM or KTX2 (Basis Universal) into linear values. `a.exr:LAYER` is
+    /// a layer or part of an EXR file.
     ///
     /// 8- and 16-bit files are decoded with the transfer curve that ptfast recorded in the file, or
     /// else with sRGB. Alpha is dropped.

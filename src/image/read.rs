@@ -13,7 +13,7 @@ use super::header;
 use super::pfm::Pfm;
 use super::size::Allow;
 use super::{
-    Encoding, Format, Image, Mended, Metadata, Size, Source, Texels, Transfer, exr, hdr, jpeg,
+    Encoding, Format, Image, Mended, Metadata, Size, Source, Texels, Transfer, exr, hdr, jpeg, ktx2,
 };
 use crate::error::{Error, Result};
 use crate::input;
@@ -61,9 +61,13 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
     let memory = length.saturating_mul(3);
     allow(Size { pixels: 0, deep: false, memory }).map_err(bad)?;
     let mut begin = Vec::new();
-    let read = open()?.take(hdr::SIGNATURE.len() as u64).read_to_end(&mut begin);
+    let read = open()?.take(ktx2::SIGNATURE.len() as u64).read_to_end(&mut begin);
     read.map_err(Error::io(path, "read"))?;
-    if begin == hdr::SIGNATURE {
+    if begin == ktx2::SIGNATURE {
+        let pixels = ktx2::decode(&source.bytes()?, allow).map_err(bad)?;
+        return Ok(Decoded { pixels, transfer: Transfer::Srgb, associated: false });
+    }
+    if begin.starts_with(hdr::SIGNATURE) {
         let pixels = hdr::decode(open()?, length, allow).map_err(bad)?;
         return Ok(Decoded { pixels, transfer: Transfer::default(), associated: false });
     }
@@ -100,17 +104,19 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
                 .to_owned(),
         ));
     }
-    let explain = |error| match error {
+    let explain = |error| {
+        match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
         }
         ImageError::Unsupported(error)
             if matches!(error.kind(), UnsupportedErrorKind::Format(_)) =>
         {
-            bad("unsupported image: ptfast reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA and PNM"
+            bad("unsupported image: ptfast reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA, PNM and KTX2"
                 .into())
         }
         other => bad(format!("damaged image: {other}")),
+    }
     };
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();

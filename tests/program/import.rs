@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use ptfast::{Engine, ImageSettings, Renderer, Roulette, Scene};
+use ptfast::{
+    Engine, ImageSettings, ImportOptions, Limits, Renderer, Roulette, Scene, SceneDescription,
+};
 use serde_json::{Value, json};
 
 use crate::cli::succeeds;
@@ -529,10 +531,13 @@ fn missing_files_have_one_exit_code() {
     }
 }
 
-/// The scene `a.pbrt` with this text, as JSON.
+/// The scene `a.pbrt` with this text, as JSON with all triangles.
 fn shown(there: &Path, text: &str) -> Value {
-    fs::write(there.join("a.pbrt"), text).unwrap();
-    serde_json::from_str(&succeeds(there, &["scenes", "show", "--json", "a.pbrt"])).unwrap()
+    let path = there.join("a.pbrt");
+    fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let description = SceneDescription::load(path, &ImportOptions::default(), &Limits::default());
+    serde_json::from_str(&description.unwrap().to_json()).unwrap()
 }
 
 /// The numbers in `value`, in order.

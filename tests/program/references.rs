@@ -95,7 +95,11 @@ fn write_gltf(folder: &Path) {
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0, "scale": [-1, 1, 1.3], "translation": [20_000.1, 0, -20_000] }],
         "meshes": [{ "primitives": [{ "attributes": attributes, "indices": indices, "material": 0 }] }],
-        "materials": [{ "name": "clay", "normalTexture": { "index": 0, "texCoord": 1 } }],
+        "materials": [{
+            "name": "clay",
+            "normalTexture": { "index": 0 },
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 1 } },
+        }],
         "textures": [{ "source": 0 }],
         "images": [{ "uri": "bumps.png" }],
         "buffers": [{ "uri": "grid.bin", "byteLength": buffer.len() }],

@@ -293,10 +293,10 @@ impl<'i, 'a, 'g> Reader<'i, 'a, 'g> {
             "KHR_animation_pointer" => "what it animates stands still",
             _ => "it has no effect",
         };
-        // Textures whose only image is in such a format have a warning of their own.
-        let of_images = ["KHR_texture_basisu", "MSFT_texture_dds"];
+        // Textures whose only image is in that format have a warning of their own.
+        let known = |name: &str| SUPPORTED.contains(&name) || name == "MSFT_texture_dds";
         for name in &self.gltf.document.extensions_used {
-            if !SUPPORTED.contains(&&**name) && !of_images.contains(&&**name) {
+            if !known(name) {
                 let message = format!("{name} is not supported, so {}", instead(name));
                 self.import.warn(message);
             }

@@ -85,10 +85,7 @@ impl Reader<'_, '_, '_> {
         let texture = gltf.document.textures.get(info.index);
         let texture = texture.ok_or_else(|| format!("unknown texture {}", info.index))?;
         let Some(source) = texture.image() else {
-            self.import.warn(match texture.has_ktx2() {
-                true => "textures in KTX2 are grey: `gltf-transform ktxdecompress IN OUT` makes them PNG",
-                false => "textures in formats of extensions are grey",
-            });
+            self.import.warn("textures in formats of extensions are grey");
             return Ok(None);
         };
         let file = gltf.image_file(source)?;

@@ -349,12 +349,8 @@ struct TextureSource {
 impl Texture {
     /// The number of the image that ptfast can read.
     pub(crate) fn image(&self) -> Option<usize> {
-        self.extensions.webp.source.or(self.source)
-    }
-
-    /// Whether the texture has an image in KTX2.
-    pub(crate) fn has_ktx2(&self) -> bool {
-        self.extensions.ktx2.source.is_some()
+        // Beside an image in KTX2, a PNG or JPEG file has lost less.
+        self.extensions.webp.source.or(self.source).or(self.extensions.ktx2.source)
     }
 }
 

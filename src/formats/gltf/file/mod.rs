@@ -28,7 +28,7 @@ const OBJECT: u64 = 2 * size_of::<Material>() as u64;
 const JSON: u64 = 8;
 
 /// The extensions that ptfast supports.
-pub(crate) const SUPPORTED: [&str; 19] = [
+pub(crate) const SUPPORTED: [&str; 20] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -47,6 +47,7 @@ pub(crate) const SUPPORTED: [&str; 19] = [
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 
@@ -86,8 +87,7 @@ impl<'a> Gltf<'a> {
             let version = &document.asset.version;
             return Err(bad(format!("`asset.version` must be 2.0 or a later 2.x, is `{version}`")));
         }
-        // Textures of KHR_texture_basisu are grey, with a warning.
-        let known = |name: &str| SUPPORTED.contains(&name) || name == "KHR_texture_basisu";
+        let known = |name: &str| SUPPORTED.contains(&name);
         let lacking = document.extensions_required.iter().find(|name| !known(name));
         if let Some(extension) = lacking {
             return Err(bad(format!(
