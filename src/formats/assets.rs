@@ -1,7 +1,8 @@
 //! Reads the files that scenes name.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
@@ -12,8 +13,22 @@ use crate::limits::Budget;
 use crate::scene::{Assets, IndexedMesh};
 use crate::shading::{ImageContainer, ImageFiles};
 
+/// A mesh that has been read, with its path and origin.
+type Read = (PathBuf, DVec3, IndexedMesh);
+
 /// The reader of all formats.
-pub(crate) struct Files;
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Files {
+    /// The first that asks for it takes it.
+    read: Arc<Mutex<Option<Read>>>,
+}
+
+impl Files {
+    /// With a mesh that has been read, and whose memory the budget of the scene holds.
+    pub(crate) fn with_mesh(path: &Path, origin: DVec3, mesh: IndexedMesh) -> Self {
+        Self { read: Arc::new(Mutex::new(Some((path.to_owned(), origin, mesh)))) }
+    }
+}
 
 impl ImageFiles for Files {
     fn embedded(&self, path: &Path) -> Option<&'static [u8]> {
@@ -33,7 +48,16 @@ impl ImageContainer for Gltf<'_> {
 
 impl Assets for Files {
     fn mesh(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
-        mesh::read(path, origin, budget)
+        let same = |(known, at, _): &mut Read| known == path && *at == origin;
+        // Unlocked before another file is read, since threads read several at once.
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner).take_if(same);
+        match read {
+            Some((.., mesh)) => {
+                budget.release(mesh.memory());
+                Ok(mesh)
+            }
+            None => mesh::read(path, origin, budget),
+        }
     }
 
     fn lists(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<IndexedMesh>> {

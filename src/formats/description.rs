@@ -48,6 +48,7 @@ pub struct SceneDescription {
     pub(crate) maybe_blender: bool,
     /// The name of the file to which long lists of triangles may refer.
     pub(crate) lists: Option<String>,
+    pub(crate) files: Files,
 }
 
 impl SceneDescription {
@@ -65,6 +66,7 @@ impl SceneDescription {
             is_imported,
             maybe_blender,
             lists,
+            files: Files::default(),
         }
     }
 
@@ -106,7 +108,7 @@ impl SceneDescription {
     /// read, or a limit is exceeded.
     pub fn resolve(&self) -> Result<Scene> {
         let budget = self.budget.clone();
-        resolve(&self.name, &self.folder, &self.file, &Files, budget)
+        resolve(&self.name, &self.folder, &self.file, &self.files, budget)
             .map(|scene| scene.with_warnings(&self.warnings))
             .map_err(|error| self.with_line(error))
             .map_err(|error| match self.is_imported {

@@ -56,7 +56,7 @@ impl Scene {
     /// # Errors
     /// As [`from_file`](Self::from_file), and if a limit is exceeded.
     pub fn from_file_within(file: &SceneFile, folder: &Path, limits: &Limits) -> Result<Self> {
-        resolve("scene", folder, file, &Files, Budget::new(limits, 0))
+        resolve("scene", folder, file, &Files::default(), Budget::new(limits, 0))
     }
 }
 

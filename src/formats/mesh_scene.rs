@@ -5,10 +5,11 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use super::assets::Files;
 use super::import::ImportOptions;
 use super::view::Extent;
 use super::{mesh, origin};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Bounds;
 use crate::limits::Budget;
 use crate::scene::{MeshFile, SceneFile};
@@ -16,14 +17,14 @@ use crate::shading::Color;
 use crate::shading::material::Lambertian;
 use crate::shading::texture::VertexColor;
 
-/// The mesh in `path`, on a ground and under a soft sky, and the names of its materials. If it has none, it is
-/// grey or in the colours of its vertices. The camera shows all of it from in front, a little to the
-/// right and above.
+/// The mesh in `path`, on a ground and under a soft sky, the names of its materials, and files with the mesh, so that it
+/// is not read again. If it has no materials, it is grey or in the colours of its vertices. The camera shows all of it
+/// from in front, a little to the right and above.
 pub(crate) fn of_mesh(
     path: &Path,
     options: &ImportOptions,
     budget: &Budget,
-) -> Result<(SceneFile, Vec<String>)> {
+) -> Result<(SceneFile, Vec<String>, Files)> {
     let mut mesh = mesh::read(path, DVec3::ZERO, budget)?;
     let positions = mesh.vertices.positions.iter().copied();
     let origin = origin::of_box(Bounds::of(positions)).unwrap_or_default();
@@ -49,10 +50,13 @@ pub(crate) fn of_mesh(
     if options.z_up {
         shown.rotation[0] = -90.0;
     }
+    let held = budget.hold(mesh.memory());
+    held.map_err(|message| Error::input(path.display().to_string(), "", message))?;
     if mesh.materials.name_all() {
         shown.material = None;
         scene.add(shown);
-        return Ok((scene, mesh.materials.names));
+        let names = mesh.materials.names.clone();
+        return Ok((scene, names, Files::with_mesh(path, origin, mesh)));
     }
     let albedo = if mesh.vertices.colors.is_empty() {
         Color::Rgb([0.5; 3])
@@ -62,7 +66,7 @@ pub(crate) fn of_mesh(
     };
     scene.add_material("surface", Lambertian::new(albedo));
     scene.add(shown);
-    Ok((scene, Vec::new()))
+    Ok((scene, Vec::new(), Files::with_mesh(path, origin, mesh)))
 }
 
 /// Adds a grey material for each of `names` that `scene` lacks. If there are any, returns a sentence that

@@ -136,7 +136,7 @@ impl Source {
             }
             Self::Mesh(path) => {
                 let (budget, folder) = (Budget::new(limits, 0), folder_of(path));
-                let (mut file, names) = mesh_scene::of_mesh(path, options, &budget)?;
+                let (mut file, names, files) = mesh_scene::of_mesh(path, options, &budget)?;
                 let name = path.display().to_string();
                 let mut warnings =
                     obj::add_materials_of_meshes(&name, &folder, options, &budget, &mut file)?;
@@ -149,7 +149,13 @@ impl Source {
                 }
                 let (middle, is_imported) = (Middle::X, true);
                 let description = SceneDescription::new(name, folder, file, budget);
-                return Ok(SceneDescription { warnings, middle, is_imported, ..description });
+                return Ok(SceneDescription {
+                    warnings,
+                    middle,
+                    is_imported,
+                    files,
+                    ..description
+                });
             }
             Self::Import(path, format) => {
                 let budget = Budget::new(limits, 0);

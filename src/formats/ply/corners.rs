@@ -47,23 +47,25 @@ impl Corners {
     /// If the data are not numbers for each of its corners.
     pub(super) fn add(&mut self, face: &Row) -> Result<(), &'static str> {
         let count = face.corners.len();
+        let (own_uvs, own_colors) =
+            face.data.as_ref().map_or((&[][..], &[][..]), |data| (&data.uvs, &data.colors));
         let of = |numbers: &[f32], each: usize| {
             // An empty list stands for a face without the data.
             let fits = numbers.is_empty() || numbers.len() == each * count;
             fits && numbers.iter().all(|number| number.is_finite())
         };
         if self.has_uvs {
-            if !of(&face.corner_uvs, 2) {
+            if !of(own_uvs, 2) {
                 return Err("`texcoord` must have two finite numbers for each corner of the face");
             }
-            let (pairs, _) = face.corner_uvs.as_chunks::<2>();
+            let (pairs, _) = own_uvs.as_chunks::<2>();
             let uv = |i: usize| pairs.get(i).map_or(Vec2::ZERO, |pair| Vec2::from_array(*pair));
             let uvs: Vec<Vec2> = (0..count).map(uv).collect();
             self.uvs.extend(fan(&uvs).flatten());
         }
         if self.has_colors != [false; 2] {
-            let (own, (triples, _)) = (face.color, face.corner_colors.as_chunks::<3>());
-            if !of(&face.corner_colors, 3) {
+            let (own, (triples, _)) = (face.color, own_colors.as_chunks::<3>());
+            if !of(own_colors, 3) {
                 return Err("`color` must have three finite numbers for each corner of the face");
             }
             let color = |i: usize| match triples.get(i) {

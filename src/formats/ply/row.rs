@@ -18,12 +18,19 @@ pub(super) struct Row {
     /// The texture coordinates by each of [`UVS`].
     pub(super) uvs: [Vec2; UVS.len()],
     pub(super) color: Vec3,
-    /// Texture coordinates of the corners of a face, two numbers each.
-    pub(super) corner_uvs: Vec<f32>,
-    /// Colours of the corners of a face, three numbers each.
-    pub(super) corner_colors: Vec<f32>,
+    /// The data of the corners of a face. Few files have any, and all rows are moved.
+    pub(super) data: Option<Box<CornerData>>,
     /// Indices of vertices. Those that no `i32` can hold are -1.
     pub(super) corners: Vec<i32>,
+}
+
+/// What the corners of a face have besides their vertices.
+#[derive(Debug, Default)]
+pub(super) struct CornerData {
+    /// Texture coordinates, two numbers each.
+    pub(super) uvs: Vec<f32>,
+    /// Colours, three numbers each.
+    pub(super) colors: Vec<f32>,
 }
 
 /// The names of the components of normals.
@@ -44,8 +51,7 @@ impl PropertyAccess for Row {
             normal: Vec3::ZERO,
             uvs: [Vec2::ZERO; UVS.len()],
             color: Vec3::NAN,
-            corner_uvs: Vec::new(),
-            corner_colors: Vec::new(),
+            data: None,
             corners: Vec::new(),
         }
     }
@@ -62,8 +68,8 @@ impl PropertyAccess for Row {
                     Some(corners) => self.corners = corners,
                     None => return PropertyAccessResult::Ignored,
                 },
-                CORNER_UVS => self.corner_uvs = floats(&value),
-                CORNER_COLORS => self.corner_colors = floats(&value),
+                CORNER_UVS => self.data.get_or_insert_default().uvs = floats(&value),
+                CORNER_COLORS => self.data.get_or_insert_default().colors = floats(&value),
                 _ => return PropertyAccessResult::Ignored,
             }
         }
