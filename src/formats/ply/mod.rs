@@ -36,8 +36,10 @@ const STRIPS: &str = "tristrips";
 /// As [`parse`], relative to `origin`, which is subtracted after the library has rounded the positions.
 fn parse_from(name: &str, bytes: &[u8], origin: DVec3, budget: &Budget) -> Result<IndexedMesh> {
     let mut mesh = parse(name, bytes, budget)?;
-    for position in &mut mesh.vertices.positions {
-        *position = (position.as_dvec3() - origin).as_vec3();
+    if origin != DVec3::ZERO {
+        for position in &mut mesh.vertices.positions {
+            *position = (position.as_dvec3() - origin).as_vec3();
+        }
     }
     Ok(mesh)
 }
