@@ -11,6 +11,9 @@ use crate::limits::Limits;
 /// Largest absolute coordinate. Beyond it, the products in the primitive tests could overflow.
 pub(crate) const MAX_COORDINATE: f32 = 1e9;
 
+/// Largest absolute coordinate of the point of a file that becomes the origin.
+pub(crate) const MAX_ORIGIN: f64 = 1e12;
+
 /// Largest radiance. The sum of 2^24 samples with this radiance is still finite.
 pub(crate) const MAX_RADIANCE: f32 = 1e30;
 

@@ -11,7 +11,7 @@ use clap::{Args, Subcommand};
 use super::arguments::{SceneArg, SceneLimitArgs};
 use super::console::{notice, say, say_lines};
 use super::files;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::formats::BUILTIN_NAMES;
 use crate::output::write_atomically;
 use crate::scene::Scene;
@@ -34,8 +34,8 @@ pub(crate) enum ScenesCommand {
         /// Print JSON instead of RON
         #[arg(long)]
         json: bool,
-        /// Write into this file instead of standard output. Its paths are relative to its folder, or else to the
-        /// current one
+        /// Write into this file (.ron, .json) instead of standard output. Its paths are relative to its folder, or
+        /// else to the current one
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
         #[command(flatten)]
@@ -56,18 +56,26 @@ pub(crate) fn run(command: &ScenesCommand) -> Result<()> {
             .iter()
             .try_for_each(|name| say(format_args!("{}", summary(&Scene::load(name)?)))),
         ScenesCommand::Show { scene, json, output, limits } => {
+            let json = match output {
+                Some(file) => names_json(file, *json)?,
+                None => *json,
+            };
             let mut description = limits.read(scene)?;
             let checked = description.resolve()?;
+            if description.has_builtin_images()
+                && checked.files().next().is_none()
+                && checked.world().texture_bytes() > 0
+            {
+                notice(format_args!(
+                    "its images are compiled into the program, so the scene cannot be read from a file"
+                ));
+            }
             description.shorten();
             let folder = output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-            description.relocate(folder);
-            let json = *json
-                || output
-                    .as_ref()
-                    .is_some_and(|file| file.extension().is_some_and(|of| of == "json"));
+            description.relocate(folder)?;
             let text = if json { description.to_json() } else { description.to_ron() };
             let Some(output) = output else { return say_lines(text.trim_end()) };
-            files::check(&files::of_scene(scene.name(), &checked), &[("--output", output)])?;
+            files::check(&files::of_scene(scene.name(), &checked), &[("the scene", output)])?;
             write_atomically(output, |file| file.write_all(text.as_bytes()))
         }
         ScenesCommand::Check { scene, limits } => {
@@ -77,6 +85,22 @@ pub(crate) fn run(command: &ScenesCommand) -> Result<()> {
             contents(&scene)
                 .iter()
                 .try_for_each(|(name, content)| say(format_args!("  {name:<11}{content}")))
+        }
+    }
+}
+
+/// Whether a file that will be written is in JSON. No part of a scene of another program has one of the extensions.
+///
+/// # Errors
+/// If its extension is that of neither form, or of RON although `--json` is given.
+fn names_json(file: &Path, json: bool) -> Result<bool> {
+    let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match &*extension {
+        "json" => Ok(true),
+        "ron" if !json => Ok(false),
+        _ => {
+            let forms = if json { ".json" } else { ".ron or .json" };
+            Err(Error::Usage(format!("--output {}: must end in {forms}", file.display())))
         }
     }
 }

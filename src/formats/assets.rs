@@ -24,9 +24,15 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// With a mesh that has been read, and whose memory the budget of the scene holds.
+    /// With a mesh that has been read.
     pub(crate) fn with_mesh(path: &Path, origin: DVec3, mesh: IndexedMesh) -> Self {
         Self { read: Arc::new(Mutex::new(Some((path.to_owned(), origin, mesh)))) }
+    }
+
+    /// Bytes of memory that they hold.
+    pub(crate) fn memory(&self) -> u64 {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.as_ref().map_or(0, |(.., mesh)| mesh.memory())
     }
 }
 
@@ -60,7 +66,12 @@ impl Assets for Files {
         }
     }
 
-    fn lists(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<IndexedMesh>> {
+    fn lists(
+        &self,
+        path: &Path,
+        origin: DVec3,
+        budget: &Budget,
+    ) -> Result<Vec<(usize, IndexedMesh)>> {
         reference::read(path, origin, budget)
     }
 }

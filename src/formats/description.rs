@@ -108,6 +108,8 @@ impl SceneDescription {
     /// read, or a limit is exceeded.
     pub fn resolve(&self) -> Result<Scene> {
         let budget = self.budget.clone();
+        let bad = |message| Error::input(&*self.name, "", message);
+        budget.hold(self.files.memory()).map_err(bad)?;
         resolve(&self.name, &self.folder, &self.file, &self.files, budget)
             .map(|scene| scene.with_warnings(&self.warnings))
             .map_err(|error| self.with_line(error))

@@ -143,6 +143,8 @@ pub(crate) struct Import<'a> {
     notes: Vec<String>,
     /// As in [`Imported`].
     pub(crate) maybe_blender: bool,
+    /// How many parts of the file had a number so far.
+    numbered: usize,
 }
 
 /// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
@@ -166,7 +168,8 @@ pub(crate) fn unique(names: &mut HashSet<String>, own: &str, mut number: usize) 
 impl<'a> Import<'a> {
     pub(crate) fn new(folder: &'a Path, options: &'a ImportOptions, budget: &'a Budget) -> Self {
         let (origin, (warnings, notes)) = (DVec3::ZERO, Default::default());
-        Self { folder, options, budget, origin, warnings, more: 0, notes, maybe_blender: false }
+        let (maybe_blender, numbered) = (false, 0);
+        Self { folder, options, budget, origin, warnings, more: 0, notes, maybe_blender, numbered }
     }
 
     /// Notes that ptfast lacks something, and what it does instead.
@@ -201,6 +204,12 @@ impl<'a> Import<'a> {
         }
         warnings.extend(self.notes.iter().map(|note| format!("{file} {note}")));
         Ok(warnings)
+    }
+
+    /// The number of the next part of the file. It must not depend on what other files there are.
+    pub(crate) fn number(&mut self) -> usize {
+        self.numbered += 1;
+        self.numbered - 1
     }
 
     /// Notes a choice that the user may want to change. Its sentence begins with the file.

@@ -9,7 +9,7 @@ use super::assets::Files;
 use super::import::ImportOptions;
 use super::view::Extent;
 use super::{mesh, origin};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::limits::Budget;
 use crate::scene::{MeshFile, SceneFile};
@@ -17,8 +17,8 @@ use crate::shading::Color;
 use crate::shading::material::Lambertian;
 use crate::shading::texture::VertexColor;
 
-/// The mesh in `path`, on a ground and under a soft sky, the names of its materials, and files with the mesh, so that it
-/// is not read again. If it has no materials, it is grey or in the colours of its vertices. The camera shows all of it
+/// The mesh in `path`, on a ground and under a soft sky, the names of its materials, and files with the mesh, so that
+/// it is not read again. If it has no materials, it is grey or in the colours of its vertices. The camera shows all of it
 /// from in front, a little to the right and above.
 pub(crate) fn of_mesh(
     path: &Path,
@@ -50,8 +50,6 @@ pub(crate) fn of_mesh(
     if options.z_up {
         shown.rotation[0] = -90.0;
     }
-    let held = budget.hold(mesh.memory());
-    held.map_err(|message| Error::input(path.display().to_string(), "", message))?;
     if mesh.materials.name_all() {
         shown.material = None;
         scene.add(shown);

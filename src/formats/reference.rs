@@ -1,6 +1,6 @@
 //! References of scene files to lists of triangles in scenes of other programs: `mesh(file: "helmet.glb#3")`.
 //!
-//! The number counts the lists that the import yields, those of named meshes first.
+//! In glTF files the number counts the parts of meshes that are shown, in pbrt files the shapes.
 
 use std::path::Path;
 
@@ -17,7 +17,11 @@ use crate::scene::{IndexedMesh, MeshFile, NamedMesh, PrimitiveFile, SceneFile};
 const LONG: usize = 100;
 
 /// The lists of triangles of the scene at `path`, whose origin becomes `origin`.
-pub(crate) fn read(path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<IndexedMesh>> {
+pub(crate) fn read(
+    path: &Path,
+    origin: DVec3,
+    budget: &Budget,
+) -> Result<Vec<(usize, IndexedMesh)>> {
     let Some(format) = imported(path) else {
         let message = "only parts of glTF and pbrt files have numbers";
         return Err(Error::input(path.display().to_string(), "", message));
@@ -27,9 +31,12 @@ pub(crate) fn read(path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<In
     let mut file = read_from(path, format, &options, origin, budget)?;
     let (name, mut lists) = (path.display().to_string(), Vec::new());
     visit(&mut file, |part| {
-        if let PrimitiveFile::Triangles(list) = part {
-            let place = format!("#{}", lists.len());
-            lists.push(list.mesh(&Location { file: &name, place, kind: "triangles" }));
+        if let PrimitiveFile::Triangles(list) = part
+            && let Some(number) = list.number
+        {
+            let place = format!("#{number}");
+            let mesh = list.mesh(&Location { file: &name, place, kind: "triangles" });
+            lists.push(mesh.map(|mesh| (number, mesh)));
         }
     });
     lists.into_iter().collect()
@@ -37,19 +44,20 @@ pub(crate) fn read(path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<In
 
 /// Replaces long lists of triangles in `scene`, an import of `file` with the usual pose, by references.
 pub(crate) fn shorten(scene: &mut SceneFile, file: &str) {
-    let (origin, mut number) = (scene.origin, 0);
+    let origin = scene.origin;
     visit(scene, |part| {
-        let PrimitiveFile::Triangles(list) = part else { return };
-        if list.indices.len() > LONG {
+        if let PrimitiveFile::Triangles(list) = part
+            && let Some(number) = list.number
+            && list.indices.len() > LONG
+        {
             let mut mesh = MeshFile::new(format!("{file}#{number}"), &*list.material);
             (mesh.origin, mesh.soft_terminator) = (origin, list.soft_terminator);
             *part = mesh.into();
         }
-        number += 1;
     });
 }
 
-/// Visits all primitives, those of named meshes first.
+/// Visits all primitives, also those in named meshes.
 fn visit(scene: &mut SceneFile, mut visitor: impl FnMut(&mut PrimitiveFile)) {
     for (_, mesh) in &mut scene.meshes.0 {
         if let NamedMesh::Parts(parts) = mesh {

@@ -1,8 +1,10 @@
 //! Whether an image file has an alpha channel, from its header alone.
 
+use std::io::Read;
+
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{Source, exr, header};
+use super::{Source, exr, header, ktx2};
 use crate::limits::MAX_SIDE;
 
 /// Bytes that a decoder may allocate for a header.
@@ -12,6 +14,10 @@ const MAX_HEADER: u64 = 1 << 23;
 /// reports.
 pub(crate) fn has_alpha(source: &Source<'_>) -> bool {
     let found = || {
+        let mut begin = [0; ktx2::SIGNATURE.len()];
+        if source.open().ok()?.read_exact(&mut begin).is_ok() && begin == ktx2::SIGNATURE {
+            return Some(ktx2::has_alpha(&source.bytes().ok()?));
+        }
         let mut reader = ImageReader::new(source.open().ok()?).with_guessed_format().ok()?;
         // TGA files do not start with a signature.
         if reader.format().is_none() && source.has_extension("tga") {

@@ -104,19 +104,18 @@ pub(super) fn decode(source: &Source<'_>, encoding: Encoding, allow: Allow<'_>) 
                 .to_owned(),
         ));
     }
-    let explain = |error| {
-        match error {
+    let explain = |error| match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             Error::io(path, "read")(error)
         }
         ImageError::Unsupported(error)
             if matches!(error.kind(), UnsupportedErrorKind::Format(_)) =>
         {
-            bad("unsupported image: ptfast reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA, PNM and KTX2"
+            bad("unsupported image: ptfast reads PNG, JPEG, WebP, EXR, HDR, PFM, BMP, TGA, PNM \
+                 and KTX2"
                 .into())
         }
         other => bad(format!("damaged image: {other}")),
-    }
     };
     let mut decoder = reader.into_decoder().map_err(explain)?;
     let (width, height) = decoder.dimensions();

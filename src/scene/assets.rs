@@ -18,9 +18,15 @@ pub(crate) trait Assets: ImageFiles {
     /// If the file cannot be read, has invalid content, or exceeds a limit.
     fn mesh(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<IndexedMesh>;
 
-    /// Reads all lists of triangles in the scene of another program at `path`, as for [`mesh`](Self::mesh).
+    /// Reads all lists of triangles in the scene of another program at `path`, with their numbers, as for
+    /// [`mesh`](Self::mesh).
     ///
     /// # Errors
     /// As for [`mesh`](Self::mesh), and if the file contains no scene.
-    fn lists(&self, path: &Path, origin: DVec3, budget: &Budget) -> Result<Vec<IndexedMesh>>;
+    fn lists(
+        &self,
+        path: &Path,
+        origin: DVec3,
+        budget: &Budget,
+    ) -> Result<Vec<(usize, IndexedMesh)>>;
 }

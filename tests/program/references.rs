@@ -42,7 +42,7 @@ fn write_pbrt(folder: &Path) {
         "LookAt 0 2 5  0 0 0  0 1 0 Camera \"perspective\"
          WorldBegin LightSource \"infinite\"
          Texture \"wood\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.pfm\"
-         Material \"diffuse\" \"texture reflectance\" \"wood\"
+         Material \"diffuse\" \"texture reflectance\" \"wood\" \"string normalmap\" \"tilted.png\"
          Shape \"trianglemesh\" \"point3 P\" [-9 -1 -9 -9 -1 9 9 -1 0] \"integer indices\" [0 1 2]
          Rotate 30 1 2 3
          {mesh}
@@ -52,6 +52,8 @@ fn write_pbrt(folder: &Path) {
     fs::write(folder.join("room.pbrt"), text).unwrap();
     let texels = [0.25_f32, 0.5, 0.75].map(f32::to_le_bytes).concat();
     fs::write(folder.join("wood.pfm"), [b"PF\n1 1\n-1\n", &*texels].concat()).unwrap();
+    let normals = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/import/tilted.png");
+    fs::copy(normals, folder.join("tilted.png")).unwrap();
 }
 
 /// Writes `grid.gltf`: a mesh with normals, tangents, colours and two sets of texture coordinates, in a node that
@@ -115,7 +117,7 @@ fn write_gltf(folder: &Path) {
 /// The hash of a small picture of a scene.
 fn hash(folder: &Path, scene: &str, more: &[&str]) -> String {
     let render =
-        ["render", scene, "--width", "40", "--height", "30", "--spp", "2", "-q", "--print", "hash"];
+        ["render", scene, "--width", "32", "--height", "18", "--spp", "2", "-q", "--print", "hash"];
     succeeds(folder, &[&render[..], &["-o", "picture.png"], more].concat())
 }
 
@@ -153,8 +155,17 @@ fn long_lists_become_references_and_paths_work_where_the_scene_is_saved() {
         let again = succeeds(folder, &["scenes", "show", "models/b.ron"]);
         assert_eq!(again, fs::read_to_string(folder.join("a.ron")).unwrap());
     }
-    let output = ptfast(folder, &["scenes", "show", "models/room.pbrt", "-o", "models/wood.pfm"]);
-    assert!(stderr(&output).contains("would overwrite a part of the scene"), "{output:?}");
+    for (output, want) in [
+        ("models/b.ron", "would overwrite the scene"),
+        ("models/grid.bin", "must end in .ron or .json"),
+        ("-", "must end in .ron or .json"),
+        ("gone/a.ron", "gone: cannot read"),
+    ] {
+        let before = fs::read(folder.join("models/b.ron")).unwrap();
+        let output = ptfast(folder, &["scenes", "show", "models/b.ron", "-o", output]);
+        assert!(!output.status.success() && stderr(&output).contains(want), "{output:?}");
+        assert_eq!(fs::read(folder.join("models/b.ron")).unwrap(), before);
+    }
 }
 
 #[test]
@@ -167,12 +178,14 @@ fn references_can_be_placed_and_have_a_material() {
     let before = hash(there.path(), "room.pbrt", &camera);
     let meshes = scene["primitives"].as_array_mut().unwrap();
     let mesh = meshes.iter_mut().find_map(|part| part.get_mut("mesh")).unwrap();
-    assert_eq!(mesh["file"], "room.pbrt#2");
+    // The short list is shape 0, the one in the object is shape 2.
+    assert_eq!(mesh["file"], "room.pbrt#1");
     mesh["translation"] = json!([0, 1, 0]);
     fs::write(there.path().join("a.json"), scene.to_string()).unwrap();
     assert_ne!(hash(there.path(), "a.json", &camera), before);
     for (file, want) in [
-        ("room.pbrt#3", "room.pbrt has 3 lists of triangles, counted from 0"),
+        ("room.pbrt#3", "room.pbrt#3 is no list of triangles, the last one is room.pbrt#2"),
+        ("room.pbrt#99999999999999999999", "the last one is room.pbrt#2"),
         ("room.ply#0", "only parts of glTF and pbrt files have numbers"),
         ("room.pbrt", "parts of glTF and pbrt files have numbers, such as room.pbrt#0"),
         ("gone.pbrt#0", "cannot read"),
@@ -187,4 +200,32 @@ fn references_can_be_placed_and_have_a_material() {
         assert!(message.contains(want) && message.lines().count() == 1, "{message}");
         assert_eq!(output.status.code(), Some(if file.starts_with("gone") { 74 } else { 65 }));
     }
+}
+
+/// Textures of MTL files have no names of their own, and `--env` names a map in any folder.
+#[test]
+fn paths_of_materials_and_of_the_map_of_the_user_are_kept() {
+    let there = tempfile::tempdir().unwrap();
+    let folder = there.path();
+    fs::create_dir_all(folder.join("models")).unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    for (from, to) in [
+        ("import/obj.obj", "models/obj.obj"),
+        ("import/obj.mtl", "models/obj.mtl"),
+        ("import/grid.png", "models/grid.png"),
+        ("import/tilted.png", "models/tilted.png"),
+        ("import/sky.pfm", "sky.pfm"),
+    ] {
+        fs::copy(data.join(from), folder.join(to)).unwrap();
+    }
+    let env = ["--env", "sky.pfm"];
+    let want = hash(folder, "models/obj.obj", &env);
+    for output in ["a.ron", "models/b.ron"] {
+        succeeds(folder, &[&["scenes", "show", "models/obj.obj", "-o", output], &env[..]].concat());
+        let shown = fs::read_to_string(folder.join(output)).unwrap();
+        assert!(!shown.contains("\"/"), "{shown}");
+        assert_eq!(hash(folder, output, &["--outside-files"]), want, "{output}");
+    }
+    let shown = succeeds(folder, &["scenes", "show", "cornell", "--env", "sky.pfm"]);
+    assert!(shown.contains("file: \"sky.pfm\""), "{shown}");
 }

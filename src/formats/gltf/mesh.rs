@@ -325,6 +325,7 @@ impl Reader<'_, '_, '_> {
             uvs,
             second_uvs,
             colors,
+            number: Some(self.import.number()),
             ..TrianglesFile::new(vertices, faces, material)
         }
     }

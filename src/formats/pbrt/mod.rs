@@ -84,6 +84,8 @@ struct Reader<'i, 'a> {
     /// The materials of lights, by the bits of their radiance, and whether they have two sides.
     lights: HashMap<LightKey, String>,
     media: HashMap<String, Medium>,
+    /// The number of the shape that is being read.
+    shape: usize,
     /// The object that is being defined, and its parts.
     object: Option<(String, Vec<PrimitiveFile>)>,
     /// The objects that can be instanced, and whether they have any part.
@@ -120,6 +122,7 @@ pub(crate) fn read(path: &Path, import: &mut Import<'_>) -> Result<SceneFile> {
         materials,
         lights: HashMap::new(),
         media: HashMap::new(),
+        shape: 0,
         object: None,
         objects: HashMap::new(),
         open: Vec::new(),

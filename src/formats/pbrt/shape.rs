@@ -14,6 +14,7 @@ use crate::shading::MediumFile;
 impl Reader<'_, '_> {
     /// The directive `Shape`.
     pub(crate) fn shape(&mut self, class: &str, params: &Params) -> Result<(), String> {
+        self.shape = self.import.number();
         let alpha = self.value(params, "alpha", "float")?;
         let alpha =
             alpha.filter(|alpha| !matches!(alpha, Value::Constant([alpha, ..]) if *alpha >= 1.0));
@@ -208,6 +209,7 @@ impl Reader<'_, '_> {
         let triangles = TrianglesFile {
             normals: normals.iter().map(|n| rounded(unit(inverse * *n) * side)).collect(),
             uvs: uvs.iter().map(|uv| uv.as_vec2().to_array()).collect(),
+            number: Some(self.shape),
             ..TrianglesFile::new(vertices, indices, material)
         };
         self.add(triangles);

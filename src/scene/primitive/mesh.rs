@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Builder, Expand, MeshKey, PrimitiveFile};
-use crate::checks::{Location, MAX_COORDINATE};
+use crate::checks::{Location, MAX_COORDINATE, MAX_ORIGIN};
 use crate::error::{Error, Result};
 use crate::geometry::Instance;
 use crate::input::{length, path_within};
@@ -17,7 +17,7 @@ use crate::scene::{Smooth, Transform, Transformed};
 
 /// The triangles of an OBJ or PLY file, or a list of triangles in a glTF or pbrt file.
 ///
-/// Positions, normals, texture coordinates, colours and faces are read. Polygons become triangles,
+/// Positions, normals, texture coordinates, colours and faces are read, of lists also tangents. Polygons become triangles,
 /// and triangles without area are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -149,7 +149,7 @@ impl Builder<'_> {
                 // All lists, so that the file is read once.
                 Some(_) => {
                     let lists = self.assets.lists(path, origin, self.budget).map_err(failed)?;
-                    lists.into_iter().enumerate().map(|(i, list)| (Some(i), list)).collect()
+                    lists.into_iter().map(|(number, list)| (Some(number), list)).collect()
                 }
             };
             for (number, mesh) in read {
@@ -160,16 +160,26 @@ impl Builder<'_> {
         if self.meshes.contains_key(key) {
             return Ok(());
         }
-        let same = |known: &&MeshKey| known.0 == *path && known.2 == *origin_bits;
-        let (count, path) = (self.meshes.keys().filter(same).count(), path.display());
-        Err(e.error(format!("{path} has {count} lists of triangles, counted from 0")))
+        let same = self.meshes.keys().filter(|known| known.0 == *path && known.2 == *origin_bits);
+        let (last, path) = (same.filter_map(|known| known.1).max(), path.display());
+        Err(e.error(match (number, last) {
+            (Some(number), Some(last)) => {
+                format!("{path}#{number} is no list of triangles, the last one is {path}#{last}")
+            }
+            _ => format!("{path} has no triangles"),
+        }))
     }
 }
 
-/// The path of the file of a mesh, and its number, if the file is a scene of another program.
+/// The path of the file of a mesh, and its number, if the file is a scene of another program. No file of a mesh ends in
+/// a number, since it ends in the extension of its format.
 fn numbered(file: &str) -> (&str, Option<usize>) {
-    match file.rsplit_once('#').map(|(path, number)| (path, number.parse())) {
-        Some((path, Ok(number))) => (path, Some(number)),
+    match file.rsplit_once('#') {
+        Some((path, number))
+            if !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()) =>
+        {
+            (path, Some(number.parse().unwrap_or(usize::MAX)))
+        }
         _ => (file, None),
     }
 }
@@ -185,9 +195,9 @@ impl Expand for MeshFile {
         e.check(ok, "scale", "above 0 and at most 1e9", scale)?;
         e.rotation(rotation)?;
         e.point("translation", translation)?;
-        let ok = self.origin.iter().all(|c| c.abs() <= f64::from(MAX_COORDINATE));
+        let ok = self.origin.iter().all(|c| c.abs() <= MAX_ORIGIN);
         let [x, y, z] = self.origin;
-        e.check(ok, "origin", "three numbers in [-1e9, 1e9]", format!("({x}, {y}, {z})"))?;
+        e.check(ok, "origin", "three numbers in [-1e12, 1e12]", format!("({x}, {y}, {z})"))?;
         let (path, number) = numbered(file);
         let path = e.path_within(to.folder, path, &to.budget.limits)?;
         let before = to.count();

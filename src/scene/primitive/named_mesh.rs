@@ -15,7 +15,8 @@ use super::{InstanceFile, MeshFile, PrimitiveFile, TrianglesFile};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NamedMesh {
-    /// Path of an OBJ or PLY file, relative to the scene file.
+    /// Path of an OBJ or PLY file, or of a part of a glTF or pbrt file, as in
+    /// [`MeshFile::file`](super::MeshFile::file).
     File(String),
     /// The parts.
     Parts(Vec<PrimitiveFile>),

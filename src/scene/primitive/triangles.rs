@@ -45,6 +45,9 @@ pub struct TrianglesFile {
     pub soft_terminator: bool,
     /// Name of the material, a key of [`SceneFile::materials`](crate::SceneFile::materials).
     pub material: String,
+    /// Its number in the file of another program, by which scene files refer to it.
+    #[serde(skip)]
+    pub(crate) number: Option<usize>,
 }
 
 impl TrianglesFile {
@@ -64,6 +67,7 @@ impl TrianglesFile {
             tangents: Vec::new(),
             soft_terminator: true,
             material: material.into(),
+            number: None,
         }
     }
 }

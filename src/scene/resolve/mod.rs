@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Assets, IndexedMesh, Scene, SceneData, SceneFile};
-use crate::checks::Location;
+use crate::checks::{Location, MAX_ORIGIN};
 use crate::error::{Error, Result};
 use crate::limits::{self, Budget, Limit, MAX_MEDIA};
 use crate::shading::light::LightFile;
@@ -33,7 +33,7 @@ pub(crate) fn resolve(
     }
     resolver.render_defaults()?;
     let [x, y, z] = file.origin;
-    let ok = file.origin.iter().all(|c| c.abs() <= 1e12);
+    let ok = file.origin.iter().all(|c| c.abs() <= MAX_ORIGIN);
     e.check(ok, "origin", "three numbers in [-1e12, 1e12]", format!("({x}, {y}, {z})"))?;
     let entries = file.textures.0.len() + file.materials.0.len();
     resolver.check_names("texture", file.textures.names())?;
