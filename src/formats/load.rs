@@ -11,7 +11,7 @@ use crate::scene::{Scene, SceneFile, resolve};
 impl Scene {
     /// Loads the built-in scene with this name ([`BUILTIN_NAMES`](crate::BUILTIN_NAMES)), generates `cloud:N`, `mesh:N`
     /// or `forest:N`, or reads the file at this path: a scene (`.ron`, `.json`), a scene of another program (`.gltf`,
-    /// `.glb`, `.pbrt`), or a mesh with its materials (`.obj`, `.ply`). [`SceneDescription`](crate::SceneDescription)
+    /// `.glb`, `.pbrt`), or a mesh with its materials (`.obj`, `.ply`). [`SceneDescription`]
     /// has options for the last two, and can be edited.
     ///
     /// # Errors
