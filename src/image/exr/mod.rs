@@ -93,7 +93,7 @@ pub(super) fn decode(
     let conversion = conversion(header, &layer, encoding).map_err(bad)?;
     let shown = header.shared_attributes.display_window;
     let (width, height) = (shown.size.width(), shown.size.height());
-    let memory = memory(header).saturating_add(32 * area(shown.size));
+    let memory = memory(header).saturating_add(area(shown.size).saturating_mul(32));
     let pixels = area(header.layer_size).max(area(shown.size));
     allow(Size { pixels, deep: true, memory }).map_err(bad)?;
     if !(1..=MAX_SIDE as usize).contains(&width) || !(1..=MAX_SIDE as usize).contains(&height) {
