@@ -63,12 +63,12 @@ pub enum Error {
     Interrupted(u8),
 
     /// A render was stopped before it was complete.
-    #[error("{} after {percent}% of the samples: {outcome}", stop_name(signal))]
+    #[error("{} after {samples}: {outcome}", stop_name(signal))]
     Stopped {
         /// The number of the signal that stopped it; `None` for the time limit.
         signal: Option<u8>,
-        /// Finished share of the samples in percent.
-        percent: u64,
+        /// The number of samples per pixel so far, in words.
+        samples: String,
         /// Location of the saved render, and how to continue it.
         outcome: String,
     },

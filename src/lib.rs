@@ -130,11 +130,11 @@ mod scene;
 mod shading;
 mod simd;
 
-pub use accel::Kernel;
+pub use accel::{Kernel, TreeQuality};
 pub use engine::{
     ComputeSettings, Endings, Engine, FirstHits, ImageSettings, Layer, Layers, NonFinite, Observer,
     Pin, Pinned, Plan, PlanChoice, Planning, PreparedScene, Progress, RayCounts, Render,
-    RenderState, Renderer, Roulette, Seconds, SegmentPlan, Session, Stop, Tally, Until,
+    RenderState, Renderer, Seconds, SegmentPlan, Session, Stop, Tally, Until,
 };
 pub use error::{Error, Result};
 pub use formats::{BUILTIN_NAMES, ImportOptions, LightUnits, Missing, SceneDescription};
@@ -144,7 +144,8 @@ pub use isa::{Isa, compiled_isa, detected_isa};
 pub use limits::{Limit, Limits, Refused};
 pub use sampler::Sampler;
 pub use scene::{
-    Look, Named, NamedMesh, PrimitiveFile, RenderDefaults, Sampling, Scene, SceneFile, primitive,
+    Look, Named, NamedMesh, PrimitiveFile, RenderDefaults, Roulette, Sampling, Scene, SceneFile,
+    primitive,
 };
 pub use shading::{
     Background, Camera, CameraFile, MediumFile, PixelFilter, light, material, texture,

@@ -1,7 +1,7 @@
 //! The acceleration structures of a scene, one layout for each kind of kernel.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use super::kernel::Kernel;
@@ -15,7 +15,7 @@ use super::tree::bvh2::Bvh2;
 use super::tree::pair::PairTree;
 use super::tree::partition::MAX_CLUSTER;
 use super::tree::wide::WideTree;
-use super::{Count, Counters, Extent, HitBatch, LeafBlocks, LeafRef, RayBatch};
+use super::{Count, Counters, Extent, HitBatch, LeafBlocks, LeafRef, RayBatch, TreeQuality};
 use crate::geometry::{Bounds, Geometry, Hit};
 use crate::simd::LANES;
 
@@ -23,6 +23,8 @@ use crate::simd::LANES;
 #[derive(Debug)]
 pub struct Accelerator {
     pub(super) geometry: Arc<Geometry>,
+    /// That of wide trees.
+    quality: OnceLock<TreeQuality>,
     base: Lazy<Base>,
     tree: Lazy<BinaryTree>,
     scalar: Lazy<Bvh2>,
@@ -34,6 +36,8 @@ pub struct Accelerator {
 /// The data from which the layouts of all vector kernels are built.
 #[derive(Debug)]
 pub(super) struct Base {
+    /// The boxes of all primitives, until a tree over them is built.
+    boxes: Mutex<Option<Vec<Bounds>>>,
     /// Bounding box of all primitives.
     all: Bounds,
     /// The primitives that do not span the scene, which are in the trees, and their bounding box.
@@ -100,7 +104,8 @@ impl Base {
         let mut blocks = LeafBlocks::default();
         let references = blocks.push_all(geometry, &spanning);
         let extent = Extent::new(geometry, all, bounds);
-        Self { all, others, bounds, spanning: (blocks, references), extent }
+        let boxes = Mutex::new(Some(boxes));
+        Self { boxes, all, others, bounds, spanning: (blocks, references), extent }
     }
 }
 
@@ -110,6 +115,7 @@ impl Accelerator {
     pub fn new(geometry: impl Into<Arc<Geometry>>) -> Self {
         Self {
             geometry: geometry.into(),
+            quality: OnceLock::new(),
             base: Lazy::default(),
             tree: Lazy::default(),
             scalar: Lazy::default(),
@@ -121,6 +127,16 @@ impl Accelerator {
 
     pub(super) fn base(&self) -> &Base {
         self.base.get(|| Base::new(&self.geometry))
+    }
+
+    /// Sets the quality of wide trees, unless it is set or used already.
+    pub fn set_quality(&self, quality: TreeQuality) {
+        // It may have been set.
+        let _ = self.quality.set(quality);
+    }
+
+    fn quality(&self) -> TreeQuality {
+        *self.quality.get_or_init(TreeQuality::default)
     }
 
     /// Builds the layout that `kernel` needs, unless it exists already. For large scenes, `threads`
@@ -157,7 +173,7 @@ impl Accelerator {
 
     /// Whether the wide tree is built from clusters instead of the binary tree.
     fn is_large(&self) -> bool {
-        self.base().others.len() > MAX_CLUSTER
+        self.quality() == TreeQuality::Fast || self.base().others.len() > MAX_CLUSTER
     }
 
     /// Whether hits name instances.
@@ -172,10 +188,16 @@ impl Accelerator {
         if others.is_empty() { *all } else { *bounds }
     }
 
+    /// The boxes of all primitives.
+    fn primitive_boxes(&self) -> Vec<Bounds> {
+        let known = self.base().boxes.lock().unwrap_or_else(PoisonError::into_inner).take();
+        known.unwrap_or_else(|| self.geometry.boxes())
+    }
+
     /// The tree over all primitives except those that span the scene.
     fn tree(&self, threads: usize) -> &BinaryTree {
         let base = self.base();
-        self.tree.get(|| BinaryTree::new(&self.geometry.boxes(), &base.others, threads))
+        self.tree.get(|| BinaryTree::new(&self.primitive_boxes(), &base.others, threads))
     }
 
     /// Whether `kernel` may be the fastest for the number of primitives in this scene.
@@ -210,16 +232,18 @@ impl Accelerator {
     }
 
     fn wide(&self, threads: usize) -> &WideTree {
-        let geometry = &self.geometry;
+        let (geometry, quality) = (&self.geometry, self.quality());
         if !self.is_large() {
             let tree = self.tree(threads);
-            return self.wide.get(|| WideTree::new(geometry, tree).with_meshes(geometry, threads));
+            return self
+                .wide
+                .get(|| WideTree::new(geometry, tree).with_meshes(geometry, quality, threads));
         }
         let others = &self.base().others;
         self.wide.get(|| {
-            let boxes = geometry.boxes();
-            let tree = WideTree::of_clusters(geometry, &boxes, others.clone(), threads);
-            tree.with_meshes(geometry, threads)
+            let boxes = self.primitive_boxes();
+            let tree = WideTree::of_clusters(geometry, &boxes, others.clone(), quality, threads);
+            tree.with_meshes(geometry, quality, threads)
         })
     }
 

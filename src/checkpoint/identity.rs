@@ -27,10 +27,16 @@ pub struct Identity {
 impl Identity {
     /// Identity of a render of `crop`, a part of the image.
     pub fn new(scene: &Scene, settings: &ImageSettings, crop: Tile) -> Self {
+        let scene_hash = scene.hash_with(settings.camera(scene));
+        Self { scene_hash, ..Self::without_scene(settings, crop) }
+    }
+
+    /// As [`new`](Self::new), with an empty hash of the scene.
+    pub(crate) fn without_scene(settings: &ImageSettings, crop: Tile) -> Self {
         let Tile { x, y, width, height } = crop;
         Self {
             bits: BITS,
-            scene_hash: scene.hash_with(settings.camera(scene)),
+            scene_hash: String::new(),
             crop: [x, y, x + width, y + height],
             settings: ImageSettings { camera: None, ..settings.clone() },
         }

@@ -58,6 +58,12 @@ impl Part {
         self.shard.is_none() && self.samples == (0..self.identity.settings.spp)
     }
 
+    /// Ends the render with `samples` samples per pixel.
+    pub(crate) fn end_at(&mut self, samples: u32) {
+        self.identity.settings.spp = samples;
+        self.samples.end = samples;
+    }
+
     /// Number of channels of a sample.
     pub(crate) fn channels(&self) -> usize {
         self.identity.settings.stored_layers().channels()

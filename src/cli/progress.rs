@@ -3,6 +3,7 @@
 
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
@@ -57,7 +58,8 @@ pub(crate) struct ProgressReport {
     start: Instant,
     /// The progress when the report began: that of earlier runs if the render is continued.
     begun: Progress,
-    samples: u64,
+    /// Number of samples of the complete render, as far as it is known.
+    samples: AtomicU64,
     display: Display,
 }
 
@@ -98,9 +100,22 @@ impl ProgressReport {
             }
             ProgressMode::Auto => Display::Lines { title, last },
         };
-        let report = Self { start, begun, samples, display };
+        let report = Self { start, begun, samples: samples.into(), display };
         report.event("start", begun, None);
         report
+    }
+
+    /// Says how many samples the complete render is expected to have.
+    pub(crate) fn expect(&self, samples: u64) {
+        self.samples.store(samples, Ordering::Relaxed);
+        if let Display::Bar(bar) = &self.display {
+            bar.set_length(samples);
+        }
+    }
+
+    /// Number of samples of the complete render, of which `progress` has some.
+    fn total(&self, progress: Progress) -> u64 {
+        self.samples.load(Ordering::Relaxed).max(progress.samples)
     }
 
     /// Removes the bar.
@@ -159,7 +174,8 @@ impl ProgressReport {
     }
 
     fn eta(&self, progress: Progress) -> f64 {
-        (self.samples - progress.samples) as f64 / self.rate(progress.samples, self.begun.samples)
+        let left = self.total(progress) - progress.samples;
+        left as f64 / self.rate(progress.samples, self.begun.samples)
     }
 
     fn rates(&self, progress: Progress) -> String {
@@ -177,7 +193,8 @@ impl ProgressReport {
             return;
         }
         let Progress { samples, rays } = progress;
-        let eta = match self.samples - samples {
+        let total = self.total(progress);
+        let eta = match total - samples {
             0 => Some(0.0),
             _ => Some(self.eta(progress)).filter(|eta| eta.is_finite()),
         };
@@ -185,7 +202,7 @@ impl ProgressReport {
             "schema": 1,
             "event": event,
             "done": samples,
-            "total": self.samples,
+            "total": total,
             "eta_s": eta,
             "rays": rays,
         });
@@ -246,7 +263,7 @@ impl Observer for ProgressReport {
             }
             Display::Lines { title, last } => {
                 due(last, INTERVAL, &|| {
-                    let percent = progress.samples * 100 / self.samples;
+                    let percent = progress.samples * 100 / self.total(progress).max(1);
                     notice(format_args!("{title} {percent}%  {}", self.rates(progress)));
                 });
             }

@@ -1,6 +1,7 @@
 //! Settings that decide how an image is computed, and never its bits.
 
 use super::{Pin, Plan, PlanChoice};
+use crate::accel::TreeQuality;
 use crate::error::{Error, Result};
 use crate::limits;
 
@@ -30,6 +31,9 @@ pub struct ComputeSettings {
     pub wave_size: u32,
     /// The plan of the wavefront engine.
     pub plan: PlanChoice,
+    /// The quality of the trees, if this render is the first of its scene and builds them; `None` for that with
+    /// which the render is complete first.
+    pub trees: Option<TreeQuality>,
     /// Whether kernels count their work, which takes some time.
     #[doc(hidden)]
     pub count: bool,

@@ -9,9 +9,6 @@ use crate::shading::material::SPECULAR;
 /// Version of the arithmetic. It changes whenever a new release alters the bits of any image.
 pub const BITS: u32 = 6;
 
-/// Maximum probability of surviving Russian roulette.
-pub(super) const ROULETTE_MAX: f32 = 0.95;
-
 /// Fraction of the distance to a light that must be unoccluded, as in pbrt (Pharr et al. 2023,
 /// 6.8.6).
 ///

@@ -4,12 +4,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::layers::{FirstHits, Layer, Layers};
-use super::roulette::Roulette;
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::limits::{self, Limit, Limits};
 use crate::sampler::Sampler;
-use crate::scene::{Named, RenderDefaults, Sampling, Scene};
+use crate::scene::{Named, RenderDefaults, Roulette, Sampling, Scene};
 use crate::shading::Camera;
 
 /// What decides the bits of an image, besides its scene.
@@ -38,7 +37,7 @@ pub struct ImageSettings {
     /// The source of random numbers.
     #[serde(default = "before_sobol")]
     pub sampler: Sampler,
-    /// Russian roulette, from a segment of 1 to 65 536 on.
+    /// Which paths Russian roulette may end.
     #[serde(default = "before_roulette")]
     pub roulette: Roulette,
     /// Maximum component of a sample, above 0; `None` for no limit. Brighter samples are scaled down, which
@@ -81,7 +80,7 @@ impl ImageSettings {
             seed: 1,
             sampling: defaults.sampling.unwrap_or(Sampling::Mis),
             sampler: Sampler::default(),
-            roulette: Roulette::From(defaults.roulette),
+            roulette: defaults.roulette,
             clamp: None,
             transparent: false,
             layers: Layers::default(),
@@ -127,9 +126,7 @@ impl ImageSettings {
         limits::check_image(self.width, self.height)?;
         limits::check("spp", self.spp, limits::MAX_SPP)?;
         limits::check("depth", self.depth, limits::MAX_DEPTH)?;
-        if let Roulette::From(first) = self.roulette {
-            limits::check("roulette", first, limits::MAX_DEPTH)?;
-        }
+        self.roulette.check()?;
         match self.clamp {
             Some(clamp) if !(clamp > 0.0 && clamp.is_finite()) => {
                 Err(format!("clamp must be above 0 and finite, is {clamp}"))

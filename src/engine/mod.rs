@@ -31,7 +31,7 @@ mod wavefront;
 
 pub use compute_settings::{ComputeSettings, Engine};
 pub use contract::BITS;
-use contract::{ROULETTE_MAX, SHADOW_REACH, counted, emission_weight, power_heuristic, scale};
+use contract::{SHADOW_REACH, counted, emission_weight, power_heuristic, scale};
 pub(crate) use develop::{Rows, Totals, develop};
 use first_hit::FirstHit;
 pub use image_settings::ImageSettings;
@@ -47,7 +47,7 @@ pub use pool::{Pin, Pinned};
 pub use prepared::PreparedScene;
 use prepared::View;
 pub use renderer::Renderer;
-pub use roulette::Roulette;
+use roulette::Survival;
 pub use session::{Session, Until};
 pub use stage::Stage;
 pub(crate) use state::MOST_EVENTS;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::scalar::{Intersect, ScalarEngine, Tree};
-use super::{ComputeSettings, ImageSettings, PreparedScene, View};
+use super::{ComputeSettings, Engine, ImageSettings, Pool, PreparedScene, View};
 use crate::error::Result;
 use crate::geometry::{Hit, Ray};
 
@@ -59,8 +59,8 @@ impl PathRecorder {
     pub(crate) fn new(scene: impl Into<PreparedScene>, settings: ImageSettings) -> Result<Self> {
         let prepared = scene.into();
         settings.check(prepared.scene().limits())?;
-        let view = View::new(prepared, settings, ComputeSettings::default());
-        Ok(Self(ScalarEngine::new(Arc::new(view), 1)))
+        let view = View::new(prepared, settings, ComputeSettings::from(Engine::Scalar));
+        Ok(Self(ScalarEngine::new(view.with_survival(&Arc::new(Pool::Caller))?, 1)))
     }
 
     /// Traces the path of sample `sample` of pixel `(x, y)`.

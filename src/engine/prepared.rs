@@ -2,10 +2,13 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{ComputeSettings, ImageSettings};
-use crate::accel::Accelerator;
+use super::{ComputeSettings, Engine, ImageSettings, Survival, pool};
+use crate::accel::{Accelerator, Kernel, TreeQuality};
 use crate::scene::Scene;
 use crate::shading::{CameraFrame, SceneTables};
+
+/// Number of primitives above which any plan needs the same trees.
+const LARGE: u64 = 1 << 16;
 
 /// A scene with the trees and tables from which engines render it.
 ///
@@ -37,6 +40,29 @@ impl PreparedScene {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.0.scene
+    }
+
+    /// Decides the quality of the trees of a scene that has none yet, for a render of `paths` paths.
+    pub(super) fn choose_trees(&self, compute: &ComputeSettings, paths: u64) {
+        let usual = || TreeQuality::for_paths(paths, self.primitives());
+        self.accelerator().set_quality(compute.trees.unwrap_or_else(usual));
+    }
+
+    fn primitives(&self) -> u64 {
+        let geometry = self.scene().geometry();
+        (geometry.elements() + geometry.instances.triangle_count()) as u64
+    }
+
+    /// Builds the trees of a large scene for a render of `paths` paths, before its renderer does.
+    pub(crate) fn build(&self, compute: &ComputeSettings, paths: u64) {
+        self.choose_trees(compute, paths);
+        let kernel = match compute.engine {
+            Engine::Wavefront => Kernel::Stream,
+            Engine::Scalar => Kernel::Scalar,
+        };
+        if self.primitives() > LARGE {
+            self.accelerator().prepare(kernel, pool::threads(compute.threads));
+        }
     }
 
     pub(super) fn accelerator(&self) -> &Accelerator {
@@ -73,6 +99,8 @@ pub(super) struct View {
     pub(super) settings: ImageSettings,
     pub(super) compute: ComputeSettings,
     pub(super) camera: CameraFrame,
+    /// Which paths must survive Russian roulette: none, before [`View::checked`].
+    pub(super) survival: Survival,
 }
 
 impl View {
@@ -85,7 +113,7 @@ impl View {
         let camera = settings.camera(prepared.scene()).clone();
         let settings = ImageSettings { camera: Some(camera.clone()), ..settings };
         let camera = camera.frame(settings.width, settings.height);
-        Self { prepared, settings, compute, camera }
+        Self { prepared, settings, compute, camera, survival: Survival::ALWAYS }
     }
 
     pub(super) fn scene(&self) -> &Scene {

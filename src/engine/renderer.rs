@@ -12,8 +12,8 @@ use super::scalar::ScalarEngine;
 use super::wavefront::WavefrontEngine;
 use super::{
     Activity, ComputeSettings, Engine, ImageSettings, Lap, Observer, Pinned, Plan, PlanChoice,
-    Planning, Pool, PreparedScene, Render, RenderState, Seconds, Shared, Stop, UnitEngine,
-    UnitWorker, View, locked,
+    Planning, Pool, PreparedScene, Render, RenderState, Seconds, Shared, Stop, Survival,
+    UnitEngine, UnitWorker, View, locked,
 };
 use crate::error::Result;
 use crate::film::{Film, Schedule};
@@ -35,6 +35,12 @@ impl View {
         self.settings.check(self.scene().limits())?;
         self.compute.check()?;
         self.compute.check_memory(self.scene(), None)
+    }
+
+    /// The view with its rule of Russian roulette. It must have been [checked](Self::check).
+    pub(super) fn with_survival(mut self, pool: &Arc<Pool>) -> Result<Arc<Self>> {
+        self.survival = Survival::of(&self, pool)?;
+        Ok(Arc::new(self))
     }
 
     fn engine(
@@ -92,7 +98,7 @@ impl Renderer {
         compute: impl Into<ComputeSettings>,
         paths: u64,
     ) -> Result<Self> {
-        let view = Arc::new(View::new(scene.into(), image, compute.into()));
+        let view = View::new(scene.into(), image, compute.into());
         Self::on(view, paths, |compute| Pool::start(compute.threads, compute.pin))
     }
 
@@ -111,18 +117,20 @@ impl Renderer {
         let paths = image.paths();
         let threads = rayon::current_num_threads() as u32;
         let compute = ComputeSettings { threads, ..compute.into() };
-        let view = Arc::new(View::new(scene.into(), image, compute));
+        let view = View::new(scene.into(), image, compute);
         Self::on(view, paths, |_| Ok(Pool::Caller))
     }
 
     fn on(
-        view: Arc<View>,
+        view: View,
         paths: u64,
         pool: impl FnOnce(&ComputeSettings) -> Result<Pool>,
     ) -> Result<Self> {
         view.check()?;
         let start = Instant::now();
         let pool = Arc::new(pool(&view.compute)?);
+        view.prepared.choose_trees(&view.compute, paths);
+        let view = view.with_survival(&pool)?;
         let engine = view.engine(paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
         Ok(Self { view, engine, pool, idle: Mutex::default(), seconds })
@@ -149,13 +157,24 @@ impl Renderer {
     ) -> Result<Self> {
         let ComputeSettings { threads, pin, .. } = self.view.compute;
         let compute = ComputeSettings { threads, pin, ..compute };
-        let view = Arc::new(View::new(prepared, image, compute));
+        let view = View::new(prepared, image, compute);
         view.check()?;
         let start = Instant::now();
+        let view = view.with_survival(&self.pool)?;
         let measured = self.measured_plan(&view.compute);
         let engine = view.engine(view.settings.paths(), &self.pool, measured);
         let seconds = Seconds::of_build(&*engine, start);
         Ok(Self { view, engine, pool: Arc::clone(&self.pool), idle: Mutex::default(), seconds })
+    }
+
+    /// Renders a picture that is not shown: of another size, by the engine, the trees and the threads of `view`.
+    pub(super) fn pilot(view: &View, image: ImageSettings, pool: &Arc<Pool>) -> Result<Render> {
+        let compute = ComputeSettings { count: false, timeline: false, ..view.compute.clone() };
+        let paths = image.paths();
+        let view = Arc::new(View::new(view.prepared.clone(), image, compute));
+        let engine = view.engine(paths, pool, None);
+        let (pool, idle, seconds) = (Arc::clone(pool), Mutex::default(), Seconds::default());
+        Self { view, engine, pool, idle, seconds }.render()
     }
 
     /// Returns the current plan if it was measured and also suits `settings`.
@@ -166,6 +185,11 @@ impl Renderer {
         (serves && planning == Planning::Measured).then(|| plan.clone())
     }
 
+    /// Changes the number of samples in the settings.
+    pub(super) fn end_at(&mut self, samples: u32) {
+        Arc::make_mut(&mut self.view).settings.spp = samples;
+    }
+
     /// The prepared scene.
     pub fn prepared(&self) -> &PreparedScene {
         &self.view.prepared
@@ -174,6 +198,12 @@ impl Renderer {
     /// The settings that decide the image.
     pub fn image_settings(&self) -> &ImageSettings {
         &self.view.settings
+    }
+
+    /// Which paths must survive Russian roulette.
+    #[cfg(test)]
+    pub(super) fn survival(&self) -> Survival {
+        self.view.survival
     }
 
     /// The settings that decide how the image is computed.

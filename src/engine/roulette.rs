@@ -1,110 +1,146 @@
-//! Russian roulette: paths of low throughput end at random, without bias.
+//! Russian roulette: the probability with which a path survives, and how `auto` finds it.
 
-use std::fmt;
-use std::str::FromStr;
+use std::sync::Arc;
 
-use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use super::{ImageSettings, Layers, Pool, Renderer, View};
+use crate::error::Result;
+use crate::math::{Real, max_element, min};
+use crate::sampler::Sampler;
+use crate::scene::{Roulette, Sampling};
 
-/// The segments of a path that it reaches only if it survives Russian roulette.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Roulette {
-    /// None.
-    Off,
-    /// This one and all later ones. The camera ray is segment 1.
-    From(u32),
+/// Rows and samples of the picture whose paths decide the rule of `auto`: some thousand paths.
+const ROWS: u32 = 24;
+const SAMPLES: u32 = 2;
+/// Largest number of segments of its paths.
+const DEPTH: u32 = 32;
+
+/// Throughput per mean number of bounces below which `auto` may end paths, and the range of that throughput.
+///
+/// Ending a path saves its other bounces, and adds variance: the more bounces there are to save, the more that is
+/// worth. See `profiling/measured.md`.
+const WEIGHT_PER_BOUNCE: f32 = 1.0 / 24.0;
+const WEIGHTS: [f32; 2] = [1.0 / 24.0, 0.5];
+
+/// Which paths must survive Russian roulette, and their probability of survival: their throughput divided by
+/// `weight`, but at most `most`. Survivors carry on with a throughput of `weight`, or more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Survival {
+    /// The first segment that paths reach only if they survive.
+    first: u32,
+    /// 1 / weight.
+    scale: f32,
+    most: f32,
 }
 
-impl Roulette {
+impl Survival {
+    /// All paths survive.
+    pub(super) const ALWAYS: Self = Self { first: u32::MAX, scale: 1.0, most: 1.0 };
+
+    /// From segment `first` on, paths survive with a probability of their throughput.
+    fn from(first: u32) -> Self {
+        Self { first, scale: 1.0, most: 0.95 }
+    }
+
+    /// The rule for a scene whose paths have this mean number of bounces.
+    fn of_bounces(bounces: f32) -> Self {
+        let [least, most] = WEIGHTS;
+        let weight = (bounces * WEIGHT_PER_BOUNCE).clamp(least, most);
+        Self { first: 2, scale: 1.0 / weight, most: 1.0 }
+    }
+
+    /// The rule of the settings of `view`.
+    ///
+    /// # Errors
+    /// If there is no memory for the paths that decide the rule of `auto`.
+    pub(super) fn of(view: &View, pool: &Arc<Pool>) -> Result<Self> {
+        match view.settings.roulette {
+            Roulette::Off => Ok(Self::ALWAYS),
+            Roulette::From(first) => Ok(Self::from(first)),
+            Roulette::Auto => {
+                let settings = pilot(&view.settings);
+                let paths = settings.paths();
+                let tally = Renderer::pilot(view, settings, pool)?.tally;
+                Ok(Self::of_bounces(tally.rays.bounce as f32 / paths as f32))
+            }
+        }
+    }
+
     /// Whether a path must survive to reach segment number `segment`.
     #[inline(always)]
     pub(super) fn applies(self, segment: u32) -> bool {
-        match self {
-            Self::Off => false,
-            Self::From(first) => segment >= first,
-        }
+        segment >= self.first
+    }
+
+    /// The probability that a path of throughput `beta` survives.
+    #[inline(always)]
+    pub(super) fn probability<R: Real>(self, beta: R::Vec3) -> R {
+        min(max_element(beta) * R::splat(self.scale), R::splat(self.most))
     }
 }
 
-/// The form on the command line: a number, or `off`.
-impl fmt::Display for Roulette {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Off => f.write_str("off"),
-            Self::From(first) => first.fmt(f),
-        }
-    }
-}
-
-impl FromStr for Roulette {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            Ok(first) => Ok(Self::From(first)),
-            Err(_) if text == "off" => Ok(Self::Off),
-            Err(_) => Err(format!("must be `off` or a whole number, is `{text}`")),
-        }
-    }
-}
-
-impl Serialize for Roulette {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Off => serializer.serialize_str("off"),
-            Self::From(first) => serializer.serialize_u32(*first),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Roulette {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NumberOrOff;
-
-        impl Visitor<'_> for NumberOrOff {
-            type Value = Roulette;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a segment, or \"off\"")
-            }
-
-            fn visit_u64<E: Error>(self, first: u64) -> Result<Roulette, E> {
-                let known = u32::try_from(first).map(Roulette::From);
-                known.map_err(|_| E::invalid_value(Unexpected::Unsigned(first), &self))
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<Roulette, E> {
-                text.parse().map_err(|_| E::invalid_value(Unexpected::Str(text), &self))
-            }
-        }
-
-        deserializer.deserialize_any(NumberOrOff)
+/// The settings of the picture whose paths decide the rule of `auto` for `settings`. They do not depend on the seed or
+/// the number of pixels.
+fn pilot(settings: &ImageSettings) -> ImageSettings {
+    let ImageSettings { width, height, .. } = *settings;
+    let columns = f64::from(ROWS) * f64::from(width) / f64::from(height);
+    ImageSettings {
+        width: (columns.round() as u32).clamp(1, 4 * ROWS),
+        height: ROWS,
+        spp: SAMPLES,
+        depth: settings.depth.min(DEPTH),
+        seed: 0,
+        // Shadow rays decide nothing.
+        sampling: Sampling::Bsdf,
+        sampler: Sampler::Sobol,
+        roulette: Roulette::Off,
+        clamp: None,
+        transparent: false,
+        layers: Layers::default(),
+        ..settings.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn roulette_is_written_as_it_is_read() {
-        for (roulette, text, json) in
-            [(Roulette::Off, "off", "\"off\""), (Roulette::From(7), "7", "7")]
-        {
-            assert_eq!(roulette.to_string(), text);
-            assert_eq!(text.parse(), Ok(roulette));
-            assert_eq!(serde_json::to_string(&roulette).unwrap(), json);
-            assert_eq!(serde_json::from_str::<Roulette>(json).unwrap(), roulette);
-        }
-        for wrong in ["-1", "4294967296", "\"on\"", "null", "true"] {
-            assert!(serde_json::from_str::<Roulette>(wrong).is_err(), "{wrong}");
-        }
-    }
+    use crate::engine::{ComputeSettings, Engine};
+    use crate::scene::Scene;
 
     #[test]
     fn roulette_begins_at_its_segment() {
-        let from = Roulette::From(3);
+        let from = Survival::from(3);
         assert_eq!([2, 3, 4].map(|segment| from.applies(segment)), [false, true, true]);
-        assert!(!Roulette::Off.applies(u32::MAX));
+        assert!(!Survival::ALWAYS.applies(crate::limits::MAX_DEPTH));
+    }
+
+    /// Paths survive as long as they weigh enough, and the survivors weigh the same.
+    #[test]
+    fn auto_is_a_threshold() {
+        let survival = |bounces: f32, weight: f32| {
+            Survival::of_bounces(bounces).probability::<f32>(glam::Vec3::new(0.0, weight, 0.0))
+        };
+        assert_eq!([0.6, 0.5, 0.25].map(|weight| survival(100.0, weight)), [1.0, 1.0, 0.5]);
+        assert_eq!([0.6, 0.25, 0.125].map(|weight| survival(6.0, weight)), [1.0, 1.0, 0.5]);
+        assert_eq!(survival(0.0, 1.0 / 48.0), 0.5);
+    }
+
+    /// The rule depends neither on the engine, nor on the seed, the size or the threads.
+    #[test]
+    fn the_rule_of_auto_is_that_of_the_scene_and_its_camera() {
+        let scene = Scene::load("cornell").unwrap();
+        let base = ImageSettings { roulette: Roulette::Auto, ..ImageSettings::of(&scene) };
+        let rule = |settings: ImageSettings, engine, threads| {
+            let compute = ComputeSettings { threads, ..ComputeSettings::from(engine) };
+            let renderer = Renderer::new(&scene, settings, compute).unwrap();
+            renderer.survival()
+        };
+        let known = rule(base.clone(), Engine::Wavefront, 1);
+        let other = ImageSettings { seed: 9, spp: 1, clamp: Some(0.1), ..base.clone() };
+        let other = other.with_size(Some(800), None);
+        for (settings, engine) in [(base.clone(), Engine::Scalar), (other, Engine::Wavefront)] {
+            assert_eq!(rule(settings, engine, 2), known, "{engine:?}");
+        }
+        let short = rule(ImageSettings { depth: 2, ..base }, Engine::Wavefront, 1);
+        assert!(short.scale > known.scale, "{short:?} {known:?}");
     }
 }

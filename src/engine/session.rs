@@ -103,6 +103,31 @@ impl Session {
         self.state().progress()
     }
 
+    /// The number of samples that all pixels have.
+    pub fn samples(&self) -> u32 {
+        self.state().film.least_done()
+    }
+
+    /// An estimate of the image's relative error: the root of the mean of (x − r)² / (r² + 0.01 m²) over all pixels and
+    /// channels, for the colours x, their expected values r, and the mean m of r. `None` unless all pixels have
+    /// a number of samples that gives one, such as 48, or 80, 96 or 112 times a power of two.
+    ///
+    /// # Errors
+    /// If memory runs out, returns [`Error::Resource`](crate::Error::Resource).
+    pub fn noise(&self) -> Result<Option<f64>> {
+        self.state().noise()
+    }
+
+    /// Ends the render with the samples that all pixels have: they become the `spp` of its settings.
+    ///
+    /// # Panics
+    /// If some pixels have more samples than others.
+    pub(crate) fn end(&mut self) {
+        let samples = self.samples();
+        self.state().end_at(samples);
+        self.renderer.end_at(samples);
+    }
+
     /// Whether all pixels have all samples.
     pub fn is_complete(&self) -> bool {
         self.state().is_complete()

@@ -114,6 +114,21 @@ impl RenderState {
         self.settings.stored_layers().develop(&Rows::all(&self.film), layer)
     }
 
+    /// Ends the render with the first `samples` samples of each pixel, which all pixels have.
+    pub(super) fn end_at(&mut self, samples: u32) {
+        self.film.end_at(samples);
+        self.settings.spp = samples;
+        if let Some((_, settings)) = &mut self.source {
+            settings.spp = samples;
+        }
+    }
+
+    /// An estimate of the image's relative error, as far as the number of samples gives one: see
+    /// [`Session::noise`](super::Session::noise).
+    pub(super) fn noise(&self) -> Result<Option<f64>> {
+        self.film.relative_error()
+    }
+
     /// Whether all pixels have all samples.
     pub fn is_complete(&self) -> bool {
         self.film.samples_done() == self.film.samples_to_do()
@@ -122,6 +137,12 @@ impl RenderState {
     /// The percentage of the samples that are done, rounded down.
     pub fn percent(&self) -> u64 {
         self.film.samples_done() * 100 / self.film.samples_to_do().max(1)
+    }
+
+    /// The mean number of finished samples per pixel.
+    pub(crate) fn samples_per_pixel(&self) -> f64 {
+        let samples = f64::from(self.film.samples().end - self.film.samples().start);
+        samples * self.film.samples_done() as f64 / self.film.samples_to_do().max(1) as f64
     }
 
     /// The progress of the render so far.

@@ -4,6 +4,7 @@
 
 mod file;
 mod merge;
+mod noise;
 mod schedule;
 mod sum;
 #[cfg(test)]
@@ -113,7 +114,7 @@ impl Film {
     }
 
     /// One past the last sample that all pixels have finished.
-    fn least_done(&self) -> u32 {
+    pub(crate) fn least_done(&self) -> u32 {
         self.done.iter().copied().min().unwrap_or(0).min(self.samples.end)
     }
 
@@ -255,9 +256,26 @@ impl Film {
         })
     }
 
+    /// One past the last finished sample of any pixel.
+    pub(crate) fn most_done(&self) -> u32 {
+        let done = self.done.iter().copied().filter(|&done| done != ABSENT);
+        done.max().unwrap_or(self.samples.start)
+    }
+
+    /// Makes `end` the end of the film's samples. No pixel may have later ones.
+    pub(crate) fn end_at(&mut self, end: u32) {
+        assert!(self.most_done() <= end, "a pixel has samples after {end}");
+        self.samples.end = end;
+    }
+
     /// Extends the samples of the film to `end`, unless they end later already.
     pub(crate) fn grow(&mut self, end: u32) {
         self.samples.end = self.samples.end.max(end);
+    }
+
+    /// Number of pixels that the film has.
+    pub(crate) fn pixels(&self) -> u64 {
+        self.done.iter().filter(|&&done| done != ABSENT).count() as u64
     }
 
     /// Number of finished samples, over all pixels.
@@ -268,8 +286,7 @@ impl Film {
 
     /// Number of samples of the complete film, over all pixels.
     pub fn samples_to_do(&self) -> u64 {
-        let pixels = self.done.iter().filter(|&&done| done != ABSENT).count() as u64;
-        pixels * u64::from(self.samples.end - self.samples.start)
+        self.pixels() * u64::from(self.samples.end - self.samples.start)
     }
 
     /// Makes room for `sums` sums per pixel.

@@ -147,10 +147,6 @@ pub(crate) struct Import<'a> {
     numbered: usize,
 }
 
-/// First segment of Russian roulette in scenes for pbrt and glTF. Interiors have less error after the same
-/// time than with 5, or with 3 as in pbrt-v4 (`profiling/measured.md`).
-pub(crate) const ROULETTE: u32 = 2;
-
 /// Largest number of different warnings that are kept.
 const MOST_WARNINGS: usize = 100;
 

@@ -144,7 +144,7 @@ impl Triangles {
         let number = |table: &[Row], vertex: usize, i: usize| {
             f32::from_bits(table.get(vertex).map_or(0, |row| row[i]))
         };
-        let mut numbers = Vec::new();
+        let mut numbers = Vec::with_capacity(15);
         for vertex in corners {
             let v = [0, 1, 2, 3].map(|i| number(&self.normals, vertex, i));
             numbers.extend([v[0], v[1], v[2], number(&self.positions, vertex, 3), v[3]]);

@@ -42,9 +42,8 @@ pub(crate) fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Roulette;
     use crate::sampler::Sampler;
-    use crate::scene::Scene;
+    use crate::scene::{Roulette, Scene};
 
     #[test]
     fn settings_are_described_by_name() {

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Named, NamedMesh, PrimitiveFile, SphereFile, TrianglesFile};
+use super::{Named, NamedMesh, PrimitiveFile, Roulette, SphereFile, TrianglesFile};
 use crate::shading::light::LightFile;
 use crate::shading::{Background, CameraFile, Material, MediumFile, Texture};
 
@@ -126,9 +126,8 @@ pub struct RenderDefaults {
     pub spp: u32,
     /// Largest number of segments of a path.
     pub depth: u32,
-    /// First segment that a path reaches only if it survives Russian roulette. Small numbers suit
-    /// interiors, where long paths take most of the time.
-    pub roulette: u32,
+    /// Which paths Russian roulette may end.
+    pub roulette: Roulette,
     /// How paths find light. Without a value, the default is `mis` if the scene has lights that can
     /// be sampled, else `bsdf`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -137,7 +136,14 @@ pub struct RenderDefaults {
 
 impl Default for RenderDefaults {
     fn default() -> Self {
-        Self { width: 1280, height: 720, spp: 100, depth: 50, roulette: 5, sampling: None }
+        Self {
+            width: 1280,
+            height: 720,
+            spp: 100,
+            depth: 50,
+            roulette: Roulette::Auto,
+            sampling: None,
+        }
     }
 }
 

@@ -100,7 +100,14 @@ impl Hasher {
 
     fn vectors(&mut self, name: &str, vectors: &[Vec3]) {
         self.text(name);
-        vectors.iter().for_each(|vector| self.numbers(&vector.to_array()));
+        // Few vectors are copied at a time, since each call of the hasher takes some time.
+        for few in vectors.chunks(8) {
+            let mut numbers = [[0.0; 3]; 8];
+            for (numbers, vector) in numbers.iter_mut().zip(few) {
+                *numbers = vector.to_array();
+            }
+            self.numbers(numbers[..few.len()].as_flattened());
+        }
     }
 
     /// The flags of a triangle, and the attributes of its vertices.
@@ -112,8 +119,12 @@ impl Hasher {
     }
 
     fn numbers(&mut self, numbers: &[f32]) {
-        for number in numbers {
-            self.bytes(&(number + 0.0).to_le_bytes());
+        for few in numbers.chunks(32) {
+            let mut bytes = [[0; 4]; 32];
+            for (bytes, number) in bytes.iter_mut().zip(few) {
+                *bytes = (number + 0.0).to_le_bytes();
+            }
+            self.bytes(bytes[..few.len()].as_flattened());
         }
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod mesh;
 mod named;
 pub mod primitive;
 mod resolve;
+mod roulette;
 mod warnings;
 
 use std::collections::BTreeSet;
@@ -26,6 +27,7 @@ use primitive::{Builder, Materials};
 pub(crate) use primitive::{InstanceFile, MeshFile, QuadFile, SphereFile, TrianglesFile};
 pub use primitive::{NamedMesh, PrimitiveFile};
 pub(crate) use resolve::{LIGHT_BYTES, resolve};
+pub use roulette::Roulette;
 
 use crate::geometry::Geometry;
 use crate::limits::Limits;

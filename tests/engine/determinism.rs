@@ -136,12 +136,16 @@ fn every_build_gives_the_pinned_hashes() {
             for (sampler, roulette) in [
                 (Sampler::Sobol, FIFTH),
                 (Sampler::Sobol, Roulette::Off),
+                (Sampler::Sobol, Roulette::Auto),
                 (Sampler::Independent, FIFTH),
             ] {
                 let settings = ImageSettings { sampling, sampler, roulette, ..small(&scene) };
                 let hash = render(&scene, settings).hash();
                 let (sampling, sampler) = (sampling.name(), sampler.name());
-                let roulette = if roulette == FIFTH { "on" } else { "off" };
+                let roulette = match roulette {
+                    Roulette::From(_) => "on".to_owned(),
+                    other => other.to_string(),
+                };
                 writeln!(hashes, "{name} {sampling} {sampler} {roulette} {hash}").unwrap();
             }
         }

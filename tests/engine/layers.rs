@@ -1,6 +1,6 @@
 //! Tests of the layers of images.
 
-use ptfast::{Engine, FirstHits, Image, ImageSettings, Layer, Layers, Renderer, Scene};
+use ptfast::{Engine, FirstHits, Image, ImageSettings, Layer, Layers, Renderer, Roulette, Scene};
 
 /// A lamp, glass, a leaf with holes, and fog, in front of a white background.
 const SCENE: &str = r#"(
@@ -239,7 +239,8 @@ fn every_build_gives_the_pinned_layers() {
     {
         let path = if name == "spheres" { name.into() } else { format!("tests/data/{name}") };
         let scene = Scene::load(&path).unwrap();
-        let base = ImageSettings { width: 50, height: 31, spp: 19, ..with_all(&scene) };
+        let (width, height, spp, roulette) = (50, 31, 19, Roulette::From(5));
+        let base = ImageSettings { width, height, spp, roulette, ..with_all(&scene) };
         let by = |engine| render(&scene, ImageSettings { first_hit, ..base.clone() }, engine);
         let image = by(Engine::Wavefront);
         assert_eq!(image.layers(), by(Engine::Scalar).layers(), "{name} {}", first_hit.name());

@@ -64,7 +64,7 @@ fn built_in_scenes() {
         for sampling in SAMPLINGS {
             for (sampler, roulette) in [
                 (Sampler::Sobol, Roulette::From(5)),
-                (Sampler::Sobol, Roulette::Off),
+                (Sampler::Sobol, Roulette::Auto),
                 (Sampler::Independent, Roulette::From(2)),
             ] {
                 let settings = ImageSettings {
@@ -112,8 +112,8 @@ fn random_scenes() {
     for seed in 0..400 {
         let scene = Scene::from_file(&random_scene(seed)).unwrap();
         let mut random = Stream::new(!seed);
-        let roulettes = [Roulette::Off, Roulette::From(1), Roulette::From(3)];
-        let roulette = roulettes[random.bits() as usize % 3];
+        let roulettes = [Roulette::Off, Roulette::From(1), Roulette::From(3), Roulette::Auto];
+        let roulette = roulettes[random.bits() as usize % 4];
         let plan = random_plan(&mut random);
         let sampler = Sampler::ALL[seed as usize % 2];
         let base = ImageSettings::of(&scene);

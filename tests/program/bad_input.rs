@@ -333,7 +333,7 @@ fn wrong_usage() {
     wrong(&["--width", "0"], &["--width", "0 is not in 1..=65536"]);
     wrong(&["--spp", "0"], &["--spp"]);
     wrong(&["--depth", "0"], &["--depth"]);
-    wrong(&["--roulette", "on"], &["--roulette", "must be off or a number from 1 to 65536"]);
+    wrong(&["--roulette", "on"], &["--roulette", "must be auto, off or a number from 1 to 65536"]);
     wrong(&["--threads", "0"], &["--threads"]);
     wrong(&["--width", "1000000000", "--height", "1000000000"], &["--width"]);
     wrong(

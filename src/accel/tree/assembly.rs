@@ -18,6 +18,12 @@ pub(super) struct Cluster {
 }
 
 impl Cluster {
+    /// A cluster of so many primitives, with these bounds, whose nodes and blocks are those of `part`.
+    pub(super) fn whole(part: Subtree, primitives: usize, bounds: Bounds) -> Self {
+        Self { part, primitives, elements: vec![(LeafContent::Node(0), bounds)] }
+    }
+
+    /// The largest subtrees of `tree`.
     pub(super) fn new(geometry: &Geometry, tree: &BinaryTree) -> Self {
         let collapse = Collapse::new(geometry, tree, LeafContent::Primitive);
         let (mut part, mut elements) = (Subtree::default(), Vec::new());

@@ -74,7 +74,7 @@ impl BinaryTree {
         if primitives.len() <= MAX_CLUSTER {
             return Self::of_cluster(boxes, primitives);
         }
-        let clusters = clusters(boxes, primitives.to_vec(), threads);
+        let clusters = clusters(boxes, primitives.to_vec(), MAX_CLUSTER, threads);
         let trees = map(threads, clusters, |primitives| Self::of_cluster(boxes, &primitives));
         // The tree over the largest subtrees of all clusters, each of which then takes the place of
         // the leaf that stands for it.

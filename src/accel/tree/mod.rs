@@ -2,6 +2,7 @@
 
 mod assembly;
 pub(super) mod binary;
+mod binned;
 pub(super) mod bvh2;
 mod collapse;
 mod concentric;

@@ -33,14 +33,19 @@ impl Bin {
     }
 }
 
-/// Splits `primitives`, whose boxes are `boxes[primitive]`, into clusters of at most
-/// [`MAX_CLUSTER`]. The result does not depend on the number of threads.
-pub(crate) fn clusters(boxes: &[Bounds], primitives: Vec<u32>, threads: usize) -> Vec<Vec<u32>> {
+/// Splits `primitives`, whose boxes are `boxes[primitive]`, into clusters of at most `most`. The result does not
+/// depend on the number of threads.
+pub(crate) fn clusters(
+    boxes: &[Bounds],
+    primitives: Vec<u32>,
+    most: usize,
+    threads: usize,
+) -> Vec<Vec<u32>> {
     let mut parts = vec![primitives];
-    while parts.iter().any(|part| part.len() > MAX_CLUSTER) {
-        let halves = |part: Vec<u32>| match part.len() {
-            0..=MAX_CLUSTER => vec![part],
-            _ => split(boxes, part).into(),
+    while parts.iter().any(|part| part.len() > most) {
+        let halves = |part: Vec<u32>| match part.len() > most {
+            false => vec![part],
+            true => split(boxes, part).into(),
         };
         parts = map(threads, parts, halves).into_iter().flatten().collect();
     }
@@ -93,6 +98,8 @@ mod tests {
     use crate::math::Stream;
     use glam::Vec3;
 
+    const MOST: usize = 1 << 14;
+
     /// Small boxes at random places, on a line, or all at one place.
     fn boxes(shape: usize, count: usize) -> Vec<Bounds> {
         let mut random = Stream::new(3);
@@ -112,14 +119,11 @@ mod tests {
     #[test]
     fn clusters_hold_all_primitives_on_any_number_of_threads() {
         for shape in 0..3 {
-            let boxes = boxes(shape, 5 * MAX_CLUSTER + 7);
+            let boxes = boxes(shape, 5 * MOST + 7);
             let all: Vec<u32> = (0..boxes.len() as u32).collect();
-            let one = clusters(&boxes, all.clone(), 1);
-            assert_eq!(one, clusters(&boxes, all.clone(), 3));
-            assert!(
-                one.len() > 5
-                    && one.iter().all(|cluster| (1..=MAX_CLUSTER).contains(&cluster.len()))
-            );
+            let one = clusters(&boxes, all.clone(), MOST, 1);
+            assert_eq!(one, clusters(&boxes, all.clone(), MOST, 3));
+            assert!(one.len() > 5 && one.iter().all(|cluster| (1..=MOST).contains(&cluster.len())));
             let mut held = one.concat();
             held.sort_unstable();
             assert_eq!(held, all);

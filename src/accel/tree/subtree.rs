@@ -24,7 +24,7 @@ impl WideNode {
         children: [0; LANES],
     };
 
-    fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
             let [low, high] = &mut self.planes[axis];
             (low[lane], high[lane]) = (bounds.min[axis], bounds.max[axis]);

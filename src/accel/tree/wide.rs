@@ -5,12 +5,13 @@ use std::sync::{Arc, Mutex};
 
 use super::assembly::{Assembly, Cluster};
 use super::binary::{BinaryTree, LeafContent};
+use super::binned;
 use super::collapse::Collapse;
 use super::partition::{MAX_CLUSTER, clusters};
 use super::subtree::Subtree;
 pub(crate) use super::subtree::WideNode;
 use crate::accel::threads::{for_each, map};
-use crate::accel::{LeafBlocks, LeafRef};
+use crate::accel::{LeafBlocks, LeafRef, TreeQuality};
 use crate::geometry::{Bounds, Geometry};
 use crate::huge_pages::settle;
 use crate::simd::prefetch;
@@ -34,6 +35,9 @@ pub(crate) struct WideTree {
     pub(crate) holes: Option<Arc<Geometry>>,
 }
 
+/// Largest number of primitives in a cluster of a tree that is built fast.
+const FAST_CLUSTER: usize = 1 << 16;
+
 /// Size in bytes above which a tree is larger than the fast caches.
 const LARGE: usize = 1 << 20;
 
@@ -43,22 +47,29 @@ impl WideTree {
         geometry: &Geometry,
         boxes: &[Bounds],
         elements: Vec<u32>,
+        quality: TreeQuality,
         threads: usize,
     ) -> Self {
-        if elements.len() <= MAX_CLUSTER {
+        if elements.len() <= MAX_CLUSTER && quality == TreeQuality::Best {
             return Self::new(geometry, &BinaryTree::new(boxes, &elements, threads));
         }
-        Self::of_clusters(geometry, boxes, elements, threads)
+        Self::of_clusters(geometry, boxes, elements, quality, threads)
     }
 
     /// Builds the trees of the meshes that instances of `geometry` place.
-    pub(crate) fn with_meshes(mut self, geometry: &Arc<Geometry>, threads: usize) -> Self {
+    pub(crate) fn with_meshes(
+        mut self,
+        geometry: &Arc<Geometry>,
+        quality: TreeQuality,
+        threads: usize,
+    ) -> Self {
         self.holes = geometry.may_have_holes().then(|| Arc::clone(geometry));
         let instances = &geometry.instances;
         let triangles = instances.triangles();
         let boxes = triangles.boxes();
         let build = |mesh: usize, threads: usize| {
-            (mesh, Self::over(triangles, &boxes, instances.range(mesh).collect(), threads))
+            let elements = instances.range(mesh).collect();
+            (mesh, Self::over(triangles, &boxes, elements, quality, threads))
         };
         // Large meshes use all threads each if they are few. All others are built at once.
         let is_small = |&mesh: &usize| instances.range(mesh).len() <= MAX_CLUSTER;
@@ -96,12 +107,25 @@ impl WideTree {
         geometry: &Geometry,
         boxes: &[Bounds],
         primitives: Vec<u32>,
+        quality: TreeQuality,
         threads: usize,
     ) -> Self {
+        if primitives.is_empty() {
+            return Self::of(Subtree::default());
+        }
+        let most = match quality {
+            TreeQuality::Fast => FAST_CLUSTER,
+            TreeQuality::Best => MAX_CLUSTER,
+        };
         let assembly = Mutex::new(Assembly::new(primitives.len()));
-        let clusters = clusters(boxes, primitives, threads);
+        let clusters = clusters(boxes, primitives, most, threads);
         for_each(threads, clusters.iter().enumerate().collect(), |(number, primitives)| {
-            let cluster = Cluster::new(geometry, &BinaryTree::of_cluster(boxes, primitives));
+            let cluster = match quality {
+                TreeQuality::Fast => binned::cluster(geometry, boxes, primitives),
+                TreeQuality::Best => {
+                    Cluster::new(geometry, &BinaryTree::of_cluster(boxes, primitives))
+                }
+            };
             assembly.lock().expect("no thread panicked").add(number, cluster);
         });
         Self::of(assembly.into_inner().expect("no thread panicked").finish(geometry))
@@ -148,13 +172,17 @@ mod tests {
         let geometry = Geometry { spheres, ..Geometry::default() };
         let boxes = geometry.boxes();
         let all: Vec<u32> = (0..geometry.len() as u32).collect();
-        let build = |threads| WideTree::of_clusters(&geometry, &boxes, all.clone(), threads);
-        let (one, many) = (build(1), build(3));
-        assert!(one.depth > 2 && one.nodes.len() > 1000);
-        assert_eq!((one.depth, one.nodes.len()), (many.depth, many.nodes.len()));
-        for (a, b) in one.nodes.iter().zip(&many.nodes) {
-            assert_eq!((a.planes, a.children), (b.planes, b.children));
+        let build = |quality, threads| {
+            WideTree::of_clusters(&geometry, &boxes, all.clone(), quality, threads)
+        };
+        for quality in TreeQuality::ALL {
+            let (one, many) = (build(quality, 1), build(quality, 3));
+            assert!(one.depth > 2 && one.nodes.len() > 1000);
+            assert_eq!((one.depth, one.nodes.len()), (many.depth, many.nodes.len()));
+            for (a, b) in one.nodes.iter().zip(&many.nodes) {
+                assert_eq!((a.planes, a.children), (b.planes, b.children));
+            }
+            assert_eq!(format!("{:?}", one.blocks), format!("{:?}", many.blocks));
         }
-        assert_eq!(format!("{:?}", one.blocks), format!("{:?}", many.blocks));
     }
 }

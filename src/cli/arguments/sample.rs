@@ -3,11 +3,11 @@
 use clap::Args;
 
 use super::{CameraArgs, IMAGE, SceneArg, named};
-use crate::engine::{ImageSettings, Roulette};
+use crate::engine::ImageSettings;
 use crate::error::Result;
 use crate::limits::{MAX_DEPTH, MAX_SIDE};
 use crate::sampler::Sampler;
-use crate::scene::{Sampling, Scene};
+use crate::scene::{Roulette, Sampling, Scene};
 
 /// The arguments that decide the value of each sample.
 #[derive(Debug, Args)]
@@ -35,19 +35,15 @@ pub(crate) struct SampleArgs {
     /// Source of random numbers
     #[arg(long, value_name = "SAMPLER", help_heading = IMAGE, default_value = Sampler::default().name(), value_parser = named(&Sampler::ALL, Sampler::name))]
     pub(crate) sampler: Sampler,
-    /// First segment that paths reach only if they survive Russian roulette, which ends paths of low throughput at
-    /// random, without bias; or off [default: the scene's]
-    #[arg(long, value_name = "N|off", help_heading = IMAGE, value_parser = roulette)]
+    /// Russian roulette ends paths of low throughput at random, without bias. N: from this segment on; auto: as it
+    /// suits the lengths of the scene's paths [default: the scene's]
+    #[arg(long, value_name = "N|off|auto", help_heading = IMAGE, value_parser = roulette)]
     pub(crate) roulette: Option<Roulette>,
 }
 
 fn roulette(text: &str) -> std::result::Result<Roulette, String> {
-    let in_range = |roulette: &Roulette| match roulette {
-        Roulette::Off => true,
-        Roulette::From(first) => (1..=MAX_DEPTH).contains(first),
-    };
-    let wrong = || format!("must be off or a number from 1 to {MAX_DEPTH}");
-    text.parse().ok().filter(in_range).ok_or_else(wrong)
+    let parsed = text.parse().ok().filter(|roulette: &Roulette| roulette.check().is_ok());
+    parsed.ok_or_else(|| format!("must be auto, off or a number from 1 to {MAX_DEPTH}"))
 }
 
 impl SampleArgs {

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::checkpoint_args::CheckpointArgs;
+use super::goal_args::GoalArgs;
 use super::part_args::PartArgs;
+use crate::accel::TreeQuality;
 use crate::cli::arguments::{DisplayArgs, IMAGE, SampleArgs, SceneLimitArgs, named};
 use crate::cli::progress::ProgressMode;
 use crate::engine::{Engine, FirstHits, Layers, Pin};
@@ -21,6 +23,8 @@ pub(crate) struct RenderArgs {
     /// Samples per pixel [default: the scene's]
     #[arg(long, alias = "samples", value_name = "N", help_heading = IMAGE, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     pub(crate) spp: Option<u32>,
+    #[command(flatten)]
+    pub(crate) goal: GoalArgs,
     /// Scale down samples with a component above this value. Hides fireflies, but loses energy [default: no
     /// clamping]
     #[arg(long, value_name = "RADIANCE", help_heading = IMAGE)]
@@ -61,6 +65,9 @@ pub(crate) struct RenderArgs {
     /// Whether to pin each thread to a core; auto: if there is a core for each thread
     #[arg(long, value_name = "PIN", help_heading = SPEED, default_value = Pin::Auto.name(), value_parser = named(&Pin::ALL, Pin::name))]
     pub(crate) pin: Pin,
+    /// Whether trees are built fast, or best for the speed of rays [default: whichever is ready first]
+    #[arg(long, value_name = "QUALITY", help_heading = SPEED, value_parser = named(&TreeQuality::ALL, TreeQuality::name))]
+    pub(crate) tree: Option<TreeQuality>,
     /// Use the plan of an earlier render, from a file that --json wrote
     #[arg(long, value_name = "FILE", help_heading = SPEED, conflicts_with = "wave_size")]
     pub(crate) plan: Option<PathBuf>,

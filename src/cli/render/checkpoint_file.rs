@@ -17,7 +17,9 @@ use crate::limits::Limits;
 const MAX_STEM: usize = 200;
 
 /// The checkpoint file of one render, and the unfinished picture beside it.
-pub(crate) struct CheckpointFile {
+pub(crate) struct CheckpointFile<'a> {
+    /// The render whose checkpoint the file may hold.
+    part: &'a Part,
     path: PathBuf,
     /// The unfinished picture, for renders that write an image.
     picture: Option<PathBuf>,
@@ -27,10 +29,10 @@ pub(crate) struct CheckpointFile {
     continued: bool,
 }
 
-impl CheckpointFile {
-    /// The file is `named`, or else `NAME.partial.film` beside `output`. If the image is written to
+impl<'a> CheckpointFile<'a> {
+    /// The file for `part`. It is `named`, or else `NAME.partial.film` beside `output`. If the image is written to
     /// standard output, NAME is the name of the `scene`, and the file is in the current folder.
-    pub(crate) fn new(output: &Target, scene: &str, named: Option<&Path>) -> Self {
+    pub(crate) fn new(part: &'a Part, output: &Target, scene: &str, named: Option<&Path>) -> Self {
         let picture = match output {
             Target::Image(path) => {
                 Some(beside(path, &path.extension().unwrap_or_default().to_string_lossy()))
@@ -42,7 +44,7 @@ impl CheckpointFile {
             None => PathBuf::from(format!("{}.partial.film", stem(scene))),
         };
         let path = named.map_or_else(default, Path::to_owned);
-        Self { path, picture, named: named.is_some(), continued: false }
+        Self { part, path, picture, named: named.is_some(), continued: false }
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -70,8 +72,8 @@ impl CheckpointFile {
     }
 
     /// Whether the file has samples of this part of this render.
-    pub(crate) fn has_part_of(&self, part: &Part) -> bool {
-        Checkpoint::read_part(&self.path).is_ok_and(|found| found.mismatch(part).is_none())
+    pub(crate) fn has_samples(&self) -> bool {
+        Checkpoint::read_part(&self.path).is_ok_and(|found| found.mismatch(self.part).is_none())
     }
 
     pub(crate) fn exists(&self) -> bool {
@@ -82,13 +84,13 @@ impl CheckpointFile {
     ///
     /// # Errors
     /// If the file cannot be read, is damaged, or belongs to another render.
-    pub(crate) fn load(&mut self, part: &Part, limits: &Limits) -> Result<RenderState> {
+    pub(crate) fn load(&mut self, limits: &Limits) -> Result<RenderState> {
         if !self.exists() {
-            return part.empty_rendering();
+            return self.part.empty_rendering();
         }
         self.continued = true;
         let checkpoint = Checkpoint::read(&self.path, limits).map_err(advise)?;
-        checkpoint.resume(part).map_err(|mismatch| self.refuse(mismatch))
+        checkpoint.resume(self.part).map_err(|mismatch| self.refuse(mismatch))
     }
 
     /// Writes `checkpoint`, unless another program has meanwhile written a file of another render
@@ -97,11 +99,10 @@ impl CheckpointFile {
     /// # Errors
     /// If the file cannot be written, or no longer belongs to this render.
     pub(crate) fn write(&self, checkpoint: &Checkpoint<impl Borrow<RenderState>>) -> Result<()> {
-        let part = checkpoint.part();
-        self.check(&part)?;
+        self.check()?;
         // Writing takes time, and another render may meanwhile have written its checkpoint to this
         // path.
-        checkpoint.write_if(&self.path, || self.check(&part))
+        checkpoint.write_if(&self.path, || self.check())
     }
 
     /// Cleans up once the output is written. A checkpoint file that the user named is kept, and the
@@ -122,17 +123,17 @@ impl CheckpointFile {
         if self.named {
             return if has_advanced { self.write(checkpoint) } else { Ok(()) };
         }
-        if self.has_part_of(&checkpoint.part()) {
+        if self.has_samples() {
             let _ = fs::remove_file(&self.path);
         }
         Ok(())
     }
 
     /// Checks that the file is missing, or belongs to this part of this render.
-    fn check(&self, part: &Part) -> Result<()> {
+    fn check(&self) -> Result<()> {
         if self.exists() {
             let found = Checkpoint::read_part(&self.path).map_err(advise)?;
-            if let Some(mismatch) = found.mismatch(part) {
+            if let Some(mismatch) = found.mismatch(self.part) {
                 return Err(self.refuse(mismatch));
             }
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::checkpoint_file::CheckpointFile;
+use super::goal::{Course, Goal, Pass};
 use super::watch::{Schedule, Watch};
 use crate::checkpoint::Part;
 use crate::cli::progress::ProgressReport;
@@ -22,7 +23,9 @@ pub(crate) struct Saved<'a> {
     /// Name of the scene.
     pub(crate) scene: &'a str,
     pub(crate) part: &'a Part,
-    pub(crate) file: &'a CheckpointFile,
+    pub(crate) file: &'a CheckpointFile<'a>,
+    /// When the render ends, if not with a number of samples.
+    pub(crate) goal: Option<Goal>,
     /// The appearance of the picture so far.
     pub(crate) display: Display,
 }
@@ -35,23 +38,40 @@ impl Saved<'_> {
     ///
     /// # Panics
     /// When a worker panics. The samples that were finished before are in the checkpoint file.
-    pub(crate) fn render(&self, schedule: &Schedule, progress: &ProgressReport) -> Result<()> {
+    pub(crate) fn render(
+        &self,
+        schedule: &Schedule,
+        progress: &ProgressReport,
+    ) -> Result<Course<'_>> {
+        let mut course = Course::new(self.session, self.goal);
         let mut gap = Duration::ZERO;
+        while let Some(Pass { end, total }) = course.next()? {
+            progress.expect(self.session.state().film.pixels() * u64::from(total));
+            self.pass(end, schedule, progress, &mut gap)?;
+        }
+        progress.finish();
+        Ok(course)
+    }
+
+    /// Renders until all pixels have `end` samples.
+    fn pass(
+        &self,
+        end: u32,
+        schedule: &Schedule,
+        progress: &ProgressReport,
+        gap: &mut Duration,
+    ) -> Result<()> {
         loop {
-            let watch = Watch::new(schedule, progress, gap);
-            let render = || self.session.render(Until::Complete, &watch);
+            let watch = Watch::new(schedule, progress, *gap);
+            let render = || self.session.render(Until::Samples(end), &watch);
             let rendered = catch_unwind(AssertUnwindSafe(render));
-            let failed = !matches!(rendered, Ok(Ok(_)));
-            let is_complete = self.session.is_complete();
-            if failed || is_complete {
+            if !matches!(rendered, Ok(Ok(_))) {
                 progress.finish();
-            }
-            if failed {
                 // Ignore an error of writing: the user must see the first panic or error.
                 let _ = self.save();
             }
             let so_far = rendered.unwrap_or_else(|panic| resume_unwind(panic))?;
-            if is_complete {
+            if self.session.samples() >= end {
                 return Ok(());
             }
             interrupt::take_request();
@@ -61,7 +81,7 @@ impl Saved<'_> {
             }
             let start = Instant::now();
             let saved = self.save();
-            gap = MIN_GAP * start.elapsed();
+            *gap = MIN_GAP * start.elapsed();
             match saved {
                 Ok(()) => progress.saved("checkpoint", so_far, self.file.path()),
                 // The render continues, because the next checkpoint may succeed.
@@ -103,8 +123,18 @@ impl Saved<'_> {
                 format!("cannot save it: {error}")
             }
         };
-        let percent = session.state().percent();
-        Error::Stopped { signal, percent, outcome }
+        Error::Stopped { signal, samples: self.samples_per_pixel(), outcome }
+    }
+
+    /// The number of samples per pixel so far, such as `12.5 of 100 samples per pixel`.
+    pub(crate) fn samples_per_pixel(&self) -> String {
+        let state = self.session.state();
+        let done = (100.0 * state.samples_per_pixel()).floor() / 100.0;
+        let of = match self.goal {
+            Some(_) => String::new(),
+            None => format!(" of {}", state.film.samples().len()),
+        };
+        format!("{done}{of} samples per pixel")
     }
 
     /// Saves a complete render whose image cannot be written. Returns `error` with the path of the
@@ -118,7 +148,7 @@ impl Saved<'_> {
 
     /// Adds to `error` the checkpoint from which the render can be continued, if there is one.
     fn with_earlier(&self, error: Error) -> Error {
-        if !self.file.has_part_of(self.part) {
+        if !self.file.has_samples() {
             return error;
         }
         let outcome = format!("{} has a checkpoint of the render", self.file.path().display());

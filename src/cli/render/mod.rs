@@ -4,6 +4,8 @@ pub(super) mod args;
 mod checkpoint_args;
 mod checkpoint_file;
 mod checkpointing;
+mod goal;
+mod goal_args;
 mod part_args;
 mod plan_file;
 mod record;
@@ -14,13 +16,16 @@ pub(super) mod target;
 mod timeline;
 mod watch;
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
+use std::thread;
 use std::time::Instant;
 
 use self::args::RenderArgs;
 use self::checkpoint_file::CheckpointFile;
 use self::checkpointing::Saved;
+use self::goal::{Goal, percent};
 use self::record::{Run, StepSeconds};
 use self::target::Target;
 use self::watch::Schedule;
@@ -29,7 +34,8 @@ use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, path, progress};
 use crate::checkpoint::Part;
 use crate::engine::{
-    ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, Render, Renderer, Session,
+    ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, PreparedScene, Render, Renderer,
+    Session,
 };
 use crate::error::{Error, Result};
 use crate::image::{Display, Exposure};
@@ -50,7 +56,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     interrupt::leave_at_once(true);
     interrupt::watch()?;
-    let job = RenderJob::new(args, start)?;
+    let mut job = RenderJob::new(args, start)?;
     if args.skip_complete && job.is_complete()? {
         return job.report_complete();
     }
@@ -70,10 +76,12 @@ struct RenderJob<'a> {
     compute: ComputeSettings,
     part: Part,
     output: Target,
+    goal: Option<Goal>,
 }
 
 impl<'a> RenderJob<'a> {
     fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
+        let goal = args.goal.goal(start)?;
         // A wrong extension is reported before a large scene is loaded.
         args.output.clone().map(Target::of_path).transpose()?;
         let loading = Instant::now();
@@ -83,13 +91,14 @@ impl<'a> RenderJob<'a> {
             Ok::<_, Error>((parsed.resolve()?, parsed.maybe_blender))
         })?;
         let load = loading.elapsed().as_secs_f64();
-        let settings = args.image_settings(&scene)?;
+        let mut settings = args.image_settings(&scene)?;
+        settings.spp = goal.map_or(settings.spp, |goal| goal.most);
         let compute = args.compute_settings(&scene, &settings)?;
         let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
         settings.check(scene.limits())?;
         compute.check()?;
-        let part = args.part.part(&scene, &settings)?;
+        let part = args.part.part(&settings)?;
         compute.check_memory(&scene, Some(FilmOf(&settings, part.samples.clone())))?;
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         if args.transparent {
@@ -103,7 +112,7 @@ impl<'a> RenderJob<'a> {
             let message = "--print and the image both need standard output: use -o FILE";
             return Err(Error::Usage(message.to_owned()));
         }
-        Ok(Self { args, start, scene, maybe_blender, load, settings, compute, part, output })
+        Ok(Self { args, start, scene, maybe_blender, load, settings, compute, part, output, goal })
     }
 
     /// The appearance of the image.
@@ -114,7 +123,8 @@ impl<'a> RenderJob<'a> {
     }
 
     /// Whether all output files exist, and the image or film belongs to this render.
-    fn is_complete(&self) -> Result<bool> {
+    fn is_complete(&mut self) -> Result<bool> {
+        self.part.identity.scene_hash = self.scene_hash();
         let reports = [&self.args.json, &self.args.trace];
         let layers = self.output.layer_files(&self.settings.layers);
         let exist = reports.into_iter().flatten().chain(&layers).all(|file| file.exists());
@@ -131,26 +141,50 @@ impl<'a> RenderJob<'a> {
         Ok(())
     }
 
-    fn run(&self) -> Result<()> {
-        let Self { args, scene, part, .. } = self;
-        let mut file = CheckpointFile::new(
+    /// The hash of the scene as seen by the camera.
+    fn scene_hash(&self) -> String {
+        self.scene.hash_with(self.settings.camera(&self.scene))
+    }
+
+    /// Builds the trees of a large scene, and meanwhile hashes it.
+    fn prepare(&mut self) -> PreparedScene {
+        let prepared = PreparedScene::new(self.scene.clone());
+        let paths = self.part.identity.area().pixels() * self.part.samples.len() as u64;
+        let paths = self.goal.map_or(paths, |goal| goal.paths(&self.settings));
+        self.part.identity.scene_hash = thread::scope(|scope| {
+            let build = || prepared.build(&self.compute, paths);
+            // Without a thread, the renderer builds them.
+            let _ = thread::Builder::new().spawn_scoped(scope, build);
+            self.scene_hash()
+        });
+        prepared
+    }
+
+    fn checkpoint_file(&self) -> CheckpointFile<'_> {
+        CheckpointFile::new(
+            &self.part,
             &self.output,
-            args.sample.scene.name(),
-            args.checkpoint.checkpoint.as_deref(),
-        );
-        self.check_files(&file)?;
-        let rendering = file.load(part, scene.limits())?;
+            self.args.sample.scene.name(),
+            self.args.checkpoint.checkpoint.as_deref(),
+        )
+    }
+
+    fn run(mut self) -> Result<()> {
+        self.check_files(&self.checkpoint_file())?;
+        let preparing = Instant::now();
+        let what = "preparing the render";
+        let prepared = progress::waiting(what, self.args.mode(), || self.prepare());
+        let preparing = preparing.elapsed().as_secs_f64();
+        let Self { args, scene, part, .. } = &self;
+        let mut file = self.checkpoint_file();
+        let rendering = file.load(scene.limits())?;
         let left = rendering.film.samples_to_do() - rendering.progress().samples;
-        let renderer = progress::waiting("preparing the render", args.mode(), || {
-            Renderer::for_paths(scene, self.settings.clone(), self.compute.clone(), left)
+        let paths = self.goal.map_or(left, |goal| left.min(goal.paths(&self.settings)));
+        let renderer = progress::waiting(what, args.mode(), || {
+            Renderer::for_paths(prepared, self.settings.clone(), self.compute.clone(), paths)
         })?;
-        let percent = rendering.percent();
-        let session = Session::of(renderer, rendering);
+        let mut session = Session::of(renderer, rendering);
         advise_on_build(Isa::Avx2);
-        if file.exists() {
-            let file = file.path().display();
-            notice(format_args!("continuing {file}, which has {percent}% of the samples"));
-        }
         let before = Interference::so_far();
         // From here on, a signal saves the samples that are finished.
         interrupt::leave_at_once(false);
@@ -160,36 +194,52 @@ impl<'a> RenderJob<'a> {
             time_limit: args.checkpoint.time_limit,
             start: self.start,
         };
-        let saved = Saved {
-            session: &session,
-            scene: scene.name(),
-            part,
-            file: &file,
-            display: self.display(),
-        };
-        saved.render(&schedule, &progress)?;
+        if file.exists() {
+            let samples = self.saved(&session, part, &file).samples_per_pixel();
+            let file = file.path().display();
+            notice(format_args!("continuing {file}, which has {samples}"));
+        }
+        let noise = self.saved(&session, part, &file).render(&schedule, &progress)?.noise();
         let interference = Interference::so_far().since(before);
 
         let writing = Instant::now();
+        let mut part = Cow::Borrowed(part);
+        if self.goal.is_some() {
+            session.end();
+            part.to_mut().end_at(session.samples());
+        }
         let render = session.finish()?;
         // Only whole images have a hash.
         let hash = part.is_whole().then(|| render.image.hash());
-        self.write(&session, &render, hash.as_deref())
-            .map_err(|error| saved.save_instead(error))?;
+        self.write(&part, &session, &render, hash.as_deref())
+            .map_err(|error| self.saved(&session, &part, &file).save_instead(error))?;
         let finished = file.finish(&part.checkpoint(scene.name(), &session.state()), left > 0);
         let seconds = StepSeconds {
             load: self.load,
-            build: render.seconds.build,
+            build: preparing + render.seconds.build,
             plan: render.seconds.plan,
             render: render.seconds.render,
             write: writing.elapsed().as_secs_f64(),
         };
         let hash = hash.as_deref();
-        let run = Run { scene, renderer: session.renderer(), render: &render, hash, seconds };
+        let run =
+            Run { scene, renderer: session.renderer(), render: &render, hash, seconds, noise };
         self.report(&run, interference)?;
+        self.say_what_goal_missed(&run);
         finished?;
         progress.done(session.progress());
         Ok(())
+    }
+
+    /// The render `part` so far, which is saved in `file`.
+    fn saved<'b>(
+        &'b self,
+        session: &'b Session,
+        part: &'b Part,
+        file: &'b CheckpointFile<'b>,
+    ) -> Saved<'b> {
+        let (scene, goal, display) = (self.scene.name(), self.goal, self.display());
+        Saved { session, scene, part, file, goal, display }
     }
 
     /// Rejects output files that cannot be written, are the same, or would overwrite input files.
@@ -218,13 +268,17 @@ impl<'a> RenderJob<'a> {
     }
 
     /// Writes the image or the film.
-    fn write(&self, session: &Session, render: &Render, hash: Option<&str>) -> Result<()> {
-        let metadata = || self.part.identity.metadata(hash.unwrap_or_default());
+    fn write(
+        &self,
+        part: &Part,
+        session: &Session,
+        render: &Render,
+        hash: Option<&str>,
+    ) -> Result<()> {
+        let metadata = || part.identity.metadata(hash.unwrap_or_default());
         let display = self.display();
         match &self.output {
-            Target::Film(path) => {
-                self.part.checkpoint(self.scene.name(), &session.state()).write(path)
-            }
+            Target::Film(path) => part.checkpoint(self.scene.name(), &session.state()).write(path),
             Target::Image(path) => render.image.write(path, display, &metadata()),
             Target::StandardOutput => {
                 let write = || {
@@ -240,6 +294,28 @@ impl<'a> RenderJob<'a> {
                     written => written.map_err(Error::io(Path::new("standard output"), "write")),
                 }
             }
+        }
+    }
+
+    /// Says which goal the render has missed, and how far it came.
+    fn say_what_goal_missed(&self, run: &Run<'_>) {
+        let Some(Goal { time, noise, most, .. }) = self.goal else { return };
+        let samples = run.renderer.image_settings().spp;
+        let took = self.start.elapsed();
+        if let Some(time) = time.filter(|time| samples == 1 && took > *time) {
+            notice(format_args!(
+                "--time {} s: the scene needs longer, so the picture took {:.1} s and has one sample per pixel",
+                time.as_secs_f64(),
+                took.as_secs_f64()
+            ));
+        }
+        let missed = |noise: f64| run.noise.is_none_or(|estimate| estimate > noise);
+        if let Some(noise) = noise.filter(|noise| samples == most && missed(*noise)) {
+            let estimate = run.noise.map_or("unknown".to_owned(), percent);
+            notice(format_args!(
+                "--noise {}: after {most} samples per pixel, the relative error is {estimate}; --max-spp allows more",
+                percent(noise)
+            ));
         }
     }
 
@@ -336,6 +412,7 @@ impl RenderArgs {
             pin: self.pin,
             wave_size: self.wave_size.unwrap_or(0),
             plan: self.plan.as_deref().map(plan).transpose()?.into(),
+            trees: self.tree,
             count: self.stats,
             timeline: self.trace.is_some(),
         })

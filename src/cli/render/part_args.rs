@@ -10,7 +10,6 @@ use crate::checkpoint::{Identity, Part, Shard};
 use crate::engine::ImageSettings;
 use crate::error::{Error, Result};
 use crate::film::{CHUNK, Tile};
-use crate::scene::Scene;
 
 /// Heading in the help.
 pub(crate) const HEADING: &str = "Parts and long renders";
@@ -88,11 +87,11 @@ impl ShardChoice {
 }
 
 impl PartArgs {
-    /// The part of the image of `scene` to render.
+    /// The part of the image to render. Its identity lacks the hash of the scene.
     ///
     /// # Errors
     /// [`Error::Usage`] if the image has no such part.
-    pub(crate) fn part(&self, scene: &Scene, settings: &ImageSettings) -> Result<Part> {
+    pub(crate) fn part(&self, settings: &ImageSettings) -> Result<Part> {
         let ImageSettings { width, height, spp, .. } = *settings;
         let [left, upper, right, lower] = self.crop.unwrap_or([0, 0, width, height]);
         if right > width || lower > height {
@@ -109,7 +108,7 @@ impl PartArgs {
         }
         let area = Tile { x: left, y: upper, width: right - left, height: lower - upper };
         Ok(Part {
-            identity: Identity::new(scene, settings, area),
+            identity: Identity::without_scene(settings, area),
             shard: self.shard.map(ShardChoice::shard).transpose()?,
             samples: first..end,
         })
@@ -150,7 +149,7 @@ mod tests {
         let settings = ImageSettings { spp: 50, ..ImageSettings::of(&scene) };
         let part = |crop, samples: Option<(u32, u32)>| {
             let sample_range = samples.map(|(first, end)| SampleRange { first, end });
-            PartArgs { crop, shard: None, sample_range }.part(&scene, &settings)
+            PartArgs { crop, shard: None, sample_range }.part(&settings)
         };
         assert_eq!(part(None, None).unwrap().samples, 0..50);
         assert_eq!(

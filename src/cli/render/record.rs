@@ -25,11 +25,13 @@ pub(crate) struct Run<'a> {
     /// `None` for a part of an image.
     pub(crate) hash: Option<&'a str>,
     pub(crate) seconds: StepSeconds,
+    /// The estimated relative error, if the render ends by it.
+    pub(crate) noise: Option<f64>,
 }
 
 /// The record of `render --json`. Field names are fixed; more fields may be added.
 pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
-    let Run { scene, renderer, render, hash, seconds } = *run;
+    let Run { scene, renderer, render, hash, seconds, noise } = *run;
     let settings = renderer.image_settings();
     let samples = render.tally.rays.primary as f64;
     let mut record = json!({
@@ -46,6 +48,7 @@ pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value 
         "mrays_per_s": render.tally.rays.total() as f64 / render.seconds.render * 1e-6,
         "msamples_per_s": samples / render.seconds.render * 1e-6,
         "peak_rss_bytes": peak_rss_bytes(),
+        "noise": noise,
         "non_finite": render.tally.non_finite.count,
         "non_finite_first": render.tally.non_finite.first,
         "clamped": render.tally.clamped,

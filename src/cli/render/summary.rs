@@ -1,5 +1,6 @@
 //! The summary that `ptfast render` prints.
 
+use super::goal::percent;
 use super::record::Run;
 use super::target::Target;
 use crate::cli::console::say;
@@ -8,7 +9,7 @@ use crate::measure::settings;
 
 /// Prints the summary of `run`, which wrote `output`.
 pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
-    let Run { scene, renderer, render, hash, seconds } = *run;
+    let Run { scene, renderer, render, hash, seconds, noise } = *run;
     let settings = settings::describe(renderer.image_settings());
     let engine = renderer.compute_settings().engine.name();
     let rays = &render.tally.rays;
@@ -36,6 +37,9 @@ pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
         million(rays.total()) / seconds.render,
         million(rays.primary) / seconds.render
     ))?;
+    if let Some(noise) = noise {
+        say(format_args!("noise   {}, estimated", percent(noise)))?;
+    }
     if let Some(hash) = hash {
         say(format_args!("hash    {hash}"))?;
     }

@@ -4,11 +4,11 @@ use glam::Vec3;
 
 use super::intersect::Intersect;
 use crate::engine::{
-    Endings, FirstHit, FirstHits, ImageSettings, Layers, LightParts, ROULETTE_MAX, RayCounts,
-    SHADOW_REACH, View, emission_weight, finite, power_heuristic,
+    Endings, FirstHit, FirstHits, ImageSettings, Layers, LightParts, RayCounts, SHADOW_REACH,
+    Survival, View, emission_weight, finite, power_heuristic,
 };
 use crate::geometry::{Hit, Ray, Shape, Surface};
-use crate::math::{PathKey, Real, dot, max_element, min};
+use crate::math::{PathKey, Real, dot, max_element};
 use crate::sampler::{Dimension, Randoms};
 use crate::scene::{Sampling, Scene};
 use crate::shading::material::{
@@ -22,6 +22,7 @@ pub(in crate::engine) struct PathTracer<'a, I> {
     tables: &'a SceneTables,
     pub(in crate::engine) intersect: I,
     settings: &'a ImageSettings,
+    survival: Survival,
     camera: &'a CameraFrame,
     /// The bodies around the camera.
     nesting: Nesting<f32>,
@@ -75,11 +76,23 @@ impl Path {
 impl<'a, I: Intersect> PathTracer<'a, I> {
     /// Creates a tracer of paths that begin in the bodies of `nesting`.
     pub(in crate::engine) fn new(view: &'a View, nesting: Nesting<f32>, intersect: I) -> Self {
-        let View { settings, camera, .. } = view;
+        let View { settings, camera, survival, .. } = view;
         let (rays, endings) = Default::default();
         let (scene, tables) = (view.scene(), view.prepared.tables());
         let layers = settings.stored_layers();
-        Self { scene, tables, intersect, settings, camera, nesting, layers, rays, endings }
+        let survival = *survival;
+        Self {
+            scene,
+            tables,
+            intersect,
+            settings,
+            survival,
+            camera,
+            nesting,
+            layers,
+            rays,
+            endings,
+        }
     }
 
     /// Returns one estimate of the radiance that arrives along `ray` (report, III.A, as a loop), and its parts,
@@ -235,13 +248,12 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
         path.ray = Ray { origin: vertex.surface.spawn(side), direction, time: path.ray.time };
 
         // Terminate paths of zero throughput, and most paths of low throughput.
-        let mut survival = max_element(path.beta);
-        if survival <= 0.0 {
+        if max_element(path.beta) <= 0.0 {
             self.endings.black += 1;
             return false;
         }
-        if self.settings.roulette.applies(path.segment + 1) {
-            survival = min(survival, ROULETTE_MAX);
+        if self.survival.applies(path.segment + 1) {
+            let survival: f32 = self.survival.probability(path.beta);
             if vertex.randoms.one(Dimension::ROULETTE) >= survival {
                 self.endings.roulette += 1;
                 return false;

@@ -89,7 +89,7 @@ impl Worker {
     /// separately.
     pub(super) fn trace(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         let Self { view, plan, wave, nesting, watch } = self;
-        let View { prepared, settings, compute, camera } = &**view;
+        let View { prepared, settings, compute, camera, survival } = &**view;
         let (scene, accelerator) = (prepared.scene(), prepared.accelerator());
         let tables = prepared.tables();
         let Wave { paths, rays, hits, queues, shadows, next, cells, layers } = wave;
@@ -125,7 +125,15 @@ impl Worker {
             sort(rays, hits, &tables.looks, queues);
             watch.lap(Stage::Sort, segment, StageWork::of(rays.len()));
 
-            let shading = ShadeInputs { scene, settings, camera, tables, cells, segment };
+            let shading = ShadeInputs {
+                scene,
+                settings,
+                survival: *survival,
+                camera,
+                tables,
+                cells,
+                segment,
+            };
             let mut endings = Endings::default();
             let shaded = &mut ShadeOutputs { paths, next, shadows, layers, endings: &mut endings };
             let work = shading.shade(queues, shaded);

@@ -7,7 +7,7 @@ use crate::geometry::Vertices;
 use crate::math::precise::sin_cos_degrees;
 use crate::math::{Stream, max, min, mix32};
 use crate::scene::mesh::add_normals;
-use crate::scene::{InstanceFile, SceneFile, TrianglesFile};
+use crate::scene::{InstanceFile, Roulette, SceneFile, TrianglesFile};
 use crate::shading::material::Lambertian;
 use crate::shading::{Background, CameraFile};
 
@@ -32,6 +32,7 @@ pub(super) fn scene(count: u32) -> SceneFile {
     let side = side.expect("a large enough square exists");
     let extent = side as f32 * PITCH;
     let mut scene = SceneFile::new(camera(extent));
+    scene.render.roulette = Roulette::From(5);
     scene.background = Background::Gradient { bottom: [0.95, 0.95, 0.9], top: [0.35, 0.55, 1.0] };
     for (name, albedo) in COLORS {
         scene.add_material(name, Lambertian::new(albedo));

@@ -14,7 +14,7 @@ mod mesh;
 
 use crate::error::{Error, Result};
 use crate::limits::MAX_GENERATED;
-use crate::scene::{Named, PrimitiveFile, SceneFile};
+use crate::scene::{Named, PrimitiveFile, Roulette, SceneFile};
 use crate::shading::{Background, CameraFile, Material};
 
 /// A kind of generated scene and its size.
@@ -74,6 +74,7 @@ fn scene_of(
 ) -> SceneFile {
     let mut scene = SceneFile::new(CameraFile::new(look_from, [0.0; 3], vfov));
     scene.background = Background::Constant { radiance: [0.70, 0.80, 1.00] };
+    scene.render.roulette = Roulette::From(5);
     (scene.materials, scene.primitives) = (materials, primitives);
     scene
 }

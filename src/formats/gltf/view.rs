@@ -8,7 +8,7 @@ use glam::DAffine3;
 
 use super::{Placement, Reader, pose};
 use crate::error::Result;
-use crate::formats::import::{Import, ImportOptions, ROULETTE};
+use crate::formats::import::{Import, ImportOptions};
 use crate::formats::view::Extent;
 use crate::geometry::Bounds;
 use crate::shading::Background;
@@ -36,7 +36,7 @@ impl Reader<'_, '_, '_> {
                 );
             }
         }
-        (self.scene.render.spp, self.scene.render.roulette) = (64, ROULETTE);
+        self.scene.render.spp = 64;
         Ok(())
     }
 

@@ -3,7 +3,6 @@
 use glam::{DAffine3, DVec3};
 
 use super::{Params, Reader, rounded, twice_angle_of};
-use crate::formats::import::ROULETTE;
 use crate::math::affine;
 use crate::shading::{CameraFile, PixelFilter};
 
@@ -213,7 +212,6 @@ impl Reader<'_, '_> {
         (render.width, render.height) = (width, height);
         // The usual values of pbrt.
         (render.spp, render.depth) = (self.view.spp.unwrap_or(16), self.view.depth.unwrap_or(6));
-        render.roulette = ROULETTE;
         let Camera { to_scene, fov, half, lens_radius, focal_distance } =
             self.view.camera.take().unwrap_or_default();
         let from = to_scene.translation - self.import.origin;

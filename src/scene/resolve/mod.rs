@@ -128,7 +128,7 @@ impl<'a> Resolver<'a> {
         limits::check_image(render.width, render.height)
             .and_then(|()| limits::check("spp", render.spp, limits::MAX_SPP))
             .and_then(|()| limits::check("depth", render.depth, limits::MAX_DEPTH))
-            .and_then(|()| limits::check("roulette", render.roulette, limits::MAX_DEPTH))
+            .and_then(|()| render.roulette.check())
             .and_then(|()| self.budget.limits.check(Limit::Pixels, pixels))
             .map_err(|message| self.section("render").error(message))
     }

@@ -1,8 +1,8 @@
 //! Compares kernels with an oracle.
 
 use glam::Vec3;
-use ptfast::Kernel;
 use ptfast::internals::{Accelerator, Geometry, Hit, HitBatch, Ray, RayBatch, Stream};
+use ptfast::{Kernel, TreeQuality};
 use rayon::prelude::*;
 
 use super::rays::{Bundles, adversarial};
@@ -59,7 +59,8 @@ pub(crate) fn check_kernels(
     make: impl FnMut(usize) -> (Ray, f32) + Send,
     oracle: impl Fn(&Ray, f32, f32) -> Option<Hit> + Sync,
 ) {
-    let accelerator = Accelerator::new(geometry.clone());
+    let [best, fast] = [(); 2].map(|()| Accelerator::new(geometry.clone()));
+    fast.set_quality(TreeQuality::Fast);
     let check_round = |rays: Vec<(Ray, f32)>| {
         let (mut batch, mut want) = (RayBatch::default(), HitBatch::default());
         for (i, (ray, t_max)) in rays.into_iter().enumerate() {
@@ -69,15 +70,18 @@ pub(crate) fn check_kernels(
             want.push(if (t_min, end) == (0.0, t_max) { hit } else { oracle(&ray, t_min, end) });
         }
         let each = 0..batch.len();
-        for kernel in Kernel::ALL {
+        let all = Kernel::ALL.map(|kernel| (&best, kernel));
+        for (trees, kernel) in
+            all.into_iter().chain([Kernel::Beam, Kernel::Stream].map(|k| (&fast, k)))
+        {
             // In large scenes, `flat` takes too long to trace all rays, so it traces only some
             // bundles with each kind of interval.
             let share = kernel == Kernel::Flat && geometry.len() > 1000;
             let each = if share { 0..batch.len().min(8 * Bundles::SIZE) } else { each.clone() };
             let (mut closest, mut any) =
                 (HitBatch::misses(batch.len()), HitBatch::misses(batch.len()));
-            accelerator.closest(kernel, &batch, each.clone(), &mut closest);
-            accelerator.occluded(kernel, &batch, each.clone(), &mut any);
+            trees.closest(kernel, &batch, each.clone(), &mut closest);
+            trees.occluded(kernel, &batch, each.clone(), &mut any);
             for i in each.clone() {
                 let told = || format!("{name}, {kernel:?}: {:?}", batch.get(i));
                 assert_eq!(bits(closest.get(i)), bits(want.get(i)), "{}", told());

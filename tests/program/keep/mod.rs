@@ -1,5 +1,6 @@
 //! Tests that continued renders and merged parts give the same bits as uninterrupted renders.
 
+mod goals;
 mod merge;
 mod resume;
 mod signals;

@@ -11,7 +11,7 @@ use self::scatter::{COLORED, GENERAL, LAYERED, PLAIN};
 use super::layer_samples::LayerSamples;
 use super::order::Next;
 use super::{Cells, Paths, Queue, Queues, Shadows};
-use crate::engine::{Endings, ImageSettings, StageWork};
+use crate::engine::{Endings, ImageSettings, StageWork, Survival};
 use crate::geometry::Shape;
 use crate::scene::Scene;
 use crate::shading::material::{MaterialModel, MaterialTable, MaterialVisitor};
@@ -23,6 +23,7 @@ use crate::simd::LANES;
 pub(super) struct ShadeInputs<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: &'a ImageSettings,
+    pub(super) survival: Survival,
     pub(super) camera: &'a CameraFrame,
     pub(super) tables: &'a SceneTables,
     pub(super) cells: &'a Cells,

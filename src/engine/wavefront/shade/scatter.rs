@@ -3,7 +3,6 @@
 use super::bodies::Sides;
 use super::vertex::Vertex;
 use super::{ShadeInputs, ShadeOutputs};
-use crate::engine::ROULETTE_MAX;
 use crate::engine::first_hit::FirstHit;
 use crate::engine::wavefront::{History, Queue, Segment};
 use crate::geometry::{Ray, Shape, Surface};
@@ -98,16 +97,15 @@ impl ShadeInputs<'_> {
             bsdf.sample(&vertex.randoms);
         let mut beta = vertex.history.beta * weight;
         // Terminate paths of zero throughput, and most paths of low throughput.
-        let mut survival = max_element(beta);
         let present = vertex.present;
         let scattered = present & scattered.bits();
-        let black = scattered & survival.le(Float::ZERO).bits();
+        let black = scattered & max_element(beta).le(Float::ZERO).bits();
         let mut goes_on = scattered & !black;
         let endings = &mut *shaded.endings;
         endings.absorbed += u64::from((present & !scattered).count_ones());
         endings.black += u64::from(black.count_ones());
-        if self.settings.roulette.applies(self.segment + 1) {
-            survival = survival.min(Float::splat(ROULETTE_MAX));
+        if self.survival.applies(self.segment + 1) {
+            let survival: Float = self.survival.probability(beta);
             let ended = goes_on & vertex.randoms.one(Dimension::ROULETTE).ge(survival).bits();
             endings.roulette += u64::from(ended.count_ones());
             goes_on &= !ended;

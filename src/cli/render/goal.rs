@@ -1,0 +1,196 @@
+//! Renders that end by time or noise instead of a number of samples.
+
+use std::time::{Duration, Instant};
+
+use crate::engine::{ImageSettings, Session};
+use crate::error::Result;
+use crate::film::CHUNK;
+
+/// Time to write a pixel of a picture and of each of its layers.
+const WRITE: Duration = Duration::from_nanos(120);
+/// Part of the remaining time that the next pass may take: the speed changes, above all at the start.
+const SHARE: f64 = 0.7;
+
+/// When a render without a fixed number of samples has enough of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// The time that the program may take.
+    pub(crate) time: Option<Duration>,
+    /// The relative error to reach.
+    pub(crate) noise: Option<f64>,
+    /// Largest number of samples per pixel.
+    pub(crate) most: u32,
+    /// When the program started.
+    pub(crate) start: Instant,
+}
+
+impl Goal {
+    /// About the number of paths that the render may have, for the effort of planning it.
+    pub(crate) fn paths(&self, settings: &ImageSettings) -> u64 {
+        let of_time = self.time.map_or(u64::MAX, |time| time.as_micros() as u64);
+        settings.paths().min(of_time)
+    }
+}
+
+/// `share` in percent, with three digits.
+pub(crate) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits = (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{percent:.digits$}%")
+}
+
+/// The next pass over all pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pass {
+    /// The number of samples per pixel at its end.
+    pub(crate) end: u32,
+    /// The number that the complete render is expected to have.
+    pub(crate) total: u32,
+}
+
+/// The passes of a render towards its goal.
+pub(crate) struct Course<'a> {
+    session: &'a Session,
+    goal: Option<Goal>,
+    /// When the passes began, and the number of samples per pixel then.
+    begun: (Instant, f64),
+    /// The last two estimates of the noise, with the number of samples: the later one first.
+    noise: [Option<(u32, f64)>; 2],
+}
+
+impl<'a> Course<'a> {
+    /// The passes of a render that ends with all samples of the settings, unless it has a goal.
+    pub(crate) fn new(session: &'a Session, goal: Option<Goal>) -> Self {
+        let begun = (Instant::now(), session.state().samples_per_pixel());
+        Self { session, goal, begun, noise: [None; 2] }
+    }
+
+    /// The next pass; `None` if the goal is reached.
+    ///
+    /// # Errors
+    /// If memory runs out.
+    pub(crate) fn next(&mut self) -> Result<Option<Pass>> {
+        let (done, end) = {
+            let film = &self.session.state().film;
+            (film.least_done(), film.samples().end)
+        };
+        let Some(goal) = self.goal else {
+            return Ok((done < end).then_some(Pass { end, total: end }));
+        };
+        let mut pass = Pass { end: goal.most, total: goal.most };
+        if let Some(noise) = goal.noise {
+            if let Some(estimate) = self.session.noise()? {
+                self.noise = [Some((done, estimate)), self.noise[0]];
+                if estimate <= noise {
+                    return Ok(None);
+                }
+            }
+            pass.end = next_estimate(done).min(goal.most);
+            pass.total = expected(self.noise, noise).clamp(pass.end, goal.most);
+        }
+        if let Some(time) = goal.time {
+            let left = time.as_secs_f64() - goal.start.elapsed().as_secs_f64() - self.writing();
+            let (begin, before) = self.begun;
+            let samples = self.session.state().samples_per_pixel() - before;
+            let fits = fitting(left, samples, begin.elapsed().as_secs_f64());
+            if fits < 0.5 && done > 0 {
+                // The render ends nearer to its time without another sample.
+                return Ok(None);
+            }
+            pass.end = pass.end.min(aligned(done, samples_of_pass(fits, samples)));
+            pass.total = pass.total.min(done.saturating_add(fits.round() as u32)).max(pass.end);
+        }
+        // If the render continues from a checkpoint, some pixels may have more samples than others.
+        pass.end = pass.end.max(self.session.state().film.most_done());
+        Ok((done < pass.end).then_some(pass))
+    }
+
+    /// An estimate of the relative error of the picture: the last one, if its number of samples gives none.
+    pub(crate) fn noise(&self) -> Option<f64> {
+        let [Some((samples, error)), _] = self.noise else { return None };
+        let more = f64::from(self.session.samples()) / f64::from(samples);
+        Some(error / more.sqrt())
+    }
+
+    /// About the seconds to write the picture.
+    fn writing(&self) -> f64 {
+        let settings = self.session.renderer().image_settings();
+        let pictures = 1 + settings.layers.iter().count();
+        WRITE.as_secs_f64() * settings.image().pixels() as f64 * pictures as f64
+    }
+}
+
+/// The number of samples per pixel that fit in the remaining time, if so many took `seconds`.
+fn fitting(left: f64, samples: f64, seconds: f64) -> f64 {
+    match left > 0.0 {
+        // How long a sample takes is not known yet.
+        true if samples < 1.0 => 1.0,
+        true => left * samples / seconds,
+        false => 0.0,
+    }
+}
+
+/// The number of samples of the next pass, if `fits` more fit in the remaining time and `samples` were rendered so far.
+fn samples_of_pass(fits: f64, samples: f64) -> u32 {
+    (SHARE * fits).min(samples).max(1.0) as u32
+}
+
+/// The end of a pass of about `more` samples: passes are fastest if they end with a chunk.
+fn aligned(done: u32, more: u32) -> u32 {
+    let end = done.saturating_add(more);
+    if more < CHUNK { end } else { end / CHUNK * CHUNK }
+}
+
+/// The first number of samples above `done` that gives an estimate of the noise: 48, or 80, 96 or 112 times a power of
+/// two. A film keeps the sums of these numbers in two or three parts of similar size.
+fn next_estimate(done: u32) -> u32 {
+    let powers = (0..u32::BITS - 7).map(|power| CHUNK << power);
+    let ends = powers.flat_map(|unit| [5, 6, 7].map(|parts| parts * unit));
+    [3 * CHUNK].into_iter().chain(ends).find(|end| *end > done).unwrap_or(u32::MAX)
+}
+
+/// The number of samples at which the error reaches `goal`, by the slope of the last two estimates.
+#[expect(clippy::disallowed_methods, reason = "it is only shown")]
+fn expected(estimates: [Option<(u32, f64)>; 2], goal: f64) -> u32 {
+    let [Some((done, now)), before] = estimates else { return 0 };
+    let slope = before.map_or(0.5, |(earlier, then)| {
+        (then / now).ln() / (f64::from(done) / f64::from(earlier)).ln()
+    });
+    (f64::from(done) * (now / goal).powf(1.0 / slope.clamp(0.4, 1.0))).ceil() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_shrink_towards_the_end() {
+        assert_eq!([fitting(9.0, 0.0, 0.0), fitting(9.0, 4.0, 2.0)], [1.0, 18.0]);
+        assert_eq!([fitting(-1.0, 0.0, 0.0), fitting(-1.0, 4.0, 2.0)], [0.0; 2]);
+        // The number of samples at most doubles.
+        assert_eq!([samples_of_pass(1.0, 0.0), samples_of_pass(1000.0, 1.0)], [1; 2]);
+        assert_eq!(samples_of_pass(1000.0, 500.0), 500);
+        assert_eq!(samples_of_pass(1000.0, 2000.0), 700);
+        assert_eq!(samples_of_pass(0.6, 2000.0), 1);
+        assert_eq!([aligned(5, 7), aligned(5, 16), aligned(32, 40)], [12, 16, 64]);
+    }
+
+    #[test]
+    fn numbers_of_samples_that_give_estimates() {
+        let mut ends = vec![0];
+        while ends.len() < 9 {
+            ends.push(next_estimate(ends[ends.len() - 1]));
+        }
+        assert_eq!(ends, [0, 48, 80, 96, 112, 160, 192, 224, 320]);
+        assert!(next_estimate(crate::limits::MAX_SPP) > crate::limits::MAX_SPP);
+    }
+
+    #[test]
+    fn the_slope_of_the_error_gives_the_number_of_samples() {
+        assert_eq!(expected([None; 2], 0.1), 0);
+        assert_eq!(expected([Some((100, 0.2)), None], 0.1), 400);
+        // Four times the samples halve the error, or quarter it.
+        assert_eq!(expected([Some((100, 0.2)), Some((25, 0.4))], 0.1), 400);
+        assert_eq!(expected([Some((100, 0.1)), Some((25, 0.4))], 0.05), 200);
+    }
+}
