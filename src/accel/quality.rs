@@ -1,5 +1,7 @@
 //! How much work goes into the trees.
 
+use crate::geometry::Geometry;
+
 /// How much work goes into the trees. It never changes the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TreeQuality {
@@ -16,8 +18,12 @@ names! { pub TreeQuality: Fast = "fast", Best = "best" }
 const PATHS_PER_PRIMITIVE: u64 = 5;
 
 impl TreeQuality {
-    /// The quality with which a render of `paths` paths through a scene of `primitives` primitives is ready first.
-    pub(crate) fn for_paths(paths: u64, primitives: u64) -> Self {
-        if paths < PATHS_PER_PRIMITIVE * primitives { Self::Fast } else { Self::Best }
+    /// The quality with which a render of `paths` paths through `geometry` is ready first.
+    pub(crate) fn for_paths(paths: u64, geometry: &Geometry) -> Self {
+        if paths < PATHS_PER_PRIMITIVE * geometry.all_primitives() {
+            Self::Fast
+        } else {
+            Self::Best
+        }
     }
 }

@@ -31,9 +31,8 @@ pub struct ComputeSettings {
     pub wave_size: u32,
     /// The plan of the wavefront engine.
     pub plan: PlanChoice,
-    /// The quality of the trees, if this render is the first of its scene and builds them; `None` for that with
-    /// which the render is complete first.
-    pub trees: Option<TreeQuality>,
+    /// The quality of the trees, if this render is the first of its prepared scene: later ones use the same trees.
+    pub trees: TreeQuality,
     /// Whether kernels count their work, which takes some time.
     #[doc(hidden)]
     pub count: bool,

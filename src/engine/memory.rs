@@ -53,7 +53,7 @@ impl ComputeSettings {
         let threads = pool::threads(self.threads) as u64;
         let paths = PATHS.max(given.into()) * threads;
         let geometry = scene.geometry();
-        let primitives = (geometry.elements() + geometry.instances.triangle_count()) as u64;
+        let primitives = geometry.all_primitives();
         let events = if self.timeline { MOST_EVENTS * size_of::<Event>() } else { 0 };
         let (film, layers) = film.map_or((0, 0), |film| film.bytes(paths));
         let memory = PROGRAM

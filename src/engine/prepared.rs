@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::{ComputeSettings, Engine, ImageSettings, Survival, pool};
-use crate::accel::{Accelerator, Kernel, TreeQuality};
+use crate::accel::{Accelerator, Kernel};
 use crate::scene::Scene;
 use crate::shading::{CameraFrame, SceneTables};
 
@@ -42,25 +42,19 @@ impl PreparedScene {
         &self.0.scene
     }
 
-    /// Decides the quality of the trees of a scene that has none yet, for a render of `paths` paths.
-    pub(super) fn choose_trees(&self, compute: &ComputeSettings, paths: u64) {
-        let usual = || TreeQuality::for_paths(paths, self.primitives());
-        self.accelerator().set_quality(compute.trees.unwrap_or_else(usual));
+    /// Whether any plan needs the same trees.
+    pub(crate) fn is_large(&self) -> bool {
+        self.scene().geometry().all_primitives() > LARGE
     }
 
-    fn primitives(&self) -> u64 {
-        let geometry = self.scene().geometry();
-        (geometry.elements() + geometry.instances.triangle_count()) as u64
-    }
-
-    /// Builds the trees of a large scene for a render of `paths` paths, before its renderer does.
-    pub(crate) fn build(&self, compute: &ComputeSettings, paths: u64) {
-        self.choose_trees(compute, paths);
+    /// Builds the trees of a large scene, before its renderer does.
+    pub(crate) fn build(&self, compute: &ComputeSettings) {
+        self.accelerator().set_quality(compute.trees);
         let kernel = match compute.engine {
             Engine::Wavefront => Kernel::Stream,
             Engine::Scalar => Kernel::Scalar,
         };
-        if self.primitives() > LARGE {
+        if self.is_large() {
             self.accelerator().prepare(kernel, pool::threads(compute.threads));
         }
     }
@@ -99,7 +93,7 @@ pub(super) struct View {
     pub(super) settings: ImageSettings,
     pub(super) compute: ComputeSettings,
     pub(super) camera: CameraFrame,
-    /// Which paths must survive Russian roulette: none, before [`View::checked`].
+    /// Which paths must survive Russian roulette: none, before [`View::with_survival`].
     pub(super) survival: Survival,
 }
 

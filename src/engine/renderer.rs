@@ -8,6 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::memory::FilmOf;
+use super::roulette;
 use super::scalar::ScalarEngine;
 use super::wavefront::WavefrontEngine;
 use super::{
@@ -39,7 +40,15 @@ impl View {
 
     /// The view with its rule of Russian roulette. It must have been [checked](Self::check).
     pub(super) fn with_survival(mut self, pool: &Arc<Pool>) -> Result<Arc<Self>> {
-        self.survival = Survival::of(&self, pool)?;
+        self.survival = match Survival::fixed(self.settings.roulette) {
+            Some(survival) => survival,
+            None => {
+                let pilot = roulette::pilot(&self.settings);
+                let paths = pilot.paths();
+                let bounces = Renderer::pilot(&self, pilot, pool)?.tally.rays.bounce;
+                Survival::of_bounces(bounces as f32 / paths as f32)
+            }
+        };
         Ok(Arc::new(self))
     }
 
@@ -129,7 +138,7 @@ impl Renderer {
         view.check()?;
         let start = Instant::now();
         let pool = Arc::new(pool(&view.compute)?);
-        view.prepared.choose_trees(&view.compute, paths);
+        view.prepared.accelerator().set_quality(view.compute.trees);
         let view = view.with_survival(&pool)?;
         let engine = view.engine(paths, &pool, None);
         let seconds = Seconds::of_build(&*engine, start);
@@ -160,7 +169,13 @@ impl Renderer {
         let view = View::new(prepared, image, compute);
         view.check()?;
         let start = Instant::now();
-        let view = view.with_survival(&self.pool)?;
+        let same = view.scene() == self.view.scene()
+            && roulette::pilot(&view.settings) == roulette::pilot(&self.view.settings)
+            && view.settings.roulette == self.view.settings.roulette;
+        let view = match same {
+            true => Arc::new(View { survival: self.view.survival, ..view }),
+            false => view.with_survival(&self.pool)?,
+        };
         let measured = self.measured_plan(&view.compute);
         let engine = view.engine(view.settings.paths(), &self.pool, measured);
         let seconds = Seconds::of_build(&*engine, start);
@@ -168,7 +183,7 @@ impl Renderer {
     }
 
     /// Renders a picture that is not shown: of another size, by the engine, the trees and the threads of `view`.
-    pub(super) fn pilot(view: &View, image: ImageSettings, pool: &Arc<Pool>) -> Result<Render> {
+    fn pilot(view: &View, image: ImageSettings, pool: &Arc<Pool>) -> Result<Render> {
         let compute = ComputeSettings { count: false, timeline: false, ..view.compute.clone() };
         let paths = image.paths();
         let view = Arc::new(View::new(view.prepared.clone(), image, compute));

@@ -1,9 +1,6 @@
 //! Russian roulette: the probability with which a path survives, and how `auto` finds it.
 
-use std::sync::Arc;
-
-use super::{ImageSettings, Layers, Pool, Renderer, View};
-use crate::error::Result;
+use super::{ImageSettings, Layers};
 use crate::math::{Real, max_element, min};
 use crate::sampler::Sampler;
 use crate::scene::{Roulette, Sampling};
@@ -42,26 +39,18 @@ impl Survival {
     }
 
     /// The rule for a scene whose paths have this mean number of bounces.
-    fn of_bounces(bounces: f32) -> Self {
+    pub(super) fn of_bounces(bounces: f32) -> Self {
         let [least, most] = WEIGHTS;
         let weight = (bounces * WEIGHT_PER_BOUNCE).clamp(least, most);
         Self { first: 2, scale: 1.0 / weight, most: 1.0 }
     }
 
-    /// The rule of the settings of `view`.
-    ///
-    /// # Errors
-    /// If there is no memory for the paths that decide the rule of `auto`.
-    pub(super) fn of(view: &View, pool: &Arc<Pool>) -> Result<Self> {
-        match view.settings.roulette {
-            Roulette::Off => Ok(Self::ALWAYS),
-            Roulette::From(first) => Ok(Self::from(first)),
-            Roulette::Auto => {
-                let settings = pilot(&view.settings);
-                let paths = settings.paths();
-                let tally = Renderer::pilot(view, settings, pool)?.tally;
-                Ok(Self::of_bounces(tally.rays.bounce as f32 / paths as f32))
-            }
+    /// The rule of `roulette`; `None` for `auto`, whose rule depends on the scene.
+    pub(super) fn fixed(roulette: Roulette) -> Option<Self> {
+        match roulette {
+            Roulette::Auto => None,
+            Roulette::Off => Some(Self::ALWAYS),
+            Roulette::From(first) => Some(Self::from(first)),
         }
     }
 
@@ -78,9 +67,9 @@ impl Survival {
     }
 }
 
-/// The settings of the picture whose paths decide the rule of `auto` for `settings`. They do not depend on the seed or
-/// the number of pixels.
-fn pilot(settings: &ImageSettings) -> ImageSettings {
+/// The settings of the picture whose paths decide the rule of `auto` for `settings`. They do not depend on the seed,
+/// and hardly on the number of pixels, by which the aspect of the image is rounded.
+pub(super) fn pilot(settings: &ImageSettings) -> ImageSettings {
     let ImageSettings { width, height, .. } = *settings;
     let columns = f64::from(ROWS) * f64::from(width) / f64::from(height);
     ImageSettings {
@@ -103,7 +92,7 @@ fn pilot(settings: &ImageSettings) -> ImageSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{ComputeSettings, Engine};
+    use crate::engine::{ComputeSettings, Engine, Renderer};
     use crate::scene::Scene;
 
     #[test]

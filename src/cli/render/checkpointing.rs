@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::checkpoint_file::CheckpointFile;
 use super::goal::{Course, Goal, Pass};
-use super::watch::{Schedule, Watch};
+use super::watch::{Saving, Schedule, Watch};
 use crate::checkpoint::Part;
 use crate::cli::progress::ProgressReport;
 use crate::engine::{Layers, Session, Until};
@@ -44,13 +44,20 @@ impl Saved<'_> {
         progress: &ProgressReport,
     ) -> Result<Course<'_>> {
         let mut course = Course::new(self.session, self.goal);
-        let mut gap = Duration::ZERO;
-        while let Some(Pass { end, total }) = course.next()? {
+        let mut last = Saving { end: Instant::now(), gap: Duration::ZERO };
+        loop {
+            let next = course.next();
+            if !matches!(next, Ok(Some(_))) {
+                progress.finish();
+            }
+            if next.is_err() {
+                // Ignore an error of writing: the user must see the first error.
+                let _ = self.save();
+            }
+            let Some(Pass { end, total }) = next? else { return Ok(course) };
             progress.expect(self.session.state().film.pixels() * u64::from(total));
-            self.pass(end, schedule, progress, &mut gap)?;
+            self.pass(end, schedule, progress, &mut last)?;
         }
-        progress.finish();
-        Ok(course)
     }
 
     /// Renders until all pixels have `end` samples.
@@ -59,10 +66,10 @@ impl Saved<'_> {
         end: u32,
         schedule: &Schedule,
         progress: &ProgressReport,
-        gap: &mut Duration,
+        last: &mut Saving,
     ) -> Result<()> {
         loop {
-            let watch = Watch::new(schedule, progress, *gap);
+            let watch = Watch::new(schedule, progress, last);
             let render = || self.session.render(Until::Samples(end), &watch);
             let rendered = catch_unwind(AssertUnwindSafe(render));
             if !matches!(rendered, Ok(Ok(_))) {
@@ -81,7 +88,7 @@ impl Saved<'_> {
             }
             let start = Instant::now();
             let saved = self.save();
-            *gap = MIN_GAP * start.elapsed();
+            *last = Saving { end: Instant::now(), gap: MIN_GAP * start.elapsed() };
             match saved {
                 Ok(()) => progress.saved("checkpoint", so_far, self.file.path()),
                 // The render continues, because the next checkpoint may succeed.
@@ -90,9 +97,19 @@ impl Saved<'_> {
         }
     }
 
-    /// Writes the checkpoint.
+    /// Writes the checkpoint. That of a render with a goal ends with the samples that there are, so that one with any
+    /// larger number continues it.
     fn save(&self) -> Result<()> {
-        self.file.write(&self.part.checkpoint(self.scene, &self.session.state()))
+        let mut state = self.session.state();
+        if self.goal.is_none() {
+            return self.file.write(&self.part.checkpoint(self.scene, &state));
+        }
+        let (mut part, end) = (self.part.clone(), state.film.samples().end);
+        part.end_at(state.film.most_done().max(1));
+        state.film.end_at(part.samples.end);
+        let saved = self.file.write(&part.checkpoint(self.scene, &state));
+        state.film.grow(end);
+        saved
     }
 
     /// Saves a render that is stopped, and its picture so far. Returns the error that says how to continue.

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::engine::{ImageSettings, Session};
+use crate::engine::Session;
 use crate::error::Result;
 use crate::film::CHUNK;
 
@@ -10,6 +10,9 @@ use crate::film::CHUNK;
 const WRITE: Duration = Duration::from_nanos(120);
 /// Part of the remaining time that the next pass may take: the speed changes, above all at the start.
 const SHARE: f64 = 0.7;
+
+/// A usual number of samples per pixel of renders that end by their noise.
+const USUAL: u32 = 256;
 
 /// When a render without a fixed number of samples has enough of them.
 #[derive(Clone, Copy, Debug)]
@@ -25,17 +28,18 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
-    /// About the number of paths that the render may have, for the effort of planning it.
-    pub(crate) fn paths(&self, settings: &ImageSettings) -> u64 {
-        let of_time = self.time.map_or(u64::MAX, |time| time.as_micros() as u64);
-        settings.paths().min(of_time)
+    /// About the number of samples that each of `pixels` pixels will have, for the effort of preparing the render. A
+    /// path takes about a microsecond.
+    pub(crate) fn samples(&self, pixels: u64) -> u32 {
+        let paths = self.time.map_or(u64::from(USUAL) * pixels, |time| time.as_micros() as u64);
+        (paths / pixels.max(1)).clamp(1, self.most.into()) as u32
     }
 }
 
 /// `share` in percent, with three digits.
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    let digits = (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize;
+    let digits = (2.0 - percent.max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{percent:.digits$}%")
 }
 
@@ -70,9 +74,9 @@ impl<'a> Course<'a> {
     /// # Errors
     /// If memory runs out.
     pub(crate) fn next(&mut self) -> Result<Option<Pass>> {
-        let (done, end) = {
+        let (done, most, end) = {
             let film = &self.session.state().film;
-            (film.least_done(), film.samples().end)
+            (film.least_done(), film.most_done(), film.samples().end)
         };
         let Some(goal) = self.goal else {
             return Ok((done < end).then_some(Pass { end, total: end }));
@@ -93,7 +97,7 @@ impl<'a> Course<'a> {
             let (begin, before) = self.begun;
             let samples = self.session.state().samples_per_pixel() - before;
             let fits = fitting(left, samples, begin.elapsed().as_secs_f64());
-            if fits < 0.5 && done > 0 {
+            if fits < 0.5 && done > 0 && done == most {
                 // The render ends nearer to its time without another sample.
                 return Ok(None);
             }
@@ -101,7 +105,8 @@ impl<'a> Course<'a> {
             pass.total = pass.total.min(done.saturating_add(fits.round() as u32)).max(pass.end);
         }
         // If the render continues from a checkpoint, some pixels may have more samples than others.
-        pass.end = pass.end.max(self.session.state().film.most_done());
+        pass.end = pass.end.max(most);
+        pass.total = pass.total.max(pass.end);
         Ok((done < pass.end).then_some(pass))
     }
 
@@ -124,7 +129,7 @@ impl<'a> Course<'a> {
 fn fitting(left: f64, samples: f64, seconds: f64) -> f64 {
     match left > 0.0 {
         // How long a sample takes is not known yet.
-        true if samples < 1.0 => 1.0,
+        true if samples == 0.0 => 1.0,
         true => left * samples / seconds,
         false => 0.0,
     }

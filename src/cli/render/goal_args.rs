@@ -52,7 +52,7 @@ fn percentage(text: &str) -> std::result::Result<f64, String> {
     let number = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     let share =
         number.map(|percent| percent / 100.0).filter(|share| *share > 0.0 && *share <= 10.0);
-    share.ok_or_else(|| "must be a percentage above 0, such as 2%".to_owned())
+    share.ok_or_else(|| "must be a percentage such as 2%, above 0% and at most 1000%".to_owned())
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ use self::watch::Schedule;
 use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, path, progress};
+use crate::accel::TreeQuality;
 use crate::checkpoint::Part;
 use crate::engine::{
     ComputeSettings, Engine, FilmOf, ImageSettings, MOST_EVENTS, PreparedScene, Render, Renderer,
@@ -93,13 +94,20 @@ impl<'a> RenderJob<'a> {
         let load = loading.elapsed().as_secs_f64();
         let mut settings = args.image_settings(&scene)?;
         settings.spp = goal.map_or(settings.spp, |goal| goal.most);
-        let compute = args.compute_settings(&scene, &settings)?;
+        let mut compute = args.compute_settings(&scene, &settings)?;
         let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
         settings.check(scene.limits())?;
         compute.check()?;
         let part = args.part.part(&settings)?;
-        compute.check_memory(&scene, Some(FilmOf(&settings, part.samples.clone())))?;
+        // A film grows with its samples.
+        let samples =
+            goal.map_or(part.samples.end, |goal| goal.samples(part.identity.area().pixels()));
+        let samples = part.samples.start..samples;
+        compute.check_memory(&scene, Some(FilmOf(&settings, samples.clone())))?;
+        let paths = part.identity.area().pixels() * samples.len() as u64;
+        compute.trees =
+            args.tree.unwrap_or_else(|| TreeQuality::for_paths(paths, scene.geometry()));
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         if args.transparent {
             output.check_alpha()?;
@@ -149,14 +157,15 @@ impl<'a> RenderJob<'a> {
     /// Builds the trees of a large scene, and meanwhile hashes it.
     fn prepare(&mut self) -> PreparedScene {
         let prepared = PreparedScene::new(self.scene.clone());
-        let paths = self.part.identity.area().pixels() * self.part.samples.len() as u64;
-        let paths = self.goal.map_or(paths, |goal| goal.paths(&self.settings));
-        self.part.identity.scene_hash = thread::scope(|scope| {
-            let build = || prepared.build(&self.compute, paths);
-            // Without a thread, the renderer builds them.
-            let _ = thread::Builder::new().spawn_scoped(scope, build);
+        let hash = thread::scope(|scope| {
+            let build = || prepared.build(&self.compute);
+            if prepared.is_large() {
+                // Without a thread, the renderer builds them.
+                let _ = thread::Builder::new().spawn_scoped(scope, build);
+            }
             self.scene_hash()
         });
+        self.part.identity.scene_hash = hash;
         prepared
     }
 
@@ -170,7 +179,10 @@ impl<'a> RenderJob<'a> {
     }
 
     fn run(mut self) -> Result<()> {
-        self.check_files(&self.checkpoint_file())?;
+        let file = self.checkpoint_file();
+        self.check_files(&file)?;
+        // Large trees are not built in vain.
+        file.check_settings()?;
         let preparing = Instant::now();
         let what = "preparing the render";
         let prepared = progress::waiting(what, self.args.mode(), || self.prepare());
@@ -179,7 +191,9 @@ impl<'a> RenderJob<'a> {
         let mut file = self.checkpoint_file();
         let rendering = file.load(scene.limits())?;
         let left = rendering.film.samples_to_do() - rendering.progress().samples;
-        let paths = self.goal.map_or(left, |goal| left.min(goal.paths(&self.settings)));
+        let pixels = rendering.film.pixels();
+        let paths =
+            self.goal.map_or(left, |goal| left.min(u64::from(goal.samples(pixels)) * pixels));
         let renderer = progress::waiting(what, args.mode(), || {
             Renderer::for_paths(prepared, self.settings.clone(), self.compute.clone(), paths)
         })?;
@@ -206,6 +220,7 @@ impl<'a> RenderJob<'a> {
         let mut part = Cow::Borrowed(part);
         if self.goal.is_some() {
             session.end();
+            progress.expect(session.progress().samples);
             part.to_mut().end_at(session.samples());
         }
         let render = session.finish()?;
@@ -412,7 +427,7 @@ impl RenderArgs {
             pin: self.pin,
             wave_size: self.wave_size.unwrap_or(0),
             plan: self.plan.as_deref().map(plan).transpose()?.into(),
-            trees: self.tree,
+            trees: TreeQuality::default(),
             count: self.stats,
             timeline: self.trace.is_some(),
         })

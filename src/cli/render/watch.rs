@@ -21,15 +21,19 @@ pub(crate) struct Schedule {
     pub(crate) start: Instant,
 }
 
+/// The last checkpoint, or the begin of the render.
+pub(crate) struct Saving {
+    pub(crate) end: Instant,
+    /// Minimum time until the next checkpoint.
+    pub(crate) gap: Duration,
+}
+
 /// Reports the progress of a render, and stops it for the next checkpoint or for good.
 pub(crate) struct Watch<'a> {
     schedule: &'a Schedule,
     progress: &'a ProgressReport,
-    /// When rendering started or continued.
-    start: Instant,
-    /// Minimum time until the next checkpoint.
-    gap: Duration,
-    /// Whether any work was finished since `start`. The time limit applies only once this is true.
+    last: &'a Saving,
+    /// Whether any work was finished since the watch began. The time limit applies only once this is true.
     /// Otherwise a limit that has already passed would end each run before it makes progress.
     advanced: AtomicBool,
     /// When it was first noticed that the render must end.
@@ -37,9 +41,13 @@ pub(crate) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    pub(crate) fn new(schedule: &'a Schedule, progress: &'a ProgressReport, gap: Duration) -> Self {
-        let (start, advanced) = (Instant::now(), AtomicBool::new(false));
-        Self { schedule, progress, start, gap, advanced, noticed: OnceLock::new() }
+    pub(crate) fn new(
+        schedule: &'a Schedule,
+        progress: &'a ProgressReport,
+        last: &'a Saving,
+    ) -> Self {
+        let advanced = AtomicBool::new(false);
+        Self { schedule, progress, last, advanced, noticed: OnceLock::new() }
     }
 
     /// When it was first noticed that the render must end; `None` if it continues.
@@ -59,7 +67,7 @@ impl<'a> Watch<'a> {
     }
 
     fn checkpoint_is_due(&self) -> bool {
-        let due = self.start.elapsed() >= self.schedule.every.max(self.gap);
+        let due = self.last.end.elapsed() >= self.schedule.every.max(self.last.gap);
         due || interrupt::is_requested() && self.advanced.load(Ordering::Relaxed)
     }
 }

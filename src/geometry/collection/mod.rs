@@ -146,6 +146,11 @@ impl Geometry {
         self.len() + self.instances.len()
     }
 
+    /// Number of elements, and of triangles of meshes, over which trees are built.
+    pub(crate) fn all_primitives(&self) -> u64 {
+        (self.elements() + self.instances.triangle_count()) as u64
+    }
+
     /// The shape of an element, or of a primitive including the triangles of meshes.
     #[inline(always)]
     pub(crate) fn shape(&self, number: u32) -> Shape {

@@ -196,8 +196,8 @@ fn usage_errors_point_to_the_command() {
     let seed = says(&["render", "cornell", "--seed", "-1"]);
     assert!(seed.contains("invalid value '-1' for '--seed <N>'"), "{seed}");
     assert!(seed.ends_with("(see `ptfast render --help`)\n"), "{seed}");
-    let noise = says(&["render", "cornell", "--noise", "0.1"]);
-    assert!(noise.contains("unexpected argument '--noise'") && !noise.contains("tip"), "{noise}");
+    let glow = says(&["render", "cornell", "--glow", "0.1"]);
+    assert!(glow.contains("unexpected argument '--glow'") && !glow.contains("tip"), "{glow}");
     let typo = says(&["render", "cornell", "--thraeds", "1"]);
     assert!(typo.contains("'--threads'"), "{typo}");
     let crop = says(&["render", "cornell", "--crop", "-1,0,8,8"]);
