@@ -140,19 +140,6 @@ impl<'a> CheckpointFile<'a> {
         Ok(())
     }
 
-    /// [`check`](Self::check) before the scene has a hash.
-    pub(crate) fn check_settings(&self) -> Result<()> {
-        if self.exists() {
-            let found = Checkpoint::read_part(&self.path).map_err(advise)?;
-            let mut wanted = self.part.clone();
-            wanted.identity.scene_hash.clone_from(&found.identity.scene_hash);
-            if let Some(mismatch) = found.mismatch(&wanted) {
-                return Err(self.refuse(mismatch));
-            }
-        }
-        Ok(())
-    }
-
     fn refuse(&self, mismatch: String) -> Error {
         advise(Error::input(self.path.display().to_string(), "", mismatch))
     }

@@ -151,18 +151,15 @@ impl<'a> RenderJob<'a> {
     }
 
     /// Builds the trees of a large scene, and meanwhile hashes it.
-    fn prepare(&mut self) -> PreparedScene {
-        let prepared = PreparedScene::new(self.scene.clone());
-        let hash = thread::scope(|scope| {
-            let build = || prepared.build(&self.compute);
+    fn build_and_hash(&self, prepared: &PreparedScene) -> String {
+        thread::scope(|scope| {
             if prepared.is_large() {
                 // Without a thread, the renderer builds them.
+                let build = || prepared.build(&self.compute);
                 let _ = thread::Builder::new().spawn_scoped(scope, build);
             }
             self.scene_hash()
-        });
-        self.part.identity.scene_hash = hash;
-        prepared
+        })
     }
 
     fn checkpoint_file(&self) -> CheckpointFile<'_> {
@@ -177,11 +174,15 @@ impl<'a> RenderJob<'a> {
     fn run(mut self) -> Result<()> {
         let file = self.checkpoint_file();
         self.check_files(&file)?;
-        // Large trees are not built in vain.
-        file.check_settings()?;
         let preparing = Instant::now();
         let what = "preparing the render";
-        let prepared = progress::waiting(what, self.args.mode(), || self.prepare());
+        let prepared = PreparedScene::new(self.scene.clone());
+        let hash = progress::waiting(what, self.args.mode(), || match file.exists() {
+            // No tree is built for a checkpoint of another render.
+            true => self.scene_hash(),
+            false => self.build_and_hash(&prepared),
+        });
+        self.part.identity.scene_hash = hash;
         let preparing = preparing.elapsed().as_secs_f64();
         let Self { args, scene, part, .. } = &self;
         let mut file = self.checkpoint_file();
