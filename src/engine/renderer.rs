@@ -169,9 +169,10 @@ impl Renderer {
         let view = View::new(prepared, image, compute);
         view.check()?;
         let start = Instant::now();
-        let same = view.scene() == self.view.scene()
+        // Scenes come last, since comparing them may take long.
+        let same = view.settings.roulette == self.view.settings.roulette
             && roulette::pilot(&view.settings) == roulette::pilot(&self.view.settings)
-            && view.settings.roulette == self.view.settings.roulette;
+            && view.scene() == self.view.scene();
         let view = match same {
             true => Arc::new(View { survival: self.view.survival, ..view }),
             false => view.with_survival(&self.pool)?,

@@ -183,23 +183,23 @@ fn runs<'c>(
     })
 }
 
-/// Sorts `items`, of which there are several, into two parts. Returns the number of items in the first, and both boxes.
+/// Moves two or more items into two parts. Returns the number of items in the first part, and the boxes of both.
 fn split(items: &mut [Item]) -> (usize, Bin, Bin) {
     let mut centers = Bin::EMPTY;
     for item in &*items {
         let center = item.center();
         centers.add(center, center, 1);
     }
-    let best = if items.len() <= FEW {
-        best_plane::<FEW_BINS>(items, &centers)
-    } else {
-        best_plane::<BINS>(items, &centers)
+    let few = items.len() <= FEW;
+    let binning = Binning::new(&centers, if few { FEW_BINS } else { BINS });
+    let best = match few {
+        true => best_plane::<FEW_BINS>(items, &binning),
+        false => best_plane::<BINS>(items, &binning),
     };
-    let Some((axis, last, bins, left, right)) = best else {
+    let Some((axis, last, left, right)) = best else {
         let (first, second) = items.split_at(items.len() / 2);
         return (first.len(), Bin::of(first), Bin::of(second));
     };
-    let binning = Binning::new(&centers, bins);
     let (mut low, mut high) = (0, items.len());
     while low < high {
         if binning.bins_of(&items[low])[axis] <= last {
@@ -234,13 +234,12 @@ impl Binning {
     }
 }
 
-/// The axis and the last bin before the plane of least cost, the number of bins, and the boxes on both sides; `None` if
-/// all centres are equal.
+/// The axis and the last bin before the plane of least cost, and the boxes on both sides; `None` if all items are in one
+/// bin on each axis.
 fn best_plane<const BINS: usize>(
     items: &[Item],
-    centers: &Bin,
-) -> Option<(usize, usize, usize, Bin, Bin)> {
-    let binning = Binning::new(centers, BINS);
+    binning: &Binning,
+) -> Option<(usize, usize, Bin, Bin)> {
     let mut bins = [[Bin::EMPTY; BINS]; 3];
     for item in items {
         let places = binning.bins_of(item);
@@ -259,7 +258,7 @@ fn best_plane<const BINS: usize>(
             left = left.union(&bins[bin]);
             let cost = left.cost() + right[bin].cost();
             if left.count > 0 && right[bin].count > 0 && cost < least {
-                (least, best) = (cost, Some((axis, bin, BINS, left, right[bin])));
+                (least, best) = (cost, Some((axis, bin, left, right[bin])));
             }
         }
     }
