@@ -139,6 +139,10 @@ fn every_build_gives_the_pinned_hashes() {
                 (Sampler::Sobol, Roulette::Auto),
                 (Sampler::Independent, FIFTH),
             ] {
+                // The rule of `auto` depends on the scene, but not on the mode.
+                if roulette == Roulette::Auto && sampling != modes[modes.len() - 1] {
+                    continue;
+                }
                 let settings = ImageSettings { sampling, sampler, roulette, ..small(&scene) };
                 let hash = render(&scene, settings).hash();
                 let (sampling, sampler) = (sampling.name(), sampler.name());
