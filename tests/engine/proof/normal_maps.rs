@@ -111,6 +111,27 @@ fn mirrors_turn_as_their_maps_say() {
     );
 }
 
+/// A coat mirrors as its own map says, or as the surface without a map, whatever the map of the layers below it.
+#[test]
+fn coats_turn_as_their_own_maps_say() {
+    // Schlick's reflectance, and the height of z reflected at (0.2, −0.2, 1)/√1.08.
+    let reflectance = |cos: f64| 0.04 + 0.96 * (1.0 - cos).powi(5);
+    let down = -2.0 * 0.2 / 1.08;
+    let coat = |map: &str| {
+        format!(
+            "principled(base_color: (0, 0, 0), specular: 0, coat: 1, coat_roughness: 0.05, {map}: \"tilted\")"
+        )
+    };
+    let tilted = reflectance(1.0 / 1.08_f64.sqrt()) * (1.0 + down);
+    compare(
+        "coats",
+        &[
+            seen_from_above("own map", &coat("coat_normal"), tilted),
+            seen_from_above("map of the base", &coat("normal"), reflectance(1.0)),
+        ],
+    );
+}
+
 /// Light from below the surface but above the horizon of the turned normal is lost: a share of
 /// (1 − cos θ)/2. Seen from near the horizon, the mirrored direction is below the surface, which must not
 /// matter to diffuse scattering.
