@@ -109,6 +109,7 @@ mod checkpoint;
 mod checks;
 #[cfg(feature = "cli")]
 mod cli;
+mod denoise;
 mod engine;
 mod error;
 mod film;
@@ -131,6 +132,7 @@ mod shading;
 mod simd;
 
 pub use accel::{Kernel, TreeQuality};
+pub use denoise::Denoise;
 pub use engine::{
     ComputeSettings, Endings, Engine, FirstHits, ImageSettings, Layer, Layers, NonFinite, Observer,
     Pin, Pinned, Plan, PlanChoice, Planning, PreparedScene, Progress, RayCounts, Render,

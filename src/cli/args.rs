@@ -6,6 +6,7 @@ use super::bench::args::BenchArgs;
 use super::compare::CompareArgs;
 use super::converge::ConvergeArgs;
 use super::dashboard::DashboardArgs;
+use super::denoise::DenoiseCommand;
 use super::figures::FiguresArgs;
 use super::merge::MergeArgs;
 use super::path::PathArgs;
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Join the parts of a render, or write the picture of its finished samples
     Merge(MergeArgs),
+    /// Remove the noise of an image
+    Denoise(DenoiseCommand),
     /// List, show or check scenes
     Scenes(ScenesArgs),
     /// Render the six figures of the report that ptfast follows, with a page that shows them

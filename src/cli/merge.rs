@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::arguments::denoise::{DenoiseArgs, Denoised};
 use super::arguments::display::DisplayArgs;
 use super::arguments::limits::LimitArgs;
 use super::console::say;
@@ -31,6 +32,8 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "LIST")]
     layers: Option<Layers>,
     #[command(flatten)]
+    denoise: DenoiseArgs,
+    #[command(flatten)]
     display: DisplayArgs,
     #[command(flatten)]
     limits: LimitArgs,
@@ -47,6 +50,9 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
         Target::Film(_) if args.partial => Err(Error::Usage(format!(
             "{output}: --partial writes an image: .png, .exr, .hdr or .pfm"
         ))),
+        Target::Film(_) if args.denoise.denoise.is_some() => Err(Error::Usage(format!(
+            "{output}: --denoise is for images, a film keeps the samples"
+        ))),
         Target::Film(_) if args.layers.is_some() => Err(Error::Usage(format!(
             "{output}: --layers is for images, a film keeps all layers of its parts"
         ))),
@@ -56,10 +62,17 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
 }
 
 impl MergeArgs {
-    /// The image of `film` with the layers that are asked for.
-    fn image(&self, identity: &Identity, film: &impl Totals) -> Result<Image> {
+    /// The image of `film` with the layers that are asked for, its hash, and how it was denoised.
+    fn image(
+        &self,
+        identity: &Identity,
+        film: &impl Totals,
+        output: &Target,
+    ) -> Result<(Image, String, Option<Denoised>)> {
         let settings = &identity.settings;
-        let layers = self.layers.as_ref().unwrap_or(&settings.layers);
+        let asked = self.layers.as_ref().unwrap_or(&settings.layers);
+        let needed = self.denoise.layers(settings)?;
+        let layers = &Layers::new(asked.iter().chain(needed.iter()));
         if let Some(lacking) =
             layers.iter().find(|layer| !settings.stored_layers().contains(*layer))
         {
@@ -70,7 +83,18 @@ impl MergeArgs {
             );
             return Err(Error::Usage(message));
         }
-        develop(settings, layers, identity.area(), film)
+        let mut image = develop(settings, layers, identity.area(), film)?;
+        let hash = image.hash();
+        let denoised = self.denoise.apply(&mut image, 0, asked, output.is_exr())?;
+        Ok((image, hash, denoised))
+    }
+}
+
+/// `metadata` with how the image was denoised.
+fn noted(denoised: &Option<Denoised>, metadata: Metadata) -> Metadata {
+    match denoised {
+        Some(denoised) => denoised.noted_in(metadata),
+        None => metadata,
     }
 }
 
@@ -80,24 +104,27 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
         whole.write(path)?;
     }
     let Checkpoint { scene, identity, rendering, .. } = whole;
-    let image = args.image(&identity, &Rows::all(&rendering.film))?;
-    let hash = image.hash();
+    let (image, hash, denoised) = args.image(&identity, &Rows::all(&rendering.film), output)?;
     if let Target::Image(path) = output {
-        image.write(path, args.display.display(), &identity.metadata(&hash))?;
+        let metadata = noted(&denoised, identity.metadata(&hash));
+        image.write(path, args.display.display(), &metadata)?;
     }
     let settings = settings::describe(&identity.settings);
     say(format_args!("scene   {scene}, {settings}, of {} parts", args.parts.len()))?;
     say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;
     say(format_args!("hash    {hash}"))?;
+    if let Some(Denoised { hash, .. }) = &denoised {
+        say(format_args!("denoised {hash}"))?;
+    }
     say(format_args!("file    {output}"))
 }
 
 fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
     let PartialRender { scene, identity, film } =
         merge_partial(&args.parts, &args.limits.limits())?;
-    let (image, samples, spp) =
-        (args.image(&identity, &film)?, film.samples(), identity.settings.spp);
-    let metadata = Metadata::of_partial(samples);
+    let (samples, spp) = (film.samples(), identity.settings.spp);
+    let (image, _, denoised) = args.image(&identity, &film, output)?;
+    let metadata = noted(&denoised, Metadata::of_partial(samples));
     image.write(&args.output, args.display.display(), &metadata)?;
     let (width, height) = (image.width(), image.height());
     let per_pixel = samples as f64 / (f64::from(width) * f64::from(height));

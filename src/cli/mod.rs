@@ -12,6 +12,7 @@ mod compare;
 mod console;
 mod converge;
 mod dashboard;
+mod denoise;
 mod figures;
 mod files;
 mod folder;
@@ -57,6 +58,7 @@ fn dispatch(command: &Command) -> Result<u8> {
         }
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args),
+        Command::Denoise(args) => denoise::run(args).map(|()| 0),
         Command::Merge(args) => merge::run(args).map(|()| 0),
         Command::Rays(args) => rays::run(args).map(|()| 0),
         Command::Path(args) => path::run(args).map(|()| 0),

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 pub struct ImageLayer {
     pub(crate) name: &'static str,
     pub(crate) channels: &'static [&'static str],
-    /// Whether the values are numbers of things, which files always hold as 32-bit floats.
+    /// Whether files always hold the values as 32-bit floats, because 16 bits would not tell numbers of things apart.
     pub(crate) numbers: bool,
     pub(crate) values: Vec<[f32; 3]>,
 }
@@ -36,6 +36,23 @@ impl Image {
     #[must_use]
     pub(crate) fn with_layers(self, layers: Vec<ImageLayer>) -> Self {
         Self { layers, ..self }
+    }
+
+    /// The image with other colours, and its colours as a layer of this name, without loss.
+    #[must_use]
+    pub(crate) fn replaced(mut self, pixels: Vec<[f32; 3]>, name: &'static str) -> Self {
+        let values = std::mem::replace(&mut self.pixels, pixels);
+        let layer = ImageLayer { name, channels: &["R", "G", "B"], numbers: true, values };
+        self.layers.retain(|layer| layer.name != name);
+        self.layers.push(layer);
+        self
+    }
+
+    /// The image with only those layers whose names `keeps` accepts.
+    #[must_use]
+    pub(crate) fn only(mut self, keeps: impl Fn(&str) -> bool) -> Self {
+        self.layers.retain(|layer| keeps(layer.name));
+        self
     }
 
     /// Makes room for `pixels` pixels in all.

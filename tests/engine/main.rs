@@ -3,6 +3,7 @@
 //! `profiling/proofs` repeats them for each instruction set.
 
 mod common;
+mod denoise;
 mod determinism;
 mod flat;
 mod layers;

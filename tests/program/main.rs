@@ -8,6 +8,7 @@ mod common;
 mod converge;
 mod corpus;
 mod dashboard;
+mod denoise;
 mod faults;
 mod hostile;
 mod images;

@@ -1,6 +1,7 @@
 //! Arguments that several commands share.
 
 pub(super) mod camera;
+pub(super) mod denoise;
 pub(super) mod display;
 pub(super) mod limits;
 pub(super) mod named;
@@ -8,6 +9,7 @@ pub(super) mod sample;
 pub(super) mod scene;
 
 use camera::CameraArgs;
+pub(super) use denoise::DenoiseArgs;
 pub(super) use display::DisplayArgs;
 pub(super) use limits::{LimitArgs, SceneLimitArgs};
 pub(super) use named::named;

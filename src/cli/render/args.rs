@@ -8,7 +8,7 @@ use super::checkpoint_args::CheckpointArgs;
 use super::goal_args::GoalArgs;
 use super::part_args::PartArgs;
 use crate::accel::TreeQuality;
-use crate::cli::arguments::{DisplayArgs, IMAGE, SampleArgs, SceneLimitArgs, named};
+use crate::cli::arguments::{DenoiseArgs, DisplayArgs, IMAGE, SampleArgs, SceneLimitArgs, named};
 use crate::cli::progress::ProgressMode;
 use crate::engine::{Engine, FirstHits, Layers, Pin};
 use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
@@ -40,6 +40,8 @@ pub(crate) struct RenderArgs {
     /// The hit that layers hold: that of the camera ray, or the first behind smooth mirrors and clear glass
     #[arg(long, value_name = "HIT", help_heading = IMAGE, default_value = FirstHits::Surface.name(), value_parser = named(&FirstHits::ALL, FirstHits::name))]
     pub(crate) first_hit: FirstHits,
+    #[command(flatten)]
+    pub(crate) denoise: DenoiseArgs,
     /// Output file: an image (.png, .exr, .hdr, .pfm), a .film that can be continued and merged, or - for a PNG on
     /// standard output [default: SCENE.png, or .film for a part]
     #[arg(short, long, visible_alias = "out", value_name = "FILE", help_heading = IMAGE)]

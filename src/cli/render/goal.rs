@@ -23,6 +23,8 @@ pub(crate) struct Goal {
     pub(crate) noise: Option<f64>,
     /// Largest number of samples per pixel.
     pub(crate) most: u32,
+    /// About the seconds that denoising will take.
+    pub(crate) denoising: f64,
     /// When the program started.
     pub(crate) start: Instant,
 }
@@ -93,7 +95,8 @@ impl<'a> Course<'a> {
             pass.total = expected(self.noise, noise).clamp(pass.end, goal.most);
         }
         if let Some(time) = goal.time {
-            let left = time.as_secs_f64() - goal.start.elapsed().as_secs_f64() - self.writing();
+            let end = time.as_secs_f64() - goal.denoising - self.writing();
+            let left = end - goal.start.elapsed().as_secs_f64();
             let (begin, before) = self.begun;
             let samples = self.session.state().samples_per_pixel() - before;
             let fits = fitting(left, samples, begin.elapsed().as_secs_f64());

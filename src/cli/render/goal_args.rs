@@ -37,7 +37,7 @@ impl GoalArgs {
     /// If there is a limit without a goal.
     pub(crate) fn goal(&self, start: Instant) -> Result<Option<Goal>> {
         let Self { time, noise, max_spp } = *self;
-        let goal = Goal { time, noise, most: max_spp.unwrap_or(MOST), start };
+        let goal = Goal { time, noise, most: max_spp.unwrap_or(MOST), denoising: 0.0, start };
         match (time.is_some() || noise.is_some(), max_spp) {
             (true, _) => Ok(Some(goal)),
             (false, None) => Ok(None),

@@ -30,16 +30,18 @@ use self::goal::Goal;
 use self::record::{Run, StepSeconds};
 use self::target::Target;
 use self::watch::Schedule;
+use super::arguments::denoise::Denoised;
 use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
 use super::{console, files, progress};
 use crate::accel::TreeQuality;
 use crate::checkpoint::Part;
+use crate::denoise::Denoise;
 use crate::engine::{
     ComputeSettings, Engine, FilmOf, ImageSettings, PreparedScene, Render, Renderer, Session,
 };
 use crate::error::{Error, Result};
-use crate::image::Display;
+use crate::image::{Display, Image};
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::measure::machine::Interference;
@@ -90,25 +92,35 @@ impl<'a> RenderJob<'a> {
         let load = loading.elapsed().as_secs_f64();
         let mut settings = args.image_settings(&scene)?;
         settings.spp = goal.map_or(settings.spp, |goal| goal.most);
+        args.denoise.prepare(&mut settings)?;
         let mut compute = args.compute_settings(&scene, &settings)?;
         let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
         settings.check(scene.limits())?;
         compute.check()?;
         let part = args.part.part(&settings)?;
+        let pixels = part.identity.area().pixels();
+        let denoising = args.denoise.seconds(pixels, compute.threads);
+        let goal = goal.map(|goal| Goal { denoising, ..goal });
         // A film grows with its samples.
-        let samples =
-            goal.map_or(part.samples.end, |goal| goal.samples(part.identity.area().pixels()));
+        let samples = goal.map_or(part.samples.end, |goal| goal.samples(pixels));
         let samples = part.samples.start..samples;
         compute.check_memory(&scene, Some(FilmOf(&settings, samples.clone())))?;
-        let paths = part.identity.area().pixels() * samples.len() as u64;
+        let paths = pixels * samples.len() as u64;
         compute.trees =
             args.tree.unwrap_or_else(|| TreeQuality::for_paths(paths, scene.geometry()));
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         if args.transparent {
             output.check_alpha()?;
         }
-        if output == Target::StandardOutput && !settings.layers.is_empty() {
+        if args.denoise.denoise.is_some() && matches!(output, Target::Film(_)) {
+            let message = format!(
+                "{output}: --denoise is for images: render the film with --layers halves,albedo,normal,depth \
+                 --first-hit through, then use `ptfast merge --denoise`"
+            );
+            return Err(Error::Usage(message));
+        }
+        if output == Target::StandardOutput && !args.layers.is_empty() {
             let message = "--layers: standard output gets one picture, use -o FILE.exr";
             return Err(Error::Usage(message.to_owned()));
         }
@@ -130,9 +142,15 @@ impl<'a> RenderJob<'a> {
     fn is_complete(&mut self) -> Result<bool> {
         self.part.identity.scene_hash = self.scene_hash();
         let reports = [&self.args.json, &self.args.trace];
-        let layers = self.output.layer_files(&self.settings.layers);
+        let layers = self.output.layer_files(&self.args.layers);
         let exist = reports.into_iter().flatten().chain(&layers).all(|file| file.exists());
-        Ok(exist && self.output.is_complete(&self.part, self.display(), self.scene.limits())?)
+        Ok(exist
+            && self.output.is_complete(
+                &self.part,
+                (&self.args.denoise, &self.args.layers),
+                self.display(),
+                self.scene.limits(),
+            )?)
     }
 
     fn report_complete(&self) -> Result<()> {
@@ -224,10 +242,15 @@ impl<'a> RenderJob<'a> {
             progress.expect(session.progress().samples);
             part.to_mut().end_at(session.samples());
         }
-        let render = session.finish()?;
+        let mut render = session.finish()?;
         // Only whole images have a hash.
         let hash = part.is_whole().then(|| render.image.hash());
-        self.write(&part, &session, &render, hash.as_deref())
+        let mean = render.image.mean();
+        let denoised = self
+            .denoise(&session, &mut render.image)
+            .map_err(|error| self.saved(&session, &part, &file).save_instead(error))?;
+        let denoise = denoised.as_ref().map(|denoised| denoised.seconds);
+        self.write(&part, &session, &render, hash.as_deref(), denoised.as_ref())
             .map_err(|error| self.saved(&session, &part, &file).save_instead(error))?;
         let finished = file.finish(&part.checkpoint(scene.name(), &session.state()), left > 0);
         let seconds = StepSeconds {
@@ -235,11 +258,21 @@ impl<'a> RenderJob<'a> {
             build: preparing + render.seconds.build,
             plan: render.seconds.plan,
             render: render.seconds.render,
-            write: writing.elapsed().as_secs_f64(),
+            write: writing.elapsed().as_secs_f64() - denoise.unwrap_or(0.0),
+            denoise,
         };
         let hash = hash.as_deref();
-        let run =
-            Run { scene, renderer: session.renderer(), render: &render, hash, seconds, noise };
+        let run = Run {
+            scene,
+            renderer: session.renderer(),
+            render: &render,
+            scene_hash: &part.identity.scene_hash,
+            mean,
+            hash,
+            denoised: denoised.as_ref().map(|denoised| &*denoised.hash),
+            seconds,
+            noise,
+        };
         self.report(&run, interference)?;
         self.say_what_goal_missed(&run);
         finished?;
@@ -273,7 +306,7 @@ impl<'a> RenderJob<'a> {
             ("the record", args.json.as_deref()),
             ("the timeline", args.trace.as_deref()),
         ];
-        let layers = self.output.layer_files(&self.settings.layers);
+        let layers = self.output.layer_files(&args.layers);
         let layers = layers.iter().map(|file| ("a layer", Some(file.as_path())));
         let written: Vec<_> = written
             .into_iter()
@@ -283,6 +316,18 @@ impl<'a> RenderJob<'a> {
         files::check(&read, &written)
     }
 
+    /// Denoises the picture of a finished render, if that is asked for.
+    fn denoise(&self, session: &Session, image: &mut Image) -> Result<Option<Denoised>> {
+        let mut args = self.args.denoise.clone();
+        if args.denoise == Some(Denoise::Good) && session.samples() < 2 {
+            notice(format_args!(
+                "with one sample per pixel, which has no halves, the picture is denoised as by --denoise=fast"
+            ));
+            args.denoise = Some(Denoise::Fast);
+        }
+        args.apply(image, session.renderer().threads(), &self.args.layers, self.output.is_exr())
+    }
+
     /// Writes the image or the film.
     fn write(
         &self,
@@ -290,8 +335,15 @@ impl<'a> RenderJob<'a> {
         session: &Session,
         render: &Render,
         hash: Option<&str>,
+        denoised: Option<&Denoised>,
     ) -> Result<()> {
-        let metadata = || part.identity.metadata(hash.unwrap_or_default());
+        let metadata = || {
+            let metadata = part.identity.metadata(hash.unwrap_or_default());
+            match denoised {
+                Some(denoised) => denoised.noted_in(metadata),
+                None => metadata,
+            }
+        };
         let display = self.display();
         match &self.output {
             Target::Film(path) => part.checkpoint(self.scene.name(), &session.state()).write(path),

@@ -15,6 +15,8 @@ pub(crate) struct StepSeconds {
     pub(crate) plan: f64,
     pub(crate) render: f64,
     pub(crate) write: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) denoise: Option<f64>,
 }
 
 /// A finished run of `ptfast render`, for the record and the summary.
@@ -22,8 +24,13 @@ pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) renderer: &'a Renderer,
     pub(crate) render: &'a Render,
-    /// `None` for a part of an image.
+    pub(crate) scene_hash: &'a str,
+    /// The mean of the noisy image.
+    pub(crate) mean: [f64; 3],
+    /// The hash of the noisy image; `None` for a part of an image.
     pub(crate) hash: Option<&'a str>,
+    /// Of the denoised image.
+    pub(crate) denoised: Option<&'a str>,
     pub(crate) seconds: StepSeconds,
     /// The estimated relative error, if the render ends by it.
     pub(crate) noise: Option<f64>,
@@ -31,18 +38,19 @@ pub(crate) struct Run<'a> {
 
 /// The record of `render --json`. Field names are fixed; more fields may be added.
 pub(crate) fn render_record(run: &Run<'_>, interference: Interference) -> Value {
-    let Run { scene, renderer, render, hash, seconds, noise } = *run;
+    let Run { scene, renderer, render, scene_hash, mean, hash, denoised, seconds, noise } = *run;
     let settings = renderer.image_settings();
     let samples = render.tally.rays.primary as f64;
     let mut record = json!({
         "schema": 1,
         "machine": Machine::this(),
         "scene": scene.name(),
-        "scene_hash": scene.hash_with(settings.camera(scene)),
+        "scene_hash": scene_hash,
         "engine": renderer.compute_settings().engine.name(),
         "threads": renderer.threads(),
         "hash": hash,
-        "mean": render.image.mean(),
+        "denoised_hash": denoised,
+        "mean": mean,
         "seconds": seconds,
         "rays": render.tally.rays,
         "mrays_per_s": render.tally.rays.total() as f64 / render.seconds.render * 1e-6,

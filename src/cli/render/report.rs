@@ -93,7 +93,9 @@ impl RenderJob<'_> {
             let layers = render.image.layers().iter();
             let layers = layers.map(|l| (l.name(), render.image.layer_image(l).hash()));
             let Some(hash) = run.hash else { return Ok(()) };
+            let denoised = run.denoised.map(|hash| ("denoised", hash.to_owned()));
             return std::iter::once(("color", hash.to_owned()))
+                .chain(denoised)
                 .chain(layers)
                 .try_for_each(|(name, hash)| say(format_args!("{name} {hash}")));
         }

@@ -1,7 +1,7 @@
 //! The summary that `ptfast render` prints.
 
 use super::goal::percent;
-use super::record::Run;
+use super::record::{Run, StepSeconds};
 use super::target::Target;
 use crate::cli::console::say;
 use crate::error::Result;
@@ -9,20 +9,17 @@ use crate::measure::settings;
 
 /// Prints the summary of `run`, which wrote `output`.
 pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
-    let Run { scene, renderer, render, hash, seconds, noise } = *run;
+    let Run { scene, renderer, render, hash, denoised, seconds, noise, .. } = *run;
     let settings = settings::describe(renderer.image_settings());
     let engine = renderer.compute_settings().engine.name();
     let rays = &render.tally.rays;
     let million = |n: u64| n as f64 * 1e-6;
-    let total = seconds.load + seconds.build + seconds.plan + seconds.render + seconds.write;
+    let StepSeconds { load, build, plan, render: rendering, write, denoise } = seconds;
+    let denoising = denoise.map_or(String::new(), |seconds| format!(" + denoise {seconds:.2}"));
+    let total = load + build + plan + rendering + write + denoise.unwrap_or(0.0);
     say(format_args!("scene   {}, {settings}", scene.name()))?;
     say(format_args!(
-        "time    {total:.2} s = load {:.2} + build {:.2} + plan {:.2} + render {:.2} + write {:.2}, {engine} engine, {} threads",
-        seconds.load,
-        seconds.build,
-        seconds.plan,
-        seconds.render,
-        seconds.write,
+        "time    {total:.2} s = load {load:.2} + build {build:.2} + plan {plan:.2} + render {rendering:.2}{denoising} + write {write:.2}, {engine} engine, {} threads",
         renderer.threads()
     ))?;
     say(format_args!(
@@ -42,6 +39,9 @@ pub(crate) fn print(run: &Run<'_>, output: &Target) -> Result<()> {
     }
     if let Some(hash) = hash {
         say(format_args!("hash    {hash}"))?;
+    }
+    if let Some(denoised) = denoised {
+        say(format_args!("denoised {denoised}"))?;
     }
     say(format_args!("version ptfast {}", env!("CARGO_PKG_VERSION")))?;
     say(format_args!("file    {}", output))

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::part_args::suffix;
 use crate::checkpoint::{Checkpoint, Identity, Part};
+use crate::cli::arguments::denoise::{DenoiseArgs, HASH_KEY};
 use crate::engine::Layers;
 use crate::error::{Error, Result};
 use crate::image::{Display, Encoding, Format, Image, Metadata, layer_path};
@@ -99,6 +100,11 @@ impl Target {
         }
     }
 
+    /// Whether the output is an EXR file, which holds layers.
+    pub(crate) fn is_exr(&self) -> bool {
+        self.path().is_some_and(|path| Format::of_path(path).is_ok_and(|f| f == Format::Exr))
+    }
+
     /// The file; `None` for standard output.
     pub(crate) fn path(&self) -> Option<&Path> {
         match self {
@@ -107,13 +113,15 @@ impl Target {
         }
     }
 
-    /// Whether the file exists, is complete, and has this render with this appearance.
+    /// Whether the file exists, is complete, and has this render with this appearance, denoised as asked for and with the
+    /// layers asked for.
     ///
     /// # Errors
     /// [`Error::Usage`] for formats without metadata.
     pub(crate) fn is_complete(
         &self,
         part: &Part,
+        denoise: (&DenoiseArgs, &Layers),
         display: Display,
         limits: &Limits,
     ) -> Result<bool> {
@@ -121,7 +129,7 @@ impl Target {
             Self::Film(path) => Checkpoint::read(path, limits)
                 .is_ok_and(|there| there.part() == *part && there.rendering.is_complete()),
             Self::Image(path) if Format::of_path(path)?.has_metadata() => {
-                is_image_of(path, &part.identity, display, limits)
+                is_image_of(path, &part.identity, denoise, display, limits)
             }
             Self::Image(_) | Self::StandardOutput => {
                 return Err(Error::Usage(format!(
@@ -132,7 +140,13 @@ impl Target {
     }
 }
 
-fn is_image_of(path: &Path, identity: &Identity, display: Display, limits: &Limits) -> bool {
+fn is_image_of(
+    path: &Path,
+    identity: &Identity,
+    (denoise, layers): (&DenoiseArgs, &Layers),
+    display: Display,
+    limits: &Limits,
+) -> bool {
     let (Ok(format), Ok(there)) = (Format::of_path(path), Metadata::read(path)) else {
         return false;
     };
@@ -141,12 +155,14 @@ fn is_image_of(path: &Path, identity: &Identity, display: Display, limits: &Limi
     let same = |key| there.get(key).is_some() && there.get(key) == wanted.get(key);
     if !["ptfast:scene", "ptfast:seed", "ptfast:settings"].into_iter().all(same)
         || !display.is_noted_in(format, &there)
+        || !denoise.is_noted_in(&there, layers)
     {
         return false;
     }
+    let hash_key = if denoise.denoise.is_some() { HASH_KEY } else { "ptfast:hash" };
     // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
     let is_same =
-        |image: Image| format == Format::Png || there.get("ptfast:hash") == Some(&image.hash());
+        |image: Image| format == Format::Png || there.get(hash_key) == Some(&image.hash());
     Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
         limits.check_image(pixels, memory)
     })

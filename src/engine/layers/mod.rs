@@ -172,6 +172,11 @@ impl Layer {
         }
     }
 
+    /// Whether only every second sample counts.
+    pub(crate) fn is_half(self) -> bool {
+        self.parity().is_some()
+    }
+
     /// The parity of the samples that count, 0 or 1; `None` if all do.
     pub(in crate::engine) fn parity(self) -> Option<u32> {
         match self {

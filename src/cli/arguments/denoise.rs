@@ -1,0 +1,138 @@
+//! The argument for denoising, and what it needs of a render.
+
+use std::mem;
+use std::time::Instant;
+
+use clap::Args;
+use rayon::ThreadPoolBuilder;
+
+use super::{IMAGE, named};
+use crate::denoise::Denoise;
+use crate::engine::{FirstHits, ImageSettings, Layer, Layers};
+use crate::error::{Error, Result};
+use crate::image::{Image, Metadata};
+
+/// The metadata keys of the quality, and of the hash of the denoised image.
+const QUALITY_KEY: &str = "ptfast:denoise";
+pub(crate) const HASH_KEY: &str = "ptfast:denoised";
+/// The key of the layers that were asked for, besides those that denoising needs.
+const LAYERS_KEY: &str = "ptfast:layers";
+
+/// The layers that denoising uses, if pixels have two samples. The odd halves of features follow from the others.
+const LAYERS: [Layer; 8] = [
+    Layer::Albedo,
+    Layer::Normal,
+    Layer::Depth,
+    Layer::ColorEven,
+    Layer::ColorOdd,
+    Layer::AlbedoEven,
+    Layer::NormalEven,
+    Layer::DepthEven,
+];
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DenoiseArgs {
+    /// Remove the noise of the picture. An .exr keeps the noisy picture as the layer `noisy`; layers hold the first
+    /// hit behind smooth mirrors and clear glass [default quality: good]
+    #[arg(long, value_name = "QUALITY", help_heading = IMAGE, num_args = 0..=1, require_equals = true, default_missing_value = Denoise::Good.name(), value_parser = named(&Denoise::ALL, Denoise::name))]
+    pub(crate) denoise: Option<Denoise>,
+}
+
+/// How an image was denoised.
+pub(crate) struct Denoised {
+    quality: Denoise,
+    asked: Layers,
+    /// The hash of the denoised image.
+    pub(crate) hash: String,
+    pub(crate) seconds: f64,
+}
+
+impl Denoised {
+    /// Adds how the image was denoised to the metadata of its file.
+    pub(crate) fn noted_in(&self, metadata: Metadata) -> Metadata {
+        let metadata = metadata.with(QUALITY_KEY, self.quality.name()).with(HASH_KEY, &self.hash);
+        metadata.with(LAYERS_KEY, &self.asked)
+    }
+}
+
+impl DenoiseArgs {
+    /// Adds what denoising needs to the settings of a render.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if pixels have too few samples.
+    pub(crate) fn prepare(&self, settings: &mut ImageSettings) -> Result<()> {
+        let Some(quality) = self.denoise else { return Ok(()) };
+        if quality == Denoise::Good && settings.spp < 2 {
+            let message = "--denoise compares two halves of the samples: use --spp 2 or more, or --denoise=fast";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        settings.first_hit = FirstHits::Through;
+        let needed = LAYERS.into_iter().filter(|layer| settings.spp > 1 || !layer.is_half());
+        settings.layers = Layers::new(settings.layers.iter().chain(needed));
+        Ok(())
+    }
+
+    /// Whether a file with this metadata was denoised as it is asked for, and has the layers `asked`.
+    pub(crate) fn is_noted_in(&self, metadata: &Metadata, asked: &Layers) -> bool {
+        let asked = self.denoise.map(|_| asked.to_string());
+        metadata.get(QUALITY_KEY) == self.denoise.map(Denoise::name)
+            && metadata.get(LAYERS_KEY) == asked.as_deref()
+    }
+
+    /// About the seconds that denoising `pixels` takes with `threads` threads, 0 for one per available core.
+    pub(crate) fn seconds(&self, pixels: u64, threads: u32) -> f64 {
+        let threads = match threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads as usize,
+        };
+        let per_pixel = match self.denoise {
+            None => 0.0,
+            Some(Denoise::Fast) => 5e-7,
+            Some(_) => 2e-6,
+        };
+        per_pixel * pixels as f64 / threads as f64
+    }
+
+    /// The layers of films with these settings that denoising uses.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if they lack halves that it needs.
+    pub(crate) fn layers(&self, settings: &ImageSettings) -> Result<Layers> {
+        let stored = settings.stored_layers();
+        let halves = stored.contains(Layer::ColorEven) && stored.contains(Layer::ColorOdd);
+        if self.denoise == Some(Denoise::Good) && !halves {
+            let message = "--denoise: the parts lack halves of their samples: render them with --layers \
+                           halves,albedo,normal,depth --first-hit through, or use --denoise=fast";
+            return Err(Error::Usage(message.to_owned()));
+        }
+        let wanted = LAYERS.into_iter().filter(|_| self.denoise.is_some());
+        Ok(Layers::new(wanted.filter(|layer| stored.contains(*layer))))
+    }
+
+    /// Denoises `image` with `threads` threads, if that is asked for. Of its layers, those that are `asked` for remain,
+    /// and with `keeps_noisy` also what the image was.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the image lacks layers, [`Error::Resource`] if threads cannot be started.
+    pub(crate) fn apply(
+        &self,
+        image: &mut Image,
+        threads: usize,
+        asked: &Layers,
+        keeps_noisy: bool,
+    ) -> Result<Option<Denoised>> {
+        let Some(quality) = self.denoise else { return Ok(None) };
+        let start = Instant::now();
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| {
+            Error::Resource(format!("cannot start {threads} threads ({error})"))
+        })?;
+        let noisy = mem::replace(image, Image::new(0, 0));
+        let keeps = |name: &str| {
+            asked.iter().any(|layer| layer.name() == name) || keeps_noisy && name == "noisy"
+        };
+        *image = pool.install(|| noisy.denoised(quality))?.only(keeps);
+        let (hash, seconds) = (image.hash(), start.elapsed().as_secs_f64());
+        Ok(Some(Denoised { quality, asked: asked.clone(), hash, seconds }))
+    }
+}
