@@ -1,6 +1,6 @@
 //! Fireflies: pixels far brighter than all their neighbours, which no filter could spread without a visible spot.
 
-use super::planes::{Plane, Size};
+use super::planes::Plane;
 use crate::math::Real;
 use crate::simd::Float;
 
@@ -23,37 +23,53 @@ fn brightest_around(plane: &Plane, index: usize) -> Float {
     ring.iter().fold(Float::splat(0.0), |most, &(dx, dy)| most.max(plane.near(index, dx, dy)))
 }
 
-/// Scales down pixels that are brighter than all their neighbours in `color` and, if it is given, the same part of
-/// `other`: two independent halves rarely have a firefly in the same place.
-pub(super) fn limited(color: &Color, other: Option<&Color>, size: Size) -> Color {
+/// Scales down by what `most` allows the pixels that are brighter than all their neighbours.
+fn scaled_down(color: &Color, most: impl Fn(&Plane, usize) -> Float) -> Color {
     let own = brightness(color);
-    let other = other.map(brightness);
-    Plane::compute(size, |i| {
-        let mut most = brightest_around(&own, i);
-        if let Some(other) = &other {
-            most = most.max(brightest_around(other, i)).max(other.at(i));
-        }
-        let (limit, bright) = (most * MOST, own.at(i).abs());
+    Plane::compute(own.size(), |i| {
+        let (limit, bright) = (most(&own, i) * MOST, own.at(i).abs());
         let factor = bright.gt(limit).select(limit / bright, Float::splat(1.0));
         [0, 1, 2].map(|c: usize| color[c].at(i) * factor)
     })
 }
 
+/// Limits the pixels of one half of the samples that are brighter than all their neighbours in both halves: two
+/// independent halves rarely have a firefly in the same place.
+pub(super) fn limited_half(half: &Color, other: &Color) -> Color {
+    let other = brightness(other);
+    scaled_down(half, |own, i| {
+        brightest_around(own, i).max(brightest_around(&other, i)).max(other.at(i))
+    })
+}
+
+/// Limits the pixels that are brighter than all their neighbours, unless both halves have them.
+pub(super) fn limited(color: &Color, halves: Option<&[Color; 2]>) -> Color {
+    let halves = halves.map(|halves| halves.each_ref().map(brightness));
+    scaled_down(color, |own, i| {
+        let most = brightest_around(own, i);
+        halves.as_ref().map_or(most, |[even, odd]| most.max(even.at(i).min(odd.at(i))))
+    })
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::planes::{Size, Window};
     use super::*;
 
     #[test]
     fn single_bright_pixels_are_limited() {
-        let size = Size { width: 9, height: 9 };
+        let size = Size { width: 16, height: 9 };
+        let window = Window { image: [16, 9], left: 0, top: 0, size };
         let noise = |pixel: usize| 1.0 + 0.1 * (pixel * 7 % 5) as f32;
-        let fireflies =
-            |at: usize| move |pixel: usize| if pixel == at { [1e30; 3] } else { [noise(pixel); 3] };
-        let (even, odd) = (Plane::of_rows(size, fireflies(40)), Plane::of_rows(size, fireflies(0)));
-        let limited_even = limited(&even, Some(&odd), size);
-        assert!((1.0..=2.8).contains(&limited_even[0].pixel(4, 4)));
-        assert_eq!(limited_even[1].pixel(3, 4), noise(39));
-        let corner = limited(&odd, None, size)[2].pixel(0, 0);
-        assert!((1.0..=2.8).contains(&corner), "{corner}");
+        let fireflies = |at: usize| -> Color {
+            let value = |pixel| if pixel == at { 1e30 } else { noise(pixel) };
+            window.load(&(0..144).map(|pixel| [value(pixel); 3]).collect::<Vec<_>>(), |x| x)
+        };
+        let (even, odd) = (fireflies(70), fireflies(17));
+        let even = limited_half(&even, &odd);
+        assert!((1.0..=2.8).contains(&even[0].row(4)[6]));
+        assert_eq!(even[1].row(4)[5], noise(69));
+        let bright = limited(&odd, None)[2].row(1)[1];
+        assert!((1.0..=2.8).contains(&bright), "{bright}");
     }
 }

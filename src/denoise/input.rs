@@ -1,11 +1,10 @@
 //! What a denoiser knows of an image: colours, and features that tell surfaces apart.
 
 use super::fireflies::{Color, limited};
-use super::planes::{Plane, Size};
+use super::planes::{Plane, Window, difference, squares};
 use crate::image::Image;
-use crate::math::Real;
-use crate::math::powers::ln;
-use crate::simd::Float;
+use crate::math::{Real, Word};
+use crate::simd::{Float, Int};
 
 /// Brighter colours are limited, so that sums stay finite.
 const BRIGHTEST: f32 = 1e30;
@@ -15,52 +14,87 @@ const FARTHEST: f32 = 1e15;
 const SUN: f32 = 65504.0;
 /// Colours are compared on a logarithmic scale that is linear below this part of the mean.
 const LINEAR: f32 = 0.02;
+/// The bits of 1.
+const ONE: u32 = 0x3F80_0000;
+/// Channels of features: three for albedo and normal, and one for depth.
+pub(super) const FEATURES: usize = 7;
 /// Differences of features are relative to at least the root of this: a tenth of albedos and normals.
 const LEAST: f32 = 0.01;
 /// The same for depths, as a part of the depth.
 const LEAST_DEPTH: f32 = 0.01;
 
-/// A value of surfaces, such as the normal.
-pub(super) struct Feature {
-    /// One plane for each channel.
-    pub(super) channels: Vec<Plane>,
-    /// One by the square of what counts as a difference: the slope of a surface and the noise of a pixel do not.
-    pub(super) scale: Plane,
-}
+/// The numbers of a layer, pixel by pixel.
+type Values<'a> = &'a [[f32; 3]];
+/// A layer, and one half of its samples.
+type Feature<'a> = Option<(Values<'a>, Option<Values<'a>>)>;
 
-/// The input of a denoiser.
-pub(super) struct Input {
-    pub(super) size: Size,
-    /// The colour, without fireflies.
-    pub(super) color: Color,
-    /// Two independent halves of the samples, if the image has them.
-    pub(super) halves: Option<[Color; 2]>,
-    pub(super) features: Vec<Feature>,
+/// The layers of an image.
+pub(super) struct Layers<'a> {
+    pub(super) size: [usize; 2],
+    color: Values<'a>,
+    pub(super) halves: Option<[Values<'a>; 2]>,
+    albedo: Feature<'a>,
+    normal: Feature<'a>,
+    depth: Feature<'a>,
     /// Where the logarithmic scale begins.
     unit: f32,
 }
 
-/// `x`, or the nearest number whose magnitude is at most `BRIGHTEST`; 0 for NaN.
+impl<'a> Layers<'a> {
+    /// The layers of `image`. `by_halves` is whether to look how noisy features are.
+    pub(super) fn new(image: &'a Image, by_halves: bool) -> Self {
+        let layer = |name: &str| image.layer(name).map(|layer| layer.values());
+        let halves = layer("color_even").zip(layer("color_odd"));
+        // With one sample, a half has none and is black.
+        let known = |half: Values| half.iter().flatten().any(|&x| x != 0.0);
+        let halves = halves.filter(|(even, odd)| known(even) == known(odd));
+        let feature =
+            |name, half| layer(name).map(|values| (values, layer(half).filter(|_| by_halves)));
+        let color = image.pixels();
+        let bright = |&x: &f32| f64::from(valid(x).clamp(0.0, SUN));
+        // Some rows tell enough.
+        let rows = color.chunks(image.width() as usize).step_by(4);
+        let values = || rows.clone().flatten().flatten();
+        let mean = values().map(bright).sum::<f64>() / values().count() as f64;
+        Self {
+            size: [image.width(), image.height()].map(|size| size as usize),
+            color,
+            halves: halves.map(|(even, odd)| [even, odd]),
+            albedo: feature("albedo", "albedo_even"),
+            normal: feature("normal", "normal_even"),
+            depth: feature("depth", "depth_even"),
+            unit: (f64::from(LINEAR) * mean).max(1e-30) as f32,
+        }
+    }
+}
+
+/// Values of surfaces. Channels that an image lacks are 0.
+pub(super) struct Features {
+    pub(super) channels: [Plane; FEATURES],
+    /// For each of albedo, normal and depth, one by what counts as a difference: the slope of a surface does not.
+    pub(super) roots: [Plane; 3],
+}
+
+/// The input of a denoiser in one window.
+pub(super) struct Input<'a> {
+    layers: &'a Layers<'a>,
+    window: Window,
+    /// The colour, without fireflies.
+    pub(super) color: Color,
+    /// Two independent halves of the samples, if the image has them.
+    pub(super) halves: Option<[Color; 2]>,
+    pub(super) features: Features,
+}
+
+/// `x`, or `BRIGHTEST` if it is more, and 0 for what is no light.
 fn valid(x: f32) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-BRIGHTEST, BRIGHTEST) }
-}
-
-/// `values[pixel]` in three planes, without non-finite numbers. Pixel filters may make some of them negative.
-fn color(size: Size, values: &[[f32; 3]]) -> Color {
-    Plane::of_rows(size, |pixel| values[pixel].map(valid))
-}
-
-/// `whole`, scaled down as the halves were. Its samples may be more than theirs, or all in one of them.
-fn without_excess(whole: &Color, raw: &[Color; 2], limited: &[Color; 2]) -> Color {
-    let sum = |halves: &[Color; 2], c: usize, i: usize| halves[0][c].at(i) + halves[1][c].at(i);
-    Plane::compute(whole[0].size(), |i| {
-        [0, 1, 2].map(|c: usize| {
-            let (before, after) = (sum(raw, c, i), sum(limited, c, i));
-            let smaller = before.abs().gt(after.abs());
-            let factor = smaller.select(after / before, Float::splat(1.0));
-            whole[c].at(i) * factor
-        })
-    })
+    if x > BRIGHTEST {
+        BRIGHTEST
+    } else if x > -BRIGHTEST {
+        x
+    } else {
+        0.0
+    }
 }
 
 /// The square of the smaller slope to each side.
@@ -74,91 +108,93 @@ fn slope(plane: &Plane, index: usize) -> Float {
     along(1, 0) + along(0, 1)
 }
 
-impl Feature {
-    /// `halves` has the channels of one half of the samples, if they are known.
-    fn new(channels: Vec<Plane>, halves: Option<Vec<Plane>>, is_depth: bool) -> Self {
-        let size = channels[0].size();
-        let sum = |value: &dyn Fn(usize) -> Float| {
-            (1..channels.len()).fold(value(0), |sum, channel| sum + value(channel))
-        };
-        let noise = halves.map(|halves| {
-            let [squares] = Plane::compute(size, |i| {
-                [sum(&|c| {
-                    let difference = channels[c].at(i) - halves[c].at(i);
-                    difference * difference
-                })]
-            });
-            squares.blurred::<1>()
-        });
-        let [scale] = Plane::compute(size, |i| {
-            let least = if is_depth {
-                let depth = channels[0].at(i) * LEAST_DEPTH;
-                depth * depth + 1e-12
-            } else {
-                Float::splat(LEAST)
-            };
-            let steep = sum(&|c| slope(&channels[c], i));
-            let spread = noise.as_ref().map_or(steep, |noise| steep.max(noise.at(i)));
-            [Float::splat(1.0) / (least + spread)]
-        });
-        Self { channels, scale }
-    }
+/// One by what counts as a difference of a feature: `least`, and its slope or its noise.
+fn root<const N: usize>(
+    channels: &[Plane; N],
+    half: Option<[Plane; N]>,
+    least: impl Fn(usize) -> Float,
+) -> Plane {
+    let noise = half.map(|half| squares(&difference(channels, &half), 1.0).blurred::<1>());
+    let [root] = Plane::compute(channels[0].size(), |i| {
+        let slopes = channels.iter().map(|channel| slope(channel, i));
+        let steep = slopes.fold(Float::splat(0.0), |sum, slope| sum + slope);
+        let spread = noise.as_ref().map_or(steep, |noise| steep.max(noise.at(i)));
+        [Float::splat(1.0) / (least(i) + spread).sqrt()]
+    });
+    root
+}
 
-    /// How much the feature differs at `index` and its neighbour at (`dx`, `dy`).
-    #[inline(always)]
-    pub(super) fn difference(&self, index: usize, dx: isize, dy: isize) -> Float {
-        let mut sum = Float::splat(0.0);
-        for channel in &self.channels {
-            let difference = channel.at(index) - channel.near(index, dx, dy);
-            sum = sum + difference * difference;
+/// The channels of a feature, and the same for half of its samples.
+fn load<const N: usize>(feature: Feature, window: &Window) -> ([Plane; N], Option<[Plane; N]>) {
+    let finite = |x: f32| if x.abs() < FARTHEST { x } else { 0.0 };
+    match feature {
+        Some((values, half)) => {
+            (window.load(values, finite), half.map(|half| window.load(half, finite)))
         }
-        sum * self.scale.at(index).min(self.scale.near(index, dx, dy))
+        None => ([(); N].map(|()| Plane::zeros(window.size)), None),
     }
 }
 
-impl Input {
-    /// The input that the layers of `image` give.
-    pub(super) fn new(image: &Image) -> Self {
-        let size = Size { width: image.width() as usize, height: image.height() as usize };
-        let layer = |name: &str| image.layer(name).map(|layer| layer.values());
-        let whole = color(size, image.pixels());
-        let pair = layer("color_even").zip(layer("color_odd"));
-        // With one sample, a half has none and is black.
-        let known = |half: &[[f32; 3]]| half.iter().flatten().any(|&x| x != 0.0);
-        let pair = pair.filter(|(even, odd)| known(even) == known(odd));
-        let raw = pair.map(|(even, odd)| [color(size, even), color(size, odd)]);
-        let halves = raw
-            .as_ref()
-            .map(|[even, odd]| [limited(even, Some(odd), size), limited(odd, Some(even), size)]);
-        let color = match raw.zip(halves.as_ref()) {
-            None => limited(&whole, None, size),
-            Some((raw, halves)) => without_excess(&whole, &raw, halves),
+impl Features {
+    fn new(layers: &Layers, window: &Window) -> Self {
+        let (albedo, albedo_half) = load(layers.albedo, window);
+        let (normal, normal_half) = load(layers.normal, window);
+        let (depth, depth_half) = load::<1>(layers.depth, window);
+        let tenth = |_| Float::splat(LEAST);
+        let part = |i| {
+            let depth = depth[0].at(i) * Float::splat(LEAST_DEPTH);
+            depth * depth + Float::splat(1e-12)
         };
-        let mut features = Vec::new();
-        for (name, even, channels) in
-            [("albedo", "albedo_even", 3), ("normal", "normal_even", 3), ("depth", "depth_even", 1)]
-        {
-            let finite = |x: f32| if x.abs() < FARTHEST { x } else { 0.0 };
-            let planes = |values: &[[f32; 3]]| -> [Plane; 3] {
-                Plane::of_rows(size, |pixel| values[pixel].map(finite))
-            };
-            let channels = |values| planes(values).into_iter().take(channels).collect();
-            if let Some(values) = layer(name) {
-                let even = layer(even).map(channels);
-                features.push(Feature::new(channels(values), even, name == "depth"));
-            }
-        }
-        let values = image.pixels().iter().flatten();
-        let sum: f64 = values.map(|&x| f64::from(valid(x).clamp(0.0, SUN))).sum();
-        let mean = sum / (3 * image.pixels().len()) as f64;
-        let unit = (f64::from(LINEAR) * mean).max(1e-30) as f32;
-        Self { size, color, halves, features, unit }
+        let roots = [
+            root(&albedo, albedo_half, tenth),
+            root(&normal, normal_half, tenth),
+            root(&depth, depth_half, part),
+        ];
+        let ([a, b, c], [d, e, f], [g]) = (albedo, normal, depth);
+        Self { channels: [a, b, c, d, e, f, g], roots }
+    }
+}
+
+impl<'a> Input<'a> {
+    /// The part of `layers` that `window` shows.
+    pub(super) fn new(layers: &'a Layers, window: Window) -> Self {
+        let halves = layers.halves.map(|halves| halves.map(|half| window.load(half, valid)));
+        let color = limited(&window.load(layers.color, valid), halves.as_ref());
+        Self { color, halves, features: Features::new(layers, &window), layers, window }
     }
 
     /// The colour on the scale on which colours are compared.
     pub(super) fn scaled(&self, color: &Color) -> Color {
-        let factor = Float::splat(1.0 / self.unit);
-        let scaled = |x: Float| ln(x.max(Float::splat(0.0)) * factor + Float::splat(1.0));
-        Plane::compute(self.size, |i| [0, 1, 2].map(|c: usize| scaled(color[c].at(i))))
+        let scale = Scale::new(self.layers.unit);
+        Plane::compute(self.window.size, |i| [0, 1, 2].map(|c: usize| scale.of(color[c].at(i))))
+    }
+
+    /// The difference of two colours on that scale.
+    pub(super) fn difference(&self, [a, b]: &[Color; 2]) -> Color {
+        let scale = Scale::new(self.layers.unit);
+        Plane::compute(self.window.size, |i| {
+            [0, 1, 2].map(|c: usize| scale.of(a[c].at(i)) - scale.of(b[c].at(i)))
+        })
+    }
+}
+
+/// The scale on which colours are compared.
+#[derive(Clone, Copy)]
+struct Scale {
+    factor: Float,
+}
+
+impl Scale {
+    /// The scale is logarithmic, and linear below `unit`.
+    fn new(unit: f32) -> Self {
+        Self { factor: Float::splat(1.0 / unit) }
+    }
+
+    /// The bits of a number are close enough to its logarithm, with a straight line for each octave.
+    #[inline(always)]
+    fn of(self, x: Float) -> Float {
+        let x = x.max(Float::splat(0.0)) * self.factor + Float::splat(1.0);
+        let octaves = Float::from_word(x.to_bits().wrapping_sub(Int::splat(ONE)));
+        octaves * Float::splat(std::f32::consts::LN_2 / 8_388_608.0)
     }
 }

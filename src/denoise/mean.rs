@@ -1,57 +1,45 @@
 //! Weighted means of neighbours.
 
 use super::fireflies::Color;
-use super::input::Input;
-use super::planes::{MARGIN, Plane};
-use super::weights::{Guide, HIGH, Strengths, TILE, TileWeights, WIDE, columns};
+use super::guide::Guide;
+use super::input::Features;
+use super::neighbors::{Neighbors, largest};
+use super::planes::Plane;
+use crate::math::Real;
 use crate::simd::Float;
 
-/// Filters each of `colors` with the weights of its guide, into three of the `PLANES` planes.
-pub(super) fn means<const PLANES: usize>(
-    input: &Input,
-    pairs: &[(&Guide, &Color)],
-    strengths: &Strengths,
-) -> [Plane; PLANES] {
-    let (size, columns) = (input.size, columns(input.size));
-    let stride = size.stride();
-    Plane::by_bands(size, HIGH, |y, band: &mut [&mut [f32]; PLANES]| {
-        let mut tile = TileWeights::new(input, &columns);
-        let mut weights = [0.0; TILE];
-        let mut sums = vec![[[0.0; TILE]; 4]; pairs.len()];
-        tile.y = y;
-        for x in (0..size.width).step_by(WIDE) {
-            tile.x = x;
-            sums.as_flattened_mut().iter_mut().for_each(|sums| sums.fill(0.0));
-            for (dx, dy) in strengths.neighbors() {
-                tile.compare_features((dx, dy), strengths);
-                for ((guide, color), sums) in pairs.iter().zip(&mut sums) {
-                    tile.weigh((dx, dy), guide, &mut weights);
-                    for y in 0..tile.rows() {
-                        for x in tile.vectors() {
-                            let (at, index) = (y * WIDE + x, tile.index(x, y));
-                            let weight = Float::load(&weights[at..]);
-                            let mut add = |sum: usize, value: Float| {
-                                let sum = &mut sums[sum][at..];
-                                (Float::load(sum) + value).store(sum);
-                            };
-                            add(3, weight);
-                            for (c, plane) in color.iter().enumerate() {
-                                add(c, weight * plane.near(index, dx, dy));
-                            }
-                        }
-                    }
+/// Filters each of `colors` with the weights of its guide, but for `inset` pixels at each side.
+pub(super) fn means<const N: usize>(
+    features: &Features,
+    guides: [Guide; N],
+    colors: [&Color; N],
+    neighbors: &Neighbors,
+    inset: usize,
+) -> [Color; N] {
+    let size = colors[0][0].size();
+    let offsets = neighbors.offsets(size);
+    let mut results = colors.map(|color| color.each_ref().map(|plane| Plane::new(plane.size())));
+    for i in size.inside(inset) {
+        let here = neighbors.features(features, i);
+        let guides = guides.map(|guide| neighbors.guide(guide, i));
+        let mut sums = [[Float::splat(0.0); 4]; N];
+        for &offset in &offsets {
+            let neighbor = i.wrapping_add_signed(offset);
+            let features = largest(&here.differences(neighbor));
+            for ((guide, color), sums) in guides.iter().zip(colors).zip(&mut sums) {
+                let weight = guide.weight(neighbor, features);
+                for (sum, plane) in sums.iter_mut().zip(color) {
+                    *sum = *sum + weight * plane.at(neighbor);
                 }
-            }
-            for (plane, row) in band.iter_mut().enumerate() {
-                let [sums, weights] = [plane % 3, 3].map(|sum| &sums[plane / 3][sum]);
-                for y in 0..tile.rows() {
-                    for column in tile.vectors() {
-                        let sum = |sums: &[f32]| Float::load(&sums[y * WIDE + column..]);
-                        let to = y * stride + MARGIN + x + column;
-                        (sum(sums) / sum(weights)).store(&mut row[to..]);
-                    }
-                }
+                sums[3] = sums[3] + weight;
             }
         }
-    })
+        for (result, [red, green, blue, weights]) in results.iter_mut().zip(sums) {
+            let factor = Float::splat(1.0) / weights;
+            for (plane, sum) in result.iter_mut().zip([red, green, blue]) {
+                plane.set(i, sum * factor);
+            }
+        }
+    }
+    results
 }

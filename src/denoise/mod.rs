@@ -1,6 +1,6 @@
 //! The denoiser: removes the noise of an image with the help of its layers.
 //!
-//! `good` compares patches of colours in one half of the samples, and with these weights takes means of the other half.
+//! `good` compares colours in one half of the samples, and with these weights takes means of the other half.
 //! So noise does not choose the pixels whose mean it would spoil. The result of both halves together then
 //! gives the weights of a regression on albedo, normal and depth (after Rousselle et al. 2012 and Bitterli et
 //! al. 2016). `fast` takes one mean, whose weights come from the noisy colour itself.
@@ -8,28 +8,32 @@
 //! All values are computed pixel by pixel in contract arithmetic, so all machines agree to the last bit.
 
 mod fireflies;
+mod guide;
 mod input;
 mod mean;
+mod neighbors;
 mod planes;
 mod regression;
-mod weights;
+
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::Real;
-use crate::simd::Float;
-use fireflies::Color;
-use input::Input;
-use planes::Plane;
-use weights::{Guide, Strengths};
+use crate::simd::{Float, LANES};
+use fireflies::{Color, limited_half};
+use guide::{Guide, numbers};
+use input::{Input, Layers};
+use neighbors::Neighbors;
+use planes::{Plane, Size, Window, difference, squares};
 
 /// How thoroughly an image is denoised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Denoise {
-    /// About half a second of one core per million pixels. One sample per pixel is enough.
+    /// About a tenth of a second of one core per million pixels. One sample per pixel is enough.
     Fast,
-    /// About two seconds of one core per million pixels. Needs the layers `color_even` and `color_odd`.
+    /// About a second of one core per million pixels. Needs the layers `color_even` and `color_odd`.
     #[default]
     Good,
 }
@@ -41,12 +45,27 @@ names! {
 }
 
 /// The mean by the noisy colour itself.
-const FAST: Strengths = Strengths { steps: &[-3, -2, -1, 0, 1, 2, 3], feature: 1.5 };
+const FAST: Neighbors =
+    Neighbors { steps: &[-2, -1, 0, 1, 2], within: 5, feature: 1.0, deviations: 1.5 };
 /// The means of each half by the other one.
-const HALVES: Strengths = Strengths { steps: &[-5, -3, -2, -1, 0, 1, 2, 3, 5], feature: 1.5 };
+const HALVES: Neighbors = Neighbors {
+    steps: &[-5, -3, -2, -1, 0, 1, 2, 3, 5],
+    within: 34,
+    feature: 1.0,
+    deviations: 1.0,
+};
 /// The regression by the means of both halves.
-const FITTED: Strengths =
-    Strengths { steps: &[-7, -5, -3, -2, -1, 0, 1, 2, 3, 5, 7], feature: 3.0 };
+const FITTED: Neighbors = Neighbors {
+    steps: &[-6, -4, -3, -2, -1, 0, 1, 2, 3, 4, 6],
+    within: 40,
+    feature: 4.0,
+    deviations: 2.0,
+};
+/// How many pixels around it the guide of a pixel sees: its own, or what the variance is the mean of.
+const GUIDE: usize = 3;
+/// Pixels around it on which the result of a pixel depends. Fireflies need one more.
+const FAST_HALO: usize = 1 + 2 + FAST.reach();
+const GOOD_HALO: usize = 1 + GUIDE + HALVES.reach() + GUIDE + FITTED.reach();
 /// Standard deviation of means that are equal as far as anyone can see, on the scale of [`Input::scaled`].
 const VISIBLE: f32 = 0.005;
 
@@ -70,63 +89,85 @@ impl Image {
                            which denoising `good` needs: use `fast`";
             return Err(Error::Usage(message.to_owned()));
         }
-        let input = Input::new(&self);
-        let color = match (quality, &input.halves) {
-            (Denoise::Good, Some(halves)) => good(&input, halves),
-            _ => fast(&input),
+        let layers = Layers::new(&self, quality == Denoise::Good);
+        let pixels = match quality {
+            Denoise::Good if layers.halves.is_some() => tiled(&layers, [256, 128], GOOD_HALO, good),
+            _ => tiled(&layers, [256, 64], FAST_HALO, fast),
         };
-        let place = |pixel: usize| (pixel % input.size.width, pixel / input.size.width);
-        let pixels = (0..input.size.width * input.size.height).map(place);
-        let pixels = pixels.map(|(x, y)| color.each_ref().map(|plane| plane.pixel(x, y).most(0.0)));
-        Ok(self.replaced(pixels.collect(), "noisy"))
+        Ok(self.replaced(pixels, "noisy"))
     }
 }
 
-/// Half the sum of the squared differences of two colours, averaged over their neighbours.
-fn variance<const REACH: isize>(a: &Color, b: &Color, factor: f32) -> Plane {
-    let [squares] = Plane::compute(a[0].size(), |i| {
-        let square = |c: usize| {
-            let difference = a[c].at(i) - b[c].at(i);
-            difference * difference
-        };
-        [(square(0) + square(1) + square(2)) * Float::splat(factor)]
+/// Denoises tile by tile. Each tile has its part of the image, and `halo` pixels more at each side.
+fn tiled(
+    layers: &Layers,
+    [wide, high]: [usize; 2],
+    halo: usize,
+    denoise: impl Fn(&Input) -> Color + Sync,
+) -> Vec<[f32; 3]> {
+    let [width, height] = layers.size;
+    let mut pixels = vec![[0.0; 3]; width * height];
+    pixels.par_chunks_mut(high * width).enumerate().for_each(|(band, pixels)| {
+        let y = band * high;
+        let high = pixels.len() / width;
+        let tiles: Vec<(usize, Color)> = (0..width.div_ceil(wide))
+            .into_par_iter()
+            .map(|tile| {
+                let x = tile * wide;
+                let columns = (wide.min(width - x) + 2 * halo).next_multiple_of(LANES);
+                let size = Size { width: columns, height: high + 2 * halo };
+                let [left, top] = [x, y].map(|first| first as isize - halo as isize);
+                let window = Window { image: layers.size, left, top, size };
+                (x, denoise(&Input::new(layers, window)))
+            })
+            .collect();
+        for (x, color) in tiles {
+            for (row, pixels) in pixels.chunks_exact_mut(width).enumerate() {
+                let [red, green, blue] = color.each_ref().map(|c| &c.row(row + halo)[halo..]);
+                let colors = red.iter().zip(green).zip(blue).take(wide);
+                for (pixel, ((&red, &green), &blue)) in pixels[x..].iter_mut().zip(colors) {
+                    *pixel = [red, green, blue].map(|x| x.most(0.0));
+                }
+            }
+        }
     });
-    squares.blurred::<REACH>()
+    rayon::broadcast(|_| planes::forget_spare());
+    pixels
 }
 
-fn average(a: &Color, b: &Color) -> Color {
+fn average([a, b]: &[Color; 2]) -> Color {
     Plane::compute(a[0].size(), |i| {
         [0, 1, 2].map(|c: usize| (a[c].at(i) + b[c].at(i)) * Float::splat(0.5))
     })
 }
 
-fn good(input: &Input, [even, odd]: &[Color; 2]) -> Color {
-    let scaled = [even, odd].map(|half| input.scaled(half));
-    let noise = variance::<3>(&scaled[0], &scaled[1], 0.5);
-    let guides = scaled.map(|color| Guide::new(color, noise.clone(), 0.6));
-    let pairs = [(&guides[1], even), (&guides[0], odd)];
-    let [a, b, c, d, e, f] = mean::means(input, &pairs, &HALVES);
-    let [even, odd] = [[a, b, c], [d, e, f]];
-    let scaled = [&even, &odd].map(|half| input.scaled(half));
-    let noise = variance::<2>(&scaled[0], &scaled[1], 0.25);
-    let [variance] =
-        Plane::compute(input.size, |i| [noise.at(i) + Float::splat(3.0 * VISIBLE * VISIBLE)]);
-    let guide = Guide::new(input.scaled(&average(&even, &odd)), variance, 1.4);
-    regression::fitted(input, &guide, &FITTED)
+fn good(input: &Input) -> Color {
+    let [even, odd] = input.halves.as_ref().expect("both halves");
+    let halves = [limited_half(even, odd), limited_half(odd, even)];
+    let [even, odd] = halves.each_ref().map(|half| numbers(&input.scaled(half)));
+    let noise = squares(&difference(&even, &odd), 0.5).blurred::<3>();
+    let guides = [&odd, &even].map(|planes| Guide { planes, noise: &noise });
+    let inset = FITTED.reach() + GUIDE;
+    let halves = mean::means(&input.features, guides, halves.each_ref(), &HALVES, inset);
+    let [even, odd] = halves.each_ref().map(|half| numbers(&input.scaled(half)));
+    let noise = squares(&difference(&even, &odd), 0.25).blurred::<2>();
+    let visible = Float::splat(3.0 * VISIBLE * VISIBLE);
+    let [noise] = Plane::compute(noise.size(), |i| [noise.at(i) + visible]);
+    let planes = numbers(&input.scaled(&average(&halves)));
+    let guide = Guide { planes: &planes, noise: &noise };
+    regression::fitted(&input.features, guide, &input.color, &FITTED, GOOD_HALO)
 }
 
 fn fast(input: &Input) -> Color {
     let color = input.scaled(&input.color);
-    let variance = match &input.halves {
-        Some(halves) => {
-            let [even, odd] = halves.each_ref().map(|half| input.scaled(half));
-            variance::<3>(&even, &odd, 0.25)
-        }
+    let noise = match &input.halves {
+        Some(halves) => squares(&numbers(&input.difference(halves)), 0.25),
         // Without halves, what differs from the neighbours is taken for noise.
-        None => variance::<3>(&color, &color.each_ref().map(Plane::blurred::<1>), 1.0),
+        None => squares(&difference(&color, &color.each_ref().map(Plane::blurred::<1>)), 0.25),
     };
-    let guide = Guide::new(color, variance, 0.8);
-    mean::means(input, &[(&guide, &input.color)], &FAST)
+    let guide = Guide { planes: &numbers(&color), noise: &noise.blurred::<2>() };
+    let [color] = mean::means(&input.features, [guide], [&input.color], &FAST, FAST_HALO);
+    color
 }
 
 #[cfg(test)]
@@ -243,20 +284,16 @@ mod tests {
 
     #[test]
     fn tiles_leave_no_trace() {
-        // The same image, moved by three columns and five rows: tiles begin elsewhere.
         let color = |x: u32, y: u32| [0.5 + 0.3 * ((x * 7 + y * 3) % 11) as f32 / 11.0; 3];
-        let here = noisy(color, 0.3);
-        let moved = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
-            let places = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
-            let from = |(x, y)| ((y + 5) % HEIGHT * WIDTH + (x + 3) % WIDTH) as usize;
-            places.map(|place| values[from(place)]).collect()
+        let image = noisy(color, 0.3);
+        let layers = Layers::new(&image, true);
+        let same = |halo: usize, denoise: fn(&Input) -> Color| {
+            let [whole, tiles] =
+                [[80, 60], [24, 7]].map(|size| tiled(&layers, size, halo, denoise));
+            assert!(whole == tiles);
         };
-        let layers = here.layers().iter().map(|l| layer(l.name, moved(&l.values))).collect();
-        let there = Image::from_pixels(WIDTH, HEIGHT, moved(here.pixels())).with_layers(layers);
-        let [here, there] = [here, there].map(|image| image.denoised(Denoise::Good).unwrap());
-        for (x, y) in (28..32).flat_map(|y| (26..40).map(move |x| (x, y))) {
-            assert_eq!(pixel(&here, x, y), pixel(&there, x - 3, y - 5), "({x}, {y})");
-        }
+        same(FAST_HALO, fast);
+        same(GOOD_HALO, good);
     }
 
     /// Exponential noise has no fireflies, although some pixels are several times as bright as others.

@@ -2,22 +2,21 @@
 //! is the result. So textures and slopes stay, which a mean would blur.
 
 use super::fireflies::Color;
-use super::input::Input;
-use super::planes::{MARGIN, Plane};
-use super::weights::{Guide, HIGH, Strengths, TILE, TileWeights, WIDE, columns};
+use super::guide::Guide;
+use super::input::{FEATURES, Features};
+use super::neighbors::{Neighbors, largest};
+use super::planes::Plane;
 use crate::math::Real;
 use crate::simd::Float;
 
-/// Most features.
-const FEATURES: usize = 7;
 /// Unknowns: the factors of the features, and the value at the pixel, which is the last one.
 const UNKNOWNS: usize = FEATURES + 1;
 /// Coefficients of a symmetric matrix.
 const MATRIX: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 /// Keeps factors small where the features hardly vary: a part of the sum of all weights, and of that of one pixel.
-const RIDGE: [f32; 2] = [0.06, 0.3];
-/// Differences of features are limited to this many times their scale.
-const MOST: f32 = 3.0;
+const RIDGE: [f32; 2] = [5e-4, 2.5e-3];
+/// Differences of features are limited to this.
+const MOST: f32 = 0.27;
 
 /// The place of row `row`, column `column` ≤ `row` of a symmetric matrix.
 const fn at(row: usize, column: usize) -> usize {
@@ -106,62 +105,33 @@ impl Equations {
     }
 }
 
-/// Fits the input's colour with the weights of `guide`.
-pub(super) fn fitted(input: &Input, guide: &Guide, strengths: &Strengths) -> Color {
-    let (size, columns) = (input.size, columns(input.size));
-    let neighbors: Vec<(isize, isize)> = strengths.neighbors().collect();
-    // An image without some features has a constant in their place.
-    let [none] = Plane::compute(size, |_| [Float::splat(0.0)]);
-    let mut channels = [(&none, &none); FEATURES];
-    let known = input.features.iter().flat_map(|f| f.channels.iter().map(|c| (c, &f.scale)));
-    channels.iter_mut().zip(known).for_each(|(channel, known)| *channel = known);
-    Plane::by_bands(size, HIGH, |y, band| {
-        let mut tile = TileWeights::new(input, &columns);
-        let mut weights = vec![[0.0; TILE]; neighbors.len()];
-        tile.y = y;
-        for x in (0..size.width).step_by(WIDE) {
-            tile.x = x;
-            for (&neighbor, weights) in neighbors.iter().zip(&mut weights) {
-                tile.compare_features(neighbor, strengths);
-                tile.weigh(neighbor, guide, weights);
-            }
-            for y in 0..tile.rows() {
-                for column in tile.vectors() {
-                    let at = y * WIDE + column;
-                    let weights = weights.iter().map(|weights| Float::load(&weights[at..]));
-                    let color = fit(
-                        &input.color,
-                        &channels,
-                        tile.index(column, y),
-                        neighbors.iter().zip(weights),
-                    );
-                    for (row, color) in band.iter_mut().zip(color) {
-                        color.store(&mut row[y * size.stride() + MARGIN + x + column..]);
-                    }
-                }
-            }
-        }
-    })
-}
-
-/// Fits the colours of one vector of pixels.
-#[inline(always)]
-fn fit<'a>(
+/// Fits `color` with the weights of `guide`, but for `inset` pixels at each side.
+pub(super) fn fitted(
+    features: &Features,
+    guide: Guide,
     color: &Color,
-    channels: &[(&Plane, &Plane); FEATURES],
-    index: usize,
-    neighbors: impl Iterator<Item = (&'a (isize, isize), Float)>,
-) -> [Float; 3] {
-    let here = channels.map(|(channel, scale)| (channel.at(index), scale.at(index).sqrt()));
-    let mut equations = Equations::new();
-    for (&(dx, dy), weight) in neighbors {
-        let mut differences = [Float::splat(1.0); UNKNOWNS];
-        for (k, (value, scale)) in here.into_iter().enumerate() {
-            let scaled = (channels[k].0.near(index, dx, dy) - value) * scale;
-            differences[k] = scaled.min(Float::splat(MOST)).max(Float::splat(-MOST));
+    neighbors: &Neighbors,
+    inset: usize,
+) -> Color {
+    let size = color[0].size();
+    let offsets = neighbors.offsets(size);
+    let mut result = color.each_ref().map(|plane| Plane::new(plane.size()));
+    for i in size.inside(inset) {
+        let here = neighbors.features(features, i);
+        let guide = neighbors.guide(guide, i);
+        let mut equations = Equations::new();
+        for &offset in &offsets {
+            let neighbor = i.wrapping_add_signed(offset);
+            let differences = here.differences(neighbor);
+            let weight = guide.weight(neighbor, largest(&differences));
+            let limited = |x: Float| x.min(Float::splat(MOST)).max(Float::splat(-MOST));
+            let [a, b, c, d, e, f, g] = differences.map(limited);
+            let row = [a, b, c, d, e, f, g, Float::splat(1.0)];
+            equations.add(weight, &row, color.each_ref().map(|plane| plane.at(neighbor)));
         }
-        let color = [0, 1, 2].map(|c: usize| color[c].near(index, dx, dy));
-        equations.add(weight, &differences, color);
+        for (plane, value) in result.iter_mut().zip(equations.solve()) {
+            plane.set(i, value);
+        }
     }
-    equations.solve()
+    result
 }

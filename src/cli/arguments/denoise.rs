@@ -87,8 +87,8 @@ impl DenoiseArgs {
         };
         let per_pixel = match self.denoise {
             None => 0.0,
-            Some(Denoise::Fast) => 5e-7,
-            Some(_) => 2e-6,
+            Some(Denoise::Fast) => 1e-7,
+            Some(_) => 1.2e-6,
         };
         per_pixel * pixels as f64 / threads as f64
     }
