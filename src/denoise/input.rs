@@ -41,13 +41,14 @@ pub(super) struct Layers<'a> {
 }
 
 impl<'a> Layers<'a> {
-    /// The layers of `image`. `by_halves` is whether to look how noisy features are.
+    /// The layers of `image`. `by_halves` asks how noisy features are, which only halves can tell.
     pub(super) fn new(image: &'a Image, by_halves: bool) -> Self {
         let layer = |name: &str| image.layer(name).map(|layer| layer.values());
         let halves = layer("color_even").zip(layer("color_odd"));
         // With one sample, a half has none and is black.
         let known = |half: Values| half.iter().flatten().any(|&x| x != 0.0);
         let halves = halves.filter(|(even, odd)| known(even) == known(odd));
+        let by_halves = by_halves && halves.is_some();
         let feature =
             |name, half| layer(name).map(|values| (values, layer(half).filter(|_| by_halves)));
         let color = image.pixels();

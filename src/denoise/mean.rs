@@ -8,7 +8,7 @@ use super::planes::Plane;
 use crate::math::Real;
 use crate::simd::Float;
 
-/// Filters each of `colors` with the weights of its guide, but for `inset` pixels at each side.
+/// Filters each of `colors` with the weights of its guide. Leaves out the outermost `inset` pixels.
 pub(super) fn means<const N: usize>(
     features: &Features,
     guides: [Guide; N],

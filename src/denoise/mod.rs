@@ -131,7 +131,8 @@ fn tiled(
             }
         }
     });
-    rayon::broadcast(|_| planes::forget_spare());
+    // Waiting for threads that do other work could last long.
+    rayon::spawn_broadcast(|_| planes::forget_spare());
     pixels
 }
 

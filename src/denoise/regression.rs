@@ -105,7 +105,7 @@ impl Equations {
     }
 }
 
-/// Fits `color` with the weights of `guide`, but for `inset` pixels at each side.
+/// Fits `color` with the weights of `guide`. Leaves out the outermost `inset` pixels.
 pub(super) fn fitted(
     features: &Features,
     guide: Guide,
