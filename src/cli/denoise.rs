@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::denoise::DenoiseArgs;
+use super::arguments::denoise::{DenoiseArgs, layers_of};
 use super::arguments::{DisplayArgs, LimitArgs, named};
 use super::console::{notice, say};
 use super::files;
@@ -35,7 +35,8 @@ pub(crate) struct DenoiseCommand {
     /// Output file (.png, .exr, .hdr, .pfm). An .exr keeps the noisy picture as the layer `noisy`
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Quality; good needs the layers color_even and color_odd [default: good if it can be]
+    /// Quality: good needs the layers color_even and color_odd, oidn an installed Open Image Denoise 2 [default: good
+    /// if it can be, else fast]
     #[arg(long, value_name = "QUALITY", value_parser = named(&Denoise::ALL, Denoise::name))]
     quality: Option<Denoise>,
     /// Threads. The image does not depend on them [default: one per available core]
@@ -60,10 +61,9 @@ pub(crate) fn run(args: &DenoiseCommand) -> Result<()> {
     let mut image = with_layers(image, &other_channels(input, &allow)?);
     let has_halves = ["color_even", "color_odd"].iter().all(|name| image.layer(name).is_some());
     let best = if has_halves { Denoise::Good } else { Denoise::Fast };
-    let lacking = [("halves", has_halves)]
-        .into_iter()
-        .chain(["albedo", "normal", "depth"].map(|name| (name, image.layer(name).is_some())));
-    let lacking: Vec<&str> = lacking.filter(|(_, has)| !has).map(|(name, _)| name).collect();
+    let quality = args.quality.unwrap_or(best);
+    let names = layers_of(quality).iter().map(|layer| layer.name());
+    let lacking: Vec<&str> = names.filter(|name| image.layer(name).is_none()).collect();
     if !lacking.is_empty() {
         notice(format_args!(
             "{}: lacks the layers {}, with which the picture would be better",
@@ -71,20 +71,25 @@ pub(crate) fn run(args: &DenoiseCommand) -> Result<()> {
             lacking.join(", ")
         ));
     }
-    let denoise = DenoiseArgs { denoise: Some(args.quality.unwrap_or(best)) };
-    let threads = args.threads.unwrap_or(0) as usize;
+    let denoise = DenoiseArgs { denoise: Some(quality) };
+    let threads = args.threads.unwrap_or(0);
     let denoised = denoise.apply(&mut image, threads, &Layers::default(), output.is_exr());
-    let Some(denoised) = denoised.map_err(|error| in_file(input, &error))? else { return Ok(()) };
+    let Some(denoised) = denoised.map_err(|error| in_file(input, error))? else { return Ok(()) };
     let metadata = denoised.noted_in(Metadata::of_program());
     image.write(path, args.display.display(), &metadata)?;
     say(format_args!("time    {:.2} s", denoised.seconds))?;
-    say(format_args!("denoised {}", denoised.hash))?;
+    if let Some(hash) = &denoised.hash {
+        say(format_args!("denoised {hash}"))?;
+    }
     say(format_args!("file    {output}"))
 }
 
-/// `error` of the file `path`.
-fn in_file(path: &Path, error: &Error) -> Error {
-    Error::Usage(format!("{}: {error}", path.display()))
+/// `error` of the file `path`, if it is its fault.
+fn in_file(path: &Path, error: Error) -> Error {
+    match error {
+        Error::Usage(message) => Error::Usage(format!("{}: {message}", path.display())),
+        error => error,
+    }
 }
 
 /// The image with those of the `channels` that denoising knows as layers. If it was denoised before, its colour is what

@@ -113,7 +113,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     say(format_args!("scene   {scene}, {settings}, of {} parts", args.parts.len()))?;
     say(format_args!("rays    {:.2} M", rendering.tally.rays.total() as f64 * 1e-6))?;
     say(format_args!("hash    {hash}"))?;
-    if let Some(Denoised { hash, .. }) = &denoised {
+    if let Some(Denoised { hash: Some(hash), .. }) = &denoised {
         say(format_args!("denoised {hash}"))?;
     }
     say(format_args!("file    {output}"))

@@ -1,6 +1,7 @@
 //! What a denoiser knows of an image: colours, and features that tell surfaces apart.
 
-use super::fireflies::{Color, limited};
+use super::Denoise;
+use super::fireflies::{Color, limited, limited_half};
 use super::planes::{Plane, Window, difference, squares};
 use crate::image::Image;
 use crate::math::{Real, Word};
@@ -28,8 +29,9 @@ type Values<'a> = &'a [[f32; 3]];
 /// A layer, and one half of its samples.
 type Feature<'a> = Option<(Values<'a>, Option<Values<'a>>)>;
 
-/// The layers of an image.
+/// The layers of an image that are used.
 pub(super) struct Layers<'a> {
+    pub(super) quality: Denoise,
     pub(super) size: [usize; 2],
     color: Values<'a>,
     pub(super) halves: Option<[Values<'a>; 2]>,
@@ -41,14 +43,15 @@ pub(super) struct Layers<'a> {
 }
 
 impl<'a> Layers<'a> {
-    /// The layers of `image`. `by_halves` asks how noisy features are, which only halves can tell.
-    pub(super) fn new(image: &'a Image, by_halves: bool) -> Self {
+    /// The layers of `image` that this quality uses. Without two halves, `Good` becomes `Fast`.
+    pub(super) fn new(image: &'a Image, quality: Denoise) -> Self {
         let layer = |name: &str| image.layer(name).map(|layer| layer.values());
         let halves = layer("color_even").zip(layer("color_odd"));
         // With one sample, a half has none and is black.
         let known = |half: Values| half.iter().flatten().any(|&x| x != 0.0);
         let halves = halves.filter(|(even, odd)| known(even) == known(odd));
-        let by_halves = by_halves && halves.is_some();
+        let quality = if halves.is_some() { quality } else { Denoise::Fast };
+        let by_halves = quality == Denoise::Good;
         let feature =
             |name, half| layer(name).map(|values| (values, layer(half).filter(|_| by_halves)));
         let color = image.pixels();
@@ -58,6 +61,7 @@ impl<'a> Layers<'a> {
         let values = || rows.clone().flatten().flatten();
         let mean = values().map(bright).sum::<f64>() / values().count() as f64;
         Self {
+            quality,
             size: [image.width(), image.height()].map(|size| size as usize),
             color,
             halves: halves.map(|(even, odd)| [even, odd]),
@@ -78,7 +82,7 @@ pub(super) struct Features {
 
 /// The input of a denoiser in one window.
 pub(super) struct Input<'a> {
-    layers: &'a Layers<'a>,
+    pub(super) layers: &'a Layers<'a>,
     window: Window,
     /// The colour, without fireflies.
     pub(super) color: Color,
@@ -162,6 +166,12 @@ impl<'a> Input<'a> {
         let halves = layers.halves.map(|halves| halves.map(|half| window.load(half, valid)));
         let color = limited(&window.load(layers.color, valid), halves.as_ref());
         Self { color, halves, features: Features::new(layers, &window), layers, window }
+    }
+
+    /// Both halves without fireflies.
+    pub(super) fn limited_halves(&self) -> [Color; 2] {
+        let [even, odd] = self.halves.as_ref().expect("both halves");
+        [limited_half(even, odd), limited_half(odd, even)]
     }
 
     /// The colour on the scale on which colours are compared.

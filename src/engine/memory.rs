@@ -50,7 +50,7 @@ impl ComputeSettings {
     /// If the estimate exceeds the limit, returns [`Error::Usage`], which names the limit.
     pub(crate) fn check_memory(&self, scene: &Scene, film: Option<FilmOf<'_>>) -> Result<()> {
         let given = self.plan.given().map_or(self.wave_size, |plan| plan.wave_size);
-        let threads = pool::threads(self.threads) as u64;
+        let threads = pool::threads_for(self.threads) as u64;
         let paths = PATHS.max(given.into()) * threads;
         let geometry = scene.geometry();
         let primitives = geometry.all_primitives();

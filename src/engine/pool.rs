@@ -56,7 +56,7 @@ fn cores() -> &'static [CoreId] {
 }
 
 /// The number of threads for the setting `threads`, where 0 means as many as the process may use.
-pub(super) fn threads(threads: u32) -> usize {
+pub(crate) fn threads_for(threads: u32) -> usize {
     match threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads as usize,
@@ -65,7 +65,7 @@ pub(super) fn threads(threads: u32) -> usize {
 
 /// The threads that a renderer works on.
 #[derive(Debug)]
-pub(super) enum Pool {
+pub(crate) enum Pool {
     /// The renderer's own threads.
     Own(ThreadPool, Pinned),
     /// The rayon pool from which the renderer is called, or otherwise rayon's global pool.
@@ -78,8 +78,8 @@ impl Pool {
     /// # Errors
     /// If the threads cannot be started, or cannot be pinned with [`Pin::On`], returns
     /// [`Error::Resource`].
-    pub(super) fn start(threads: u32, pin: Pin) -> Result<Self> {
-        let threads = self::threads(threads);
+    pub(crate) fn start(threads: u32, pin: Pin) -> Result<Self> {
+        let threads = threads_for(threads);
         let cores = cores();
         let tried = pin.tries(threads, cores.len());
         let failed = Arc::new(AtomicBool::new(cores.is_empty()));
@@ -123,6 +123,14 @@ impl Pool {
             Self::Caller => {
                 (0..self.threads()).into_par_iter().with_max_len(1).map(&work).collect()
             }
+        }
+    }
+
+    /// Runs `work` in the pool.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match self {
+            Self::Own(pool, _) => pool.install(work),
+            Self::Caller => work(),
         }
     }
 

@@ -55,7 +55,7 @@ impl PreparedScene {
             Engine::Scalar => Kernel::Scalar,
         };
         if self.is_large() {
-            self.accelerator().prepare(kernel, pool::threads(compute.threads));
+            self.accelerator().prepare(kernel, pool::threads_for(compute.threads));
         }
     }
 

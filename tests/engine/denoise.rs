@@ -21,7 +21,7 @@ fn every_build_denoises_alike() {
     let scene = Scene::load("cornell").unwrap();
     let render = Renderer::new(&scene, settings(&scene, 19), Engine::Wavefront).unwrap();
     let image = render.render().unwrap().image;
-    let hashes = Denoise::ALL.map(|quality| {
+    let hashes = [Denoise::Fast, Denoise::Good].map(|quality| {
         let image = image.clone();
         let threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -8,6 +8,7 @@ use ptfast::internals::BITS;
 use ptfast::{
     ComputeSettings, Engine, ImageSettings, Observer, Progress, Renderer, Roulette, Sampler, Scene,
 };
+use rayon::prelude::*;
 
 use crate::common::{SAMPLINGS, render, render_by};
 
@@ -116,44 +117,45 @@ fn renderings_belong_to_a_view() {
 /// Russian roulette as the report has it.
 const FIFTH: Roulette = Roulette::From(5);
 
+/// The hashes of a scene, line by line.
+fn hashes_of(name: &str) -> String {
+    let mut hashes = String::new();
+    let scene = Scene::load(name).unwrap();
+    // Without lights, all three modes are the same.
+    let modes = if scene.lights() == 0 { &SAMPLINGS[..1] } else { &SAMPLINGS };
+    for &sampling in modes {
+        for (sampler, roulette) in [
+            (Sampler::Sobol, FIFTH),
+            (Sampler::Sobol, Roulette::Off),
+            (Sampler::Sobol, Roulette::Auto),
+            (Sampler::Independent, FIFTH),
+        ] {
+            // The rule of `auto` depends on the scene, but not on the mode.
+            if roulette == Roulette::Auto && sampling != modes[modes.len() - 1] {
+                continue;
+            }
+            let settings = ImageSettings { sampling, sampler, roulette, ..small(&scene) };
+            let hash = render(&scene, settings).hash();
+            let (sampling, sampler) = (sampling.name(), sampler.name());
+            let roulette = match roulette {
+                Roulette::From(_) => "on".to_owned(),
+                other => other.to_string(),
+            };
+            writeln!(hashes, "{name} {sampling} {sampler} {roulette} {hash}").unwrap();
+        }
+    }
+    hashes
+}
+
 /// Every build and machine must give these hashes. If they change, images have changed, which needs
 /// an entry in CHANGELOG.md and a new version of the arithmetic (`BITS`).
 #[test]
 fn every_build_gives_the_pinned_hashes() {
-    let mut hashes = String::new();
-    for name in ptfast::BUILTIN_NAMES.into_iter().chain([
-        "tests/data/everything.ron",
-        "tests/data/smooth.ron",
-        "tests/data/instances.ron",
-        "tests/data/mapped.ron",
-        "tests/data/lights.ron",
-        "tests/data/glass.ron",
-    ]) {
-        let scene = Scene::load(name).unwrap();
-        // Without lights, all three modes are the same.
-        let modes = if scene.lights() == 0 { &SAMPLINGS[..1] } else { &SAMPLINGS };
-        for &sampling in modes {
-            for (sampler, roulette) in [
-                (Sampler::Sobol, FIFTH),
-                (Sampler::Sobol, Roulette::Off),
-                (Sampler::Sobol, Roulette::Auto),
-                (Sampler::Independent, FIFTH),
-            ] {
-                // The rule of `auto` depends on the scene, but not on the mode.
-                if roulette == Roulette::Auto && sampling != modes[modes.len() - 1] {
-                    continue;
-                }
-                let settings = ImageSettings { sampling, sampler, roulette, ..small(&scene) };
-                let hash = render(&scene, settings).hash();
-                let (sampling, sampler) = (sampling.name(), sampler.name());
-                let roulette = match roulette {
-                    Roulette::From(_) => "on".to_owned(),
-                    other => other.to_string(),
-                };
-                writeln!(hashes, "{name} {sampling} {sampler} {roulette} {hash}").unwrap();
-            }
-        }
-    }
+    let files = ["everything", "smooth", "instances", "mapped", "lights", "glass"];
+    let files = files.map(|name| format!("tests/data/{name}.ron"));
+    let names: Vec<_> = ptfast::BUILTIN_NAMES.map(str::to_owned).into_iter().chain(files).collect();
+    // All at a time, since an emulator takes long for each.
+    let hashes = names.par_iter().map(|name| hashes_of(name)).collect::<Vec<_>>().concat();
     let pinned = include_str!("../data/hashes.txt");
     assert_eq!(
         hashes, pinned,

@@ -127,3 +127,70 @@ fn what_cannot_be_denoised_is_refused_in_one_line() {
     words[8] = "--denoise=fast";
     run(here, &words);
 }
+
+#[test]
+fn crops_filters_and_unfinished_parts_are_denoised() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    // Pixels far from the border of a crop have the values of the whole.
+    let crop = with(&SMALL, &["crop.exr", "--denoise=fast", "--crop", "10,10,50,40"]);
+    run(here, &crop);
+    run(here, &with(&SMALL, &["whole.exr", "--denoise=fast"]));
+    let [whole, crop] = ["whole.exr", "crop.exr"].map(|name| ptfast::Image::read(&here.join(name)));
+    let (whole, crop) = (whole.unwrap(), crop.unwrap());
+    let at =
+        |image: &ptfast::Image, x: u32, y: u32| image.pixels()[(y * image.width() + x) as usize];
+    assert_eq!((crop.width(), crop.height()), (40, 30));
+    let near =
+        |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.02 * b + 0.002);
+    for (x, y) in [(15, 12), (20, 15), (31, 21)] {
+        let (of_crop, of_whole) = (at(&crop, x, y), at(&whole, x + 10, y + 10));
+        assert!(near(of_crop, of_whole), "{x}, {y}: {of_crop:?} is not {of_whole:?}");
+    }
+    // A filter with negative weights.
+    let shown = run(here, &["scenes", "show", "cornell"]);
+    let scene = shown.replace("vfov: 40.0,", "vfov: 40.0, filter: mitchell(),");
+    assert_ne!(scene, shown);
+    fs::write(here.join("mitchell.ron"), scene).unwrap();
+    let mut words = with(&SMALL, &["mitchell.exr", "--denoise"]);
+    words[1] = "mitchell.ron";
+    run(here, &words);
+    let mitchell = ptfast::Image::read(&here.join("mitchell.exr")).unwrap();
+    assert!(mitchell.pixels().iter().flatten().all(|x| *x >= 0.0 && x.is_finite()));
+    // One of two parts.
+    let layers = ["--layers", "halves,albedo,normal,depth", "--shard", "0/2"];
+    run(here, &with(&with(&SMALL, &["part.film"]), &layers));
+    run(here, &["merge", "part.film", "--partial", "-o", "part.exr", "--denoise"]);
+    let noisy = ptfast::Image::read(&here.join("part.exr:noisy")).unwrap();
+    assert_ne!(ptfast::Image::read(&here.join("part.exr")).unwrap().pixels(), noisy.pixels());
+}
+
+#[test]
+fn goals_and_denoising_go_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let goal = ["render", "cornell", "--width", "60", "--json", "a.json", "-o", "a.png"];
+    let said = |more: &[&str]| {
+        let output = ptfast(here, &with(&goal, more));
+        assert!(output.status.success(), "{more:?}: {}", stderr(&output));
+        let record: Value =
+            serde_json::from_str(&fs::read_to_string(here.join("a.json")).unwrap()).unwrap();
+        (record, stderr(&output))
+    };
+    // A denoised picture needs fewer samples for the same error.
+    let (noisy, hint) = said(&["--noise", "9%"]);
+    assert!(hint.contains("--denoise would remove"), "{hint}");
+    let (denoised, hint) = said(&["--noise", "9%", "--denoise"]);
+    assert!(!hint.contains("--denoise"), "{hint}");
+    let samples = |record: &Value| record["spp"].as_u64().unwrap();
+    assert!(samples(&denoised) < samples(&noisy));
+    assert!(denoised["noise"].as_f64().unwrap() <= 0.09);
+    // With a clean picture, there is nothing to say.
+    let (clean, hint) = said(&["--noise", "2.9%"]);
+    assert!(!hint.contains("--denoise") && samples(&clean) > samples(&noisy), "{hint}");
+    // The picture has the samples that fit in the time, and is that of so many samples.
+    let (timed, _) = said(&["--time", "1s", "--denoise", "--max-spp", "64"]);
+    let spp = samples(&timed).to_string();
+    let (again, _) = said(&["--spp", &spp, "--denoise"]);
+    assert_eq!(timed["denoised_hash"], again["denoised_hash"]);
+}

@@ -18,4 +18,6 @@ mod keep;
 mod layering;
 mod mesh;
 mod mtl;
+#[cfg(target_os = "linux")]
+mod oidn;
 mod references;

@@ -3,22 +3,21 @@
 use std::mem;
 use std::time::Instant;
 
-use clap::Args;
-use rayon::ThreadPoolBuilder;
-
 use super::{IMAGE, named};
 use crate::denoise::Denoise;
-use crate::engine::{FirstHits, ImageSettings, Layer, Layers};
+use crate::engine::{FirstHits, ImageSettings, Layer, Layers, Pin, Pool, threads_for};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata};
+use clap::Args;
 
-/// The metadata keys of the quality, and of the hash of the denoised image.
+/// The metadata keys of the quality, of the library's version, and of the hash of the denoised image.
 const QUALITY_KEY: &str = "ptfast:denoise";
+const LIBRARY_KEY: &str = "ptfast:oidn";
 pub(crate) const HASH_KEY: &str = "ptfast:denoised";
 /// The key of the layers that were asked for, besides those that denoising needs.
 const LAYERS_KEY: &str = "ptfast:layers";
 
-/// The layers that denoising uses, if pixels have two samples. The odd halves of features follow from the others.
+/// The layers that denoising uses: first what all qualities use. The odd halves of features follow from the others.
 const LAYERS: [Layer; 8] = [
     Layer::Albedo,
     Layer::Normal,
@@ -30,10 +29,20 @@ const LAYERS: [Layer; 8] = [
     Layer::DepthEven,
 ];
 
+/// Those of [`LAYERS`] that a quality uses.
+pub(crate) fn layers_of(quality: Denoise) -> &'static [Layer] {
+    match quality {
+        Denoise::Oidn => &LAYERS[..2],
+        Denoise::Fast => &LAYERS[..5],
+        Denoise::Good => &LAYERS,
+    }
+}
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DenoiseArgs {
     /// Remove the noise of the picture. An .exr keeps the noisy picture as the layer `noisy`; layers hold the first
-    /// hit behind smooth mirrors and clear glass [default quality: good]
+    /// hit behind smooth mirrors and clear glass. oidn is Open Image Denoise 2, which must be installed [default
+    /// quality: good]
     #[arg(long, value_name = "QUALITY", help_heading = IMAGE, num_args = 0..=1, require_equals = true, default_missing_value = Denoise::Good.name(), value_parser = named(&Denoise::ALL, Denoise::name))]
     pub(crate) denoise: Option<Denoise>,
 }
@@ -42,32 +51,42 @@ pub(crate) struct DenoiseArgs {
 pub(crate) struct Denoised {
     quality: Denoise,
     asked: Layers,
-    /// The hash of the denoised image.
-    pub(crate) hash: String,
+    /// The version of the library that was used.
+    library: Option<String>,
+    /// The hash of the denoised image, if it is the same on all machines.
+    pub(crate) hash: Option<String>,
     pub(crate) seconds: f64,
 }
 
 impl Denoised {
     /// Adds how the image was denoised to the metadata of its file.
     pub(crate) fn noted_in(&self, metadata: Metadata) -> Metadata {
-        let metadata = metadata.with(QUALITY_KEY, self.quality.name()).with(HASH_KEY, &self.hash);
-        metadata.with(LAYERS_KEY, &self.asked)
+        let metadata =
+            metadata.with(QUALITY_KEY, self.quality.name()).with(LAYERS_KEY, &self.asked);
+        let more = [(LIBRARY_KEY, &self.library), (HASH_KEY, &self.hash)];
+        more.into_iter().fold(metadata, |metadata, (key, value)| match value {
+            Some(value) => metadata.with(key, value),
+            None => metadata,
+        })
     }
 }
 
 impl DenoiseArgs {
-    /// Adds what denoising needs to the settings of a render.
+    /// Adds what denoising needs to the settings of a render, which may end by its `noise`.
     ///
     /// # Errors
-    /// [`Error::Usage`] if pixels have too few samples.
-    pub(crate) fn prepare(&self, settings: &mut ImageSettings) -> Result<()> {
+    /// [`Error::Usage`] if pixels have too few samples, [`Error::Resource`] if the library cannot be used.
+    pub(crate) fn prepare(&self, settings: &mut ImageSettings, noise: bool) -> Result<()> {
         let Some(quality) = self.denoise else { return Ok(()) };
+        quality.library()?;
         if quality == Denoise::Good && settings.spp < 2 {
             let message = "--denoise compares two halves of the samples: use --spp 2 or more, or --denoise=fast";
             return Err(Error::Usage(message.to_owned()));
         }
         settings.first_hit = FirstHits::Through;
-        let needed = LAYERS.into_iter().filter(|layer| settings.spp > 1 || !layer.is_half());
+        let halves = [Layer::ColorEven, Layer::ColorOdd].into_iter().filter(|_| noise);
+        let needed = layers_of(quality).iter().copied().chain(halves);
+        let needed = needed.filter(|layer| settings.spp > 1 || !layer.is_half());
         settings.layers = Layers::new(settings.layers.iter().chain(needed));
         Ok(())
     }
@@ -81,16 +100,22 @@ impl DenoiseArgs {
 
     /// About the seconds that denoising `pixels` takes with `threads` threads, 0 for one per available core.
     pub(crate) fn seconds(&self, pixels: u64, threads: u32) -> f64 {
-        let threads = match threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads as usize,
-        };
         let per_pixel = match self.denoise {
             None => 0.0,
             Some(Denoise::Fast) => 1e-7,
-            Some(_) => 1.2e-6,
+            Some(Denoise::Good) => 1.2e-6,
+            Some(Denoise::Oidn) => 3.5e-6,
         };
-        per_pixel * pixels as f64 / threads as f64
+        per_pixel * pixels as f64 / threads_for(threads) as f64
+    }
+
+    /// An estimate of the relative error of the denoised `image`, if there is one.
+    ///
+    /// # Errors
+    /// Those of [`Image::denoised_noise`], [`Error::Resource`] if threads cannot be started.
+    pub(crate) fn noise(&self, image: &Image, threads: u32) -> Result<Option<f64>> {
+        let Some(quality) = self.denoise else { return Ok(None) };
+        Pool::start(threads, Pin::Off)?.install(|| image.denoised_noise(quality))
     }
 
     /// The layers of films with these settings that denoising uses.
@@ -105,7 +130,7 @@ impl DenoiseArgs {
                            halves,albedo,normal,depth --first-hit through, or use --denoise=fast";
             return Err(Error::Usage(message.to_owned()));
         }
-        let wanted = LAYERS.into_iter().filter(|_| self.denoise.is_some());
+        let wanted = self.denoise.map_or(&[][..], layers_of).iter().copied();
         Ok(Layers::new(wanted.filter(|layer| stored.contains(*layer))))
     }
 
@@ -117,22 +142,21 @@ impl DenoiseArgs {
     pub(crate) fn apply(
         &self,
         image: &mut Image,
-        threads: usize,
+        threads: u32,
         asked: &Layers,
         keeps_noisy: bool,
     ) -> Result<Option<Denoised>> {
         let Some(quality) = self.denoise else { return Ok(None) };
         let start = Instant::now();
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|error| {
-            Error::Resource(format!("cannot start {threads} threads ({error})"))
-        })?;
+        let pool = Pool::start(threads, Pin::Off)?;
+        let library = quality.library()?;
         let noisy = mem::replace(image, Image::new(0, 0));
         let keeps = |name: &str| {
             asked.iter().any(|layer| layer.name() == name) || keeps_noisy && name == "noisy"
         };
         *image = pool.install(|| noisy.denoised(quality))?.only(keeps);
-        let (hash, seconds) = (image.hash(), start.elapsed().as_secs_f64());
-        Ok(Some(Denoised { quality, asked: asked.clone(), hash, seconds }))
+        let hash = library.is_none().then(|| image.hash());
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Some(Denoised { quality, asked: asked.clone(), library, hash, seconds }))
     }
 }

@@ -8,6 +8,7 @@ use super::checkpoint_file::CheckpointFile;
 use super::goal::{Course, Goal, Pass};
 use super::watch::{Saving, Schedule, Watch};
 use crate::checkpoint::Part;
+use crate::cli::arguments::denoise::DenoiseArgs;
 use crate::cli::progress::ProgressReport;
 use crate::engine::{Layers, Session, Until};
 use crate::error::{Error, Result};
@@ -26,6 +27,8 @@ pub(crate) struct Saved<'a> {
     pub(crate) file: &'a CheckpointFile<'a>,
     /// When the render ends, if not with a number of samples.
     pub(crate) goal: Option<Goal>,
+    /// How the picture will be denoised.
+    pub(crate) denoise: &'a DenoiseArgs,
     /// The appearance of the picture so far.
     pub(crate) display: Display,
 }
@@ -43,7 +46,7 @@ impl Saved<'_> {
         schedule: &Schedule,
         progress: &ProgressReport,
     ) -> Result<Course<'_>> {
-        let mut course = Course::new(self.session, self.goal);
+        let mut course = Course::new(self.session, self.goal, self.denoise);
         let mut last = Saving { end: Instant::now(), gap: Duration::ZERO };
         loop {
             let next = course.next();

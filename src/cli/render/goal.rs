@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::cli::arguments::denoise::DenoiseArgs;
 use crate::engine::Session;
 use crate::error::Result;
 use crate::film::CHUNK;
@@ -58,6 +59,7 @@ pub(crate) struct Pass {
 pub(crate) struct Course<'a> {
     session: &'a Session,
     goal: Option<Goal>,
+    denoise: &'a DenoiseArgs,
     /// When the passes began, and the number of samples per pixel then.
     begun: (Instant, f64),
     /// The last two estimates of the noise, with the number of samples: the later one first.
@@ -66,9 +68,9 @@ pub(crate) struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// The passes of a render that ends with all samples of the settings, unless it has a goal.
-    pub(crate) fn new(session: &'a Session, goal: Option<Goal>) -> Self {
+    pub(crate) fn new(session: &'a Session, goal: Option<Goal>, denoise: &'a DenoiseArgs) -> Self {
         let begun = (Instant::now(), session.state().samples_per_pixel());
-        Self { session, goal, begun, noise: [None; 2] }
+        Self { session, goal, denoise, begun, noise: [None; 2] }
     }
 
     /// The next pass; `None` if the goal is reached.
@@ -84,12 +86,15 @@ impl<'a> Course<'a> {
             return Ok((done < end).then_some(Pass { end, total: end }));
         };
         let mut pass = Pass { end: goal.most, total: goal.most };
+        // That of a denoised picture takes time.
+        if (goal.noise.is_some() || self.denoise.denoise.is_none())
+            && let Some(estimate) = self.estimate()?
+        {
+            self.noise = [Some((done, estimate)), self.noise[0]];
+        }
         if let Some(noise) = goal.noise {
-            if let Some(estimate) = self.session.noise()? {
-                self.noise = [Some((done, estimate)), self.noise[0]];
-                if estimate <= noise {
-                    return Ok(None);
-                }
+            if self.noise[0].is_some_and(|(at, estimate)| at == done && estimate <= noise) {
+                return Ok(None);
             }
             pass.end = next_estimate(done).min(goal.most);
             pass.total = expected(self.noise, noise).clamp(pass.end, goal.most);
@@ -118,6 +123,18 @@ impl<'a> Course<'a> {
         let [Some((samples, error)), _] = self.noise else { return None };
         let more = f64::from(self.session.samples()) / f64::from(samples);
         Some(error / more.sqrt())
+    }
+
+    /// An estimate of the relative error of the picture, denoised if it will be.
+    fn estimate(&self) -> Result<Option<f64>> {
+        let Some(noisy) = self.session.noise()? else { return Ok(None) };
+        let threads = self.session.renderer().compute_settings().threads;
+        let denoised = match self.denoise.denoise {
+            Some(_) => self.denoise.noise(&self.session.snapshot()?, threads)?,
+            None => None,
+        };
+        // The halves exaggerate where pixels see several surfaces, which samples divide evenly.
+        Ok(Some(denoised.map_or(noisy, |denoised| denoised.min(noisy))))
     }
 
     /// About the seconds to write the picture.

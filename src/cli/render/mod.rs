@@ -92,7 +92,7 @@ impl<'a> RenderJob<'a> {
         let load = loading.elapsed().as_secs_f64();
         let mut settings = args.image_settings(&scene)?;
         settings.spp = goal.map_or(settings.spp, |goal| goal.most);
-        args.denoise.prepare(&mut settings)?;
+        args.denoise.prepare(&mut settings, goal.is_some_and(|goal| goal.noise.is_some()))?;
         let mut compute = args.compute_settings(&scene, &settings)?;
         let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
@@ -269,12 +269,13 @@ impl<'a> RenderJob<'a> {
             scene_hash: &part.identity.scene_hash,
             mean,
             hash,
-            denoised: denoised.as_ref().map(|denoised| &*denoised.hash),
+            denoised: denoised.as_ref().and_then(|denoised| denoised.hash.as_deref()),
             seconds,
             noise,
         };
         self.report(&run, interference)?;
         self.say_what_goal_missed(&run);
+        self.say_what_would_help(&run);
         finished?;
         progress.done(session.progress());
         Ok(())
@@ -288,7 +289,7 @@ impl<'a> RenderJob<'a> {
         file: &'b CheckpointFile<'b>,
     ) -> Saved<'b> {
         let (scene, goal, display) = (self.scene.name(), self.goal, self.display());
-        Saved { session, scene, part, file, goal, display }
+        Saved { session, scene, part, file, goal, denoise: &self.args.denoise, display }
     }
 
     /// Rejects output files that cannot be written, are the same, or would overwrite input files.
@@ -325,7 +326,7 @@ impl<'a> RenderJob<'a> {
             ));
             args.denoise = Some(Denoise::Fast);
         }
-        args.apply(image, session.renderer().threads(), &self.args.layers, self.output.is_exr())
+        args.apply(image, self.compute.threads, &self.args.layers, self.output.is_exr())
     }
 
     /// Writes the image or the film.

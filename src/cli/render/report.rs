@@ -17,6 +17,8 @@ use crate::output::write_atomically;
 
 /// Share of clipped pixels, among those that are not black, above which a notice says so.
 const MOST_CLIPPED: f64 = 0.2;
+/// Relative error that a denoiser could hardly make smaller.
+const CLEAN: f64 = 0.03;
 
 impl RenderJob<'_> {
     /// Says which goal the render has missed, and how far it came.
@@ -38,6 +40,24 @@ impl RenderJob<'_> {
                 "--noise {}: after {most} samples per pixel, the relative error is {estimate}; --max-spp allows more",
                 percent(noise)
             ));
+        }
+    }
+
+    /// Names `--denoise` after a render with a goal whose picture would be better with it.
+    pub(super) fn say_what_would_help(&self, run: &Run<'_>) {
+        let is_film = matches!(self.output, Target::Film(_));
+        if self.goal.is_none() || self.args.denoise.denoise.is_some() || is_film {
+            return;
+        }
+        match run.noise {
+            Some(noise) if noise <= CLEAN => {}
+            Some(noise) => notice(format_args!(
+                "{} of the picture is noise: --denoise would remove most of it",
+                percent(noise)
+            )),
+            None => notice(format_args!(
+                "the picture has few samples: --denoise would remove most of its noise"
+            )),
         }
     }
 

@@ -160,9 +160,9 @@ fn is_image_of(
         return false;
     }
     let hash_key = if denoise.denoise.is_some() { HASH_KEY } else { "ptfast:hash" };
-    // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
-    let is_same =
-        |image: Image| format == Format::Png || there.get(hash_key) == Some(&image.hash());
+    // EXR files store the linear values, to which the hash belongs. Others, and those without a hash, must be readable.
+    let hash = there.get(hash_key).filter(|_| format == Format::Exr);
+    let is_same = |image: Image| hash.is_none_or(|hash| *hash == image.hash());
     Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
         limits.check_image(pixels, memory)
     })

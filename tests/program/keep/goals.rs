@@ -114,7 +114,9 @@ fn missed_goals_are_reported() {
     let noisy = notices(&["--noise", "0.1%", "--max-spp", "50"]);
     let says = "--noise 0.100%: after 50 samples per pixel, the relative error is ";
     assert!(noisy.contains(says) && noisy.contains("%; --max-spp allows more"), "{noisy}");
-    assert_eq!(notices(&["--noise", "50%"]), "");
+    let reached = notices(&["--noise", "50%"]);
+    assert!(!reached.contains("--max-spp") && reached.contains("--denoise"), "{reached}");
+    assert_eq!(notices(&["--noise", "50%", "--denoise"]), "");
 }
 
 #[test]
