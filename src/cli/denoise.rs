@@ -55,6 +55,9 @@ pub(crate) fn run(args: &DenoiseCommand) -> Result<()> {
     };
     let file = input.to_str().map_or(input, |input| Path::new(split_layer(input).0));
     files::check(&[("the noisy image", file)], &[("the image", path)])?;
+    if let Some(quality) = args.quality {
+        quality.library()?;
+    }
     let limits = args.limits.limits();
     let allow = |pixels: u64, memory: u64| limits.check_image(pixels, memory);
     let image = Image::read_where(input, &allow)?;
@@ -62,7 +65,9 @@ pub(crate) fn run(args: &DenoiseCommand) -> Result<()> {
     let has_halves = ["color_even", "color_odd"].iter().all(|name| image.layer(name).is_some());
     let best = if has_halves { Denoise::Good } else { Denoise::Fast };
     let quality = args.quality.unwrap_or(best);
-    let names = layers_of(quality).iter().map(|layer| layer.name());
+    // Open Image Denoise needs no halves.
+    let used = layers_of(quality).iter().filter(|l| quality != Denoise::Oidn || !l.is_half());
+    let names = used.map(|layer| layer.name());
     let lacking: Vec<&str> = names.filter(|name| image.layer(name).is_none()).collect();
     if !lacking.is_empty() {
         notice(format_args!(

@@ -39,8 +39,11 @@ mod oidn {
         Err(Error::Resource("this system cannot load Open Image Denoise".to_owned()))
     }
 
-    pub(super) fn denoised(_: &Image, _: &[[f32; 3]]) -> Result<Vec<[f32; 3]>> {
-        version().map(|_| Vec::new())
+    pub(super) fn denoised<const N: usize>(
+        _: &Image,
+        _: [&[[f32; 3]]; N],
+    ) -> Result<[Vec<[f32; 3]>; N]> {
+        version().map(|_| [(); N].map(|()| Vec::new()))
     }
 }
 
@@ -126,7 +129,7 @@ impl Image {
             return Err(Error::Usage(message.to_owned()));
         }
         let pixels = match quality {
-            Denoise::Oidn => oidn::denoised(&self, self.pixels())?,
+            Denoise::Oidn => oidn::denoised(&self, [self.pixels()]).map(|[pixels]| pixels)?,
             Denoise::Fast | Denoise::Good => {
                 let denoise = |input: &Input| filtered(input, [&input.color]);
                 tiled(&Layers::new(&self, quality), denoise).into_flattened()

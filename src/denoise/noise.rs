@@ -20,11 +20,14 @@ impl Image {
     /// # Errors
     /// [`Error::Resource`](crate::Error::Resource) if [`Denoise::Oidn`] lacks its library or fails.
     pub fn denoised_noise(&self, quality: Denoise) -> Result<Option<f64>> {
+        if self.pixels().is_empty() {
+            return Ok(None);
+        }
         let layers = Layers::new(self, quality);
         let Some([even, odd]) = layers.halves else { return Ok(None) };
         let halves = match quality {
             Denoise::Oidn => {
-                let [even, odd] = [oidn::denoised(self, even)?, oidn::denoised(self, odd)?];
+                let [even, odd] = oidn::denoised(self, [even, odd])?;
                 even.into_iter().zip(odd).map(|(even, odd)| [even, odd]).collect()
             }
             Denoise::Fast | Denoise::Good => {

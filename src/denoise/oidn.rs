@@ -4,13 +4,14 @@
 use std::env;
 use std::error::Error as _;
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use libloading::Library;
 
 use crate::error::{Error, Result};
 use crate::image::Image;
+use crate::math::Real;
 
 /// Names the library, or the folder that has it.
 const VARIABLE: &str = "PTFAST_OIDN";
@@ -22,8 +23,9 @@ const FILE: &str = if cfg!(windows) {
 } else {
     "libOpenImageDenoise.so.2"
 };
-/// The first version of version 2, as the library counts.
+/// The first versions of 2 and of 3, as the library counts.
 const VERSION_2: c_int = 20_000;
+const VERSION_3: c_int = 30_000;
 /// Values of enums of the library.
 const CPU: c_int = 1;
 const THREE_FLOATS: c_int = 3;
@@ -79,44 +81,58 @@ struct Oidn {
 
 /// The version of the installed library.
 pub(super) fn version() -> Result<String> {
-    let version = library()?.version;
-    Ok(format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100))
+    Ok(named(library()?.version))
 }
 
-/// `color` without noise, by the features of `image`, which has the same size. The library uses as many threads as the
-/// current pool has.
-pub(super) fn denoised(image: &Image, color: &[[f32; 3]]) -> Result<Vec<[f32; 3]>> {
+fn named(version: c_int) -> String {
+    format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
+}
+
+/// Each of `colors` without noise, by the features of `image`, which has the same size. The library uses as many threads
+/// as the current pool has.
+pub(super) fn denoised<const N: usize>(
+    image: &Image,
+    colors: [&[[f32; 3]]; N],
+) -> Result<[Vec<[f32; 3]>; N]> {
     let Oidn { functions, .. } = library()?;
-    assert_eq!(color.len(), image.pixels().len(), "one colour per pixel");
-    let mut output = vec![[0.0; 3]; color.len()];
+    let count = image.pixels().len();
     let [width, height] = [image.width(), image.height()].map(|size| size as usize);
     let layer = |name: &str| image.layer(name).map(|layer| layer.values());
-    let inputs =
-        [(c"color", Some(color)), (c"albedo", layer("albedo")), (c"normal", layer("normal"))];
-    // SAFETY: all images have `width` × `height` values of three floats, and outlive the filter, which writes only
-    // to the output. Device and filter are used by this thread alone until they are released.
+    let albedo = layer("albedo");
+    // The library knows no pictures with normals alone.
+    let features = [(c"albedo", albedo), (c"normal", albedo.and_then(|_| layer("normal")))];
+    let mut outputs = colors.map(|color| vec![[0.0; 3]; color.len()]);
+    // SAFETY: `set` checks that each image has `width` × `height` values of three floats, and all of them outlive the
+    // filter, which writes only to the outputs. Device and filter are used by this thread alone until they are released.
     unsafe {
-        let device = functions.device()?;
+        let device = functions.device(rayon::current_num_threads() as c_int)?;
         let filter = (functions.new_filter)(device, c"RT".as_ptr());
-        let set = |name: &CStr, values: *mut c_void| {
-            let name = name.as_ptr();
+        let set = |name: &CStr, values: *mut [[f32; 3]]| {
+            assert_eq!(values.len(), count, "one value per pixel");
+            let (name, values) = (name.as_ptr(), values.cast());
             (functions.set_image)(filter, name, values, THREE_FLOATS, width, height, 0, 0, 0);
         };
-        for (name, values) in inputs {
+        for (name, values) in features {
             if let Some(values) = values {
-                set(name, values.as_ptr().cast_mut().cast());
+                set(name, std::ptr::from_ref(values).cast_mut());
             }
         }
-        set(c"output", output.as_mut_ptr().cast());
         (functions.set_filter_bool)(filter, c"hdr".as_ptr(), true);
-        (functions.commit_filter)(filter);
-        (functions.execute_filter)(filter);
+        for (color, output) in colors.into_iter().zip(&mut outputs) {
+            set(c"color", std::ptr::from_ref(color).cast_mut());
+            set(c"output", &raw mut output[..]);
+            (functions.commit_filter)(filter);
+            (functions.execute_filter)(filter);
+        }
         let done = functions.check(device);
         (functions.release_filter)(filter);
         (functions.release_device)(device);
         done?;
     }
-    Ok(output)
+    for value in outputs.iter_mut().flatten().flatten() {
+        *value = value.most(0.0);
+    }
+    Ok(outputs)
 }
 
 /// The library, which is loaded once.
@@ -132,42 +148,44 @@ impl Oidn {
             let advice = format!("install it, or set {VARIABLE} to the folder of {FILE}");
             Error::Resource(one_line(format!("Open Image Denoise 2: {problem}; {advice}")))
         };
-        // The source names the file, and says more than the error.
+        let place = place()?;
+        // The source says more than the error, and mostly names the file.
         let reason = |error: libloading::Error| {
-            error.source().map_or_else(|| error.to_string(), ToString::to_string)
+            let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+            let file = place.display().to_string();
+            if reason.contains(&file) { reason } else { format!("{file}: {reason}") }
         };
-        let place = place();
         // SAFETY: the library is the one that the user chose. It stays loaded, since its threads may outlive a device.
         let functions = unsafe {
-            let library = Library::new(&place).map_err(|error| fails(reason(error)))?;
+            let library = open(&place).map_err(|error| fails(reason(error)))?;
             let functions = Functions::find(&library);
             std::mem::forget(library);
             functions.map_err(|error| fails(format!("another version? {}", reason(error))))?
         };
         // SAFETY: the device is used by this thread alone until it is released.
         let version = unsafe {
-            let device = functions.device()?;
+            let device = functions.device(1);
+            let device = device.map_err(|error| fails(format!("{}: {error}", place.display())))?;
             let version = (functions.get_device_int)(device, c"version".as_ptr());
             (functions.release_device)(device);
             version
         };
         match version {
-            VERSION_2.. => Ok(Self { functions, version }),
-            _ => Err(fails(format!("{} is an older version", place.display()))),
+            VERSION_2..VERSION_3 => Ok(Self { functions, version }),
+            _ => Err(fails(format!("{}: another version, {}", place.display(), named(version)))),
         }
     }
 }
 
 impl Functions {
-    /// A new device.
+    /// A new device of so many threads.
     ///
     /// # Safety
     /// The functions must be those of the library.
-    unsafe fn device(&self) -> Result<Device> {
+    unsafe fn device(&self, threads: c_int) -> Result<Device> {
         // SAFETY: the library allows all of these calls for any device, even none.
         unsafe {
             let device = (self.new_device)(CPU);
-            let threads = rayon::current_num_threads() as c_int;
             (self.set_device_int)(device, c"numThreads".as_ptr(), threads);
             // Other programs and other parts of this one use the cores, too.
             (self.set_device_bool)(device, c"setAffinity".as_ptr(), false);
@@ -207,12 +225,27 @@ fn one_line(message: String) -> String {
 }
 
 /// The library's file, or its name for the system to find.
-fn place() -> PathBuf {
-    match env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
-        Some(value) => {
-            let path = PathBuf::from(value);
-            if path.is_dir() { path.join(FILE) } else { path }
-        }
-        None => PathBuf::from(FILE),
+fn place() -> Result<PathBuf> {
+    let Some(value) = env::var_os(VARIABLE).filter(|value| !value.is_empty()) else {
+        return Ok(PathBuf::from(FILE));
+    };
+    let given = PathBuf::from(value);
+    // The system would look for a file without a folder elsewhere.
+    let path = std::path::absolute(&given).map_err(Error::io(&given, "find"))?;
+    Ok(if path.is_dir() { path.join(FILE) } else { path })
+}
+
+/// # Safety
+/// The library's initialisation must be sound.
+unsafe fn open(place: &Path) -> Result<Library, libloading::Error> {
+    // The libraries that it needs are beside it.
+    #[cfg(windows)]
+    if place.is_absolute() {
+        use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library};
+        // SAFETY: the caller's.
+        return unsafe { Library::load_with_flags(place, LOAD_WITH_ALTERED_SEARCH_PATH) }
+            .map(Into::into);
     }
+    // SAFETY: the caller's.
+    unsafe { Library::new(place) }
 }

@@ -15,7 +15,7 @@ static bool committed, hdr;
 static const char *error;
 static const float *color, *albedo, *normal;
 static float *output;
-static size_t count;
+static size_t count, W, H;
 
 void *oidnNewDevice(int type) { return type == 1 ? &device : NULL; }
 void oidnSetDeviceBool(void *to, const char *name, bool value) {
@@ -39,7 +39,8 @@ void *oidnNewFilter(void *of, const char *type) { return of == &device && !strcm
 void oidnSetSharedFilterImage(void *of, const char *name, void *image, int format, size_t width, size_t height,
                               size_t offset, size_t pixel, size_t row) {
     if (of != &filter || format != 3 || offset || pixel || row) error = "wrong image";
-    count = width * height;
+    if (count && (width != W || height != H)) error = "wrong size";
+    count = width * height, W = width, H = height;
     if (!strcmp(name, "color")) color = image;
     if (!strcmp(name, "albedo")) albedo = image;
     if (!strcmp(name, "normal")) normal = image;
@@ -48,7 +49,11 @@ void oidnSetSharedFilterImage(void *of, const char *name, void *image, int forma
 void oidnSetFilterBool(void *of, const char *name, bool value) { hdr = of == &filter && !strcmp(name, "hdr") && value; }
 void oidnCommitFilter(void *which) { (void)which; }
 void oidnExecuteFilter(void *which) {
-    if (which != &filter || !hdr || !color || !albedo || !normal || !output) error = "not set up";
+    if (which != &filter || !hdr || !color || !output || (normal && !albedo)) error = "not set up";
+    /* Colours of surfaces are none of their directions: only those may be negative. */
+    bool below = false;
+    for (size_t i = 0; normal && albedo && i < 3 * count; i++) below |= normal[i] < 0, error = albedo[i] < 0 ? "mixed up" : error;
+    if (normal && !below) error = "no normals";
     if (FAIL) error = "out of\nmemory";
     for (size_t i = 0; !error && i < 3 * count; i++) output[i] = color[i / 3 * 3 + (i + 1) % 3];
 }

@@ -54,13 +54,20 @@ fn pictures_and_features_are_passed_to_the_library() {
     // A complete picture is not rendered again.
     let skip = [&render[..], &["-o", "a.exr", "--skip-complete"]].concat();
     assert!(run(&skip).contains("is complete"));
+    // The error of the denoised picture is estimated.
+    let noise = ["-o", "n.png", "--noise", "0.1%", "--max-spp", "48"];
+    let goal = [&["render", "cornell", "--width", "40", "--denoise=oidn"][..], &noise].concat();
+    assert!(run(&goal).contains("noise "));
     // The same from films and files.
     let layers = ["--layers", "albedo,normal", "--first-hit", "through"];
     run(&[&render[..6], &layers[..], &["-o", "a.film"]].concat());
     run(&["merge", "a.film", "-o", "b.exr", "--denoise=oidn"]);
     run(&["merge", "a.film", "-o", "layers.exr"]);
     run(&["denoise", "layers.exr", "-o", "c.exr", "--quality", "oidn"]);
-    for name in ["b.exr", "c.exr"] {
+    // The library knows no normals without albedo.
+    run(&[&render[..6], &["--layers", "normal", "-o", "normal.exr"]].concat());
+    run(&["denoise", "normal.exr", "-o", "d.exr", "--quality", "oidn"]);
+    for name in ["b.exr", "c.exr", "d.exr"] {
         assert_eq!(Image::read(&here.join(name)).unwrap().pixels(), turned(&noisy), "{name}");
     }
 }
@@ -78,9 +85,9 @@ fn a_missing_old_or_broken_library_gives_one_line() {
         ["render", "cornell", "--width", "40", "--spp", "2", "--denoise=oidn", "-o", "a.png"];
     for (library, wanted) in [
         ("missing", "missing"),
-        ("broken", FILE),
+        ("broken", "broken/libOpenImageDenoise"),
         ("old", "oidnNewFilter"),
-        ("one", "older version"),
+        ("one", "another version, 1.4.3"),
         ("failing", "out of memory"),
     ] {
         let output = with(here, library, &words);
@@ -94,6 +101,8 @@ fn a_missing_old_or_broken_library_gives_one_line() {
             "{library}: {error}"
         );
         assert!(library == "failing" || error.contains("PTFAST_OIDN"), "{library}: {error}");
+        // Nothing was rendered, unless the library failed later.
         assert!(!here.join("a.png").exists());
+        assert_eq!(here.join("a.film").exists(), library == "failing", "{library}: {error}");
     }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::{IMAGE, named};
 use crate::denoise::Denoise;
-use crate::engine::{FirstHits, ImageSettings, Layer, Layers, Pin, Pool, threads_for};
+use crate::engine::{FirstHits, ImageSettings, Layer, Layers, Pin, Pool, Session, threads_for};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata};
 use clap::Args;
@@ -21,18 +21,18 @@ const LAYERS_KEY: &str = "ptfast:layers";
 const LAYERS: [Layer; 8] = [
     Layer::Albedo,
     Layer::Normal,
-    Layer::Depth,
     Layer::ColorEven,
     Layer::ColorOdd,
+    Layer::Depth,
     Layer::AlbedoEven,
     Layer::NormalEven,
     Layer::DepthEven,
 ];
 
-/// Those of [`LAYERS`] that a quality uses.
+/// Those of [`LAYERS`] that a quality uses, or the estimate of its error.
 pub(crate) fn layers_of(quality: Denoise) -> &'static [Layer] {
     match quality {
-        Denoise::Oidn => &LAYERS[..2],
+        Denoise::Oidn => &LAYERS[..4],
         Denoise::Fast => &LAYERS[..5],
         Denoise::Good => &LAYERS,
     }
@@ -41,8 +41,8 @@ pub(crate) fn layers_of(quality: Denoise) -> &'static [Layer] {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DenoiseArgs {
     /// Remove the noise of the picture. An .exr keeps the noisy picture as the layer `noisy`; layers hold the first
-    /// hit behind smooth mirrors and clear glass. oidn is Open Image Denoise 2, which must be installed [default
-    /// quality: good]
+    /// hit behind smooth mirrors and clear glass. oidn is Open Image Denoise 2, which must be installed: PTFAST_OIDN
+    /// names its library or the folder of it [default quality: good]
     #[arg(long, value_name = "QUALITY", help_heading = IMAGE, num_args = 0..=1, require_equals = true, default_missing_value = Denoise::Good.name(), value_parser = named(&Denoise::ALL, Denoise::name))]
     pub(crate) denoise: Option<Denoise>,
 }
@@ -72,20 +72,20 @@ impl Denoised {
 }
 
 impl DenoiseArgs {
-    /// Adds what denoising needs to the settings of a render, which may end by its `noise`.
+    /// Adds what denoising needs to the settings of a render.
     ///
     /// # Errors
     /// [`Error::Usage`] if pixels have too few samples, [`Error::Resource`] if the library cannot be used.
-    pub(crate) fn prepare(&self, settings: &mut ImageSettings, noise: bool) -> Result<()> {
+    pub(crate) fn prepare(&self, settings: &mut ImageSettings) -> Result<()> {
         let Some(quality) = self.denoise else { return Ok(()) };
+        // Before the render, which may take long.
         quality.library()?;
         if quality == Denoise::Good && settings.spp < 2 {
             let message = "--denoise compares two halves of the samples: use --spp 2 or more, or --denoise=fast";
             return Err(Error::Usage(message.to_owned()));
         }
         settings.first_hit = FirstHits::Through;
-        let halves = [Layer::ColorEven, Layer::ColorOdd].into_iter().filter(|_| noise);
-        let needed = layers_of(quality).iter().copied().chain(halves);
+        let needed = layers_of(quality).iter().copied();
         let needed = needed.filter(|layer| settings.spp > 1 || !layer.is_half());
         settings.layers = Layers::new(settings.layers.iter().chain(needed));
         Ok(())
@@ -109,12 +109,14 @@ impl DenoiseArgs {
         per_pixel * pixels as f64 / threads_for(threads) as f64
     }
 
-    /// An estimate of the relative error of the denoised `image`, if there is one.
+    /// An estimate of the relative error of the denoised picture of `session`, if there is one.
     ///
     /// # Errors
-    /// Those of [`Image::denoised_noise`], [`Error::Resource`] if threads cannot be started.
-    pub(crate) fn noise(&self, image: &Image, threads: u32) -> Result<Option<f64>> {
+    /// Those of [`Image::denoised_noise`], [`Error::Resource`] if memory runs out or threads cannot be started.
+    pub(crate) fn noise(&self, session: &Session) -> Result<Option<f64>> {
         let Some(quality) = self.denoise else { return Ok(None) };
+        let image = session.snapshot_of(&Layers::new(layers_of(quality).iter().copied()))?;
+        let threads = session.renderer().compute_settings().threads;
         Pool::start(threads, Pin::Off)?.install(|| image.denoised_noise(quality))
     }
 

@@ -31,10 +31,11 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
-    /// About the number of samples that each of `pixels` pixels will have, for the effort of preparing the render. A
-    /// path takes about a microsecond.
+    /// About the number of samples that each of `pixels` pixels will have, for the effort of preparing the render. In
+    /// scenes whose trees take long, a path takes some three microseconds.
     pub(crate) fn samples(&self, pixels: u64) -> u32 {
-        let paths = self.time.map_or(u64::from(USUAL) * pixels, |time| time.as_micros() as u64);
+        let of_time = |time: Duration| time.as_micros() as u64 / 3;
+        let paths = self.time.map_or(u64::from(USUAL) * pixels, of_time);
         (paths / pixels.max(1)).clamp(1, self.most.into()) as u32
     }
 }
@@ -76,7 +77,7 @@ impl<'a> Course<'a> {
     /// The next pass; `None` if the goal is reached.
     ///
     /// # Errors
-    /// If memory runs out.
+    /// If memory runs out, or a denoiser fails whose error is to be estimated.
     pub(crate) fn next(&mut self) -> Result<Option<Pass>> {
         let (done, most, end) = {
             let film = &self.session.state().film;
@@ -85,23 +86,26 @@ impl<'a> Course<'a> {
         let Some(goal) = self.goal else {
             return Ok((done < end).then_some(Pass { end, total: end }));
         };
+        let left = goal.time.map(|time| {
+            let end = time.as_secs_f64() - goal.denoising - self.writing();
+            end - goal.start.elapsed().as_secs_f64()
+        });
         let mut pass = Pass { end: goal.most, total: goal.most };
-        // That of a denoised picture takes time.
-        if (goal.noise.is_some() || self.denoise.denoise.is_none())
-            && let Some(estimate) = self.estimate()?
-        {
-            self.noise = [Some((done, estimate)), self.noise[0]];
-        }
         if let Some(noise) = goal.noise {
-            if self.noise[0].is_some_and(|(at, estimate)| at == done && estimate <= noise) {
-                return Ok(None);
+            // Wherever a render was interrupted, it is estimated at the same numbers.
+            if done > 0
+                && next_estimate(done - 1) == done
+                && let Some(estimate) = self.estimate(noise, left)?
+            {
+                self.noise = [Some((done, estimate)), self.noise[0]];
+                if estimate <= noise {
+                    return Ok(None);
+                }
             }
             pass.end = next_estimate(done).min(goal.most);
             pass.total = expected(self.noise, noise).clamp(pass.end, goal.most);
         }
-        if let Some(time) = goal.time {
-            let end = time.as_secs_f64() - goal.denoising - self.writing();
-            let left = end - goal.start.elapsed().as_secs_f64();
+        if let Some(left) = left {
             let (begin, before) = self.begun;
             let samples = self.session.state().samples_per_pixel() - before;
             let fits = fitting(left, samples, begin.elapsed().as_secs_f64());
@@ -121,19 +125,27 @@ impl<'a> Course<'a> {
     /// An estimate of the relative error of the picture: the last one, if its number of samples gives none.
     pub(crate) fn noise(&self) -> Option<f64> {
         let [Some((samples, error)), _] = self.noise else { return None };
+        if self.denoise.denoise.is_some() {
+            // How soon it falls is not known.
+            return Some(error);
+        }
         let more = f64::from(self.session.samples()) / f64::from(samples);
         Some(error / more.sqrt())
     }
 
-    /// An estimate of the relative error of the picture, denoised if it will be.
-    fn estimate(&self) -> Result<Option<f64>> {
+    /// An estimate of the relative error of the picture, denoised if it will be. What is below `enough` anyway is not
+    /// denoised, nor if that takes too much of the time that is `left`.
+    fn estimate(&self, enough: f64, left: Option<f64>) -> Result<Option<f64>> {
         let Some(noisy) = self.session.noise()? else { return Ok(None) };
-        let threads = self.session.renderer().compute_settings().threads;
-        let denoised = match self.denoise.denoise {
-            Some(_) => self.denoise.noise(&self.session.snapshot()?, threads)?,
-            None => None,
-        };
-        // The halves exaggerate where pixels see several surfaces, which samples divide evenly.
+        let Some(Goal { denoising, .. }) = self.goal else { return Ok(Some(noisy)) };
+        if noisy <= enough || self.denoise.denoise.is_none() {
+            return Ok(Some(noisy));
+        }
+        if left.is_some_and(|left| left < 3.0 * denoising) {
+            return Ok(None);
+        }
+        // The halves exaggerate where pixels see several surfaces, which all samples together divide evenly.
+        let denoised = self.denoise.noise(self.session)?;
         Ok(Some(denoised.map_or(noisy, |denoised| denoised.min(noisy))))
     }
 

@@ -22,7 +22,8 @@ pub(crate) struct GoalArgs {
     /// the same number of samples, at least one, and --spp with this number renders the same image
     #[arg(long, value_name = "TIME", help_heading = IMAGE, allow_hyphen_values = true, conflicts_with_all = OTHERS, value_parser = duration)]
     time: Option<Duration>,
-    /// Render until the relative error is estimated to be below this, such as 2%
+    /// Render until the relative error is estimated to be below this, such as 2%: that of the denoised picture with
+    /// --denoise
     #[arg(long, value_name = "ERROR", help_heading = IMAGE, allow_hyphen_values = true, conflicts_with_all = OTHERS, value_parser = percentage)]
     noise: Option<f64>,
     /// Largest number of samples per pixel with --time and --noise [default: 65536]

@@ -92,7 +92,7 @@ impl<'a> RenderJob<'a> {
         let load = loading.elapsed().as_secs_f64();
         let mut settings = args.image_settings(&scene)?;
         settings.spp = goal.map_or(settings.spp, |goal| goal.most);
-        args.denoise.prepare(&mut settings, goal.is_some_and(|goal| goal.noise.is_some()))?;
+        args.denoise.prepare(&mut settings)?;
         let mut compute = args.compute_settings(&scene, &settings)?;
         let warnings = scene.warnings_with(settings.camera(&scene));
         warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
@@ -275,7 +275,7 @@ impl<'a> RenderJob<'a> {
         };
         self.report(&run, interference)?;
         self.say_what_goal_missed(&run);
-        self.say_what_would_help(&run);
+        self.say_what_would_help(&run, &session);
         finished?;
         progress.done(session.progress());
         Ok(())

@@ -32,7 +32,7 @@ pub(crate) struct Run<'a> {
     /// Of the denoised image.
     pub(crate) denoised: Option<&'a str>,
     pub(crate) seconds: StepSeconds,
-    /// The estimated relative error of the picture, if the render has a goal.
+    /// The estimated relative error of the picture, if the render ends by it.
     pub(crate) noise: Option<f64>,
 }
 

@@ -9,7 +9,7 @@ use super::target::Target;
 use super::{stats, summary, timeline};
 use crate::cli::console::{notice, say};
 use crate::cli::path;
-use crate::engine::MOST_EVENTS;
+use crate::engine::{MOST_EVENTS, Session};
 use crate::error::Result;
 use crate::image::Exposure;
 use crate::measure::machine::Interference;
@@ -19,6 +19,8 @@ use crate::output::write_atomically;
 const MOST_CLIPPED: f64 = 0.2;
 /// Relative error that a denoiser could hardly make smaller.
 const CLEAN: f64 = 0.03;
+/// Number of samples below which most pictures are noisy.
+const FEW: u32 = 256;
 
 impl RenderJob<'_> {
     /// Says which goal the render has missed, and how far it came.
@@ -44,20 +46,20 @@ impl RenderJob<'_> {
     }
 
     /// Names `--denoise` after a render with a goal whose picture would be better with it.
-    pub(super) fn say_what_would_help(&self, run: &Run<'_>) {
+    pub(super) fn say_what_would_help(&self, run: &Run<'_>, session: &Session) {
         let is_film = matches!(self.output, Target::Film(_));
         if self.goal.is_none() || self.args.denoise.denoise.is_some() || is_film {
             return;
         }
-        match run.noise {
-            Some(noise) if noise <= CLEAN => {}
-            Some(noise) => notice(format_args!(
-                "{} of the picture is noise: --denoise would remove most of it",
+        match run.noise.or_else(|| session.noise().ok().flatten()) {
+            Some(noise) if noise > CLEAN => notice(format_args!(
+                "the relative error is about {}: --denoise would lower it",
                 percent(noise)
             )),
-            None => notice(format_args!(
-                "the picture has few samples: --denoise would remove most of its noise"
-            )),
+            None if session.samples() < FEW => {
+                notice(format_args!("with few samples, --denoise gives a better picture"));
+            }
+            _ => {}
         }
     }
 

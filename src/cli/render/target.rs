@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::part_args::suffix;
 use crate::checkpoint::{Checkpoint, Identity, Part};
 use crate::cli::arguments::denoise::{DenoiseArgs, HASH_KEY};
+use crate::denoise::Denoise;
 use crate::engine::Layers;
 use crate::error::{Error, Result};
 use crate::image::{Display, Encoding, Format, Image, Metadata, layer_path};
@@ -159,10 +160,15 @@ fn is_image_of(
     {
         return false;
     }
-    let hash_key = if denoise.denoise.is_some() { HASH_KEY } else { "ptfast:hash" };
-    // EXR files store the linear values, to which the hash belongs. Others, and those without a hash, must be readable.
-    let hash = there.get(hash_key).filter(|_| format == Format::Exr);
-    let is_same = |image: Image| hash.is_none_or(|hash| *hash == image.hash());
+    // EXR files store the linear values, to which the hash belongs. PNG files must be readable.
+    let noisy = PathBuf::from(format!("{}:noisy", path.display()));
+    let (path, hash_key) = match denoise.denoise {
+        Some(Denoise::Oidn) if format == Format::Exr => (&*noisy, "ptfast:hash"),
+        Some(_) => (path, HASH_KEY),
+        None => (path, "ptfast:hash"),
+    };
+    let is_same =
+        |image: Image| format == Format::Png || there.get(hash_key) == Some(&image.hash());
     Image::read_encoded(path, Encoding::Linear, &|pixels, memory| {
         limits.check_image(pixels, memory)
     })
