@@ -103,6 +103,10 @@ fn a_missing_old_or_broken_library_gives_one_line() {
         assert!(library == "failing" || error.contains("PTFAST_OIDN"), "{library}: {error}");
         // Nothing was rendered, unless the library failed later.
         assert!(!here.join("a.png").exists());
-        assert_eq!(here.join("a.film").exists(), library == "failing", "{library}: {error}");
+        assert_eq!(
+            here.join("a.partial.film").exists(),
+            library == "failing",
+            "{library}: {error}"
+        );
     }
 }
