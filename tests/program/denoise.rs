@@ -196,3 +196,35 @@ fn goals_and_denoising_go_together() {
     let (again, _) = said(&["--spp", &spp, "--denoise=fast"]);
     assert_eq!(timed["denoised_hash"], again["denoised_hash"]);
 }
+
+#[test]
+fn damaged_files_with_layers_give_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let layers = ["--layers", "halves,albedo,normal,depth", "--first-hit", "through"];
+    run(here, &with(&with(&SMALL, &["whole.exr"]), &layers));
+    let whole = fs::read(here.join("whole.exr")).unwrap();
+    let mut refused = 0;
+    // Cut off, and with other bytes in the header and in the pixels.
+    let cuts = [8, whole.len() / 2, whole.len() - 1].map(|end| whole[..end].to_vec());
+    let changed = (0..12).map(|k| {
+        let mut bytes = whole.clone();
+        let at = if k < 6 { 9 + 61 * k } else { whole.len() * k / 12 };
+        bytes[at..at + 4].fill(0xFF);
+        bytes
+    });
+    for (k, bytes) in cuts.into_iter().chain(changed).enumerate() {
+        fs::write(here.join("damaged.exr"), bytes).unwrap();
+        let output = ptfast(here, &["denoise", "damaged.exr", "-o", "out.png"]);
+        if output.status.success() {
+            fs::remove_file(here.join("out.png")).unwrap();
+            continue;
+        }
+        refused += 1;
+        let error = stderr(&output);
+        let errors = error.lines().filter(|line| !line.contains("lacks the layers")).count();
+        assert!(errors == 1 && error.contains("damaged.exr"), "{k}: {error}");
+        assert!(!here.join("out.png").exists(), "{k}");
+    }
+    assert!(refused >= 5, "only {refused} files were refused");
+}
