@@ -46,9 +46,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     };
     let read: Vec<_> = args.parts.iter().map(|part| ("a part", part.as_path())).collect();
     files::check(&read, &[("the image", file)])?;
-    if let Some(quality) = args.denoise.denoise {
-        quality.library()?;
-    }
+    args.denoise.check()?;
     match &output {
         Target::Film(_) if args.partial => Err(Error::Usage(format!(
             "{output}: --partial writes an image: .png, .exr, .hdr or .pfm"

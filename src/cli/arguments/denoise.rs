@@ -3,12 +3,13 @@
 use std::mem;
 use std::time::Instant;
 
+use clap::Args;
+
 use super::{IMAGE, named};
 use crate::denoise::Denoise;
 use crate::engine::{FirstHits, ImageSettings, Layer, Layers, Pin, Pool, Session, threads_for};
 use crate::error::{Error, Result};
 use crate::image::{Image, Metadata};
-use clap::Args;
 
 /// The metadata keys of the quality, of the library's version, and of the hash of the denoised image.
 const QUALITY_KEY: &str = "ptfast:denoise";
@@ -72,14 +73,20 @@ impl Denoised {
 }
 
 impl DenoiseArgs {
+    /// Checks that a library that denoising needs can be used, before anything takes time.
+    ///
+    /// # Errors
+    /// Those of [`Denoise::library`].
+    pub(crate) fn check(&self) -> Result<()> {
+        self.denoise.map(Denoise::library).transpose().map(|_| ())
+    }
+
     /// Adds what denoising needs to the settings of a render.
     ///
     /// # Errors
-    /// [`Error::Usage`] if pixels have too few samples, [`Error::Resource`] if the library cannot be used.
+    /// [`Error::Usage`] if pixels have too few samples.
     pub(crate) fn prepare(&self, settings: &mut ImageSettings) -> Result<()> {
         let Some(quality) = self.denoise else { return Ok(()) };
-        // Before the render, which may take long.
-        quality.library()?;
         if quality == Denoise::Good && settings.spp < 2 {
             let message = "--denoise compares two halves of the samples: use --spp 2 or more, or --denoise=fast";
             return Err(Error::Usage(message.to_owned()));

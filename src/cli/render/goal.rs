@@ -95,7 +95,7 @@ impl<'a> Course<'a> {
             // Wherever a render was interrupted, it is estimated at the same numbers.
             if done > 0
                 && next_estimate(done - 1) == done
-                && let Some(estimate) = self.estimate(noise, left)?
+                && let Some(estimate) = self.estimate(&goal, noise, left)?
             {
                 self.noise = [Some((done, estimate)), self.noise[0]];
                 if estimate <= noise {
@@ -135,13 +135,12 @@ impl<'a> Course<'a> {
 
     /// An estimate of the relative error of the picture, denoised if it will be. What is below `enough` anyway is not
     /// denoised, nor if that takes too much of the time that is `left`.
-    fn estimate(&self, enough: f64, left: Option<f64>) -> Result<Option<f64>> {
+    fn estimate(&self, goal: &Goal, enough: f64, left: Option<f64>) -> Result<Option<f64>> {
         let Some(noisy) = self.session.noise()? else { return Ok(None) };
-        let Some(Goal { denoising, .. }) = self.goal else { return Ok(Some(noisy)) };
         if noisy <= enough || self.denoise.denoise.is_none() {
             return Ok(Some(noisy));
         }
-        if left.is_some_and(|left| left < 3.0 * denoising) {
+        if left.is_some_and(|left| left < 3.0 * goal.denoising) {
             return Ok(None);
         }
         // The halves exaggerate where pixels see several surfaces, which all samples together divide evenly.

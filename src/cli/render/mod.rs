@@ -81,8 +81,9 @@ struct RenderJob<'a> {
 impl<'a> RenderJob<'a> {
     fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
         let goal = args.goal.goal(start)?;
-        // A wrong extension is reported before a large scene is loaded.
+        // A wrong extension or a missing library is reported before a large scene is loaded.
         args.output.clone().map(Target::of_path).transpose()?;
+        args.denoise.check()?;
         let loading = Instant::now();
         let reading = format!("reading {}", args.sample.scene.name());
         let (scene, maybe_blender) = progress::waiting(&reading, args.mode(), || {
