@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::denoise::{DenoiseArgs, layers_of};
+use super::arguments::denoise::{DenoiseArgs, Denoised, layers_of};
 use super::arguments::{DisplayArgs, LimitArgs, named};
 use super::console::{notice, say};
 use super::files;
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &DenoiseCommand) -> Result<()> {
     let threads = args.threads.unwrap_or(0);
     let denoised = denoise.apply(&mut image, threads, &Layers::default(), output.is_exr());
     let Some(denoised) = denoised.map_err(|error| in_file(input, error))? else { return Ok(()) };
-    let metadata = denoised.noted_in(Metadata::of_program());
+    let metadata = Denoised::noted(Some(&denoised), Metadata::of_program());
     image.write(path, args.display.display(), &metadata)?;
     say(format_args!("time    {:.2} s", denoised.seconds))?;
     if let Some(hash) = &denoised.hash {

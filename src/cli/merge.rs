@@ -91,14 +91,6 @@ impl MergeArgs {
     }
 }
 
-/// `metadata` with how the image was denoised.
-fn noted(denoised: &Option<Denoised>, metadata: Metadata) -> Metadata {
-    match denoised {
-        Some(denoised) => denoised.noted_in(metadata),
-        None => metadata,
-    }
-}
-
 fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     let whole = merge(&args.parts, &args.limits.limits())?;
     if let Target::Film(path) = output {
@@ -107,7 +99,7 @@ fn write_whole(args: &MergeArgs, output: &Target) -> Result<()> {
     let Checkpoint { scene, identity, rendering, .. } = whole;
     let (image, hash, denoised) = args.image(&identity, &Rows::all(&rendering.film), output)?;
     if let Target::Image(path) = output {
-        let metadata = noted(&denoised, identity.metadata(&hash));
+        let metadata = Denoised::noted(denoised.as_ref(), identity.metadata(&hash));
         image.write(path, args.display.display(), &metadata)?;
     }
     let settings = settings::describe(&identity.settings);
@@ -125,7 +117,7 @@ fn write_partial(args: &MergeArgs, output: &Target) -> Result<()> {
         merge_partial(&args.parts, &args.limits.limits())?;
     let (samples, spp) = (film.samples(), identity.settings.spp);
     let (image, _, denoised) = args.image(&identity, &film, output)?;
-    let metadata = noted(&denoised, Metadata::of_partial(samples));
+    let metadata = Denoised::noted(denoised.as_ref(), Metadata::of_partial(samples));
     image.write(&args.output, args.display.display(), &metadata)?;
     let (width, height) = (image.width(), image.height());
     let per_pixel = samples as f64 / (f64::from(width) * f64::from(height));

@@ -60,11 +60,11 @@ pub(crate) struct Denoised {
 }
 
 impl Denoised {
-    /// Adds how the image was denoised to the metadata of its file.
-    pub(crate) fn noted_in(&self, metadata: Metadata) -> Metadata {
-        let metadata =
-            metadata.with(QUALITY_KEY, self.quality.name()).with(LAYERS_KEY, &self.asked);
-        let more = [(LIBRARY_KEY, &self.library), (HASH_KEY, &self.hash)];
+    /// Adds how an image was denoised, if it was, to the metadata of its file.
+    pub(crate) fn noted(denoised: Option<&Self>, metadata: Metadata) -> Metadata {
+        let Some(Self { quality, asked, library, hash, .. }) = denoised else { return metadata };
+        let metadata = metadata.with(QUALITY_KEY, quality.name()).with(LAYERS_KEY, asked);
+        let more = [(LIBRARY_KEY, library), (HASH_KEY, hash)];
         more.into_iter().fold(metadata, |metadata, (key, value)| match value {
             Some(value) => metadata.with(key, value),
             None => metadata,

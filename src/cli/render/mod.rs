@@ -6,6 +6,7 @@ mod checkpoint_file;
 mod checkpointing;
 mod goal;
 mod goal_args;
+mod job;
 mod part_args;
 mod plan_file;
 mod record;
@@ -18,34 +19,28 @@ mod timeline;
 mod watch;
 
 use std::borrow::Cow;
-use std::io::{self, ErrorKind, Write};
-use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
 use self::args::RenderArgs;
 use self::checkpoint_file::CheckpointFile;
 use self::checkpointing::Saved;
-use self::goal::Goal;
+use self::job::RenderJob;
 use self::record::{Run, StepSeconds};
 use self::target::Target;
 use self::watch::Schedule;
 use super::arguments::denoise::Denoised;
 use super::console::{advise_on_build, notice, say};
 use super::progress::{ProgressMode, ProgressReport};
-use super::{console, files, progress};
-use crate::accel::TreeQuality;
+use super::{console, progress};
 use crate::checkpoint::Part;
 use crate::denoise::Denoise;
-use crate::engine::{
-    ComputeSettings, Engine, FilmOf, ImageSettings, PreparedScene, Render, Renderer, Session,
-};
-use crate::error::{Error, Result};
+use crate::engine::{PreparedScene, Render, Renderer, Session};
+use crate::error::Result;
 use crate::image::{Display, Image};
 use crate::interrupt;
 use crate::isa::Isa;
 use crate::measure::machine::Interference;
-use crate::scene::Scene;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
@@ -62,76 +57,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     job.run()
 }
 
-/// A render whose arguments are valid, and whose output files can be written.
-struct RenderJob<'a> {
-    args: &'a RenderArgs,
-    start: Instant,
-    scene: Scene,
-    /// Whether lamps may be in the units of Blender, although the options do not say so.
-    maybe_blender: bool,
-    /// Seconds that loading the scene took.
-    load: f64,
-    settings: ImageSettings,
-    compute: ComputeSettings,
-    part: Part,
-    output: Target,
-    goal: Option<Goal>,
-}
-
-impl<'a> RenderJob<'a> {
-    fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
-        let goal = args.goal.goal(start)?;
-        // A wrong extension or a missing library is reported before a large scene is loaded.
-        args.output.clone().map(Target::of_path).transpose()?;
-        args.denoise.check()?;
-        let loading = Instant::now();
-        let reading = format!("reading {}", args.sample.scene.name());
-        let (scene, maybe_blender) = progress::waiting(&reading, args.mode(), || {
-            let parsed = args.limits.read_for(&args.sample.scene, args.sample.size())?;
-            Ok::<_, Error>((parsed.resolve()?, parsed.maybe_blender))
-        })?;
-        let load = loading.elapsed().as_secs_f64();
-        let mut settings = args.image_settings(&scene)?;
-        settings.spp = goal.map_or(settings.spp, |goal| goal.most);
-        args.denoise.prepare(&mut settings)?;
-        let mut compute = args.compute_settings(&scene, &settings)?;
-        let warnings = scene.warnings_with(settings.camera(&scene));
-        warnings.iter().for_each(|warning| notice(format_args!("{warning}")));
-        settings.check(scene.limits())?;
-        compute.check()?;
-        let part = args.part.part(&settings)?;
-        let pixels = part.identity.area().pixels();
-        let denoising = args.denoise.seconds(pixels, compute.threads);
-        let goal = goal.map(|goal| Goal { denoising, ..goal });
-        // A film grows with its samples.
-        let samples = goal.map_or(part.samples.end, |goal| goal.samples(pixels));
-        let samples = part.samples.start..samples;
-        compute.check_memory(&scene, Some(FilmOf(&settings, samples.clone())))?;
-        let paths = pixels * samples.len() as u64;
-        compute.trees =
-            args.tree.unwrap_or_else(|| TreeQuality::for_paths(paths, scene.geometry()));
-        let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
-        if args.transparent {
-            output.check_alpha()?;
-        }
-        if args.denoise.denoise.is_some() && matches!(output, Target::Film(_)) {
-            let message = format!(
-                "{output}: --denoise is for images: render the film with --layers halves,albedo,normal,depth \
-                 --first-hit through, then use `ptfast merge --denoise`"
-            );
-            return Err(Error::Usage(message));
-        }
-        if output == Target::StandardOutput && !args.layers.is_empty() {
-            let message = "--layers: standard output gets one picture, use -o FILE.exr";
-            return Err(Error::Usage(message.to_owned()));
-        }
-        if output == Target::StandardOutput && args.print.is_some() {
-            let message = "--print and the image both need standard output: use -o FILE";
-            return Err(Error::Usage(message.to_owned()));
-        }
-        Ok(Self { args, start, scene, maybe_blender, load, settings, compute, part, output, goal })
-    }
-
+impl RenderJob<'_> {
     /// The appearance of the image.
     fn display(&self) -> Display {
         let display = self.args.display.display();
@@ -293,31 +219,6 @@ impl<'a> RenderJob<'a> {
         Saved { session, scene, part, file, goal, denoise: &self.args.denoise, display }
     }
 
-    /// Rejects output files that cannot be written, are the same, or would overwrite input files.
-    fn check_files(&self, file: &CheckpointFile) -> Result<()> {
-        let args = self.args;
-        let mut read = files::of_scene(args.sample.scene.name(), &self.scene);
-        read.extend(args.plan.as_deref().map(|file| ("the plan", file)));
-        let to_file = self.output != Target::StandardOutput;
-        let written = [
-            ("the image", self.output.path()),
-            // If the image goes to standard output, do not reject the render because of an
-            // unwritable default checkpoint file.
-            ("the checkpoint", Some(file.path()).filter(|_| file.is_named() || to_file)),
-            ("the partial image", file.picture()),
-            ("the record", args.json.as_deref()),
-            ("the timeline", args.trace.as_deref()),
-        ];
-        let layers = self.output.layer_files(&args.layers);
-        let layers = layers.iter().map(|file| ("a layer", Some(file.as_path())));
-        let written: Vec<_> = written
-            .into_iter()
-            .chain(layers)
-            .filter_map(|(name, file)| Some((name, file?)))
-            .collect();
-        files::check(&read, &written)
-    }
-
     /// Denoises the picture of a finished render, if that is asked for.
     fn denoise(&self, session: &Session, image: &mut Image) -> Result<Option<Denoised>> {
         let mut args = self.args.denoise.clone();
@@ -339,66 +240,11 @@ impl<'a> RenderJob<'a> {
         hash: Option<&str>,
         denoised: Option<&Denoised>,
     ) -> Result<()> {
-        let metadata = || {
-            let metadata = part.identity.metadata(hash.unwrap_or_default());
-            match denoised {
-                Some(denoised) => denoised.noted_in(metadata),
-                None => metadata,
-            }
-        };
-        let display = self.display();
-        match &self.output {
-            Target::Film(path) => part.checkpoint(self.scene.name(), &session.state()).write(path),
-            Target::Image(path) => render.image.write(path, display, &metadata()),
-            Target::StandardOutput => {
-                let write = || {
-                    // Encode to memory first: the encoder would hide the kind of a write error.
-                    let mut png = Vec::new();
-                    render.image.write_png(&mut png, display, &metadata())?;
-                    let mut out = io::stdout().lock();
-                    out.write_all(&png).and_then(|()| out.flush())
-                };
-                match write() {
-                    // The reader closed the pipe early, which is not an error.
-                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-                    written => written.map_err(Error::io(Path::new("standard output"), "write")),
-                }
-            }
+        if let Target::Film(path) = &self.output {
+            return part.checkpoint(self.scene.name(), &session.state()).write(path);
         }
-    }
-}
-
-impl RenderArgs {
-    fn image_settings(&self, scene: &Scene) -> Result<ImageSettings> {
-        let of_samples = self.sample.settings(scene)?;
-        Ok(ImageSettings {
-            spp: self.spp.unwrap_or(of_samples.spp),
-            clamp: self.clamp,
-            transparent: self.transparent,
-            layers: self.layers.clone(),
-            first_hit: self.first_hit,
-            ..of_samples
-        })
-    }
-
-    fn compute_settings(&self, scene: &Scene, image: &ImageSettings) -> Result<ComputeSettings> {
-        if self.plan.is_some() && self.engine == Engine::Scalar {
-            return Err(Error::Usage("--plan is for the wavefront engine".to_owned()));
-        }
-        let plan = |file| plan_file::read(file, scene, image.camera(scene));
-        Ok(ComputeSettings {
-            engine: self.engine,
-            threads: self.threads.unwrap_or(0),
-            pin: self.pin,
-            wave_size: self.wave_size.unwrap_or(0),
-            plan: self.plan.as_deref().map(plan).transpose()?.into(),
-            trees: TreeQuality::default(),
-            count: self.stats,
-            timeline: self.trace.is_some(),
-        })
-    }
-
-    fn mode(&self) -> ProgressMode {
-        if self.quiet { ProgressMode::None } else { self.progress }
+        let metadata = part.identity.metadata(hash.unwrap_or_default());
+        let metadata = Denoised::noted(denoised, metadata);
+        self.output.write_image(&render.image, self.display(), &metadata)
     }
 }

@@ -1,6 +1,7 @@
 //! The output of a render: an image, or a film that can be continued and merged.
 
 use std::fmt;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::part_args::suffix;
@@ -111,6 +112,39 @@ impl Target {
         match self {
             Self::Image(path) | Self::Film(path) => Some(path),
             Self::StandardOutput => None,
+        }
+    }
+
+    /// Writes an image.
+    ///
+    /// # Errors
+    /// Those of [`Image::write`], also for standard output.
+    ///
+    /// # Panics
+    /// For films.
+    pub(crate) fn write_image(
+        &self,
+        image: &Image,
+        display: Display,
+        metadata: &Metadata,
+    ) -> Result<()> {
+        match self {
+            Self::Film(_) => unreachable!("films have samples"),
+            Self::Image(path) => image.write(path, display, metadata),
+            Self::StandardOutput => {
+                let write = || {
+                    // Encode to memory first: the encoder would hide the kind of a write error.
+                    let mut png = Vec::new();
+                    image.write_png(&mut png, display, metadata)?;
+                    let mut out = io::stdout().lock();
+                    out.write_all(&png).and_then(|()| out.flush())
+                };
+                match write() {
+                    // The reader closed the pipe early, which is not an error.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    written => written.map_err(Error::io(Path::new("standard output"), "write")),
+                }
+            }
         }
     }
 
