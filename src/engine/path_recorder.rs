@@ -65,11 +65,12 @@ impl PathRecorder {
 
     /// Traces the path of sample `sample` of pixel `(x, y)`.
     pub(crate) fn trace(&self, x: u32, y: u32, sample: u32) -> TracedPath {
-        let mut tracer = self.0.tracer(Recording { tree: self.0.tree(), rays: Vec::new() });
+        let mut recording = Recording { tree: self.0.tree(), rays: Vec::new() };
+        let mut tracer = self.0.tracer(&mut recording);
         let (ray, weight, key) = self.0.camera_ray(x, y, sample);
         let mut values = vec![0.0; self.0.channels()];
         let (radiance, _) = tracer.radiance(ray, key, weight, &mut values);
-        TracedPath { rays: tracer.intersect.rays, radiance }
+        TracedPath { rays: recording.rays, radiance }
     }
 }
 

@@ -50,7 +50,7 @@ impl ScalarEngine {
     }
 
     /// Creates a path tracer for the scene, with `intersect` to answer ray queries.
-    pub(super) fn tracer<I: Intersect>(&self, intersect: I) -> PathTracer<'_, I> {
+    pub(super) fn tracer<'a>(&'a self, intersect: &'a mut dyn Intersect) -> PathTracer<'a> {
         let (tables, mut tree) = (self.0.prepared.tables(), self.tree());
         let nesting = tables.bodies_around(self.0.camera.middle(), |ray| tree.closest(ray, 1));
         PathTracer::new(&self.0, nesting, intersect)
@@ -71,23 +71,23 @@ impl UnitEngine for ScalarEngine {
 impl UnitWorker for ScalarEngine {
     fn take(&mut self, task: &Task, abandon: &dyn Fn() -> bool) -> Option<Taken> {
         if self.0.compute.count {
-            let tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
-            let (taken, counting) = self.trace(task, tree, abandon)?;
-            Some(Taken { waves: counting.stats, ..taken })
+            let mut tree = CountingTree { tree: self.tree(), stats: WaveStats::default() };
+            let taken = self.trace(task, &mut tree, abandon)?;
+            Some(Taken { waves: tree.stats, ..taken })
         } else {
-            self.trace(task, self.tree(), abandon).map(|(taken, _)| taken)
+            self.trace(task, &mut self.tree(), abandon)
         }
     }
 }
 
 impl ScalarEngine {
-    /// Traces the samples of `task`. Also returns `intersect`, with the work that it has counted.
-    fn trace<I: Intersect>(
+    /// Traces the samples of `task`.
+    fn trace(
         &self,
         task: &Task,
-        intersect: I,
+        intersect: &mut dyn Intersect,
         abandon: &dyn Fn() -> bool,
-    ) -> Option<(Taken, I)> {
+    ) -> Option<Taken> {
         let unit = task.unit;
         let mut tally = Tally::default();
         let mut sums = task.open_sums();
@@ -118,6 +118,6 @@ impl ScalarEngine {
         }
         (tally.rays, tally.endings) = (tracer.rays, tracer.endings);
         let (waves, laps) = (WaveStats::default(), Vec::new());
-        Some((Taken { part: UnitSums { unit, sums }, tally, waves, laps }, tracer.intersect))
+        Some(Taken { part: UnitSums { unit, sums }, tally, waves, laps })
     }
 }

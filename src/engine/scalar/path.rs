@@ -17,10 +17,10 @@ use crate::shading::material::{
 use crate::shading::{Beyond, CameraFrame, Key, MOST_PANES, Nesting, SceneTables};
 
 /// Estimates the radiance along camera rays, and counts rays and path endings.
-pub(in crate::engine) struct PathTracer<'a, I> {
+pub(in crate::engine) struct PathTracer<'a> {
     scene: &'a Scene,
     tables: &'a SceneTables,
-    pub(in crate::engine) intersect: I,
+    intersect: &'a mut dyn Intersect,
     settings: &'a ImageSettings,
     survival: Survival,
     camera: &'a CameraFrame,
@@ -73,9 +73,13 @@ impl Path {
     }
 }
 
-impl<'a, I: Intersect> PathTracer<'a, I> {
+impl<'a> PathTracer<'a> {
     /// Creates a tracer of paths that begin in the bodies of `nesting`.
-    pub(in crate::engine) fn new(view: &'a View, nesting: Nesting<f32>, intersect: I) -> Self {
+    pub(in crate::engine) fn new(
+        view: &'a View,
+        nesting: Nesting<f32>,
+        intersect: &'a mut dyn Intersect,
+    ) -> Self {
         let View { settings, camera, survival, .. } = view;
         let (rays, endings) = Default::default();
         let (scene, tables) = (view.scene(), view.prepared.tables());
@@ -364,8 +368,8 @@ impl<'a, I: Intersect> PathTracer<'a, I> {
 }
 
 /// Shades a path at a surface whose kind of material is known only at run time.
-struct Shade<'s, 'a, I> {
-    tracer: &'s mut PathTracer<'a, I>,
+struct Shade<'s, 'a> {
+    tracer: &'s mut PathTracer<'a>,
     path: &'s mut Path,
     values: &'s mut [f32],
     shape: Shape,
@@ -374,7 +378,7 @@ struct Shade<'s, 'a, I> {
     randoms: &'s Randoms,
 }
 
-impl<I: Intersect> MaterialVisitor for Shade<'_, '_, I> {
+impl MaterialVisitor for Shade<'_, '_> {
     /// Whether the path continues.
     type Output = bool;
 

@@ -7,7 +7,7 @@ mod first_hits;
 mod scatter;
 mod vertex;
 
-use self::scatter::{COLORED, GENERAL, LAYERED, PLAIN};
+use self::scatter::{COLORED, GENERAL, PLAIN};
 use super::layer_samples::LayerSamples;
 use super::order::Next;
 use super::{Cells, Paths, Queue, Queues, Shadows};
@@ -117,26 +117,27 @@ impl MaterialVisitor for ShadeSurfaces<'_, '_> {
         if emits {
             shading.emit(shape, &table.emission_rows, queue, shaded);
         }
-        let ends = if M::SCATTERS {
-            shading.ends_by_depth(queue, shaded)
+        if layered {
+            shading.first_hits_on::<M>(table, shape, queue, shaded.paths, shaded.layers);
+        }
+        if M::SCATTERS {
+            if shading.ends_by_depth(queue, shaded) {
+                return emits || layered;
+            }
         } else {
             shaded.endings.light += queue.len() as u64;
-            true
-        };
-        if layered {
-            shading.scatter::<M, LAYERED>(table, shape, queue, ends, shaded);
-        } else if ends {
-            return emits || !M::SCATTERS;
-        } else if M::LARGE
+            return true;
+        }
+        if M::LARGE
             || shape == Shape::Instance
             || !table.normals.is_empty()
             || !shading.tables.bodies.are_clear()
         {
-            shading.scatter::<M, GENERAL>(table, shape, queue, false, shaded);
+            shading.scatter::<M, GENERAL>(table, shape, queue, shaded);
         } else if M::TEXTURED && table.textured {
-            shading.scatter::<M, COLORED>(table, shape, queue, false, shaded);
+            shading.scatter::<M, COLORED>(table, shape, queue, shaded);
         } else {
-            shading.scatter::<M, PLAIN>(table, shape, queue, false, shaded);
+            shading.scatter::<M, PLAIN>(table, shape, queue, shaded);
         }
         true
     }

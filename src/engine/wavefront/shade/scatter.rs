@@ -3,7 +3,6 @@
 use super::bodies::Sides;
 use super::vertex::Vertex;
 use super::{ShadeInputs, ShadeOutputs};
-use crate::engine::first_hit::FirstHit;
 use crate::engine::wavefront::{History, Queue, Segment};
 use crate::geometry::{Ray, Shape, Surface};
 use crate::math::{Real, max_element};
@@ -12,17 +11,15 @@ use crate::shading::Nesting;
 use crate::shading::material::{Bsdf, MaterialModel, MaterialTable, Scatter};
 use crate::simd::{Float, Int, LANES, Vec3x};
 
-/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, also with normal
-/// maps, instances and bodies that absorb light, and also with first hits for layers. Code that is never used slows
-/// a loop down by 6 to 10%. Kinds with much code of their own have only the last two.
+/// The loops over surfaces, from the fastest to the slowest: without textures, with textures, and also with normal
+/// maps, instances and bodies that absorb light. Code that is never used slows a loop down by 6 to 10%. Kinds with
+/// much code of their own have only the last one.
 pub(super) const PLAIN: u8 = 0;
 pub(super) const COLORED: u8 = 1;
 pub(super) const GENERAL: u8 = 2;
-pub(super) const LAYERED: u8 = 3;
 
 impl ShadeInputs<'_> {
-    /// Scatters the paths of `queue` at surfaces of one shape and kind of material. With `ends`, which needs the loop
-    /// with first hits, they end there.
+    /// Scatters the paths of `queue` at surfaces of one shape and kind of material.
     ///
     /// It is not inlined, so that each kind of material has all registers to itself.
     #[inline(never)]
@@ -31,7 +28,6 @@ impl ShadeInputs<'_> {
         table: &MaterialTable<M::Entry>,
         shape: Shape,
         queue: Queue<'_>,
-        ends: bool,
         shaded: &mut ShadeOutputs<'_>,
     ) {
         let instanced = LOOP >= GENERAL && shape == Shape::Instance;
@@ -46,14 +42,6 @@ impl ShadeInputs<'_> {
                 at.map_normals(table, entries, M::GLOSSY);
             }
             let bsdf = M::bsdf::<Float>(rows, entries, &at);
-            if LOOP == LAYERED {
-                let first = FirstHit::on_surface(self.scene, self.camera, &at, &bsdf);
-                shaded.layers.store(&vertex.path, &first, bsdf.specular());
-                // The constant leaves the rest out of the loop of lights.
-                if ends || !M::SCATTERS {
-                    continue;
-                }
-            }
             let beyond =
                 |here: Nesting<Float>| here.beyond(Float::pick(&table.bodies, entries), at.front);
             let sides =
