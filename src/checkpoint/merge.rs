@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{Checkpoint, Identity, Shard};
 use crate::engine::{RenderState, Rows, Totals};
 use crate::error::{Error, Result};
-use crate::film::{Conflict, Film, Plane, SampleIndex};
+use crate::film::{Conflict, Film, SampleIndex};
 use crate::limits::{Limit, Limits};
 
 /// Merges `files`, the parts of one render: shards, ranges of samples, or both. `limits` apply to
@@ -168,7 +168,7 @@ pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<Partia
             }
         };
         known.check_identity(first)?;
-        sums.add(&part.rendering.film)?;
+        sums.add(&part.rendering.film);
     }
     let Some((PartFile { scene, identity, .. }, film)) = merged else {
         return Err(Error::Usage("there are no parts to merge".to_owned()));
@@ -178,6 +178,8 @@ pub(crate) fn merge_partial(files: &[PathBuf], limits: &Limits) -> Result<Partia
 
 /// Sums of all finished samples of several films.
 pub(crate) struct PartialFilm {
+    /// Pixels of a row.
+    width: usize,
     channels: usize,
     /// For each pixel, a sum per channel.
     sums: Vec<f64>,
@@ -192,7 +194,9 @@ impl PartialFilm {
         let bytes = Film::memory(film.area(), film.samples(), channels)
             + 8 * (1 + channels as u64) * pixels as u64;
         limits.check(Limit::Memory, bytes).map_err(Error::Usage)?;
-        Ok(Self { channels, sums: vec![0.0; pixels * channels], counts: vec![[0; 2]; pixels] })
+        let width = film.area().width as usize;
+        let (sums, counts) = (vec![0.0; pixels * channels], vec![[0; 2]; pixels]);
+        Ok(Self { width, channels, sums, counts })
     }
 
     /// Number of finished samples.
@@ -200,30 +204,28 @@ impl PartialFilm {
         self.counts.iter().flatten().map(|count| u64::from(*count)).sum()
     }
 
-    fn add(&mut self, film: &Film) -> Result<()> {
-        for first in (0..self.channels).step_by(3) {
-            let pixels = self.sums.chunks_exact_mut(self.channels);
-            for (sums, totals) in pixels.zip(film.totals(first, 0..film.area().height)?) {
-                for (sum, total) in sums[first..].iter_mut().zip(totals) {
-                    *sum += f64::from(total);
+    fn add(&mut self, film: &Film) {
+        let mut pixels = self.sums.chunks_exact_mut(self.channels).zip(&mut self.counts);
+        for row in 0..film.area().height {
+            Rows::all(film).row(row, |totals, counts| {
+                let (sums, sum) = pixels.next().expect("all parts have the same pixels");
+                for (sum, total) in sums.iter_mut().zip(totals) {
+                    *sum += f64::from(*total);
                 }
-            }
+                *sum = [sum[0] + counts[0], sum[1] + counts[1]];
+            });
         }
-        for (sum, counts) in self.counts.iter_mut().zip(Rows::all(film).counts()) {
-            *sum = [sum[0] + counts[0], sum[1] + counts[1]];
-        }
-        Ok(())
     }
 }
 
 impl Totals for PartialFilm {
-    fn sums(&self, first: usize) -> Result<Plane> {
-        let sum = |sums: &[f64], channel| sums.get(channel).map_or(0.0, |sum| *sum as f32);
-        let pixels = self.sums.chunks_exact(self.channels);
-        Ok(pixels.map(|sums| [0, 1, 2].map(|channel| sum(sums, first + channel))).collect())
-    }
-
-    fn counts(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.counts.iter().copied()
+    fn row(&self, row: u32, mut take: impl FnMut(&[f32], [u32; 2])) {
+        let pixels = row as usize * self.width..(row as usize + 1) * self.width;
+        let mut totals = vec![0.0; self.channels];
+        for pixel in pixels {
+            let sums = &self.sums[pixel * self.channels..][..self.channels];
+            totals.iter_mut().zip(sums).for_each(|(total, sum)| *total = *sum as f32);
+            take(&totals, self.counts[pixel]);
+        }
     }
 }

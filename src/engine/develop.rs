@@ -2,22 +2,19 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::ImageSettings;
 use super::layers::{Combine, Layer, Layers};
 use crate::error::Result;
-use crate::film::{Film, Plane, Tile, mean};
+use crate::film::{Film, Plane, Tile, mean, plane};
 use crate::image::{Image, ImageLayer};
 
 /// The sums of all samples of each pixel, and the numbers of samples.
-pub(crate) trait Totals {
-    /// The sums of three channels from number `first` on. Channels beyond the last count as 0.
-    ///
-    /// # Errors
-    /// If memory runs out.
-    fn sums(&self, first: usize) -> Result<Plane>;
-
-    /// The number of samples of each pixel with even numbers, and of those with odd numbers.
-    fn counts(&self) -> impl Iterator<Item = [u32; 2]>;
+pub(crate) trait Totals: Sync {
+    /// Calls `take` for each pixel of row number `row` with the sum of each channel, and the number of samples with
+    /// even and with odd numbers.
+    fn row(&self, row: u32, take: impl FnMut(&[f32], [u32; 2]));
 }
 
 /// Some rows of a film.
@@ -34,14 +31,48 @@ impl<'a> Rows<'a> {
 }
 
 impl Totals for Rows<'_> {
-    fn sums(&self, first: usize) -> Result<Plane> {
-        self.film.totals(first, self.rows.clone())
+    fn row(&self, row: u32, mut take: impl FnMut(&[f32], [u32; 2])) {
+        // Each pixel begins with an even sample.
+        let halves = |count: u32| [count - count / 2, count / 2];
+        self.film.totals(self.rows.start + row, |sums, count| take(sums, halves(count)));
+    }
+}
+
+/// How the value of a layer follows from the sums of a pixel.
+struct Recipe {
+    layer: Layer,
+    /// The first channel of its sum.
+    place: usize,
+    /// The channels that count first hits: of all samples, and of even ones.
+    hits: [usize; 2],
+}
+
+impl Recipe {
+    /// That of `layer`; `None` if a film with the layers `stored` lacks it.
+    fn new(stored: &Layers, layer: Layer) -> Option<Self> {
+        let place =
+            |wanted| stored.places().find(|(layer, _)| *layer == wanted).map(|found| found.1);
+        let hits = [Layer::Hits, Layer::HitsEven].map(|layer| place(layer).unwrap_or_default());
+        Some(Self { layer, place: place(layer)?, hits })
     }
 
-    fn counts(&self) -> impl Iterator<Item = [u32; 2]> {
-        // Each pixel begins with an even sample.
-        let counts = self.film.counts(self.rows.clone());
-        counts.map(|count| [count - count / 2, count / 2])
+    #[inline]
+    fn value(&self, sums: &[f32], [even, odd]: [u32; 2]) -> [f32; 3] {
+        let channels = self.layer.channels();
+        let mut sum = [0.0; 3];
+        sum[..channels].copy_from_slice(&sums[self.place..][..channels]);
+        let [all, evens] = self.hits;
+        match (self.layer.facts().1, self.layer.parity()) {
+            (Combine::First, _) => sum,
+            (Combine::Count, _) => [(even + odd) as f32, 0.0, 0.0],
+            (Combine::Light | Combine::Mean, None) => mean(sum, (even + odd) as f32),
+            (Combine::Light | Combine::Mean, Some(parity)) => {
+                mean(sum, [even, odd][parity as usize] as f32)
+            }
+            (Combine::MeanOfHits, None) => mean(sum, sums[all]),
+            (Combine::MeanOfHits, Some(0)) => mean(sum, sums[evens]),
+            (Combine::MeanOfHits, Some(_)) => mean(sum, sums[all] - sums[evens]),
+        }
     }
 }
 
@@ -56,55 +87,80 @@ pub(crate) fn develop(
     area: Tile,
     film: &impl Totals,
 ) -> Result<Image> {
-    let stored = settings.stored_layers();
-    let color = film.sums(0)?.into_iter().zip(film.counts());
-    let color = color.map(|(sum, [even, odd])| mean(sum, (even + odd) as f32)).collect();
-    let layers = wanted.iter().filter_map(|layer| stored.develop(film, layer).transpose());
-    let image = Image::from_pixels(area.width, area.height, color)
-        .with_layers(layers.collect::<Result<_>>()?);
-    match stored.develop(film, Layer::Alpha)?.filter(|_| settings.transparent) {
-        None => Ok(image),
-        Some(alpha) => Ok(image.with_alpha(alpha.values().iter().map(|a| a[0]).collect())),
+    developed(settings, wanted, area, |recipes, rows| {
+        rows.into_iter().for_each(|row| row.fill(recipes, film));
+    })
+}
+
+/// [`develop`] by all threads of the current pool.
+///
+/// # Errors
+/// Those of [`develop`].
+pub(crate) fn develop_in_parallel(
+    settings: &ImageSettings,
+    wanted: &Layers,
+    area: Tile,
+    film: &impl Totals,
+) -> Result<Image> {
+    developed(settings, wanted, area, |recipes, rows| {
+        rows.into_par_iter().for_each(|row| row.fill(recipes, film));
+    })
+}
+
+/// A row of the image and of its layers.
+struct Row<'a> {
+    number: u32,
+    colors: &'a mut [[f32; 3]],
+    layers: Vec<&'a mut [[f32; 3]]>,
+}
+
+impl Row<'_> {
+    fn fill(mut self, recipes: &[Recipe], film: &impl Totals) {
+        let mut pixel = 0;
+        film.row(self.number, |sums, counts| {
+            let [even, odd] = counts;
+            self.colors[pixel] = mean([sums[0], sums[1], sums[2]], (even + odd) as f32);
+            for (values, recipe) in self.layers.iter_mut().zip(recipes) {
+                values[pixel] = recipe.value(sums, counts);
+            }
+            pixel += 1;
+        });
     }
 }
 
-impl Layers {
-    /// The layer `layer` of the image of `film`, which holds these layers; `None` if it is none of them.
-    ///
-    /// # Errors
-    /// [`Error::Resource`](crate::Error::Resource) if memory runs out.
-    pub(crate) fn develop(&self, film: &impl Totals, layer: Layer) -> Result<Option<ImageLayer>> {
-        let sums = |wanted: Layer| {
-            let place = self.places().find(|(layer, _)| *layer == wanted);
-            place.map(|(_, place)| film.sums(place)).transpose()
-        };
-        let Some(mut values) = sums(layer)? else { return Ok(None) };
-        let hits = |layer: Layer| -> Result<Vec<f32>> {
-            Ok(sums(layer)?.unwrap_or_default().into_iter().map(|[first, ..]| first).collect())
-        };
-        let counts = film.counts().map(|counts| match layer.parity() {
-            None => counts[0] + counts[1],
-            Some(parity) => counts[parity as usize],
-        });
-        let (channels, combine) = layer.facts();
-        let divisors: Vec<f32> = match (combine, layer.parity()) {
-            (Combine::First | Combine::Count, _) => vec![1.0; values.len()],
-            (Combine::Light | Combine::Mean, _) => counts.map(|count| count as f32).collect(),
-            (Combine::MeanOfHits, None) => hits(Layer::Hits)?,
-            (Combine::MeanOfHits, Some(0)) => hits(Layer::HitsEven)?,
-            (Combine::MeanOfHits, Some(_)) => {
-                let (all, even) = (hits(Layer::Hits)?, hits(Layer::HitsEven)?);
-                all.iter().zip(even).map(|(all, even)| all - even).collect()
-            }
-        };
-        for ((value, divisor), [even, odd]) in values.iter_mut().zip(divisors).zip(film.counts()) {
-            value[layer.channels()..].fill(0.0);
-            *value = mean(*value, divisor);
-            if combine == Combine::Count {
-                value[0] = (even + odd) as f32;
-            }
+fn developed(
+    settings: &ImageSettings,
+    wanted: &Layers,
+    area: Tile,
+    fill: impl FnOnce(&[Recipe], Vec<Row<'_>>),
+) -> Result<Image> {
+    let stored = settings.stored_layers();
+    let alpha = settings.transparent.then_some(Layer::Alpha);
+    let recipes: Vec<Recipe> =
+        wanted.iter().chain(alpha).filter_map(|layer| Recipe::new(&stored, layer)).collect();
+    let mut colors = plane(area, [0.0; 3], 1)?;
+    let mut layers: Vec<Plane> =
+        recipes.iter().map(|_| plane(area, [0.0; 3], 1)).collect::<Result<_>>()?;
+    let width = area.width as usize;
+    let mut rows: Vec<Row<'_>> = (0..)
+        .zip(colors.chunks_exact_mut(width))
+        .map(|(number, colors)| Row { number, colors, layers: Vec::with_capacity(recipes.len()) })
+        .collect();
+    for values in &mut layers {
+        for (row, values) in rows.iter_mut().zip(values.chunks_exact_mut(width)) {
+            row.layers.push(values);
         }
-        let numbers = matches!(combine, Combine::First | Combine::Count);
-        Ok(Some(ImageLayer { name: layer.name(), channels, numbers, values }))
     }
+    fill(&recipes, rows);
+    let alpha = alpha.and_then(|_| layers.pop());
+    let layers = layers.into_iter().zip(&recipes).map(|(values, recipe)| {
+        let (channels, combine) = recipe.layer.facts();
+        let numbers = matches!(combine, Combine::First | Combine::Count);
+        ImageLayer { name: recipe.layer.name(), channels, numbers, values }
+    });
+    let image = Image::from_pixels(area.width, area.height, colors).with_layers(layers.collect());
+    Ok(match alpha {
+        None => image,
+        Some(alpha) => image.with_alpha(alpha.into_iter().map(|[alpha, ..]| alpha).collect()),
+    })
 }

@@ -32,7 +32,7 @@ mod wavefront;
 pub use compute_settings::{ComputeSettings, Engine};
 pub use contract::BITS;
 use contract::{SHADOW_REACH, counted, emission_weight, power_heuristic, scale};
-pub(crate) use develop::{Rows, Totals, develop};
+pub(crate) use develop::{Rows, Totals, develop, develop_in_parallel};
 use first_hit::FirstHit;
 pub use image_settings::ImageSettings;
 pub use layers::{FirstHits, Layer, Layers};

@@ -247,6 +247,11 @@ impl Renderer {
         self.pool.pinned()
     }
 
+    /// Runs `work` on the worker threads.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
     /// Renders the image.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::{
     ComputeSettings, ImageSettings, Layers, Observer, PreparedScene, Progress, Render, RenderState,
-    Renderer, Rows, Stop, develop,
+    Renderer, Rows, Stop, develop, develop_in_parallel,
 };
 use crate::error::Result;
 use crate::film::Tile;
@@ -53,6 +53,21 @@ impl Session {
         compute: impl Into<ComputeSettings>,
     ) -> Result<Self> {
         let renderer = Renderer::new(scene, image, compute)?;
+        let state = renderer.begin()?;
+        Ok(Self::of(renderer, state))
+    }
+
+    /// Another render of the same scene, on the same threads.
+    ///
+    /// # Errors
+    /// Those of [`set`](Self::set).
+    pub fn beside(
+        &self,
+        image: ImageSettings,
+        compute: impl Into<ComputeSettings>,
+    ) -> Result<Self> {
+        let renderer =
+            self.renderer.with(self.renderer.prepared().clone(), image, compute.into())?;
         let state = renderer.begin()?;
         Ok(Self::of(renderer, state))
     }
@@ -148,6 +163,12 @@ impl Session {
     /// Those of [`snapshot`](Self::snapshot).
     pub fn snapshot_of(&self, layers: &Layers) -> Result<Image> {
         let settings = self.renderer.image_settings();
+        if let Ok(_renders) = self.renders.try_lock() {
+            // The threads have nothing else to do.
+            let state = self.state();
+            let (area, film) = (state.film.area(), Rows::all(&state.film));
+            return self.renderer.install(|| develop_in_parallel(settings, layers, area, &film));
+        }
         let area = self.state().film.area();
         let mut image = None;
         for y in (0..area.height).step_by(ROWS as usize) {

@@ -111,7 +111,8 @@ impl RenderState {
     /// # Errors
     /// If there is not enough memory for it, returns [`Error::Resource`].
     pub fn layer(&self, layer: Layer) -> Result<Option<ImageLayer>> {
-        self.settings.stored_layers().develop(&Rows::all(&self.film), layer)
+        let image = self.image_with(&Layers::new([layer]))?;
+        Ok(image.layer(layer.name()).cloned())
     }
 
     /// Ends the render with the first `samples` samples of each pixel, which all pixels have.

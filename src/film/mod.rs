@@ -101,12 +101,6 @@ impl Film {
         self.samples.clone()
     }
 
-    /// For each pixel of the rows `rows` of the area, the number of its finished samples.
-    pub(crate) fn counts(&self, rows: Range<u32>) -> impl Iterator<Item = u32> {
-        let count = |&done: &u32| if done == ABSENT { 0 } else { done - self.samples.start };
-        self.done[self.of_rows(rows)].iter().map(count)
-    }
-
     /// The range of the pixels of the rows `rows` of the area.
     fn of_rows(&self, rows: Range<u32>) -> Range<usize> {
         let width = self.area.width as usize;
@@ -197,29 +191,34 @@ impl Film {
     /// # Errors
     /// [`Error::Resource`] if memory runs out.
     pub fn means(&self) -> Result<Plane> {
-        let rows = 0..self.area.height;
-        let sums = self.totals(0, rows.clone())?.into_iter().zip(self.counts(rows));
-        Ok(sums.map(|(sum, count)| mean(sum, count as f32)).collect())
+        let mut means = plane(self.area, [0.0; 3], 1)?;
+        let width = self.area.width as usize;
+        for (row, means) in (0..).zip(means.chunks_exact_mut(width)) {
+            let mut means = means.iter_mut();
+            self.totals(row, |sums, count| {
+                let sum = [sums[0], sums[1], sums[2]];
+                *means.next().expect("a row has as many pixels") = mean(sum, count as f32);
+            });
+        }
+        Ok(means)
     }
 
-    /// The sums of all finished samples of each pixel of the rows `rows`, for three channels from number `first`
-    /// on. Channels beyond the last count as 0.
-    ///
-    /// # Errors
-    /// [`Error::Resource`] if memory runs out.
-    pub(crate) fn totals(&self, first: usize, rows: Range<u32>) -> Result<Plane> {
-        let pixels = self.of_rows(rows.clone());
-        let area = Tile { height: rows.end - rows.start, ..self.area };
-        let mut totals = plane(area, [0.0; 3], 1)?;
-        let channels = first..self.channels.min(first + 3);
-        let kept = self.kept(pixels.clone());
-        for (pixel, (total, (_, kept))) in pixels.zip(totals.iter_mut().zip(kept)) {
-            let place = self.of_pixels(pixel..pixel + 1).start;
-            for (total, channel) in total.iter_mut().zip(channels.clone()) {
-                *total = sum::total(self.sums[..kept].iter().map(|sums| sums[place + channel]));
+    /// Calls `take` for each pixel of row number `row` of the area with the sum of all its finished samples, channel by
+    /// channel, and their number.
+    pub(crate) fn totals(&self, row: u32, mut take: impl FnMut(&[f32], u32)) {
+        let pixels = self.of_rows(row..row + 1);
+        let mut totals = vec![0.0; self.channels];
+        for (pixel, (end, kept)) in pixels.clone().zip(self.kept(pixels)) {
+            let place = self.of_pixels(pixel..pixel + 1);
+            let (sums, count) = (&self.sums[..kept], end - self.samples.start);
+            if let [sums] = sums {
+                // As in frames in real time, which have one sample.
+                take(&sums[place], count);
+            } else {
+                sum::total(sums.iter().map(|sums| &sums[place.clone()]), &mut totals);
+                take(&totals, count);
             }
         }
-        Ok(totals)
     }
 
     /// For each of `pixels`, one past its last finished sample, and the number of sums kept for it.
@@ -311,7 +310,10 @@ pub(crate) fn mean(sum: [f32; 3], count: f32) -> [f32; 3] {
 }
 
 /// Allocates `numbers` times `value` for each pixel of `area`.
-fn plane<T: Clone>(area: Tile, value: T, numbers: usize) -> Result<Vec<T>> {
+///
+/// # Errors
+/// [`Error::Resource`] if memory runs out.
+pub(crate) fn plane<T: Clone>(area: Tile, value: T, numbers: usize) -> Result<Vec<T>> {
     let (mut plane, length) = (Vec::new(), area.pixels() as usize * numbers);
     plane.try_reserve_exact(length).map_err(|_| {
         let Tile { width, height, .. } = area;

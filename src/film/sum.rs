@@ -48,9 +48,18 @@ pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> u
     siblings
 }
 
-/// Sum of all samples, computed from the sums kept for them.
-pub(super) fn total(sums: impl DoubleEndedIterator<Item = f32>) -> f32 {
-    sums.rev().reduce(|right, left| left + right).unwrap_or(0.0)
+/// Sums of all samples, computed channel by channel from the sums kept for them: 0 if there are none.
+pub(super) fn total<'a>(sums: impl DoubleEndedIterator<Item = &'a [f32]>, totals: &mut [f32]) {
+    let mut sums = sums.rev();
+    match sums.next() {
+        None => totals.fill(0.0),
+        Some(last) => totals.copy_from_slice(last),
+    }
+    for left in sums {
+        for (total, left) in totals.iter_mut().zip(left) {
+            *total += left;
+        }
+    }
 }
 
 #[cfg(test)]
