@@ -122,6 +122,8 @@ mod input;
 mod interrupt;
 mod isa;
 mod limits;
+#[cfg(feature = "cli")]
+mod live;
 mod math;
 #[cfg(feature = "cli")]
 mod measure;

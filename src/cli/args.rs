@@ -14,6 +14,7 @@ use super::rays::RaysArgs;
 use super::render::args::RenderArgs;
 use super::scenes::ScenesArgs;
 use super::trace::TraceArgs;
+use super::view::ViewArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,6 +38,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Render a scene to an image file
     Render(Box<RenderArgs>),
+    /// Show a scene in real time, on a page in the browser
+    View(Box<ViewArgs>),
     /// Join the parts of a render, or write the picture of its finished samples
     Merge(MergeArgs),
     /// Remove the noise of an image

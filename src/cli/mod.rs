@@ -24,6 +24,7 @@ mod render;
 mod scenes;
 mod trace;
 mod usage;
+mod view;
 
 use std::env;
 use std::ffi::OsString;
@@ -66,6 +67,7 @@ fn dispatch(command: &Command) -> Result<u8> {
         Command::Bench(args) => bench::run(args),
         Command::Converge(args) => converge::run(args).map(|()| 0),
         Command::Dashboard(args) => dashboard::run(args).map(|()| 0),
+        Command::View(args) => view::run(args).map(|()| 0),
     }
 }
 

@@ -67,12 +67,18 @@ pub(crate) fn run(args: &PathArgs) -> Result<()> {
     for ray in &rays {
         say(format_args!("{}", describe(&scene, ray)))?;
     }
-    let [r, g, b] = radiance.to_array();
-    let odd = if radiance.is_finite() { "" } else { ", not finite: it counts as black" };
-    say(format_args!("radiance ({r}, {g}, {b}){odd}"))
+    say(format_args!("{}", arriving(radiance)))
 }
 
-fn describe(scene: &Scene, traced: &TracedRay) -> String {
+/// A line about the radiance of a path.
+pub(super) fn arriving(radiance: Vec3) -> String {
+    let [r, g, b] = radiance.to_array();
+    let odd = if radiance.is_finite() { "" } else { ", not finite: it counts as black" };
+    format!("radiance ({r}, {g}, {b}){odd}")
+}
+
+/// A line about a ray.
+pub(super) fn describe(scene: &Scene, traced: &TracedRay) -> String {
     let TracedRay { kind, segment, ray, t_max, hit, collision } = traced;
     let (o, d) = (in_file(scene, ray.origin), ray.direction);
     let hits = match (kind, collision, hit) {

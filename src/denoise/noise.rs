@@ -10,6 +10,15 @@ use crate::image::Image;
 const BLUR: f64 = 2.0;
 
 impl Image {
+    /// An estimate of the relative error of the image, from the layers `color_even` and `color_odd`. `None` if it lacks
+    /// them, or is black.
+    pub(crate) fn noise(&self) -> Option<f64> {
+        let [even, odd] = ["color_even", "color_odd"].map(|name| self.layer(name));
+        let halves = even?.values().iter().zip(odd?.values());
+        let halves: Vec<_> = halves.map(|(even, odd)| [*even, *odd]).collect();
+        Some(relative_error(&halves)? / BLUR.sqrt())
+    }
+
     /// An estimate of the relative error that [`denoised`](Self::denoised) would leave, by the same definition as that
     /// of [`Session::noise`](crate::Session::noise). `None` if the image lacks the layers `color_even` and
     /// `color_odd`, or is black.

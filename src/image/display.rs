@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use rayon::prelude::*;
+
 use super::{Format, Metadata, ToneMap, Transfer};
 use crate::math::precise::exp2;
 use crate::math::{clamp, max, min};
@@ -92,6 +94,21 @@ impl From<Transfer> for Display {
 }
 
 impl Display {
+    /// The codes of `pixels`, four for each, of which the last is 255. Threads of the current pool share the work.
+    pub(crate) fn rgba(&self, pixels: &[[f32; 3]]) -> Vec<u8> {
+        // The same for all parts.
+        let display = Self { exposure: Exposure::Stops(self.exposure.stops(pixels)), ..*self };
+        let mut codes = vec![255; 4 * pixels.len()];
+        let parts = pixels.par_chunks(1 << 12).zip(codes.par_chunks_mut(4 << 12));
+        parts.for_each(|(pixels, codes)| {
+            for (pixel, code) in display.mapped(pixels).zip(codes.as_chunks_mut::<4>().0) {
+                let [red, green, blue] = pixel.map(|value| self.transfer.encode(value));
+                *code = [red, green, blue, 255];
+            }
+        });
+        codes
+    }
+
     /// The codes of `pixels`, three for each.
     pub(super) fn encode(&self, pixels: &[[f32; 3]]) -> Vec<u8> {
         self.mapped(pixels).flatten().map(|value| self.transfer.encode(value)).collect()

@@ -359,7 +359,7 @@ fn wrong_usage() {
         &[],
         2,
         &[
-            "a command is missing: render, merge, denoise, scenes, figures, compare, rays, path, trace, bench, converge, dashboard",
+            "a command is missing: render, view, merge, denoise, scenes, figures, compare, rays, path, trace, bench, converge, dashboard",
         ],
     );
 }

@@ -10,6 +10,7 @@ mod corpus;
 mod dashboard;
 mod denoise;
 mod faults;
+mod frames;
 mod hostile;
 mod images;
 mod import;
@@ -21,3 +22,4 @@ mod mtl;
 #[cfg(target_os = "linux")]
 mod oidn;
 mod references;
+mod view;

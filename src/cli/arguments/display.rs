@@ -5,7 +5,7 @@ use clap::Args;
 use super::{IMAGE, named};
 use crate::image::{Display, Exposure, MAX_STOPS, ToneMap, Transfer};
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct DisplayArgs {
     /// Transfer curve of 8-bit files
     #[arg(long, value_name = "GAMMA", help_heading = IMAGE, default_value = Transfer::Srgb.name(), value_parser = named(&Transfer::ALL, Transfer::name))]

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 const HEADING: &str = "Limits";
 
 /// Limits for any input.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 // Each argument has its own `help_heading`, because `next_help_heading` would also apply to the
 // arguments after these.
 pub(crate) struct LimitArgs {
@@ -27,7 +27,7 @@ pub(crate) struct LimitArgs {
 }
 
 /// Limits for scenes.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SceneLimitArgs {
     #[command(flatten)]
     limits: LimitArgs,

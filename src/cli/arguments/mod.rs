@@ -8,7 +8,7 @@ pub(super) mod named;
 pub(super) mod sample;
 pub(super) mod scene;
 
-use camera::CameraArgs;
+pub(super) use camera::CameraArgs;
 pub(super) use denoise::DenoiseArgs;
 pub(super) use display::DisplayArgs;
 pub(super) use limits::{LimitArgs, SceneLimitArgs};

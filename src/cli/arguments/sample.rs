@@ -10,7 +10,7 @@ use crate::sampler::Sampler;
 use crate::scene::{Roulette, Sampling, Scene};
 
 /// The arguments that decide the value of each sample.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SampleArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,

@@ -12,7 +12,7 @@ use crate::measure::settings::quoted;
 const IMPORT: &str = "Scenes of other programs";
 
 /// A scene, with or without `--scene` before it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SceneArg {
     /// Built-in scene (spheres, spacetime, checker, cornell, garden, cloud:N, mesh:N, forest:N), a scene file (.ron,
     /// .json, .gltf, .glb, .pbrt), a mesh (.obj, .ply), or - for a scene on standard input. --scene SCENE is the same
@@ -86,6 +86,16 @@ impl SceneArg {
     /// The scene as the user named it.
     pub(crate) fn name(&self) -> &str {
         self.positional.as_deref().or(self.scene.as_deref()).expect("clap requires one")
+    }
+
+    /// Whether the scene is posed by an animation.
+    pub(crate) fn is_animated(&self) -> bool {
+        self.animation.is_some()
+    }
+
+    /// Poses the scene at another time of its animation, in seconds.
+    pub(crate) fn pose_at(&mut self, time: f64) {
+        self.at = time;
     }
 
     /// The environment map that replaces the background, and by how many degrees it is turned.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::checkpoint_args::CheckpointArgs;
+use super::frame_args::FrameArgs;
 use super::goal_args::GoalArgs;
 use super::part_args::PartArgs;
 use crate::accel::TreeQuality;
@@ -16,7 +17,7 @@ use crate::limits::{MAX_SPP, MAX_THREADS, MAX_WAVE};
 const SPEED: &str = "Speed";
 const REPORTS: &str = "Reports";
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) sample: SampleArgs,
@@ -51,6 +52,8 @@ pub(crate) struct RenderArgs {
     /// Do nothing if the output file is complete and has the same scene, settings and seed
     #[arg(long, help_heading = IMAGE)]
     pub(crate) skip_complete: bool,
+    #[command(flatten)]
+    pub(crate) frame: FrameArgs,
     #[command(flatten)]
     pub(crate) part: PartArgs,
     #[command(flatten)]

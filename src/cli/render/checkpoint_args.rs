@@ -8,7 +8,7 @@ use jiff::SignedDuration;
 
 use super::part_args::HEADING;
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct CheckpointArgs {
     /// Checkpoint file, a .film. If it exists and belongs to this render, the render continues from it, also
     /// with more samples than before; if it belongs to another render, ptfast stops with an error. The file is

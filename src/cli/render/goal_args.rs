@@ -16,7 +16,7 @@ const MOST: u32 = 65_536;
 /// What these arguments cannot be combined with.
 const OTHERS: [&str; 4] = ["spp", "shard", "sample_range", "skip_complete"];
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct GoalArgs {
     /// Take this time, such as 10s or 1h30m, from the start of the program to the finished file. All pixels get
     /// the same number of samples, at least one, and --spp with this number renders the same image

@@ -12,7 +12,7 @@ use crate::checkpoint::Part;
 use crate::cli::console::notice;
 use crate::cli::files;
 use crate::cli::progress::{self, ProgressMode};
-use crate::engine::{ComputeSettings, Engine, FilmOf, ImageSettings};
+use crate::engine::{ComputeSettings, Engine, FilmOf, ImageSettings, PreparedScene};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 
@@ -21,6 +21,7 @@ pub(super) struct RenderJob<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) start: Instant,
     pub(super) scene: Scene,
+    pub(super) prepared: PreparedScene,
     /// Whether lamps may be in the units of Blender, although the options do not say so.
     pub(super) maybe_blender: bool,
     /// Seconds that loading the scene took.
@@ -32,10 +33,20 @@ pub(super) struct RenderJob<'a> {
     pub(super) goal: Option<Goal>,
 }
 
-impl<'a> RenderJob<'a> {
-    pub(super) fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
-        let goal = args.goal.goal(start)?;
-        // A wrong extension or a missing library is reported before a large scene is loaded.
+/// A scene that was read.
+#[derive(Clone)]
+pub(super) struct Loaded {
+    pub(super) scene: Scene,
+    pub(super) prepared: PreparedScene,
+    maybe_blender: bool,
+    seconds: f64,
+}
+
+impl Loaded {
+    /// Reads the scene of `args`.
+    pub(super) fn new(args: &RenderArgs) -> Result<Self> {
+        // What is wrong without the scene is reported before a large one is loaded.
+        args.goal.goal(Instant::now())?;
         args.output.clone().map(Target::of_path).transpose()?;
         args.denoise.check()?;
         let loading = Instant::now();
@@ -44,7 +55,21 @@ impl<'a> RenderJob<'a> {
             let parsed = args.limits.read_for(&args.sample.scene, args.sample.size())?;
             Ok::<_, Error>((parsed.resolve()?, parsed.maybe_blender))
         })?;
-        let load = loading.elapsed().as_secs_f64();
+        let seconds = loading.elapsed().as_secs_f64();
+        let prepared = PreparedScene::new(scene.clone());
+        Ok(Self { scene, prepared, maybe_blender, seconds })
+    }
+}
+
+impl<'a> RenderJob<'a> {
+    pub(super) fn new(args: &'a RenderArgs, start: Instant) -> Result<Self> {
+        Self::of(args, Loaded::new(args)?, start)
+    }
+
+    /// The render of a scene that was read.
+    pub(super) fn of(args: &'a RenderArgs, loaded: Loaded, start: Instant) -> Result<Self> {
+        let Loaded { scene, prepared, maybe_blender, seconds: load } = loaded;
+        let goal = args.goal.goal(start)?;
         let mut settings = args.image_settings(&scene)?;
         settings.spp = goal.map_or(settings.spp, |goal| goal.most);
         args.denoise.prepare(&mut settings)?;
@@ -66,7 +91,19 @@ impl<'a> RenderJob<'a> {
             args.tree.unwrap_or_else(|| TreeQuality::for_paths(paths, scene.geometry()));
         let output = Target::new(args.output.clone(), args.sample.scene.name(), &part)?;
         check_output(args, &output)?;
-        Ok(Self { args, start, scene, maybe_blender, load, settings, compute, part, output, goal })
+        Ok(Self {
+            args,
+            start,
+            scene,
+            prepared,
+            maybe_blender,
+            load,
+            settings,
+            compute,
+            part,
+            output,
+            goal,
+        })
     }
 
     /// Rejects output files that cannot be written, are the same, or would overwrite input files.

@@ -4,6 +4,8 @@ pub(super) mod args;
 mod checkpoint_args;
 mod checkpoint_file;
 mod checkpointing;
+mod frame_args;
+mod frames;
 mod goal;
 mod goal_args;
 mod job;
@@ -50,6 +52,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     interrupt::leave_at_once(true);
     interrupt::watch()?;
+    if let Some(frames) = args.frame.frames() {
+        return frames::run(args, frames);
+    }
     let mut job = RenderJob::new(args, start)?;
     if args.skip_complete && job.is_complete()? {
         return job.report_complete();
@@ -125,7 +130,7 @@ impl RenderJob<'_> {
         self.check_files(&file)?;
         let preparing = Instant::now();
         let what = "preparing the render";
-        let prepared = PreparedScene::new(self.scene.clone());
+        let prepared = self.prepared.clone();
         let hash = progress::waiting(what, self.args.mode(), || match file.exists() {
             // No tree is built for a checkpoint of another render.
             true => self.scene_hash(),

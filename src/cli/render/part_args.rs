@@ -14,7 +14,7 @@ use crate::film::{CHUNK, Tile};
 /// Heading in the help.
 pub(crate) const HEADING: &str = "Parts and long renders";
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct PartArgs {
     /// Render only these pixels: left, upper, right and lower edge, from the top left of the image
     #[arg(long, help_heading = HEADING, allow_hyphen_values = true, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
@@ -109,9 +109,22 @@ impl PartArgs {
         let area = Tile { x: left, y: upper, width: right - left, height: lower - upper };
         Ok(Part {
             identity: Identity::without_scene(settings, area),
-            shard: self.shard.map(ShardChoice::shard).transpose()?,
+            shard: self.shard()?,
             samples: first..end,
         })
+    }
+
+    /// The shard, if there are several.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the environment does not tell which one it is.
+    pub(crate) fn shard(&self) -> Result<Option<Shard>> {
+        self.shard.map(ShardChoice::shard).transpose()
+    }
+
+    /// Renders all of the image.
+    pub(crate) fn unshard(&mut self) {
+        self.shard = None;
     }
 }
 

@@ -190,6 +190,36 @@ impl CameraFrame {
         Ray { origin: self.origin, direction: self.forward, time: self.shutter_open }
     }
 
+    /// The middle of the lens.
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// The direction of the ray from the middle of the lens through the point `(x, y)` of the image, in pixels.
+    pub(crate) fn toward(&self, x: f32, y: f32) -> Vec3 {
+        self.ray_through::<f32, false>(x, y, Vec3::ZERO, 0.0).direction
+    }
+
+    /// Where the middle of the lens sees `point`, in pixels of the image, which may be outside it; `None` for points
+    /// that are not in front of it.
+    #[inline]
+    pub(crate) fn project(&self, point: Vec3) -> Option<(f32, f32)> {
+        let at = point - self.origin;
+        let in_plane = match self.parallel {
+            Some(_) => at,
+            None => {
+                let depth = dot(at, self.forward);
+                if !(depth > 0.0) {
+                    return None;
+                }
+                at * (dot(self.corner, self.forward) / depth)
+            }
+        };
+        let (right, down) = self.pixel_steps;
+        let along = |step: Vec3| dot(in_plane - self.corner, step) / dot(step, step);
+        Some((along(right), along(down)))
+    }
+
     /// Distance of a point from the camera along the direction of view.
     #[inline(always)]
     pub(crate) fn depth<R: Real>(&self, point: R::Vec3) -> R {
@@ -279,6 +309,19 @@ mod tests {
         let middle: Ray = frame.ray_through::<f32, false>(100.0, 50.0, Vec3::ZERO, 0.5);
         assert!((middle.direction - Vec3::NEG_Z).length_squared() < 1e-12);
         assert_eq!((middle.origin, middle.time), (Vec3::Z * 5.0, 0.5));
+    }
+
+    #[test]
+    fn points_are_seen_where_their_rays_begin() {
+        for projection in [Projection::Perspective(70.0), Projection::Parallel(3.0)] {
+            let frame = Camera { projection, ..camera() }.frame(64, 32);
+            for (x, y) in [(3.25, 30.5), (63.0, 0.5), (-9.0, 40.0)] {
+                let ray: Ray = frame.ray_through::<f32, false>(x, y, Vec3::ZERO, 0.0);
+                let seen = frame.project(ray.origin + ray.direction * 7.5).unwrap();
+                assert!((seen.0 - x).abs() + (seen.1 - y).abs() < 1e-3, "{seen:?} ({x}, {y})");
+            }
+        }
+        assert_eq!(camera().frame(64, 32).project(Vec3::Z * 6.0), None);
     }
 
     #[test]
