@@ -140,9 +140,9 @@ impl History {
         let most = APART * distance;
         let (mut color, mut samples, mut weights) = (Vec3::ZERO, 0.0, 0.0);
         for (row, weight) in [(0, 1.0 - down), (1, down)] {
-            let Some(row) = self.row(top as i64 + row) else { continue };
+            let Some(row) = self.row((top as i64).saturating_add(row)) else { continue };
             for (column, along) in [(0, 1.0 - across), (1, across)] {
-                let column = usize::try_from(left as i64 + column);
+                let column = usize::try_from((left as i64).saturating_add(column));
                 let Some(there) = column.ok().and_then(|column| row.get(column)) else { continue };
                 let apart = dot(there.position - here.position, normal).abs();
                 let same = (there.covered > 0.0) == (here.covered > 0.0) && apart <= most;
@@ -164,7 +164,7 @@ impl History {
     /// A row of the last frame.
     fn row(&self, y: i64) -> Option<&[Pixel]> {
         let begin = usize::try_from(y).ok()?.checked_mul(self.width)?;
-        self.pixels.get(begin..begin + self.width)
+        self.pixels.get(begin..begin.checked_add(self.width)?)
     }
 }
 

@@ -188,13 +188,17 @@ impl View {
         self.restart();
     }
 
-    /// The same view of the scene of another session.
+    /// A view with the same looks of the scene of another session.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub(crate) fn of(&self, session: &Session) -> Result<Self> {
-        let mut view =
-            Self::new(session, self.settings.clone(), self.camera.clone(), self.display)?;
+    pub(crate) fn of(
+        &self,
+        session: &Session,
+        settings: ImageSettings,
+        camera: CameraFile,
+    ) -> Result<Self> {
+        let mut view = Self::new(session, settings, camera, self.display)?;
         view.layer = self.layer;
         Ok(view)
     }

@@ -16,7 +16,7 @@ pub(crate) struct FrameArgs {
     #[arg(long, value_name = "N", help_heading = HEADING, default_value_t = 24.0, requires = "frames", value_parser = rate)]
     pub(super) fps: f64,
     /// Turn the camera by this angle about the point that it looks at, over all frames, to the right
-    #[arg(long, value_name = "DEGREES", help_heading = HEADING, requires = "frames", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", help_heading = HEADING, requires = "frames", allow_hyphen_values = true, value_parser = angle)]
     pub(super) orbit: Option<f64>,
 }
 
@@ -30,6 +30,11 @@ fn frames(text: &str) -> Result<Range<u32>, String> {
 fn rate(text: &str) -> Result<f64, String> {
     let rate = text.parse().ok().filter(|rate: &f64| *rate > 0.0 && rate.is_finite());
     rate.ok_or_else(|| "must be a number above 0".to_owned())
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let angle = text.parse().ok().filter(|angle: &f64| angle.is_finite());
+    angle.ok_or_else(|| "must be a number".to_owned())
 }
 
 impl FrameArgs {
@@ -50,5 +55,6 @@ mod tests {
             assert!(frames(wrong).is_err(), "{wrong}");
         }
         assert!(rate("0").is_err() && rate("inf").is_err() && rate("29.97").is_ok());
+        assert!(angle("nan").is_err() && angle("-90").is_ok());
     }
 }

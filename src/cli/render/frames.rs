@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::job::{Loaded, RenderJob};
-use super::target::stem;
+use super::target::{Target, stem};
 use crate::cli::console::{self, complain, say};
 use crate::error::{Error, Result};
 use crate::image::Format;
@@ -26,11 +26,11 @@ pub(super) fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
     }
     let shard = args.part.shard()?;
     let mine = |frame: &u32| shard.is_none_or(|shard| frame % shard.count == shard.index);
-    let mine: Vec<u32> = frames.clone().filter(mine).collect();
+    let mine = || frames.clone().filter(mine);
     // While only the camera moves, all frames have the same trees.
     let mut still: Option<Loaded> = None;
     let mut failed = Vec::new();
-    for &number in &mine {
+    for number in mine() {
         let start = Instant::now();
         interrupt::leave_at_once(true);
         let framed = frame(args, number)?;
@@ -66,7 +66,7 @@ pub(super) fn run(args: &RenderArgs, frames: Range<u32>) -> Result<()> {
         false => Err(Error::Resource(format!(
             "{} of {} frames failed, which the same command renders again: {failed:?}",
             failed.len(),
-            mine.len()
+            mine().count()
         ))),
     }
 }
@@ -95,7 +95,11 @@ fn frame(args: &RenderArgs, number: u32) -> Result<RenderArgs> {
         let message = "--frames: standard output gets one picture, use -o FILE";
         return Err(Error::Usage(message.to_owned()));
     }
-    framed.skip_complete = Format::of_path(&output).is_ok_and(|format| format.has_metadata());
+    let is_kept = match Target::of_path(output.clone())? {
+        Target::Film(_) => true,
+        _ => Format::of_path(&output)?.has_metadata(),
+    };
+    framed.skip_complete |= is_kept;
     framed.output = Some(numbered(&output, number));
     for report in [&mut framed.json, &mut framed.trace].into_iter().flatten() {
         *report = numbered(report, number);
@@ -108,8 +112,12 @@ fn frame(args: &RenderArgs, number: u32) -> Result<RenderArgs> {
 
 /// `path` with a number before its extension.
 fn numbered(path: &Path, number: u32) -> PathBuf {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_extension(format!("{number:0DIGITS$}.{extension}"))
+    match path.extension() {
+        Some(extension) => {
+            path.with_extension(format!("{number:0DIGITS$}.{}", extension.to_string_lossy()))
+        }
+        None => path.with_extension(format!("{number:0DIGITS$}")),
+    }
 }
 
 #[cfg(test)]
@@ -119,6 +127,7 @@ mod tests {
     #[test]
     fn frames_have_numbers_of_equal_length() {
         assert_eq!(numbered(Path::new("b/a.x.exr"), 7), Path::new("b/a.x.0007.exr"));
+        assert_eq!(numbered(Path::new("record"), 7), Path::new("record.0007"));
         assert_eq!(numbered(Path::new("a.png"), 12345), Path::new("a.12345.png"));
     }
 }

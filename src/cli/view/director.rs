@@ -54,20 +54,25 @@ impl<'a> Director<'a> {
         session: Session,
         settings: ImageSettings,
         hub: Arc<Hub>,
+        watch: Watch,
     ) -> Self {
-        let watch = Watch::new(args.sample.scene.name(), session.renderer().prepared().scene());
         Self { args, session, settings, hub, watch, seats: Vec::new() }
     }
 
     /// Renders until a signal arrives.
-    ///
-    /// # Errors
-    /// If a page's view cannot be prepared.
-    pub(super) fn run(&mut self) -> Result<()> {
+    pub(super) fn run(&mut self) {
         while interrupt::signal().is_none() {
             for client in self.hub.take_joined() {
-                let seat = self.seat(client)?;
-                self.seats.push(seat);
+                match self.seat(Arc::clone(&client)) {
+                    Ok(seat) => self.seats.push(seat),
+                    // Other pages go on.
+                    Err(error) => {
+                        let error = Some(error.to_string());
+                        client
+                            .send(About { error: error.as_deref(), ..About::default() }.with(&[]));
+                        client.end();
+                    }
+                }
             }
             self.seats.retain(|seat| !seat.client.is_over());
             if let Some(reloaded) = self.watch.reloaded(self.args) {
@@ -76,8 +81,10 @@ impl<'a> Director<'a> {
             let mut works = false;
             for seat in &mut self.seats {
                 let asked = seat.client.take_asked();
+                let first = &self.args.sample.camera;
                 for ask in asked {
-                    seat.error = seat.take(ask, &self.session).err().map(|error| error.to_string());
+                    let taken = seat.take(ask, &self.session, first);
+                    seat.error = taken.err().map(|error| error.to_string());
                 }
                 works |= seat.turn(self.args);
             }
@@ -92,19 +99,17 @@ impl<'a> Director<'a> {
         {
             thread::sleep(Duration::from_millis(5));
         }
-        Ok(())
     }
 
     /// Shows a scene that was read again, by the cameras as they are. A broken one is reported, and the last good one stays.
     fn reload(&mut self, reloaded: Reloaded) {
-        let changed = reloaded.and_then(|(session, settings)| {
-            for seat in &mut self.seats {
-                seat.view = seat.view.of(&session)?;
-                seat.error = None;
+        let changed = reloaded.and_then(|(session, settings, watch)| {
+            let views = self.seats.iter().map(|seat| self.again(seat, &session, &settings));
+            let views: Vec<_> = views.collect::<Result<_>>()?;
+            for (seat, (view, camera)) in self.seats.iter_mut().zip(views) {
+                (seat.view, seat.camera, seat.error, seat.path) = (view, camera, None, None);
             }
-            let scene = session.renderer().prepared().scene();
-            self.watch = Watch::new(self.args.sample.scene.name(), scene);
-            (self.session, self.settings) = (session, settings);
+            (self.session, self.settings, self.watch) = (session, settings, watch);
             Ok(())
         });
         if let Err(error) = changed {
@@ -113,6 +118,48 @@ impl<'a> Director<'a> {
                 seat.client.send(seat.message(None, self.args));
             }
         }
+    }
+
+    /// The view of a seat in the scene of another session: what the page has changed stays, and the rest is new. Also
+    /// returns the arguments of its camera.
+    fn again(
+        &self,
+        seat: &Seat,
+        session: &Session,
+        settings: &ImageSettings,
+    ) -> Result<(View, CameraArgs)> {
+        let (before, scene) = (seat.view.scene(), session.renderer().prepared().scene());
+        let (camera, file) = match seat.camera.file(scene) {
+            Ok(file) => (seat.camera.clone(), file),
+            // Its camera is gone.
+            Err(_) => {
+                let first = self.args.sample.camera.clone();
+                let file = first.file(scene)?;
+                (first, file)
+            }
+        };
+        let moved = seat.view.camera();
+        let is_moved = seat.camera.file(before).is_ok_and(|file| file != *moved);
+        let file = match is_moved {
+            false => file,
+            // These cannot be changed on the page.
+            true => CameraFile {
+                filter: file.filter,
+                shutter: file.shutter,
+                mirrored: file.mirrored,
+                parallel: file.parallel,
+                ..moved.clone()
+            },
+        };
+        let own = seat.view.settings();
+        let kept = |own: u32, before: u32, now: u32| if own == before { now } else { own };
+        let settings = ImageSettings {
+            width: kept(own.width, self.settings.width, settings.width),
+            height: kept(own.height, self.settings.height, settings.height),
+            spp: kept(own.spp, self.settings.spp, settings.spp),
+            ..settings.clone()
+        };
+        Ok((seat.view.of(session, settings, file)?, camera))
     }
 
     fn seat(&self, client: Arc<Client>) -> Result<Seat> {
@@ -172,8 +219,8 @@ impl Seat {
         About { width, height, samples, traced, rays, seconds, ..about }.with(codes)
     }
 
-    /// Does what the page asks for.
-    fn take(&mut self, ask: Ask, session: &Session) -> Result<()> {
+    /// Does what the page asks for. `first` are the arguments of the camera that the program began with.
+    fn take(&mut self, ask: Ask, session: &Session, first: &CameraArgs) -> Result<()> {
         let scene = session.renderer().prepared().scene();
         let file = self.view.camera().clone();
         let usage = |message: String| Err(Error::Usage(message));
@@ -182,7 +229,7 @@ impl Seat {
             Ask::Move(by) => by.apply(&file)?,
             Ask::Camera(name) => {
                 let camera = match name.is_empty() {
-                    true => self.camera.clone(),
+                    true => first.clone(),
                     false => CameraArgs::named(&name),
                 };
                 let file = camera.file(scene)?;

@@ -28,11 +28,7 @@ impl Guard {
     /// The page's address with its token.
     pub(super) fn address(&self, server: &TcpListener) -> Result<String> {
         let address = server.local_addr().map_err(Error::io("the page".as_ref(), "serve"))?;
-        let host = match address.ip() {
-            ip if ip.is_loopback() && ip.is_ipv4() => format!("localhost:{}", address.port()),
-            _ => address.to_string(),
-        };
-        Ok(format!("http://{host}/?token={}", self.token))
+        Ok(format!("http://{address}/?token={}", self.token))
     }
 
     /// The status of the answer to a request that is refused.

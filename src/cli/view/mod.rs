@@ -14,12 +14,14 @@ mod watch;
 use std::net::{IpAddr, Ipv4Addr};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use clap::Args;
 
 use self::director::Director;
 use self::guard::Guard;
 use self::hub::Hub;
+use self::watch::Watch;
 use super::arguments::display::DisplayArgs;
 use super::arguments::{SampleArgs, SceneLimitArgs};
 use super::console::{advise_on_build, say};
@@ -97,8 +99,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let guard = Guard::new(args.listen)?;
     let server = server::bind(args.listen, args.port)?;
     let address = guard.address(&server)?;
+    let began = SystemTime::now();
     let scene = args.load()?;
     let settings = args.settings(&scene)?;
+    let watch = Watch::new(args.sample.scene.name(), &scene, began);
     advise_on_build(Isa::Avx2);
     let hub = Arc::new(Hub::default());
     server::serve(server, guard, Arc::clone(&hub))
@@ -109,7 +113,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     }
     let session = Session::new(scene, View::first(&settings), args.compute())?;
     interrupt::leave_at_once(false);
-    Director::new(args, session, settings, hub).run()
+    Director::new(args, session, settings, hub, watch).run();
+    Ok(())
 }
 
 /// Opens the page in the browser that the system prefers.

@@ -75,16 +75,25 @@ pub(super) fn serve(server: TcpListener, guard: Guard, hub: Arc<Hub>) -> std::io
                 continue;
             }
             let (guard, hub, counted) = (guard.clone(), Arc::clone(&hub), Arc::clone(&open));
+            let counted = Counted(counted);
             let work = move || {
-                let _ = connection(stream, &guard, &hub);
-                counted.fetch_sub(1, Ordering::Relaxed);
+                let _counted = counted;
+                connection(stream, &guard, &hub)
             };
-            if thread::Builder::new().name("connection".to_owned()).spawn(work).is_err() {
-                open.fetch_sub(1, Ordering::Relaxed);
-            }
+            // Without a thread, the stream is closed.
+            let _ = thread::Builder::new().name("connection".to_owned()).spawn(work);
         }
     };
     thread::Builder::new().name("server".to_owned()).spawn(answer).map(drop)
+}
+
+/// A connection that counts until it is dropped.
+struct Counted(Arc<AtomicUsize>);
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 fn connection(mut stream: TcpStream, guard: &Guard, hub: &Hub) -> std::io::Result<()> {

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 const EVERY: Duration = Duration::from_millis(300);
 
 /// A scene that was read again.
-pub(super) type Reloaded = Result<(Session, ImageSettings)>;
+pub(super) type Reloaded = Result<(Session, ImageSettings, Watch)>;
 
 /// The files of a scene.
 #[derive(Debug)]
@@ -30,10 +30,13 @@ fn time(file: &Path) -> Option<SystemTime> {
 }
 
 impl Watch {
-    /// Watches the files of `scene`, which was read from the file `name`, if it is one.
-    pub(super) fn new(name: &str, scene: &Scene) -> Self {
+    /// Watches the files of `scene`, which was read from the file `name`, if it is one, after the time `began`.
+    pub(super) fn new(name: &str, scene: &Scene, began: SystemTime) -> Self {
         let files = [Path::new(name)].into_iter().chain(scene.files());
-        let files = files.map(|file| (file.to_owned(), time(file))).collect();
+        // What has changed since then may not be what was read. Times in the future come from other clocks.
+        let now = SystemTime::now();
+        let known = |file: &Path| time(file).filter(|time| *time <= began || *time > now);
+        let files = files.map(|file| (file.to_owned(), known(file))).collect();
         Self { files, looked: Instant::now(), reads: None }
     }
 
@@ -63,8 +66,10 @@ impl Watch {
 
 /// Reads the scene, and prepares it.
 fn read(args: &ViewArgs) -> Reloaded {
+    let began = SystemTime::now();
     let scene = args.load()?;
     let settings = args.settings(&scene)?;
+    let watch = Watch::new(args.sample.scene.name(), &scene, began);
     let session = Session::new(scene, View::first(&settings), args.compute())?;
-    Ok((session, settings))
+    Ok((session, settings, watch))
 }
