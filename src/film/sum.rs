@@ -48,7 +48,7 @@ pub(super) fn left_siblings(begin: u32, (mut level, mut first): (u32, u32)) -> u
     siblings
 }
 
-/// Sums of all samples, computed channel by channel from the sums kept for them: 0 if there are none.
+/// Writes the sum of all samples of each channel to `totals`. `sums` are those kept for a pixel, one row of channels each.
 pub(super) fn total<'a>(sums: impl DoubleEndedIterator<Item = &'a [f32]>, totals: &mut [f32]) {
     let mut sums = sums.rev();
     match sums.next() {

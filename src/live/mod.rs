@@ -1,6 +1,7 @@
 //! Real time: what a camera sees while somebody moves it, and what it sees more and more clearly at rest.
 
 mod camera;
+mod fade;
 mod history;
 mod memory;
 mod pace;

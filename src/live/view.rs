@@ -1,10 +1,9 @@
 //! A view: a camera that somebody moves, and the pictures that it sees.
 
+use std::mem;
 use std::time::{Duration, Instant};
-use std::{array, mem};
 
-use rayon::prelude::*;
-
+use super::fade::Fade;
 use super::history::{self, History};
 use super::pace::Pace;
 use super::paint::paint;
@@ -15,7 +14,7 @@ use crate::engine::{
 };
 use crate::error::{Error, Result};
 use crate::film::CHUNK;
-use crate::image::{Display, Image};
+use crate::image::Display;
 use crate::limits::MAX_SPP;
 use crate::scene::Scene;
 use crate::shading::{Camera, CameraFile};
@@ -84,8 +83,8 @@ pub(crate) struct View {
     seed: u64,
     /// When the next picture at rest is due.
     due: Instant,
-    /// For a number of samples, the errors of the noisy and of the denoised picture at rest.
-    errors: Option<(u32, (f64, f64))>,
+    /// How much of the denoiser's result the picture at rest has.
+    fade: Fade,
     /// Seconds that a sample of each pixel takes.
     per_sample: Option<f64>,
     /// The hash of the picture at rest, once it has the wanted samples.
@@ -95,11 +94,6 @@ pub(crate) struct View {
     seconds: f64,
 }
 
-/// The layers of frames in motion.
-fn moving_layers() -> Layers {
-    Layers::new(history::LAYERS)
-}
-
 /// The layers of pictures at rest.
 const RESTING: [Layer; 5] =
     [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::ColorEven, Layer::ColorOdd];
@@ -107,7 +101,7 @@ const RESTING: [Layer; 5] =
 impl View {
     /// The settings of a frame in motion, for those of a picture at rest.
     pub(crate) fn first(settings: &ImageSettings) -> ImageSettings {
-        ImageSettings { spp: 1, layers: moving_layers(), ..settings.clone() }
+        ImageSettings { spp: 1, layers: Layers::new(history::LAYERS), ..settings.clone() }
     }
 
     /// A view of the scene of a session, on its threads. `settings` are those of the picture at rest, whose hash is
@@ -138,7 +132,7 @@ impl View {
             pace: Pace::new(RATE),
             state: State::Moving(Instant::now()),
             due: Instant::now(),
-            errors: None,
+            fade: Fade::default(),
             rays: 0,
             seconds: 0.0,
         })
@@ -152,6 +146,11 @@ impl View {
     /// The camera.
     pub(crate) fn camera(&self) -> &CameraFile {
         &self.camera
+    }
+
+    /// How pictures look.
+    pub(crate) fn display(&self) -> Display {
+        self.display
     }
 
     /// The settings of the picture at rest.
@@ -307,8 +306,8 @@ impl View {
         let settings = ImageSettings { camera, layers, ..self.settings.clone() };
         self.session.set(settings, self.compute(PlanChoice::Measured))?;
         self.plan = self.session.renderer().plan().cloned();
-        (self.state, self.errors, self.rays, self.seconds) = (State::Resting, None, 0, 0.0);
-        self.per_sample = None;
+        (self.state, self.rays, self.seconds) = (State::Resting, 0, 0.0);
+        (self.fade, self.per_sample) = (Fade::default(), None);
         self.due = Instant::now() + FIRST;
         Ok(())
     }
@@ -350,7 +349,11 @@ impl View {
         let ImageSettings { width, height, .. } = *self.session.renderer().image_settings();
         let codes = match self.layer {
             Some(layer) => self.painted(layer)?,
-            None => self.shown(self.session.snapshot()?, samples)?,
+            None => {
+                let (image, display) = (self.session.snapshot()?, &self.display);
+                let fade = &mut self.fade;
+                self.session.renderer().install(|| fade.shown(image, samples, display))?
+            }
         };
         let traced = self.session.progress().rays;
         let rays = traced - mem::replace(&mut self.rays, traced);
@@ -364,34 +367,6 @@ impl View {
     fn painted(&self, layer: Layer) -> Result<Vec<u8>> {
         let image = self.session.snapshot_of(&Layers::new([layer]))?;
         Ok(self.session.renderer().install(|| paint(&image, layer, &self.display)))
-    }
-
-    /// The codes of a picture at rest. The denoiser fades as the noise becomes less than what it spoils.
-    fn shown(&mut self, image: Image, samples: u32) -> Result<Vec<u8>> {
-        let (errors, display) = (&mut self.errors, &self.display);
-        self.session.renderer().install(|| {
-            if errors.is_none_or(|(known, _)| samples >= 2 * known) {
-                let errors_now = image.noise().zip(image.denoised_noise(Denoise::Fast)?);
-                *errors = errors_now.map(|now| (samples, now));
-            }
-            let share = match *errors {
-                None => 1.0,
-                Some((known, (noise, denoised))) => {
-                    // The squared error of noise falls with the samples.
-                    let noise = noise * noise * f64::from(known) / f64::from(samples);
-                    noise / (noise + denoised * denoised).max(f64::MIN_POSITIVE)
-                }
-            } as f32;
-            let noisy = image.pixels().to_vec();
-            let image = image.denoised(Denoise::Fast)?;
-            let pairs = image.pixels().par_iter().zip(&noisy);
-            let pixels: Vec<[f32; 3]> = pairs
-                .map(|(denoised, noisy)| {
-                    array::from_fn(|c| noisy[c] + (denoised[c] - noisy[c]) * share)
-                })
-                .collect();
-            Ok(display.rgba(&pixels))
-        })
     }
 }
 

@@ -13,7 +13,7 @@ use crate::image::Format;
 use crate::interrupt;
 use crate::live::Move;
 
-/// Most digits that numbers of frames have before files have longer names.
+/// Numbers of frames have at least so many digits.
 const DIGITS: usize = 4;
 
 /// Renders the frames `frames`. One that fails does not stop the others.

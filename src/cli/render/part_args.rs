@@ -117,7 +117,7 @@ impl PartArgs {
     /// The shard, if there are several.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the environment does not tell which one it is.
+    /// [`Error::Usage`] if `auto` is asked for, and the variables of the scheduler are missing.
     pub(crate) fn shard(&self) -> Result<Option<Shard>> {
         self.shard.map(ShardChoice::shard).transpose()
     }

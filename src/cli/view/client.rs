@@ -9,7 +9,7 @@ use super::message::Ask;
 
 /// Requests that may wait. A page that sends more waits, too.
 const WAITING: usize = 256;
-/// Pictures that may be on their way. A page tells which one it has shown.
+/// Most pictures that are sent and not shown yet. The page reports each picture that it has shown.
 const UNDERWAY: u32 = 2;
 
 /// A page.

@@ -1,6 +1,6 @@
 //! The director: gives each page its share of the cores.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -42,7 +42,6 @@ struct Seat {
     view: View,
     /// The arguments of the camera before it was moved.
     camera: CameraArgs,
-    display: Display,
     error: Option<String>,
     path: Option<Traced>,
 }
@@ -167,7 +166,7 @@ impl<'a> Director<'a> {
         let file = camera.file(self.session.renderer().prepared().scene())?;
         let display = self.args.display.display();
         let view = View::new(&self.session, self.settings.clone(), file, display)?;
-        Ok(Seat { client, view, camera, display, error: None, path: None })
+        Ok(Seat { client, view, camera, error: None, path: None })
     }
 }
 
@@ -184,7 +183,7 @@ impl Seat {
                 true
             }
             Err(error) => {
-                // Until the page asks for something else.
+                // It is tried again, but told once.
                 if self.error.replace(error.to_string()).is_none() {
                     client.send(self.message(None, args));
                 }
@@ -252,17 +251,16 @@ impl Seat {
                 return Ok(());
             }
             Ask::Exposure(stops) => {
-                self.display.exposure = Exposure::Stops(stops);
-                self.view.set_display(self.display);
+                let exposure = Exposure::Stops(stops);
+                self.view.set_display(Display { exposure, ..self.view.display() });
                 return Ok(());
             }
             Ask::Tonemap(name) => {
                 let map = ToneMap::ALL.into_iter().find(|map| map.name() == name);
-                let Some(map) = map else {
+                let Some(tone_map) = map else {
                     return usage(format!("unknown tone map `{name}`"));
                 };
-                self.display.tone_map = map;
-                self.view.set_display(self.display);
+                self.view.set_display(Display { tone_map, ..self.view.display() });
                 return Ok(());
             }
             Ask::Spp(spp) if (1..=MAX_SPP).contains(&spp) => {
@@ -300,8 +298,10 @@ impl Seat {
 
 /// The command that renders the picture of a page.
 fn command(args: &ViewArgs, camera: &CameraArgs, image: &ImageSettings) -> String {
-    let render = RenderArgs::augment_args(clap::Command::new("render"));
-    let has = |flag: &str| render.get_arguments().any(|known| known.get_long() == Some(flag));
+    // Each picture comes with its command.
+    static RENDER: LazyLock<clap::Command> =
+        LazyLock::new(|| RenderArgs::augment_args(clap::Command::new("render")));
+    let has = |flag: &str| RENDER.get_arguments().any(|known| known.get_long() == Some(flag));
     let flags = settings::flags(image, has);
     format!("ptfast render {}{} {flags}", args.sample.scene.words(), camera.words())
 }

@@ -53,7 +53,7 @@ impl Guard {
         }
     }
 
-    /// Compares all bytes, so that the time does not tell how many are right.
+    /// Always compares all bytes: the time of the answer must not show how many are right.
     fn is_token(&self, token: &str) -> bool {
         let pairs = token.bytes().zip(self.token.bytes());
         token.len() == self.token.len() && pairs.fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
